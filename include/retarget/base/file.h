@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "retarget/base/result.h"
+
+namespace retarget {
+
+/// The whole content of a regular file, a pipe or, for `-`, of standard input.
+///
+/// Folders, missing and unreadable files are errors of the given kind.
+[[nodiscard]] Result<std::string> read_file(const std::string& path,
+                                            ErrorKind kind = ErrorKind::kInput);
+
+/// Whether the folder that would hold `path` exists; a usage error naming it when it does not.
+[[nodiscard]] Result<void> check_output_folder(const std::string& path);
+
+/// A file that appears whole or not at all.
+///
+/// Bytes go to a temporary file in the same folder (without a name where the file system can do
+/// that, so that not even a killed process leaves one behind); `commit` flushes it to the disk and
+/// puts it in the place of `path` in one step. Destroyed without commit, nothing remains. `-`
+/// means standard output; it, pipes and devices get the bytes on commit as they come.
+class OutputFile {
+ public:
+  [[nodiscard]] static Result<OutputFile> create(const std::string& path);
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&& other) noexcept;
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  [[nodiscard]] Result<void> write(std::string_view bytes);
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  OutputFile() = default;
+  void discard();
+
+  std::string path_;       // as the user named it, for messages
+  std::string target_;     // with symbolic links followed
+  std::string temporary_;  // empty while the temporary file has no name
+  int descriptor_ = -1;
+  bool direct_ = false;  // standard output, a pipe or a device: no temporary file
+};
+
+/// Writes `bytes` as the whole content of `path`, or leaves no trace; see OutputFile.
+[[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
+
+}  // namespace retarget

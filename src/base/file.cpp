@@ -1,0 +1,200 @@
+#include "retarget/base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+std::string system_message(int error_number) {
+  return std::generic_category().message(error_number);
+}
+
+Failure read_failure(ErrorKind kind, const std::string& path, int error_number) {
+  Error error;
+  error.kind = kind;
+  error.file = path;
+  error.message = "cannot read the file: " + system_message(error_number);
+  return failure(std::move(error));
+}
+
+Failure write_failure(const std::string& path, int error_number) {
+  const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+  return run_failure(path, "cannot write the file: " + system_message(error_number),
+                     full ? "nothing was left behind; free some space or write elsewhere" : "");
+}
+
+// closes a descriptor that is only read from, whatever path leaves the function
+struct Reader {
+  int descriptor;
+  bool owned;
+  ~Reader() {
+    if (owned) ::close(descriptor);
+  }
+};
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path, ErrorKind kind) {
+  const bool standard_input = path == "-";
+  Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
+                !standard_input};
+  if (reader.descriptor < 0) return read_failure(kind, path, errno);
+  struct stat info {};
+  if (::fstat(reader.descriptor, &info) != 0) return read_failure(kind, path, errno);
+  if (S_ISDIR(info.st_mode)) return read_failure(kind, path, EISDIR);
+
+  // the size is a guess that saves copies; the file may be a pipe, or grow
+  std::string bytes;
+  std::size_t used = 0;
+  std::size_t room = S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
+  for (;;) {
+    if (used == bytes.size()) {
+      room = std::max(room, 2 * used);
+      bytes.resize(room);
+    }
+    const ssize_t count = ::read(reader.descriptor, bytes.data() + used, bytes.size() - used);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return read_failure(kind, path, errno);
+    if (count == 0) break;
+    used += static_cast<std::size_t>(count);
+  }
+  bytes.resize(used);
+  return bytes;
+}
+
+Result<void> check_output_folder(const std::string& path) {
+  if (path == "-") return {};
+  const std::string folder = folder_of(path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(folder, ignored)) return {};
+  return usage_failure(
+      "the folder \"" + folder + "\" of the output \"" + path + "\" does not exist",
+      "make it first: mkdir -p " + folder);
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path) {
+  OutputFile file;
+  file.path_ = path;
+  if (path == "-") {
+    file.descriptor_ = STDOUT_FILENO;
+    file.direct_ = true;
+    return file;
+  }
+  if (auto folder = check_output_folder(path); !folder) return failure(folder.error());
+  // a link is kept and the file that it names is replaced
+  std::error_code no_such_file;
+  const auto resolved = std::filesystem::weakly_canonical(path, no_such_file);
+  file.target_ = no_such_file ? path : resolved.string();
+
+  struct stat info {};
+  if (::stat(file.target_.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) {
+      return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
+    }
+    file.direct_ = !S_ISREG(info.st_mode);
+  }
+  if (file.direct_) {
+    file.descriptor_ = ::open(file.target_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file.descriptor_ < 0) return write_failure(path, errno);
+    return file;
+  }
+
+#ifdef O_TMPFILE
+  file.descriptor_ =
+      ::open(folder_of(file.target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+#endif
+  if (file.descriptor_ < 0) {
+    file.temporary_ = file.target_ + "." + std::to_string(::getpid()) + ".tmp";
+    file.descriptor_ =
+        ::open(file.temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file.descriptor_ < 0) {
+      const int error_number = errno;
+      file.temporary_.clear();
+      return write_failure(path, error_number);
+    }
+  }
+  return file;
+}
+
+OutputFile::~OutputFile() {
+  discard();
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept {
+  *this = std::move(other);
+}
+
+OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
+  if (this == &other) return *this;
+  discard();
+  path_ = std::move(other.path_);
+  target_ = std::move(other.target_);
+  temporary_ = std::exchange(other.temporary_, {});
+  descriptor_ = std::exchange(other.descriptor_, -1);
+  direct_ = other.direct_;
+  return *this;
+}
+
+void OutputFile::discard() {
+  if (descriptor_ >= 0 && path_ != "-") ::close(descriptor_);
+  descriptor_ = -1;
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  temporary_.clear();
+}
+
+Result<void> OutputFile::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return write_failure(path_, errno);
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return {};
+}
+
+Result<void> OutputFile::commit() {
+  if (direct_) {
+    discard();
+    return {};
+  }
+  if (::fsync(descriptor_) != 0) return write_failure(path_, errno);
+  if (temporary_.empty()) {
+    // give the nameless file a name beside the target; only a rename replaces in one step
+    const std::string name = target_ + "." + std::to_string(::getpid()) + ".tmp";
+    const std::string handle = "/proc/self/fd/" + std::to_string(descriptor_);
+    ::unlink(name.c_str());
+    if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) {
+      return write_failure(path_, errno);
+    }
+    temporary_ = name;
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) return write_failure(path_, errno);
+  temporary_.clear();
+  discard();
+  return {};
+}
+
+Result<void> write_file(const std::string& path, std::string_view bytes) {
+  auto file = OutputFile::create(path);
+  if (!file) return failure(file.error());
+  if (auto written = file->write(bytes); !written) return written;
+  return file->commit();
+}
+
+}  // namespace retarget

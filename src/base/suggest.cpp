@@ -1,0 +1,69 @@
+#include "retarget/base/suggest.h"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+// half steps, so that a wrong case costs less than a wrong letter
+constexpr int kLetterCost = 2;
+
+int substitution_cost(char a, char b) {
+  if (a == b) return 0;
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return lower(a) == lower(b) ? kLetterCost / 2 : kLetterCost;
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+  const std::size_t width = b.size() + 1;
+  std::vector<int> before(width), last(width), row(width);
+  for (std::size_t j = 0; j < width; ++j) last[j] = kLetterCost * static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = kLetterCost * static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + kLetterCost, row[j - 1] + kLetterCost,
+                         last[j - 1] + substitution_cost(a[i - 1], b[j - 1])});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + kLetterCost);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
+  std::string nearest;
+  // a third of the letters wrong is no typing mistake any more
+  int best = kLetterCost * std::max<int>(1, static_cast<int>(name.size()) / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const int distance = edit_distance(name, candidate);
+    if (distance < best) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string did_you_mean(std::string_view name, std::span<const std::string> candidates) {
+  const std::string nearest = nearest_name(name, candidates);
+  return nearest.empty() ? std::string() : " (did you mean \"" + nearest + "\"?)";
+}
+
+std::string list_names(std::span<const std::string> names, std::size_t limit) {
+  std::string text;
+  const std::size_t shown = std::min(limit, names.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (i > 0) text += ", ";
+    text += names[i];
+  }
+  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
+}  // namespace retarget

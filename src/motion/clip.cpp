@@ -1,0 +1,72 @@
+#include "retarget/motion/clip.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace retarget {
+
+Clip::Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_count)
+    : skeleton_(std::move(skeleton)), rate_(rate), frame_count_(frame_count) {
+  const auto frames = static_cast<std::size_t>(frame_count);
+  rotations_.assign(frames * skeleton_->joint_count(), Eigen::Quaterniond::Identity());
+  translations_.reserve(frames * skeleton_->translated_count());
+  for (int frame = 0; frame < frame_count; ++frame) {
+    for (int joint = 0; joint < skeleton_->joint_count(); ++joint) {
+      if (skeleton_->translation_slot(joint) >= 0) {
+        translations_.push_back(skeleton_->joint(joint).offset);
+      }
+    }
+  }
+}
+
+double Clip::duration() const {
+  return frame_count_ > 0 ? rate_.time_of(frame_count_ - 1) : 0.0;
+}
+
+std::span<Eigen::Quaterniond> Clip::rotations(int frame) {
+  const std::size_t width = skeleton_->joint_count();
+  return {rotations_.data() + frame * width, width};
+}
+
+std::span<const Eigen::Quaterniond> Clip::rotations(int frame) const {
+  const std::size_t width = skeleton_->joint_count();
+  return {rotations_.data() + frame * width, width};
+}
+
+std::span<Eigen::Vector3d> Clip::translations(int frame) {
+  const std::size_t width = skeleton_->translated_count();
+  return {translations_.data() + frame * width, width};
+}
+
+std::span<const Eigen::Vector3d> Clip::translations(int frame) const {
+  const std::size_t width = skeleton_->translated_count();
+  return {translations_.data() + frame * width, width};
+}
+
+const Eigen::Vector3d& Clip::translation(int frame, int joint) const {
+  const int slot = skeleton_->translation_slot(joint);
+  return slot < 0 ? skeleton_->joint(joint).offset : translations(frame)[slot];
+}
+
+Clip cut(const Clip& clip, int begin, int end) {
+  assert(0 <= begin && begin <= end && end <= clip.frame_count());
+  Clip part(clip.shared_skeleton(), clip.rate(), end - begin);
+  for (int frame = begin; frame < end; ++frame) {
+    std::ranges::copy(clip.rotations(frame), part.rotations(frame - begin).begin());
+    std::ranges::copy(clip.translations(frame), part.translations(frame - begin).begin());
+  }
+  return part;
+}
+
+void make_sign_continuous(Clip& clip) {
+  for (int frame = 1; frame < clip.frame_count(); ++frame) {
+    const auto before = std::as_const(clip).rotations(frame - 1);
+    const auto now = clip.rotations(frame);
+    for (std::size_t joint = 0; joint < now.size(); ++joint) {
+      if (now[joint].dot(before[joint]) < 0.0) now[joint].coeffs() = -now[joint].coeffs();
+    }
+  }
+}
+
+}  // namespace retarget
