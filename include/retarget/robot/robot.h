@@ -40,7 +40,7 @@ struct RobotJoint {
 
 /// The touching points of a foot.
 struct Sole {
-  std::string side;                     ///< `left` or `right`.
+  std::string side;  ///< `left` or `right`.
   int body = 0;
   std::vector<Eigen::Vector3d> points;  ///< In the body's frame, metres.
   std::vector<std::string> labels;      ///< One per point; may be empty.
@@ -49,10 +49,10 @@ struct Sole {
 /// What a robot's profile (robot.json) adds to its model.
 struct RobotProfile {
   std::string name;
-  std::string description, source, licence;   ///< For people.
-  std::vector<std::string> joint_order;       ///< Output columns; empty: the model's order.
+  std::string description, source, licence;  ///< For people.
+  std::vector<std::string> joint_order;      ///< Output columns; empty: the model's order.
   std::vector<LimitSet> limit_sets;
-  std::string default_limits;                 ///< Name of a set; empty: the model's ranges.
+  std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
   std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
   std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
   std::vector<Sole> soles;
@@ -71,6 +71,9 @@ class Robot {
   ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
+
+  /// Takes another profile and with it another output order; before the robot is shared.
+  void set_profile(RobotProfile profile);
 
   [[nodiscard]] const mjModel_* model() const { return model_; }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
