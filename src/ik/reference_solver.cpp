@@ -18,7 +18,8 @@ struct DataDeleter {
 
 class ReferenceSolver final : public IkSolver {
  public:
-  ReferenceSolver(std::shared_ptr<const IkProblem> problem, const IkOptions& options);
+  ReferenceSolver(std::shared_ptr<const IkProblem> problem, const IkOptions& options,
+                  std::function<void(const QpRecord&)> observe);
 
   PassResult solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) override;
 
@@ -31,6 +32,7 @@ class ReferenceSolver final : public IkSolver {
 
   std::shared_ptr<const IkProblem> problem_;
   IkOptions options_;
+  std::function<void(const QpRecord&)> observe_;
   const mjModel* model_;
   std::unique_ptr<mjData, DataDeleter> data_;
   BoxQp qp_;
@@ -41,9 +43,11 @@ class ReferenceSolver final : public IkSolver {
   Eigen::VectorXd c_, lower_, upper_, dq_;
 };
 
-ReferenceSolver::ReferenceSolver(std::shared_ptr<const IkProblem> problem, const IkOptions& options)
+ReferenceSolver::ReferenceSolver(std::shared_ptr<const IkProblem> problem, const IkOptions& options,
+                                 std::function<void(const QpRecord&)> observe)
     : problem_(std::move(problem)),
       options_(options),
+      observe_(std::move(observe)),
       model_(problem_->robot->model()),
       data_(mj_makeData(model_)),
       qp_(model_->nv),
@@ -143,6 +147,7 @@ bool ReferenceSolver::step(const IkPass& tasks) {
   for (std::size_t k = 0; k < tasks.size(); ++k) add_task(tasks[k], errors_[k]);
   set_bounds();
   if (!qp_.solve(H_, c_, lower_, upper_, dq_).converged) return false;
+  if (observe_) observe_({H_, c_, lower_, upper_, dq_});
   mj_integratePos(model_, data_->qpos, dq_.data(), 1.0);
   return true;
 }
@@ -150,8 +155,9 @@ bool ReferenceSolver::step(const IkPass& tasks) {
 }  // namespace
 
 std::unique_ptr<IkSolver> make_reference_solver(std::shared_ptr<const IkProblem> problem,
-                                                const IkOptions& options) {
-  return std::make_unique<ReferenceSolver>(std::move(problem), options);
+                                                const IkOptions& options,
+                                                std::function<void(const QpRecord&)> observe) {
+  return std::make_unique<ReferenceSolver>(std::move(problem), options, std::move(observe));
 }
 
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -67,9 +68,20 @@ class IkSolver {
                                 std::span<double> qpos) = 0;
 };
 
+/// A box QP that a solver met and its solution; see BoxQp. Valid during the call alone.
+struct QpRecord {
+  const Eigen::MatrixXd& H;
+  const Eigen::VectorXd& g;
+  const Eigen::VectorXd& lower;
+  const Eigen::VectorXd& upper;
+  const Eigen::VectorXd& x;
+};
+
 /// The engine to read and to hold others against: MuJoCo's kinematics and Jacobians, dense
 /// matrices, nothing exploited.
+/// @param observe  sees every QP after it is solved; for tests and studies.
 [[nodiscard]] std::unique_ptr<IkSolver> make_reference_solver(
-    std::shared_ptr<const IkProblem> problem, const IkOptions& options = {});
+    std::shared_ptr<const IkProblem> problem, const IkOptions& options = {},
+    std::function<void(const QpRecord&)> observe = {});
 
 }  // namespace retarget
