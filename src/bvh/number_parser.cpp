@@ -12,9 +12,9 @@ bool is_digit(char c) {
 
 // the parts of a number's text that decide which way it leaves the range of double
 struct NumberShape {
-  const char* end = nullptr;      // nullptr: not a number
-  bool zero = true;               // no digit but 0
-  std::ptrdiff_t magnitude = 0;   // the value is 0.d1d2... * 10^magnitude with d1 not 0
+  const char* end = nullptr;     // nullptr: not a number
+  bool zero = true;              // no digit but 0
+  std::ptrdiff_t magnitude = 0;  // the value is 0.d1d2... * 10^magnitude with d1 not 0
 };
 
 // exponents beyond this are all the same: out of range

@@ -46,12 +46,31 @@ std::string printed(const char* format, double value) {
 }
 
 TEST(NumberParser, TakesEveryWayToWriteANumber) {
-  for (const char* text : {"0", "-0", "+0", "-0.", "+.5", ".5", "5.", "-5.", "1e0", "1E+01", "1e-3",
-                           "007", "0.0000", "-.25e2", "9007199254740993", "9007199254740992",
-                           "123456789012345678901234567890", "0e999999999999999999999",
-                           "1.7976931348623157e308", "4.9406564584124654e-324",
-                           "2.2250738585072011e-308", "2.4703282292062327e-324",
-                           "2.4703282292062328e-324", "1e-400", "-1e-99999999999999999999"}) {
+  for (const char* text : {"0",
+                           "-0",
+                           "+0",
+                           "-0.",
+                           "+.5",
+                           ".5",
+                           "5.",
+                           "-5.",
+                           "1e0",
+                           "1E+01",
+                           "1e-3",
+                           "007",
+                           "0.0000",
+                           "-.25e2",
+                           "9007199254740993",
+                           "9007199254740992",
+                           "123456789012345678901234567890",
+                           "0e999999999999999999999",
+                           "1.7976931348623157e308",
+                           "4.9406564584124654e-324",
+                           "2.2250738585072011e-308",
+                           "2.4703282292062327e-324",
+                           "2.4703282292062328e-324",
+                           "1e-400",
+                           "-1e-99999999999999999999"}) {
     expect_same_as_strtod(text);
   }
 }
@@ -117,13 +136,12 @@ TEST(NumberParser, RoundsHalfWayCasesToEven) {
     const double low = std::ldexp(1.0 + std::ldexp(static_cast<double>(random() >> 12), -52),
                                   static_cast<int>(random() % 60) - 30);
     const double high = std::nextafter(low, std::numeric_limits<double>::infinity());
-    const std::string half =
-        [&] {
-          std::string text(200, '\0');
-          text.resize(std::snprintf(text.data(), text.size(), "%.100Lf",
-                                    (static_cast<long double>(low) + high) / 2.0L));
-          return text;
-        }();
+    const std::string half = [&] {
+      std::string text(200, '\0');
+      text.resize(std::snprintf(text.data(), text.size(), "%.100Lf",
+                                (static_cast<long double>(low) + high) / 2.0L));
+      return text;
+    }();
     expect_same_as_strtod(half);
     expect_same_as_strtod(half + "1");
   }
