@@ -63,10 +63,11 @@ TEST(Conformance, SameNumbersDecodeToTheSameMotion) {
   const Clip base = clip_of(conformance_file("base"));
   EXPECT_EQ(base.rate(), (FrameRate{30, 1}));
   for (const char* name :
-       {"crlf", "cr", "bom", "brace_same_line", "ch_before_off", "space_name", "colon_name",
-        "utf8_name", "lower", "lowerj", "endname", "endupper", "tab_dot", "frames_nospace",
-        "no_eol", "trailing_blank", "wrapped_row", "childless", "dupname", "comment",
-        "frames_too_few", "end_channels", "two_ends", "trailing_junk", "capital_x_lower",
+       {"crlf",           "cr",           "bom",       "brace_same_line", "ch_before_off",
+        "space_name",     "colon_name",   "utf8_name", "lower",           "lowerj",
+        "endname",        "endupper",     "tab_dot",   "frames_nospace",  "no_eol",
+        "trailing_blank", "wrapped_row",  "childless", "dupname",         "comment",
+        "frames_too_few", "end_channels", "two_ends",  "trailing_junk",   "capital_x_lower",
         "blank_before"}) {
     SCOPED_TRACE(name);
     const Clip clip = clip_of(conformance_file(name));
@@ -98,7 +99,8 @@ TEST(Conformance, RejectionsNameTheFaultAndItsPlace) {
       {"neg_frames", {"17:9", "a whole number, found \"-2\""}},
       {"float_frames", {"17:9", "found \"2.0\""}},
       {"neg_ft", {"18:13", "found \"-0.033333\""}},
-      {"off_two", {"9:3", "expected a number (number 3 of 3 of OFFSET in joint \"A\"), found \"CHA"}},
+      {"off_two",
+       {"9:3", "expected a number (number 3 of 3 of OFFSET in joint \"A\"), found \"CHA"}},
       {"nul", {"20:1", "found a NUL byte"}},
       {"utf16", {"1:1", "found UTF-16 text"}},
   };
@@ -106,8 +108,7 @@ TEST(Conformance, RejectionsNameTheFaultAndItsPlace) {
     const Result<BvhFile> file = read_exactly(conformance_file(name));
     ASSERT_FALSE(file.has_value()) << name;
     const Error& error = file.error();
-    EXPECT_EQ(std::to_string(error.line) + ":" + std::to_string(error.column),
-              place_and_text.first)
+    EXPECT_EQ(std::to_string(error.line) + ":" + std::to_string(error.column), place_and_text.first)
         << describe(error);
     EXPECT_THAT(error.message, HasSubstr(place_and_text.second)) << name;
   }
@@ -147,8 +148,8 @@ class Quirks : public testing::Test {
 };
 
 // where the table leaves the choice, the conformance table decides
-const std::set<std::string> kRejected = {"02", "05", "11", "13", "15", "16", "24", "25", "26",
-                                         "27", "36", "38", "39", "40", "41", "42"};
+const std::set<std::string> kRejected = {"02", "05", "11", "13", "15", "16", "24", "25",
+                                         "26", "27", "36", "38", "39", "40", "41", "42"};
 const std::set<std::string> kWarned = {"10", "14", "20", "28", "37"};
 
 TEST_F(Quirks, VerdictsAreTheTables) {
@@ -173,8 +174,8 @@ TEST_F(Quirks, VerdictsAreTheTables) {
 TEST_F(Quirks, AcceptedFilesGiveTheReferenceMotion) {
   const Clip reference = clip_of(text("00"));
   for (const char* number :
-       {"01", "03", "04", "06", "07", "08", "09", "12", "14", "17", "18", "19", "20", "28", "29",
-        "30", "31", "32", "33", "34", "35", "37", "43", "44"}) {
+       {"01", "03", "04", "06", "07", "08", "09", "12", "14", "17", "18", "19",
+        "20", "28", "29", "30", "31", "32", "33", "34", "35", "37", "43", "44"}) {
     SCOPED_TRACE(number);
     expect_same_motion(clip_of(text(number)), reference);
   }
