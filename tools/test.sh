@@ -8,7 +8,10 @@ set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 # a relative MuJoCo_ROOT is meant from where the user is
-[ -z "${MuJoCo_ROOT:-}" ] || MuJoCo_ROOT=$(realpath -- "$MuJoCo_ROOT") && export MuJoCo_ROOT
+if [ -n "${MuJoCo_ROOT:-}" ]; then
+  MuJoCo_ROOT=$(realpath -- "$MuJoCo_ROOT")
+  export MuJoCo_ROOT
+fi
 jobs=${JOBS:-$(nproc)}
 
 "$root/tools/setup.sh"
