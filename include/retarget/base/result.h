@@ -10,10 +10,11 @@ namespace retarget {
 
 /// Whose fault an error is. Each kind has one exit code in the command line tool.
 enum class ErrorKind {
-  kRun,     ///< The run failed: an output could not be written, a gate was missed.
-  kUsage,   ///< The call is wrong: contradicting options, an output folder that is not there.
-  kInput,   ///< The motion file is bad: malformed, without frames, lacking a mapped bone.
-  kConfig,  ///< A mapping, profile, model or robot name is bad.
+  kRun,          ///< The run failed: an output could not be written, a gate was missed.
+  kUsage,        ///< The call is wrong: contradicting options, an output folder that is not there.
+  kInput,        ///< The motion file is bad: malformed, without frames, lacking a mapped bone.
+  kConfig,       ///< A mapping, profile, model or robot name is bad.
+  kInterrupted,  ///< The user stopped the run.
 };
 
 /// An error as a value: what is wrong, where, and what the user can do.

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "retarget/base/result.h"
+#include "retarget/human/bones.h"
+#include "retarget/math/pose.h"
+#include "retarget/motion/clip.h"
+
+namespace retarget {
+
+/// The joints of a skeleton that give a canonical bone its pose.
+struct BoneSource {
+  int position_joint = -1;  ///< Joint whose origin is the bone's; -1: the bone is missing.
+  int rotation_joint = -1;  ///< Joint whose rotation is the bone's; -1: the bone is missing.
+};
+
+/// How a source skeleton becomes the canonical human: metres, Z up, right-handed, LAFAN1's bones.
+struct HumanMapping {
+  std::string dialect;            ///< Name of the kind of skeleton, such as `lafan1`.
+  std::vector<BoneSource> bones;  ///< One per canonical bone.
+  double metres_per_unit = 0.01;  ///< Of the source's lengths.
+  /// Turns the source's axes into canonical ones; a rotation (determinant +1).
+  Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
+  double height = 1.75;                ///< Of the body, metres; what scales are relative to.
+  std::vector<std::string> decisions;  ///< What was taken for granted, a sentence each, for people.
+};
+
+/// World poses of the canonical bones, frame by frame.
+struct HumanClip {
+  FrameRate rate;
+  int frame_count = 0;
+  double height = 1.75;                    ///< Of the body, metres.
+  std::vector<std::string> sources;        ///< Per bone, the joint it came from; empty: missing.
+  std::vector<std::string> source_joints;  ///< All joints of the source, for messages.
+  /// World poses, metres, Z up; frame-major, kBoneCount a frame. Missing bones: identity.
+  std::vector<Pose> world_from_bone;
+
+  [[nodiscard]] std::span<const Pose> frame(int index) const {
+    return {world_from_bone.data() + static_cast<std::size_t>(index) * kBoneCount, kBoneCount};
+  }
+  [[nodiscard]] bool has(int bone) const { return !sources[bone].empty(); }
+};
+
+/// The mapping of a skeleton with LAFAN1's joint names, as the published method takes it: file
+/// units are centimetres, Y is up, the body 1.75 m high whatever its bones say. Further joints
+/// (also above Hips) are allowed. Bones whose joints are not there are left out.
+[[nodiscard]] HumanMapping lafan1_mapping(const Skeleton& skeleton);
+
+/// Poses of all frames under a mapping.
+[[nodiscard]] HumanClip to_human(const Clip& clip, const HumanMapping& mapping);
+
+}  // namespace retarget

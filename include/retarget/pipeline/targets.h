@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "retarget/human/bones.h"
+#include "retarget/ik/ik_solver.h"
+#include "retarget/math/pose.h"
+#include "retarget/pipeline/ik_tables.h"
+
+namespace retarget {
+
+/// Where the robot's bodies should be: human bones, scaled about the root and offset.
+///
+/// With the bones of a frame (world poses, metres, Z up) and s_b the scale of a bone in the mapping
+/// times height / human_height_assumption:
+///   root:    p' = s_root p              (about the origin of the world)
+///   others:  p' = s_root p_root + s_b (p - p_root)
+///   all:     q' = q r_b,  p'' = p' + q' (o_b - [0, 0, ground_height])
+/// where r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
+/// not use has those of table 2.
+class TargetBuilder {
+ public:
+  /// @param tables  checked by check_ik_tables.
+  /// @param height  of the human body, metres.
+  TargetBuilder(const IkTables& tables, double height);
+
+  [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
+  /// Bone of each target, an index into kBoneNames; the root first.
+  [[nodiscard]] std::vector<int> bones() const;
+  /// Index of a bone's target; -1 for bones without one.
+  [[nodiscard]] int target_of(int bone) const;
+
+  /// @param world_from_bone    kBoneCount poses.
+  /// @param world_from_target  target_count() poses, filled.
+  void build(std::span<const Pose> world_from_bone, std::span<Pose> world_from_target) const;
+
+ private:
+  struct Rule {
+    int bone;
+    double scale;
+    Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
+    Eigen::Quaterniond bone_from_target;
+  };
+  std::vector<Rule> rules_;  // the root first
+};
+
+/// The passes of a mapping on a robot: one task per row with a weight, in file order; tables that
+/// are not used are left out. Limits are filled by the caller.
+[[nodiscard]] std::vector<IkPass> make_passes(const IkTables& tables, const Robot& robot,
+                                              const TargetBuilder& targets);
+
+}  // namespace retarget

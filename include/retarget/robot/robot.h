@@ -1,0 +1,116 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "retarget/base/result.h"
+#include "retarget/math/pose.h"
+#include "retarget/robot/limits.h"
+
+struct mjModel_;
+
+namespace retarget {
+
+/// A body of the kinematic tree; indices are MuJoCo's (0 is the world).
+struct RobotBody {
+  std::string name;
+  int parent = 0;
+  Pose parent_from_body;  ///< Before the body's joints move it; metres.
+};
+
+/// A hinge or slide joint: one degree of freedom.
+struct RobotJoint {
+  enum class Type { kHinge, kSlide };
+  std::string name;
+  Type type = Type::kHinge;
+  int body = 0;                                      ///< The body that it moves.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< Unit, in the body's frame.
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< In the body's frame, metres.
+  double reference = 0.0;  ///< Joint position at which the body stands at parent_from_body.
+  int qpos_address = 0;    ///< Index into a configuration.
+  int dof_address = 0;     ///< Index into a velocity.
+};
+
+/// The touching points of a foot.
+struct Sole {
+  std::string side;  ///< `left` or `right`.
+  int body = 0;
+  std::vector<Eigen::Vector3d> points;  ///< In the body's frame, metres.
+  std::vector<std::string> labels;      ///< One per point; may be empty.
+};
+
+/// What a robot's profile (robot.json) adds to its model.
+struct RobotProfile {
+  std::string name;
+  std::string description, source, licence;  ///< For people.
+  std::vector<std::string> joint_order;      ///< Output columns; empty: the model's order.
+  std::vector<LimitSet> limit_sets;
+  std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
+  std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
+  std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
+  std::vector<Sole> soles;
+  std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
+};
+
+/// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
+///
+/// A configuration (qpos) is MuJoCo's: root position x y z (metres), root quaternion w x y z, then
+/// the joints (rad, m), each at its qpos_address.
+class Robot {
+ public:
+  /// Takes ownership of a compiled model that has one free joint, its first, and else hinges and
+  /// slides; load_robot checks that.
+  Robot(mjModel_* model, RobotProfile profile);
+  ~Robot();
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
+
+  /// Takes another profile and with it another output order; before the robot is shared.
+  void set_profile(RobotProfile profile);
+
+  [[nodiscard]] const mjModel_* model() const { return model_; }
+  [[nodiscard]] const std::string& name() const { return profile_.name; }
+  [[nodiscard]] const RobotProfile& profile() const { return profile_; }
+  [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
+  /// All joints but the free one, in the model's order.
+  [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
+  /// Indices into joints() in the order of the output columns.
+  [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
+  /// The body of the free joint.
+  [[nodiscard]] int root_body() const { return root_body_; }
+  [[nodiscard]] int configuration_size() const;
+  /// The model's qpos0.
+  [[nodiscard]] std::vector<double> zero_configuration() const;
+  /// The ranges of the model itself, as a set called `model`.
+  [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
+  /// Name of the limit set that a method takes when the user names none.
+  [[nodiscard]] std::string limits_for(const std::string& method) const;
+
+  [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
+  [[nodiscard]] std::optional<int> find_joint(std::string_view name) const;
+  [[nodiscard]] std::vector<std::string> body_names() const;
+  [[nodiscard]] std::vector<std::string> joint_names() const;
+
+ private:
+  mjModel_* model_;
+  RobotProfile profile_;
+  std::vector<RobotBody> bodies_;
+  std::vector<RobotJoint> joints_;
+  std::vector<int> output_joints_;
+  int root_body_ = 0;
+  LimitSet model_limits_;
+};
+
+/// World poses of all bodies in a configuration, by body index; metres. Own walk over the tree,
+/// no MuJoCo data needed.
+void forward_kinematics(const Robot& robot, std::span<const double> qpos,
+                        std::span<Pose> world_from_body);
+
+}  // namespace retarget

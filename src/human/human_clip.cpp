@@ -1,0 +1,77 @@
+#include "retarget/human/human_clip.h"
+
+#include <optional>
+
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget {
+namespace {
+
+// joint of the first of these names that the skeleton has
+int find_joint(const Skeleton& skeleton, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    if (const std::optional<int> joint = skeleton.find(name)) return *joint;
+  }
+  return -1;
+}
+
+BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
+  for (const std::string side : {"Left", "Right"}) {
+    const int toe = find_joint(skeleton, {side + "Toe", side + "ToeBase"});
+    if (bone == side + "Toe") return {toe, toe};
+    if (bone == side + "FootMod") {
+      const int foot = find_joint(skeleton, {side + "Foot"});
+      return foot < 0 || toe < 0 ? BoneSource{} : BoneSource{foot, toe};
+    }
+  }
+  const int joint = find_joint(skeleton, {bone});
+  return {joint, joint};
+}
+
+}  // namespace
+
+HumanMapping lafan1_mapping(const Skeleton& skeleton) {
+  HumanMapping mapping;
+  mapping.dialect = "lafan1";
+  mapping.bones.reserve(kBoneCount);
+  for (const std::string_view bone : kBoneNames) {
+    mapping.bones.push_back(lafan1_source(skeleton, bone));
+  }
+  mapping.metres_per_unit = 0.01;
+  // a quarter turn about x takes y (up) to z
+  mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  mapping.height = 1.75;
+  return mapping;
+}
+
+HumanClip to_human(const Clip& clip, const HumanMapping& mapping) {
+  const Skeleton& skeleton = clip.skeleton();
+  HumanClip human;
+  human.rate = clip.rate();
+  human.frame_count = clip.frame_count();
+  human.height = mapping.height;
+  human.source_joints = skeleton.names();
+  for (const BoneSource& source : mapping.bones) {
+    const bool known = source.position_joint >= 0 && source.rotation_joint >= 0;
+    human.sources.push_back(known ? skeleton.joint(source.position_joint).name : std::string());
+  }
+
+  human.world_from_bone.resize(static_cast<std::size_t>(human.frame_count) * kBoneCount);
+  std::vector<Pose> world_from_joint(skeleton.joint_count());
+  const Eigen::Quaterniond turn(mapping.human_from_source);
+  Pose* out = human.world_from_bone.data();
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    forward_kinematics(clip, frame, world_from_joint);
+    for (const BoneSource& source : mapping.bones) {
+      Pose& bone = *out++;
+      if (source.position_joint < 0 || source.rotation_joint < 0) continue;
+      bone.translation = mapping.human_from_source *
+                         world_from_joint[source.position_joint].translation *
+                         mapping.metres_per_unit;
+      bone.rotation = turn * world_from_joint[source.rotation_joint].rotation;
+    }
+  }
+  return human;
+}
+
+}  // namespace retarget

@@ -1,0 +1,41 @@
+#include "retarget/motion/skeleton_points.h"
+
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget {
+
+std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
+  std::vector<SkeletonPoint> points;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joint(j);
+    points.push_back({joint.name, j, Eigen::Vector3d::Zero()});
+    for (std::size_t i = 0; i < joint.end_sites.size(); ++i) {
+      const std::string number = i == 0 ? "" : std::to_string(i + 1);
+      points.push_back({joint.name + "_end" + number, j, joint.end_sites[i]});
+    }
+  }
+  return points;
+}
+
+Pose world_from_point(const SkeletonPoint& point, const std::vector<Pose>& world_from_joint) {
+  const Pose& world = world_from_joint[point.joint];
+  return {world.rotation, world * point.offset};
+}
+
+Eigen::AlignedBox3d extents(const Clip& clip) {
+  // a clip without frames shows its skeleton at rest
+  const Clip rest(clip.shared_skeleton(), clip.rate(), 1);
+  const Clip& shown = clip.frame_count() > 0 ? clip : rest;
+  const std::vector<SkeletonPoint> points = skeleton_points(shown.skeleton());
+  std::vector<Pose> world_from_joint(shown.skeleton().joint_count());
+  Eigen::AlignedBox3d box;
+  for (int frame = 0; frame < shown.frame_count(); ++frame) {
+    forward_kinematics(shown, frame, world_from_joint);
+    for (const SkeletonPoint& point : points) {
+      box.extend(world_from_point(point, world_from_joint).translation);
+    }
+  }
+  return box;
+}
+
+}  // namespace retarget

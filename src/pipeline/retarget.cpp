@@ -1,0 +1,87 @@
+#include "retarget/pipeline/retarget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "retarget/base/suggest.h"
+#include "retarget/pipeline/targets.h"
+
+namespace retarget {
+namespace {
+
+// names the mapped bones that the source lacks, and what it has instead
+Result<void> check_bones(const HumanClip& human, const TargetBuilder& targets,
+                         const std::string& clip_name, const std::string& mapping) {
+  std::vector<std::string> missing, present;
+  for (const int bone : targets.bones()) {
+    if (!human.has(bone)) missing.emplace_back(kBoneNames[bone]);
+  }
+  if (missing.empty()) return {};
+  return input_failure(clip_name,
+                       "the skeleton has no joint for " +
+                           std::string(missing.size() == 1 ? "the bone " : "the bones ") +
+                           list_names(missing) + ", which the mapping " + mapping + " uses",
+                       "the file has " + list_names(human.source_joints));
+}
+
+void keep_quaternion_sign(std::span<const double> before, std::span<double> now) {
+  constexpr int kRootRotation = 3;
+  double dot = 0.0;
+  for (int i = 0; i < 4; ++i) dot += before[kRootRotation + i] * now[kRootRotation + i];
+  if (dot >= 0.0) return;
+  for (int i = 0; i < 4; ++i) now[kRootRotation + i] = -now[kRootRotation + i];
+}
+
+}  // namespace
+
+Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
+                                std::shared_ptr<const Robot> robot, const IkTables& tables,
+                                const LimitSet& limits, const RetargetOptions& options) {
+  if (auto checked = check_ik_tables(tables, *robot); !checked) return failure(checked.error());
+  const TargetBuilder targets(tables, human.height);
+  if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
+    return failure(checked.error());
+  }
+
+  auto problem = std::make_shared<IkProblem>();
+  problem->robot = robot;
+  problem->passes = make_passes(tables, *robot, targets);
+  problem->lower = Eigen::Map<const Eigen::VectorXd>(limits.lower.data(), limits.lower.size());
+  problem->upper = Eigen::Map<const Eigen::VectorXd>(limits.upper.data(), limits.upper.size());
+  const auto solver = make_reference_solver(problem, options.ik);
+
+  RetargetResult result;
+  result.clip = RobotClip(robot, human.rate, human.frame_count);
+  std::vector<double> qpos = robot->zero_configuration();
+  std::vector<Pose> world_from_target(targets.target_count());
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    if (options.keep_going && !options.keep_going(frame)) {
+      Error error;
+      error.kind = ErrorKind::kInterrupted;
+      error.message = "interrupted; no output was written";
+      return failure(std::move(error));
+    }
+    targets.build(human.frame(frame), world_from_target);
+    int steps = 0;
+    double error = 0.0;
+    for (std::size_t pass = 0; pass < problem->passes.size(); ++pass) {
+      const PassResult solved = solver->solve_pass(static_cast<int>(pass), world_from_target, qpos);
+      if (!solved.converged) {
+        return run_failure(clip_name,
+                           "frame " + std::to_string(frame) +
+                               ": the inverse kinematics met values that are not finite");
+      }
+      steps += solved.steps;
+      error = solved.errors[solved.steps];
+    }
+    if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos);
+    std::ranges::copy(qpos, result.clip.qpos(frame).begin());
+    result.steps += steps;
+    result.most_steps = std::max(result.most_steps, steps);
+    result.mean_error += error / human.frame_count;
+  }
+  return result;
+}
+
+}  // namespace retarget

@@ -1,0 +1,65 @@
+#include "retarget/robot/limits.h"
+
+#include "base/json.h"
+#include "retarget/base/suggest.h"
+#include "retarget/robot/load_robot.h"
+#include "robot/json_ranges.h"
+
+namespace retarget {
+namespace {
+
+// ranges of the joints that another model of the robot has by the same names
+Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) {
+  const auto other = load_robot(path);
+  if (!other) return failure(other.error());
+  LimitSet set = robot.model_limits();
+  int common = 0;
+  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+    const auto joint = (*other)->find_joint(robot.joints()[j].name);
+    if (!joint) continue;
+    ++common;
+    set.lower[j] = (*other)->model_limits().lower[*joint];
+    set.upper[j] = (*other)->model_limits().upper[*joint];
+  }
+  if (common == 0) {
+    return config_failure(path, "the model has no joint of " + robot.name(),
+                          "its joints are " + list_names((*other)->joint_names()));
+  }
+  return set;
+}
+
+Result<LimitSet> limits_from_json(const Robot& robot, const std::string& path) {
+  const auto json = load_json(path);
+  if (!json) return failure(json.error());
+  Faults faults;
+  LimitSet set = ranges_from_json(*json, robot, "range", faults);
+  if (!faults.empty()) return faults.failure_in(path, "the joint limits");
+  return set;
+}
+
+}  // namespace
+
+Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file) {
+  std::vector<std::string> names = {robot.model_limits().name};
+  if (name_or_file == robot.model_limits().name) return robot.model_limits();
+  for (const LimitSet& set : robot.profile().limit_sets) {
+    if (set.name == name_or_file) return set;
+    names.push_back(set.name);
+  }
+  const bool is_xml = name_or_file.ends_with(".xml");
+  if (!is_xml && !name_or_file.ends_with(".json")) {
+    return config_failure(
+        "",
+        "the robot " + robot.name() + " has no limit set \"" + name_or_file + "\"" +
+            did_you_mean(name_or_file, names),
+        "its sets are " + list_names(names) + "; a file must end in .json or .xml");
+  }
+  auto set =
+      is_xml ? limits_from_model(robot, name_or_file) : limits_from_json(robot, name_or_file);
+  if (!set) return failure(set.error());
+  set->name = name_or_file;
+  set->source = name_or_file;
+  return *set;
+}
+
+}  // namespace retarget

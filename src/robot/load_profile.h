@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "retarget/base/result.h"
+#include "retarget/robot/robot.h"
+
+namespace retarget {
+
+/// Reads a profile (robot.json; docs/robots.md describes its keys) for a model that is already
+/// loaded. Every fault is named at once.
+/// @param bare  the robot of the model alone: names of bodies and joints, ranges.
+[[nodiscard]] Result<RobotProfile> load_profile(const std::string& path, const Robot& bare);
+
+}  // namespace retarget

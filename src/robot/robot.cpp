@@ -1,0 +1,153 @@
+#include "retarget/robot/robot.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::Quaterniond quaternion_of(const mjtNum* wxyz) {
+  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
+}
+
+Eigen::Vector3d vector_of(const mjtNum* xyz) {
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+std::string name_of(const mjModel* model, mjtObj kind, int index) {
+  const char* name = mj_id2name(model, kind, index);
+  return name == nullptr ? std::string() : std::string(name);
+}
+
+template <typename T>
+std::vector<std::string> names_of(const std::vector<T>& items) {
+  std::vector<std::string> names;
+  names.reserve(items.size());
+  for (const T& item : items) names.push_back(item.name);
+  return names;
+}
+
+template <typename T>
+std::optional<int> index_of(const std::vector<T>& items, std::string_view name) {
+  const auto found = std::ranges::find(items, name, &T::name);
+  if (found == items.end()) return std::nullopt;
+  return static_cast<int>(found - items.begin());
+}
+
+// body_before_joint from body_after_joint
+Pose motion_of(const RobotJoint& joint, double position) {
+  const double travel = position - joint.reference;
+  if (joint.type == RobotJoint::Type::kSlide) {
+    return {Eigen::Quaterniond::Identity(), travel * joint.axis};
+  }
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(travel, joint.axis));
+  return {turn, joint.anchor - turn * joint.anchor};
+}
+
+}  // namespace
+
+Robot::Robot(mjModel* model, RobotProfile profile) : model_(model) {
+  for (int b = 0; b < model_->nbody; ++b) {
+    bodies_.push_back(
+        {name_of(model_, mjOBJ_BODY, b),
+         model_->body_parentid[b],
+         {quaternion_of(model_->body_quat + 4 * b), vector_of(model_->body_pos + 3 * b)}});
+  }
+  model_limits_.name = "model";
+  model_limits_.source = "joint ranges of the model";
+  for (int j = 0; j < model_->njnt; ++j) {
+    if (model_->jnt_type[j] == mjJNT_FREE) {
+      root_body_ = model_->jnt_bodyid[j];
+      continue;
+    }
+    RobotJoint joint;
+    joint.name = name_of(model_, mjOBJ_JOINT, j);
+    joint.type =
+        model_->jnt_type[j] == mjJNT_SLIDE ? RobotJoint::Type::kSlide : RobotJoint::Type::kHinge;
+    joint.body = model_->jnt_bodyid[j];
+    joint.axis = vector_of(model_->jnt_axis + 3 * j);
+    joint.anchor = vector_of(model_->jnt_pos + 3 * j);
+    joint.qpos_address = model_->jnt_qposadr[j];
+    joint.dof_address = model_->jnt_dofadr[j];
+    joint.reference = model_->qpos0[joint.qpos_address];
+    joints_.push_back(joint);
+    const bool limited = model_->jnt_limited[j] != 0;
+    model_limits_.lower.push_back(limited ? model_->jnt_range[2 * j] : -kInfinity);
+    model_limits_.upper.push_back(limited ? model_->jnt_range[2 * j + 1] : kInfinity);
+  }
+  set_profile(std::move(profile));
+}
+
+Robot::~Robot() {
+  mj_deleteModel(model_);
+}
+
+void Robot::set_profile(RobotProfile profile) {
+  profile_ = std::move(profile);
+  output_joints_.clear();
+  for (const std::string& name : profile_.joint_order) {
+    if (const auto joint = find_joint(name)) output_joints_.push_back(*joint);
+  }
+  if (profile_.joint_order.empty()) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) output_joints_.push_back(static_cast<int>(j));
+  }
+}
+
+int Robot::configuration_size() const {
+  return static_cast<int>(model_->nq);
+}
+
+std::vector<double> Robot::zero_configuration() const {
+  return {model_->qpos0, model_->qpos0 + model_->nq};
+}
+
+std::string Robot::limits_for(const std::string& method) const {
+  const auto found = profile_.method_limits.find(method);
+  if (found != profile_.method_limits.end()) return found->second;
+  return profile_.default_limits.empty() ? model_limits_.name : profile_.default_limits;
+}
+
+std::optional<int> Robot::find_body(std::string_view name) const {
+  return index_of(bodies_, name);
+}
+
+std::optional<int> Robot::find_joint(std::string_view name) const {
+  return index_of(joints_, name);
+}
+
+std::vector<std::string> Robot::body_names() const {
+  return names_of(bodies_);
+}
+
+std::vector<std::string> Robot::joint_names() const {
+  return names_of(joints_);
+}
+
+void forward_kinematics(const Robot& robot, std::span<const double> qpos,
+                        std::span<Pose> world_from_body) {
+  const auto& bodies = robot.bodies();
+  const auto& joints = robot.joints();
+  // joints are sorted by body, so one walk over both serves
+  std::size_t j = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Pose& world = world_from_body[b];
+    if (b == 0) {
+      world = Pose{};
+    } else if (static_cast<int>(b) == robot.root_body()) {
+      world = {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized(),
+               {qpos[0], qpos[1], qpos[2]}};
+    } else {
+      world = world_from_body[bodies[b].parent] * bodies[b].parent_from_body;
+    }
+    for (; j < joints.size() && joints[j].body == static_cast<int>(b); ++j) {
+      world = world * motion_of(joints[j], qpos[joints[j].qpos_address]);
+    }
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,126 @@
+#include "retarget/ik/box_qp.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace retarget {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Problem {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g, lower, upper;
+};
+
+// the scale and the conditioning of inverse kinematics: weights of 10 to 100, squared
+Problem random_problem(std::mt19937& engine, int size, double tightness) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Problem problem;
+  const Eigen::MatrixXd J =
+      Eigen::MatrixXd::NullaryExpr(2 * size, size, [&] { return 10.0 * normal(engine); });
+  problem.H = J.transpose() * J;
+  problem.H.diagonal().array() += 0.5;
+  problem.g = Eigen::VectorXd::NullaryExpr(size, [&] { return 100.0 * normal(engine); });
+  problem.lower.resize(size);
+  problem.upper.resize(size);
+  for (int i = 0; i < size; ++i) {
+    problem.lower[i] = uniform(engine) < 0.2 ? -kInfinity : -tightness * uniform(engine);
+    problem.upper[i] = uniform(engine) < 0.2 ? kInfinity : tightness * uniform(engine);
+  }
+  return problem;
+}
+
+// projected gradient descent: slow, simple, unlike the solver under test
+Eigen::VectorXd minimise_slowly(const Problem& problem) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.g.size());
+  const double step = 1.0 / problem.H.norm();
+  for (int i = 0; i < 400000; ++i) {
+    x = (x - step * (problem.H * x + problem.g)).cwiseMax(problem.lower).cwiseMin(problem.upper);
+  }
+  return x;
+}
+
+TEST(BoxQp, MeetsTheOptimalityConditionsOnRandomProblems) {
+  std::mt19937 engine(3);
+  int most_active = 0;
+  for (int repeat = 0; repeat < 2000; ++repeat) {
+    const int size = 1 + repeat % 40;
+    // from nearly all variables at a bound to nearly none
+    const Problem problem = random_problem(engine, size, std::pow(10.0, -3 + repeat % 5));
+    BoxQp qp(size);
+    Eigen::VectorXd x(size);
+    const BoxQpStats stats = qp.solve(problem.H, problem.g, problem.lower, problem.upper, x);
+    ASSERT_TRUE(stats.converged);
+    ASSERT_TRUE((x.array() >= problem.lower.array()).all());
+    ASSERT_TRUE((x.array() <= problem.upper.array()).all());
+    ASSERT_LT(box_qp_residual(problem.H, problem.g, problem.lower, problem.upper, x), 1e-9)
+        << "problem " << repeat;
+    most_active = std::max(most_active, stats.active);
+  }
+  EXPECT_GT(most_active, 20);
+}
+
+TEST(BoxQp, AgreesWithProjectedGradients) {
+  std::mt19937 engine(5);
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const Problem problem = random_problem(engine, 6, 0.05);
+    BoxQp qp(6);
+    Eigen::VectorXd x(6);
+    qp.solve(problem.H, problem.g, problem.lower, problem.upper, x);
+    EXPECT_LT((x - minimise_slowly(problem)).norm(), 1e-9);
+  }
+}
+
+TEST(BoxQp, ReadsTheLowerTriangleAlone) {
+  std::mt19937 engine(9);
+  Problem problem = random_problem(engine, 8, 0.1);
+  BoxQp qp(8);
+  Eigen::VectorXd x(8), again(8);
+  qp.solve(problem.H, problem.g, problem.lower, problem.upper, x);
+  problem.H.triangularView<Eigen::StrictlyUpper>().setConstant(
+      std::numeric_limits<double>::quiet_NaN());
+  qp.solve(problem.H, problem.g, problem.lower, problem.upper, again);
+  EXPECT_EQ(x, again);
+}
+
+TEST(BoxQp, HoldsVariablesWithoutRoom) {
+  const Eigen::MatrixXd H = 2.0 * Eigen::MatrixXd::Identity(3, 3);
+  const Eigen::VectorXd g = Eigen::Vector3d(-2.0, -2.0, 2.0);
+  const Eigen::VectorXd lower = Eigen::Vector3d(0.25, -1.0, -0.5);
+  const Eigen::VectorXd upper = Eigen::Vector3d(0.25, 0.0, kInfinity);
+  BoxQp qp(3);
+  Eigen::VectorXd x(3);
+  const BoxQpStats stats = qp.solve(H, g, lower, upper, x);
+  EXPECT_EQ(x, Eigen::VectorXd(Eigen::Vector3d(0.25, 0.0, -0.5)));
+  EXPECT_EQ(stats.active, 3);
+}
+
+TEST(BoxQp, TakesStartsOutsideTheRange) {
+  // a joint beyond its limit must come back: both bounds on one side of zero
+  const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::VectorXd g = Eigen::Vector2d(0.0, 0.0);
+  const Eigen::VectorXd lower = Eigen::Vector2d(0.3, -2.0);
+  const Eigen::VectorXd upper = Eigen::Vector2d(0.9, -1.0);
+  BoxQp qp(2);
+  Eigen::VectorXd x(2);
+  qp.solve(H, g, lower, upper, x);
+  EXPECT_EQ(x, Eigen::VectorXd(Eigen::Vector2d(0.3, -1.0)));
+}
+
+TEST(BoxQp, SaysWhenValuesAreNotFinite) {
+  BoxQp qp(2);
+  Eigen::VectorXd x(2);
+  const Eigen::VectorXd bound = Eigen::Vector2d(1.0, 1.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(
+      qp.solve(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(nan, 0.0), -bound, bound, x)
+          .converged);
+  EXPECT_FALSE(qp.solve(Eigen::Matrix2d::Constant(nan), bound, -bound, bound, x).converged);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,100 @@
+#include "retarget/math/se3.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+class RandomTwists {
+ public:
+  Vector6d next(double angle) {
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = uniform_(engine_);
+    twist.tail<3>() *= angle / twist.tail<3>().norm();
+    return twist;
+  }
+
+ private:
+  std::mt19937 engine_{7};
+  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
+};
+
+Eigen::Matrix4d hat(const Vector6d& twist) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  matrix.topLeftCorner<3, 3>() = skew(twist.tail<3>());
+  matrix.topRightCorner<3, 1>() = twist.head<3>();
+  return matrix;
+}
+
+TEST(ExpSe3, IsTheMatrixExponential) {
+  RandomTwists twists;
+  for (const double angle : {1e-9, 1e-6, 1e-3, 0.3, 1.5, 3.0}) {
+    const Vector6d twist = twists.next(angle);
+    const Pose pose = exp_se3(twist);
+    const Eigen::Matrix4d expected = hat(twist).exp();
+    EXPECT_LT((pose.rotation.toRotationMatrix() - expected.topLeftCorner<3, 3>()).norm(), 1e-13);
+    EXPECT_LT((pose.translation - expected.topRightCorner<3, 1>()).norm(), 1e-10) << angle;
+  }
+}
+
+TEST(LogSe3, InvertsExp) {
+  RandomTwists twists;
+  for (const double angle : {1e-9, 1e-6, 1e-4, 1e-2, 0.3, 1.5, 3.0, 3.14}) {
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      const Vector6d twist = twists.next(angle);
+      EXPECT_LT((log_se3(exp_se3(twist)) - twist).norm(), 1e-9) << angle;
+    }
+  }
+}
+
+TEST(LogSe3, DoesNotDependOnTheSignOfTheQuaternion) {
+  RandomTwists twists;
+  const Vector6d twist = twists.next(1.2);
+  Pose pose = exp_se3(twist);
+  pose.rotation.coeffs() = -pose.rotation.coeffs();
+  EXPECT_LT((log_se3(pose) - twist).norm(), 1e-12);
+}
+
+// log(exp(d) exp(x)) by central differences in d
+Matrix6d numeric_left_jacobian_inverse(const Vector6d& x) {
+  constexpr double kStep = 1e-6;
+  Matrix6d jacobian;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d d = kStep * Vector6d::Unit(i);
+    const Vector6d ahead = log_se3(exp_se3(d) * exp_se3(x));
+    const Vector6d behind = log_se3(exp_se3(-d) * exp_se3(x));
+    jacobian.col(i) = (ahead - behind) / (2.0 * kStep);
+  }
+  return jacobian;
+}
+
+TEST(LeftJacobianInverse, AgreesWithFiniteDifferences) {
+  RandomTwists twists;
+  for (const double angle : {1e-3, 1e-2, 0.1, 0.7, 1.5, 2.5, 3.0}) {
+    const Vector6d x = twists.next(angle);
+    EXPECT_LT((left_jacobian_inverse_se3(x) - numeric_left_jacobian_inverse(x)).norm(), 2e-8)
+        << angle;
+    const Eigen::Matrix3d rotation = numeric_left_jacobian_inverse(x).bottomRightCorner<3, 3>();
+    EXPECT_LT((left_jacobian_inverse_so3(x.tail<3>()) - rotation).norm(), 2e-8) << angle;
+  }
+}
+
+TEST(LeftJacobianInverse, SwitchesToTheIdentityBelowTheSmallAngle) {
+  RandomTwists twists;
+  EXPECT_EQ(left_jacobian_inverse_se3(twists.next(0.99e-5)), Matrix6d::Identity());
+  const Vector6d above = twists.next(1.01e-5);
+  EXPECT_NE(left_jacobian_inverse_se3(above), Matrix6d::Identity());
+  // above the switch the coupling of position and rotation is there
+  EXPECT_LT((left_jacobian_inverse_se3(above).topRightCorner<3, 3>() + 0.5 * skew(above.head<3>()))
+                .norm(),
+            1e-5);
+}
+
+}  // namespace
+}  // namespace retarget
