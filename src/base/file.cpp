@@ -135,6 +135,8 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
       return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
     }
     file.direct_ = !S_ISREG(info.st_mode);
+  } else if (errno != ENOENT) {
+    return write_failure(path, errno);
   }
   if (file.direct_) {
     file.descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);

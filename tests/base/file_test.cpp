@@ -207,9 +207,11 @@ TEST_F(FileTest, LinkInACircleIsAnError) {
   fs::create_symlink("b", folder_ / "a");
   fs::create_symlink("a", folder_ / "b");
   EXPECT_FALSE(read_file(path("a")).has_value());
-  // there is no file to keep the link for; whatever happens, it is no crash and no litter
   const auto written = write_file(path("a"), "new");
+  ASSERT_FALSE(written.has_value());
+  EXPECT_EQ(written.error().kind, ErrorKind::kRun);
   EXPECT_THAT(names(), ElementsAre("a", "b"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "a"));
 }
 
 TEST_F(FileTest, FolderIsNoOutput) {
