@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace retarget {
+
+/// The unit quaternion that turns by |w| rad about w.
+///
+/// Full accuracy at every angle: below 1e-4 rad sin(x)/x is replaced by its series, whose first
+/// term left out is there smaller than rounding.
+[[nodiscard]] Eigen::Quaterniond exp_so3(const Eigen::Vector3d& w);
+
+/// The rotation vector w with exp_so3(w) = +-q and |w| <= pi; the inverse of exp_so3 below pi.
+///
+/// q and -q give the same vector, bit for bit. Full accuracy at every angle: 2 atan2 of the two
+/// parts, and below 1e-4 rad the series of atan. Half a turn (w part zero) has two vectors; the
+/// one whose first non-zero component is positive is taken. q need not be of unit length, only
+/// not zero.
+[[nodiscard]] Eigen::Vector3d log_so3(const Eigen::Quaterniond& q);
+
+/// Left Jacobian inverse of SO(3) at w applied to a vector: log(exp(e v) exp(w)) is
+/// w + e * apply_left_jacobian_inverse_so3(w, v) to first order in e. For |w| < 2 pi.
+[[nodiscard]] Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
+                                                              const Eigen::Vector3d& v);
+
+}  // namespace retarget
