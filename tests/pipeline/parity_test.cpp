@@ -42,7 +42,7 @@ HumanClip load_human(const fs::path& bvh, int frames) {
   EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
   const Clip& clip = file->clip;
   return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
-                  lafan1_mapping(clip.skeleton()));
+                  lafan1_mapping(clip.skeleton(), bvh.string()).value());
 }
 
 std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames) {

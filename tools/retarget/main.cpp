@@ -25,26 +25,31 @@ Examples:
   retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
   retarget inspect walk.bvh)";
 
+// the option's own words say what it takes; CLI11's would stand beside them
+CLI::Validator silent(CLI::Validator validator) {
+  return validator.description("");
+}
+
 void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_flag("-q,--quiet", options.quiet, "Print errors only")->group(kGeneral);
   app.add_option("--data-dir", options.data_dir,
-                 "Folder that holds robots/ and configs/ (default: $RETARGET_DATA_DIR, else found "
-                 "beside the program)")
+                 "Folder that holds robots/ and configs/\n"
+                 "(default: $RETARGET_DATA_DIR, else found beside the program)")
       ->type_name("DIR")
       ->group(kGeneral);
 }
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_flag("--lenient", options.lenient,
-               "Keep the complete frames of a damaged file and say what was dropped")
+               "Keep the complete frames of a damaged file, say what was\ndropped")
       ->group(kInput);
   app.add_option("--root", options.root, "Which tree to read, when a file holds several ROOTs")
       ->type_name("NAME")
       ->group(kInput);
   app.add_option("--source-fps", options.source_fps,
-                 "Frame rate of the source in frames per second, whatever its header says")
+                 "Frames per second of the source, whatever its header says")
       ->type_name("N")
-      ->check(CLI::PositiveNumber)
+      ->check(silent(CLI::PositiveNumber))
       ->group(kInput);
 }
 
@@ -55,11 +60,11 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   add_source_options(app, options.source);
   app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber)
+      ->check(silent(CLI::NonNegativeNumber))
       ->group(kInput);
   app.add_option("--end", options.end_s, "End at this time of the source, seconds, inclusive")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber)
+      ->check(silent(CLI::NonNegativeNumber))
       ->group(kInput);
   app.add_option("--frames", options.frames,
                  "Source frames from A up to, not including, B; either may be left out")
@@ -78,17 +83,19 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->group(kRobot);
   app.add_option("--ik-config", options.ik_config,
-                 "Mapping from human bones to robot bodies, JSON (default: the robot's own)")
+                 "Mapping from human bones to robot bodies, JSON\n"
+                 "(default: the robot's own)")
       ->type_name("FILE")
       ->group(kRobot);
   app.add_option("--limits", options.limits,
-                 "Joint limits: a set of the robot (official, gmr) or a JSON or MJCF file "
-                 "(default: gmr with --method gmr)")
+                 "Joint limits: a set of the robot (official, gmr), or\n"
+                 "a JSON or MJCF file (default: gmr with --method gmr)")
       ->type_name("SET|FILE")
       ->group(kRobot);
   app.add_option("--method", options.method,
-                 "gmr: the published two-pass inverse kinematics, frame by frame")
-      ->check(CLI::IsMember({"gmr"}))
+                 "gmr: the published two-pass inverse kinematics, frame by\nframe")
+      ->type_name("gmr")
+      ->check(silent(CLI::IsMember({"gmr"})))
       ->capture_default_str()
       ->group(kRobot);
 
@@ -97,7 +104,8 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->capture_default_str()
       ->group(kTime);
   app.add_option("--interpolation", options.interpolation, "Between source frames")
-      ->check(CLI::IsMember({"linear", "cubic"}))
+      ->type_name("linear|cubic")
+      ->check(silent(CLI::IsMember({"linear", "cubic"})))
       ->capture_default_str()
       ->group(kTime);
   app.add_flag("--no-antialias", options.no_antialias,
@@ -107,22 +115,25 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   app.add_option("-o,--output", options.output, "CSV to write; - writes standard output")
       ->type_name("FILE")
       ->group(kOutput);
-  app.add_option("--precision", options.precision, "Digits after the decimal point")
-      ->check(CLI::Range(0, 17))
+  app.add_option("--precision", options.precision, "Digits after the decimal point, 0 to 17")
+      ->type_name("N")
+      ->check(silent(CLI::Range(0, 17)))
       ->capture_default_str()
       ->group(kOutput);
   app.add_option("--csv-delimiter", options.delimiter, "Between columns")
-      ->check(CLI::IsMember({"comma", "space", "tab"}))
+      ->type_name("comma|space|tab")
+      ->check(silent(CLI::IsMember({"comma", "space", "tab"})))
       ->capture_default_str()
       ->group(kOutput);
   app.add_flag("--csv-header", options.header, "Write a first line that names the columns")
       ->group(kOutput);
   app.add_option("--csv-quat", options.quaternion, "Order of the root quaternion")
-      ->check(CLI::IsMember({"xyzw", "wxyz"}))
+      ->type_name("xyzw|wxyz")
+      ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
       ->capture_default_str()
       ->group(kOutput);
   app.add_flag("--normalize-start", options.normalize_start,
-               "Move and turn the motion so that it starts at x = y = 0, facing +x")
+               "Move and turn the motion so that it starts at x = y = 0,\nfacing +x")
       ->group(kOutput);
   add_common_options(app, options.common);
 }

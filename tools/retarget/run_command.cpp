@@ -204,9 +204,10 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   if (!setup) return failure(setup.error());
   const auto clip = load_clip(options, console);
   if (!clip) return failure(clip.error());
-  const HumanMapping mapping = lafan1_mapping(clip->skeleton());
-  const HumanClip human = to_human(*clip, mapping);
-  console.line("taken as", mapping.description);
+  const auto mapping = lafan1_mapping(clip->skeleton(), source_name(options.source));
+  if (!mapping) return failure(mapping.error());
+  const HumanClip human = to_human(*clip, *mapping);
+  console.line("taken as", mapping->description);
   console.line("robot", setup->robot->name() + ", " +
                             count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
                             ", limits " + setup->limits.name + ", mapping " + setup->tables.file);

@@ -46,8 +46,11 @@ struct HumanClip {
 
 /// The mapping of a skeleton with LAFAN1's joint names, as the published method takes it: file
 /// units are centimetres, Y is up, the body 1.75 m high whatever its bones say. Further joints
-/// (also above Hips) are allowed. Bones whose joints are not there are left out.
-[[nodiscard]] HumanMapping lafan1_mapping(const Skeleton& skeleton);
+/// (also above Hips) are allowed. Bones whose joints are not there are left out; a bone's name on
+/// two joints is a kInput error.
+/// @param file  where the skeleton comes from, for messages.
+[[nodiscard]] Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton,
+                                                  const std::string& file);
 
 /// Poses of all frames under a mapping.
 [[nodiscard]] HumanClip to_human(const Clip& clip, const HumanMapping& mapping);
