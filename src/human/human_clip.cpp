@@ -41,6 +41,8 @@ HumanMapping lafan1_mapping(const Skeleton& skeleton) {
   // a quarter turn about x takes y (up) to z
   mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   mapping.height = 1.75;
+  mapping.description =
+      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
   return mapping;
 }
 

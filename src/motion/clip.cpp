@@ -7,17 +7,8 @@
 namespace retarget {
 
 Clip::Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_count)
-    : skeleton_(std::move(skeleton)), rate_(rate), frame_count_(frame_count) {
-  const auto frames = static_cast<std::size_t>(frame_count);
-  rotations_.assign(frames * skeleton_->joint_count(), Eigen::Quaterniond::Identity());
-  translations_.reserve(frames * skeleton_->translated_count());
-  for (int frame = 0; frame < frame_count; ++frame) {
-    for (int joint = 0; joint < skeleton_->joint_count(); ++joint) {
-      if (skeleton_->translation_slot(joint) >= 0) {
-        translations_.push_back(skeleton_->joint(joint).offset);
-      }
-    }
-  }
+    : skeleton_(std::move(skeleton)), rate_(rate), frame_count_(0) {
+  resize(frame_count);
 }
 
 double Clip::duration() const {
@@ -47,6 +38,21 @@ std::span<const Eigen::Vector3d> Clip::translations(int frame) const {
 const Eigen::Vector3d& Clip::translation(int frame, int joint) const {
   const int slot = skeleton_->translation_slot(joint);
   return slot < 0 ? skeleton_->joint(joint).offset : translations(frame)[slot];
+}
+
+void Clip::resize(int frame_count) {
+  const auto frames = static_cast<std::size_t>(frame_count);
+  rotations_.resize(frames * skeleton_->joint_count(), Eigen::Quaterniond::Identity());
+  translations_.resize(frames * skeleton_->translated_count());
+  for (int joint = 0; joint < skeleton_->joint_count(); ++joint) {
+    const int slot = skeleton_->translation_slot(joint);
+    if (slot < 0) continue;
+    for (int frame = frame_count_; frame < frame_count; ++frame) {
+      translations_[static_cast<std::size_t>(frame) * skeleton_->translated_count() + slot] =
+          skeleton_->joint(joint).offset;
+    }
+  }
+  frame_count_ = frame_count;
 }
 
 Clip cut(const Clip& clip, int begin, int end) {

@@ -39,6 +39,8 @@ class Clip {
   [[nodiscard]] const Eigen::Vector3d& translation(int frame, int joint) const;
 
   void set_rate(FrameRate rate) { rate_ = rate; }
+  /// Frames that are added are at rest, as those of the constructor; amortised cost per frame.
+  void resize(int frame_count);
 
  private:
   std::shared_ptr<const Skeleton> skeleton_;

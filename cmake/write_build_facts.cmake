@@ -1,0 +1,16 @@
+# Run at every build: writes OUTPUT, and only when it changes, so that nothing is compiled in vain.
+
+set(GIT_COMMIT "")
+find_program(GIT git)
+if(GIT AND EXISTS ${SOURCE}/.git)
+  # no lock on the index: a build must not stand in the way of the developer's own git
+  set(ENV{GIT_OPTIONAL_LOCKS} 0)
+  execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
+    OUTPUT_VARIABLE GIT_COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
+#pragma once
+
+inline constexpr char kToolVersion[] = "@VERSION@";
+inline constexpr char kGitCommit[] = "@GIT_COMMIT@";  // empty when not built from a git checkout
+]])

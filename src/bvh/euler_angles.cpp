@@ -1,0 +1,110 @@
+#include "bvh/euler_angles.h"
+
+#include <algorithm>
+#include <array>
+
+namespace retarget {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+// below this the sum or the difference of the outer angles has no say in the rotation
+constexpr double kGimbalLock = 1e-12;
+
+using Angles = std::array<double, 3>;
+
+// the same angle in degrees, as near to `goal` as full turns allow
+double nearest_turn(double angle, double goal) {
+  return angle + 360.0 * std::round((goal - angle) / 360.0);
+}
+
+double distance(const Angles& a, const Angles& b) {
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+}
+
+// 1 when i, j, k follow each other cyclically, else -1
+double handedness(int i, int j) {
+  return (i + 1) % 3 == j ? 1.0 : -1.0;
+}
+
+// rotation = turn about i, turn about j, turn about i again
+Angles proper_angles(const Eigen::Quaterniond& rotation, int i, int j, const Angles& goal) {
+  const auto& q = rotation.coeffs();
+  const int k = 3 - i - j;
+  const double w = q[3];
+  const double out_of_plane = handedness(i, j) * q[k];
+  const double cosine = std::hypot(w, q[i]);
+  const double sine = std::hypot(q[j], out_of_plane);
+  const double sum =
+      cosine > kGimbalLock ? 2.0 * kDegrees * std::atan2(q[i], w) : goal[0] + goal[2];
+  const double difference =
+      sine > kGimbalLock ? 2.0 * kDegrees * std::atan2(out_of_plane, q[j]) : goal[0] - goal[2];
+  const double middle = 2.0 * kDegrees * std::atan2(sine, cosine);
+  const double first = (sum + difference) / 2.0;
+  const double last = (sum - difference) / 2.0;
+
+  // the middle turn may go the other way when the outer ones begin half a turn on
+  Angles near = {nearest_turn(first, goal[0]), nearest_turn(middle, goal[1]),
+                 nearest_turn(last, goal[2])};
+  const Angles far = {nearest_turn(first + 180.0, goal[0]), nearest_turn(-middle, goal[1]),
+                      nearest_turn(last + 180.0, goal[2])};
+  return distance(far, goal) < distance(near, goal) ? far : near;
+}
+
+// three different axes: a quarter turn about j makes the last axis the first one
+Angles different_angles(const Eigen::Quaterniond& rotation, int i, int j, const Angles& goal) {
+  const double sign = -handedness(i, j);
+  Eigen::Quaterniond turned = rotation;
+  rotate_about(turned, j, 90.0);
+  const Angles angles = proper_angles(turned, i, j, {goal[0], goal[1] + 90.0, sign * goal[2]});
+  return {angles[0], angles[1] - 90.0, sign * angles[2]};
+}
+
+// two turns about different axes; the nearest such rotation where there is none
+Angles two_angles(const Eigen::Quaterniond& rotation, int i, int j, const Angles& goal) {
+  const auto& q = rotation.coeffs();
+  const double out_of_plane = handedness(i, j) * q[3 - i - j];
+  const bool small_second = std::hypot(q[3], q[i]) >= std::hypot(q[j], out_of_plane);
+  const double half = small_second ? std::atan2(q[i], q[3]) : std::atan2(out_of_plane, q[j]);
+  const double first = nearest_turn(2.0 * kDegrees * half, goal[0]);
+  Eigen::Quaterniond rest = Eigen::Quaterniond::Identity();
+  rotate_about(rest, i, -first);
+  rest = rest * rotation;
+  const double second = 2.0 * kDegrees * std::atan2(rest.coeffs()[j], rest.w());
+  return {first, nearest_turn(second, goal[1]), 0.0};
+}
+
+}  // namespace
+
+double euler_angles(const Eigen::Quaterniond& rotation, std::span<const int> axes,
+                    std::span<const double> nearest_to, std::span<double> angles) {
+  std::ranges::fill(angles, 0.0);
+
+  // the turns that do the work: up to three, no two neighbours about one axis
+  std::array<std::size_t, 3> used{};
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < axes.size() && count < used.size(); ++at) {
+    if (count == 0 || axes[at] != axes[used[count - 1]]) used[count++] = at;
+  }
+  Angles goal{};
+  for (std::size_t n = 0; n < count; ++n) goal[n] = nearest_to[used[n]];
+
+  Angles found{};
+  if (count == 1) {
+    const double angle =
+        2.0 * kDegrees * std::atan2(rotation.coeffs()[axes[used[0]]], rotation.w());
+    found[0] = nearest_turn(angle, goal[0]);
+  } else if (count == 2) {
+    found = two_angles(rotation, axes[used[0]], axes[used[1]], goal);
+  } else if (count == 3 && axes[used[0]] == axes[used[2]]) {
+    found = proper_angles(rotation, axes[used[0]], axes[used[1]], goal);
+  } else if (count == 3) {
+    found = different_angles(rotation, axes[used[0]], axes[used[1]], goal);
+  }
+  for (std::size_t n = 0; n < count; ++n) angles[used[n]] = found[n];
+
+  Eigen::Quaterniond reached = Eigen::Quaterniond::Identity();
+  for (std::size_t at = 0; at < axes.size(); ++at) rotate_about(reached, axes[at], angles[at]);
+  return rotation.angularDistance(reached) * kDegrees;
+}
+
+}  // namespace retarget

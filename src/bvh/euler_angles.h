@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace retarget {
+
+/// rotation := rotation * (turn by `degrees` about coordinate axis 0, 1 or 2).
+inline void rotate_about(Eigen::Quaterniond& rotation, int axis, double degrees) {
+  const double half = degrees * (std::numbers::pi / 360.0);
+  const double c = std::cos(half);
+  const double s = std::sin(half);
+  // x, y, z, w; j and k follow the axis cyclically
+  double* q = rotation.coeffs().data();
+  const int j = axis == 2 ? 0 : axis + 1;
+  const int k = axis == 0 ? 2 : axis - 1;
+  const double w = q[3] * c - q[axis] * s;
+  const double i = q[axis] * c + q[3] * s;
+  const double along_j = q[j] * c + q[k] * s;
+  q[k] = q[k] * c - q[j] * s;
+  q[j] = along_j;
+  q[axis] = i;
+  q[3] = w;
+}
+
+/// Euler angles of `rotation` for turns about `axes` (0, 1, 2), composed left to right
+/// (intrinsic), in degrees: the inverse of rotate_about over all axes.
+///
+/// Any number of axes, repeated ones included; turns that are not needed stay at 0. Of all angles
+/// that give the rotation those nearest to `nearest_to` are taken, so that curves do not jump by
+/// 180 or 360 degrees between frames; where the first and the last turn are about one line
+/// (gimbal lock), they share the change evenly. With fewer than three different turns not every
+/// rotation can be reached.
+///
+/// Formula: Bernardes and Viollet, "Quaternion to Euler angles conversion: a direct, general and
+/// computationally efficient method", PLoS ONE 17(11), 2022; it is exact through gimbal lock.
+///
+/// @param rotation    a unit quaternion.
+/// @param nearest_to  the angles of the frame before, or zeros; same size as axes.
+/// @param angles      filled; same size as axes.
+/// @return the angle in degrees between `rotation` and what the angles give.
+double euler_angles(const Eigen::Quaterniond& rotation, std::span<const int> axes,
+                    std::span<const double> nearest_to, std::span<double> angles);
+
+}  // namespace retarget

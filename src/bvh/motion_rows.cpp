@@ -1,0 +1,251 @@
+#include "bvh/motion_rows.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bvh/number_error.h"
+#include "bvh/number_parser.h"
+#include "bvh/row_layout.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kLenientHint = "--lenient keeps the complete rows";
+
+class RowsParser {
+ public:
+  RowsParser(const SourceText& source, Scanner& scanner, const MotionRowsOptions& options,
+             const RowSink& sink)
+      : source_(source),
+        scanner_(scanner),
+        options_(options),
+        sink_(sink),
+        layout_(options.row_width),
+        row_(options.row_width) {}
+
+  Result<MotionRows> parse();
+
+ private:
+  enum class Stop { kEnd, kTrailingText, kBadValue };
+
+  struct Lines {
+    int good = 0;
+    int bad = 0;
+    bool moved_up = false;  // a good one came after a bad one
+  };
+
+  Stop read_stream();
+  bool at_trailing_text() const;
+  std::optional<Error> find_damage(Stop stop) const;
+  Error bad_value() const;
+  Error wrong_length(const RowLayout::Line& line) const;
+  Result<MotionRows> keep_complete_rows(const Error& damage);
+  Lines read_lines(std::size_t begin, int first_row, bool store);
+  bool read_line(std::size_t* values);
+  void note_row_count(MotionRows& rows) const;
+
+  bool too_few() const { return rows_ < options_.declared_rows; }
+
+  const SourceText& source_;
+  Scanner& scanner_;
+  const MotionRowsOptions& options_;
+  const RowSink& sink_;
+  RowLayout layout_;
+  std::vector<double> row_;
+  std::size_t column_ = 0;  // values of the current row
+  int rows_ = 0;            // complete rows
+};
+
+// whether a number ends where `at` is
+bool number_may_end(const char* at, const char* end) {
+  return at == end || is_space(*at);
+}
+
+// all values as one stream, however they lie on lines; leaves the scanner where it stopped
+RowsParser::Stop RowsParser::read_stream() {
+  const char* const begin = source_.text().data();
+  const char* const end = begin + source_.text().size();
+  const char* at = begin + scanner_.offset();
+  std::size_t values_on_line = 0;
+  while (true) {
+    bool line_ended = false;
+    for (; at < end && is_space(*at); ++at) line_ended |= is_line_end(*at);
+    if ((line_ended || at == end) && values_on_line > 0) {
+      layout_.end_line(std::exchange(values_on_line, 0));
+    }
+    scanner_.move_to(static_cast<std::size_t>(at - begin));
+    if (at == end) return Stop::kEnd;
+    if (values_on_line == 0) layout_.begin_line(scanner_.offset(), column_, rows_);
+
+    const ParsedNumber number = parse_number(at, end);
+    if (number.status == NumberStatus::kOk && number_may_end(number.end, end)) {
+      row_[column_] = number.value;
+      at = number.end;
+      ++values_on_line;
+      if (++column_ < row_.size()) continue;
+      sink_(rows_, row_);
+      column_ = 0;
+      ++rows_;
+    } else if (scanner_.at_comment()) {
+      scanner_.skip_space();
+      // a comment takes its line's end with it
+      if (values_on_line > 0) layout_.end_line(std::exchange(values_on_line, 0));
+      at = begin + scanner_.offset();
+    } else {
+      if (!at_trailing_text()) return Stop::kBadValue;
+      if (values_on_line > 0) layout_.end_line(values_on_line);
+      return Stop::kTrailingText;
+    }
+  }
+}
+
+// old files carry other data after the last row; a number gone bad is not that
+bool RowsParser::at_trailing_text() const {
+  if (column_ > 0 || too_few()) return false;
+  const std::string_view token = scanner_.token();
+  const ParsedNumber number = parse_number(token.data(), token.data() + token.size());
+  return number.status == NumberStatus::kMalformed && token.front() != '\0' &&
+         !is_nan_or_infinity(token);
+}
+
+Error RowsParser::bad_value() const {
+  std::string role = "value " + std::to_string(column_ + 1) + " of " + std::to_string(row_.size()) +
+                     " in row " + std::to_string(rows_ + 1);
+  if (too_few()) role += " of " + std::to_string(options_.declared_rows);
+  Error error = number_failure(source_, scanner_.offset(), role).value();
+  if (error.hint.empty() && (rows_ > 0 || is_nan_or_infinity(scanner_.token()))) {
+    error.hint = kLenientHint;
+  }
+  return error;
+}
+
+Error RowsParser::wrong_length(const RowLayout::Line& line) const {
+  return source_.error_at(line.begin,
+                          "expected rows of " + std::to_string(row_.size()) +
+                              " values, as the channels of HIERARCHY ask for, found " +
+                              std::to_string(line.values) + " on this line",
+                          kLenientHint);
+}
+
+std::optional<Error> RowsParser::find_damage(Stop stop) const {
+  const std::size_t place = scanner_.offset();
+  if (stop == Stop::kBadValue) return bad_value();
+  const bool as_declared = rows_ == options_.declared_rows && column_ == 0;
+  if (layout_.deviation() && (!as_declared || layout_.is_line_by_line(options_.declared_rows))) {
+    return wrong_length(*layout_.deviation());
+  }
+  if (column_ > 0) {
+    return source_.error_at(layout_.latest().begin,
+                            "expected " + std::to_string(row_.size()) + " values in row " +
+                                std::to_string(rows_ + 1) + ", which begins here, found " +
+                                std::to_string(column_) + " before the end of the file",
+                            "the file seems to be cut off" +
+                                (rows_ > 0 ? std::string("; ") + kLenientHint : std::string()));
+  }
+  if (too_few()) {
+    return source_.error_at(
+        place,
+        "expected " + std::to_string(options_.declared_rows) + " rows, as Frames on line " +
+            std::to_string(source_.line_of(options_.declared_place)) + " says, found " +
+            std::to_string(rows_) + " before the end of the file",
+        rows_ > 0 ? std::string("the file seems to be cut off; ") + kLenientHint : "");
+  }
+  return std::nullopt;
+}
+
+void RowsParser::note_row_count(MotionRows& rows) const {
+  if (rows.count <= options_.declared_rows) return;
+  rows.warnings.push_back(source_.warning_at(
+      options_.declared_place, "Frames says " + std::to_string(options_.declared_rows) +
+                                   ", the file holds " + std::to_string(rows.count) +
+                                   " rows: all are read"));
+}
+
+Result<MotionRows> RowsParser::parse() {
+  const Stop stop = read_stream();
+  if (const std::optional<Error> damage = find_damage(stop)) {
+    if (options_.lenient) return keep_complete_rows(*damage);
+    return failure(*damage);
+  }
+  MotionRows rows;
+  rows.count = rows_;
+  note_row_count(rows);
+  if (stop == Stop::kTrailingText) {
+    rows.warnings.push_back(source_.warning_at(
+        scanner_.offset(), "text after the last frame ignored: " +
+                               source_.found_at(scanner_.offset()) + " and what follows"));
+  }
+  return rows;
+}
+
+// one row a line: damaged lines go, the others stay; otherwise the rows before the damage stay
+Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
+  const RowLayout::Line resume = layout_.deviation().value_or(layout_.latest());
+  MotionRows rows;
+  rows.count = layout_.deviation() ? resume.rows : rows_;
+  std::string dropped;
+  if (column_ > 0 || layout_.deviation() || !scanner_.at_end()) {
+    dropped = "; what follows them was dropped";
+    const Lines lines = resume.neat ? read_lines(resume.begin, resume.rows, false) : Lines{};
+    if (resume.neat && resume.rows + lines.good >= rows.count) {
+      read_lines(resume.begin, resume.rows, true);
+      rows.count = resume.rows + lines.good;
+      rows.dropped = lines.bad;
+      dropped = "; dropped " + std::to_string(lines.bad) + " damaged line" +
+                (lines.bad == 1 ? "" : "s") +
+                (lines.moved_up ? ", later frames moved up in time" : "");
+    }
+  }
+  if (rows.count == 0) return failure(damage);
+  note_row_count(rows);
+  rows.warnings.push_back({damage.line, damage.column,
+                           damage.message + ": kept " + std::to_string(rows.count) + " of " +
+                               std::to_string(options_.declared_rows) + " declared rows" +
+                               dropped});
+  return rows;
+}
+
+RowsParser::Lines RowsParser::read_lines(std::size_t begin, int first_row, bool store) {
+  Lines lines;
+  scanner_.move_to(begin);
+  scanner_.skip_space();
+  while (!scanner_.at_end()) {
+    std::size_t values = 0;
+    if (read_line(&values) && values == row_.size()) {
+      if (store) sink_(first_row + lines.good, row_);
+      ++lines.good;
+      lines.moved_up = lines.bad > 0;
+    } else {
+      ++lines.bad;
+    }
+    scanner_.skip_line();
+    scanner_.skip_space();
+  }
+  return lines;
+}
+
+// the numbers of one line, the first of them into row_; false when there is anything else
+bool RowsParser::read_line(std::size_t* values) {
+  const char* const begin = source_.text().data();
+  const char* const end = begin + source_.text().size();
+  while (true) {
+    scanner_.skip_blanks();
+    const char* at = begin + scanner_.offset();
+    if (at == end || is_line_end(*at) || scanner_.at_comment()) return true;
+    const ParsedNumber number = parse_number(at, end);
+    if (number.status != NumberStatus::kOk || !number_may_end(number.end, end)) return false;
+    if (*values < row_.size()) row_[*values] = number.value;
+    ++*values;
+    scanner_.move_to(static_cast<std::size_t>(number.end - begin));
+  }
+}
+
+}  // namespace
+
+Result<MotionRows> parse_motion_rows(const SourceText& source, Scanner& scanner,
+                                     const MotionRowsOptions& options, const RowSink& sink) {
+  return RowsParser(source, scanner, options, sink).parse();
+}
+
+}  // namespace retarget

@@ -1,0 +1,222 @@
+#include "retarget/bvh/read_bvh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <new>
+#include <span>
+#include <utility>
+
+#include "bvh/hierarchy_parser.h"
+#include "bvh/motion_header.h"
+#include "bvh/motion_rows.h"
+#include "bvh/row_decoder.h"
+#include "bvh/source_text.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+// one tree of a file and where it lies in the joints and in the rows of all
+struct Tree {
+  std::shared_ptr<const Skeleton> skeleton;
+  std::vector<std::size_t> places;
+  int first_column = 0;
+  int row_width = 0;  // of all trees
+};
+
+Result<std::size_t> find_root(const SourceText& source, const std::vector<std::string>& roots,
+                              const std::string& wanted) {
+  if (wanted.empty()) return 0;
+  const auto found = std::ranges::find(roots, wanted);
+  if (found == roots.end()) {
+    Error error =
+        source.error_at(0, "expected a ROOT " + quoted(wanted) + " as --root asks for" +
+                               did_you_mean(wanted, roots) + ", found " + list_names(roots, 10));
+    error.line = error.column = 0;
+    return failure(std::move(error));
+  }
+  if (std::find(std::next(found), roots.end(), wanted) != roots.end()) {
+    Error error = source.error_at(
+        0, "expected one ROOT " + quoted(wanted) + " as --root asks for, found several");
+    error.line = error.column = 0;
+    return failure(std::move(error));
+  }
+  return static_cast<std::size_t>(std::distance(roots.begin(), found));
+}
+
+// takes the joints of the tree out of the hierarchy
+Tree take_tree(Hierarchy& hierarchy, std::size_t tree_index) {
+  const int begin = hierarchy.roots[tree_index];
+  const int end = tree_index + 1 < hierarchy.roots.size()
+                      ? hierarchy.roots[tree_index + 1]
+                      : static_cast<int>(hierarchy.joints.size());
+  Tree tree;
+  std::vector<Joint> joints;
+  for (int i = 0; i < static_cast<int>(hierarchy.joints.size()); ++i) {
+    Joint& joint = hierarchy.joints[i];
+    const int channels = static_cast<int>(joint.channels.size());
+    tree.row_width += channels;
+    if (i < begin) tree.first_column += channels;
+    if (i < begin || i >= end) continue;
+    if (joint.parent >= 0) joint.parent -= begin;
+    joints.push_back(std::move(joint));
+    tree.places.push_back(hierarchy.places[i]);
+  }
+  tree.skeleton = std::make_shared<const Skeleton>(std::move(joints));
+  return tree;
+}
+
+class BvhReader {
+ public:
+  BvhReader(const SourceText& source, const BvhReadOptions& options)
+      : source_(source), options_(options), scanner_(source.text()) {}
+
+  Result<BvhFile> read();
+
+ private:
+  Result<BvhFile> skeleton_alone(const Tree& tree);
+  Result<BvhFile> with_motion(const Tree& tree);
+  Result<void> read_rows(const Tree& tree, const MotionHeader& header, Clip& clip);
+  void warn_about_kept_offsets(const Tree& tree, const std::vector<int>& joints);
+  BvhFile finish(Clip clip);
+
+  const SourceText& source_;
+  const BvhReadOptions& options_;
+  Scanner scanner_;
+  std::vector<Warning> warnings_;
+  std::vector<std::string> roots_;
+  int dropped_rows_ = 0;
+};
+
+Result<BvhFile> BvhReader::read() {
+  Result<Hierarchy> hierarchy = parse_hierarchy(source_, scanner_, options_.root);
+  if (!hierarchy) return Failure(hierarchy.error());
+  warnings_ = std::move(hierarchy->warnings);
+  for (const int root : hierarchy->roots) roots_.push_back(hierarchy->joints[root].name);
+  const Result<std::size_t> wanted = find_root(source_, roots_, options_.root);
+  if (!wanted) return Failure(wanted.error());
+  const bool has_motion = hierarchy->has_motion;
+  const Tree tree = take_tree(*hierarchy, *wanted);
+  return has_motion ? with_motion(tree) : skeleton_alone(tree);
+}
+
+Result<BvhFile> BvhReader::skeleton_alone(const Tree& tree) {
+  const std::size_t end = source_.text().size();
+  if (!options_.motion_optional) {
+    return source_.unexpected_at(end, "MOTION after the skeleton",
+                                 "the file holds a skeleton without motion, or was cut off");
+  }
+  warnings_.push_back(source_.warning_at(end, "no MOTION: the skeleton alone is read"));
+  const FrameRate rate =
+      options_.source_fps ? frame_rate_from_fps(*options_.source_fps) : FrameRate{};
+  BvhFile file = finish(Clip(tree.skeleton, rate, 0));
+  file.has_motion = false;
+  return file;
+}
+
+Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
+  const bool needs_frame_time = !options_.source_fps.has_value();
+  const Result<MotionHeader> header = parse_motion_header(source_, scanner_, needs_frame_time);
+  if (!header) return Failure(header.error());
+  const FrameRate rate = options_.source_fps ? frame_rate_from_fps(*options_.source_fps)
+                                             : frame_rate_from_frame_time(*header->frame_time);
+  Clip clip(tree.skeleton, rate, 0);
+  if (Result<void> rows = read_rows(tree, *header, clip); !rows) return Failure(rows.error());
+  if (clip.frame_count() == 0) {
+    warnings_.push_back(
+        source_.warning_at(header->frames_place, "no frames: the skeleton alone is read"));
+  }
+  warn_about_kept_offsets(tree, keep_offsets_of_unmoved_joints(clip));
+  BvhFile file = finish(std::move(clip));
+  file.declared_frames = header->frames;
+  file.declared_frame_time = header->frame_time;
+  return file;
+}
+
+Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, Clip& clip) {
+  if (tree.row_width == 0) {
+    if (header.frames == 0) return {};
+    return source_.unexpected_at(header.frames_place,
+                                 "no frames, for no joint has a channel to move by");
+  }
+  // the text, not the header, bounds the memory: a value takes a digit and a blank
+  const std::size_t bytes_left = source_.text().size() - scanner_.offset();
+  const std::size_t most_rows = (bytes_left + 1) / 2 / static_cast<std::size_t>(tree.row_width);
+  if (most_rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return source_.failure_at(scanner_.offset(),
+                              "expected at most 2^31 - 1 rows, found a file "
+                              "that may hold more",
+                              "split the file");
+  }
+  const auto declared = static_cast<std::uint64_t>(header.frames);
+  clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, most_rows)));
+
+  const RowDecoder decoder(*tree.skeleton, tree.first_column);
+  const RowSink sink = [&](int index, std::span<const double> row) {
+    if (index >= clip.frame_count()) {
+      const std::size_t grown = std::max<std::size_t>(16, 2 * static_cast<std::size_t>(index));
+      clip.resize(static_cast<int>(std::min(grown, most_rows)));
+    }
+    decoder.decode(row, clip, index);
+  };
+  const MotionRowsOptions rows_options = {static_cast<std::size_t>(tree.row_width), header.frames,
+                                          header.frames_place, options_.lenient};
+  Result<MotionRows> rows = parse_motion_rows(source_, scanner_, rows_options, sink);
+  if (!rows) return Failure(rows.error());
+  clip.resize(rows->count);
+  dropped_rows_ = rows->dropped;
+  std::ranges::move(rows->warnings, std::back_inserter(warnings_));
+  return {};
+}
+
+void BvhReader::warn_about_kept_offsets(const Tree& tree, const std::vector<int>& joints) {
+  if (joints.empty()) return;
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back(quoted(tree.skeleton->joint(joint).name));
+  warnings_.push_back(
+      source_.warning_at(tree.places[joints.front()],
+                         "position channels that are 0 in every frame: the OFFSET counts for " +
+                             list_names(names, 5)));
+}
+
+BvhFile BvhReader::finish(Clip clip) {
+  if (scanner_.comment_count() > 0) {
+    warnings_.push_back(source_.warning_at(scanner_.first_comment(), "comment lines skipped"));
+  }
+  std::ranges::stable_sort(warnings_, [](const Warning& a, const Warning& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+  BvhFile file{std::move(clip), std::move(warnings_), true, {}, {}, std::move(roots_), 0};
+  file.dropped_rows = dropped_rows_;
+  return file;
+}
+
+}  // namespace
+
+Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
+                         const BvhReadOptions& options) {
+  if (options.source_fps && !(std::isfinite(*options.source_fps) && *options.source_fps > 0.0)) {
+    return usage_failure("the source frame rate must be a finite number above 0");
+  }
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  const SourceText source(bytes, file_name);
+  try {
+    return BvhReader(source, options).read();
+  } catch (const std::bad_alloc&) {
+    return run_failure(file_name, "not enough memory for the motion in this file");
+  }
+}
+
+Result<BvhFile> load_bvh(const std::string& path, const BvhReadOptions& options) {
+  const Result<std::string> bytes = read_file(path);
+  if (!bytes) return Failure(bytes.error());
+  return read_bvh(*bytes, path == "-" ? "<stdin>" : path, options);
+}
+
+}  // namespace retarget

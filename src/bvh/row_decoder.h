@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "retarget/motion/clip.h"
+
+namespace retarget {
+
+/// Turns motion rows into frames of a clip.
+///
+/// Rotations compose their channels left to right (intrinsic), in degrees, about column vectors:
+/// `Zrotation Yrotation Xrotation` is Rz * Ry * Rx. A position channel replaces its component of
+/// the joint's offset; scale channels are ignored.
+class RowDecoder {
+ public:
+  /// @param first_column  where the skeleton's channels begin in a row.
+  RowDecoder(const Skeleton& skeleton, int first_column);
+
+  /// @pre row holds at least first_column + skeleton.channel_count() values.
+  void decode(std::span<const double> row, Clip& clip, int frame) const;
+
+ private:
+  struct Step {
+    int column;
+    int target;  // joint of a rotation, translation slot of a position
+    int axis;
+  };
+
+  std::vector<Step> rotations_;
+  std::vector<Step> positions_;
+};
+
+/// Some files (MakeHuman's) write zeros in the position channels of joints that stay at their
+/// offset. Gives every joint but the root whose positions are 0 in every frame, and whose offset
+/// is not, its offset as translation.
+/// @return the indices of these joints.
+std::vector<int> keep_offsets_of_unmoved_joints(Clip& clip);
+
+}  // namespace retarget

@@ -1,0 +1,132 @@
+"""Modules include only what they may, and the library neither prints nor ends the process."""
+
+import pathlib
+import re
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+# module: the modules that it may include directly; what those may include, it may include too
+MAY_INCLUDE = {
+    "base": [],
+    "math": ["base"],
+    "motion": ["math"],
+    "bvh": ["motion"],
+    "smpl": ["motion"],
+    "human": ["bvh", "smpl"],
+    "edit": ["human"],
+    "robot": ["motion"],
+    "ik": ["robot"],
+    "io": ["robot"],
+    "pipeline": ["human", "ik"],
+    "refine": ["pipeline"],
+    "quality": ["robot", "human"],
+    "batch": ["refine", "quality", "io"],
+    "view": ["refine", "quality", "io"],
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:retarget/)?([a-z0-9_]+)/[^">]+[">]')
+OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*["<]retarget/([a-z0-9_]+)/')
+
+# the library's errors are values, and its user owns the terminal and the process
+FORBIDDEN = re.compile(
+    r"#\s*include\s*<iostream>|\bstd::(cout|cerr|clog|exit|_Exit|quick_exit|abort|terminate)\b"
+    r"|(?<![\w:.>])(?:std::|::)?(printf|puts|putchar|perror|abort|exit|_exit)\s*\(")
+
+
+def allowed(module):
+    """The module itself and all that it may include, directly or not."""
+    reached = {module}
+    waiting = [module]
+    while waiting:
+        for other in MAY_INCLUDE[waiting.pop()]:
+            if other not in reached:
+                reached.add(other)
+                waiting.append(other)
+    return reached
+
+
+def library_files():
+    """(module, file) for every file of a module; files beside the modules have module None."""
+    for top in ("include/retarget", "src"):
+        for file in sorted((SOURCE / top).rglob("*")):
+            if file.suffix in (".h", ".cpp", ".inc"):
+                parts = file.relative_to(SOURCE / top).parts
+                yield (parts[0] if len(parts) > 1 else None), file
+
+
+def without_comments(text):
+    """The text with comments and string contents blanked, line numbers kept."""
+    pattern = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+
+    def blank(match):
+        found = match.group(0)
+        return '""' if found.startswith('"') else "\n" * found.count("\n")
+
+    return pattern.sub(blank, text)
+
+
+class IncludeDirections(unittest.TestCase):
+    def test_table_has_no_circle(self):
+        for module, direct in MAY_INCLUDE.items():
+            for other in direct:
+                self.assertNotIn(module, allowed(other), f"{module} and {other} include each other")
+
+    def test_every_module_is_in_the_table(self):
+        for module, file in library_files():
+            if module is not None:
+                self.assertIn(module, MAY_INCLUDE, f"{file}: add the module to MAY_INCLUDE")
+
+    def test_includes_go_one_way(self):
+        faults = []
+        for module, file in library_files():
+            if module not in MAY_INCLUDE:
+                continue
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                match = INCLUDE.match(line)
+                if not match:
+                    continue
+                other = match.group(1)
+                unknown = OWN_INCLUDE.match(line) and other not in MAY_INCLUDE
+                if unknown or (other in MAY_INCLUDE and other not in allowed(module)):
+                    place = f"{file.relative_to(SOURCE)}:{number}"
+                    faults.append(f"{place}: {module} may not include {other}")
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_public_headers_include_no_private_ones(self):
+        faults = []
+        public = SOURCE / "include"
+        for file in sorted(public.rglob("*.h")):
+            for line in file.read_text().splitlines():
+                match = re.match(r'\s*#\s*include\s*"([^"]+)"', line)
+                if match and not (public / match.group(1)).exists():
+                    faults.append(f"{file.relative_to(SOURCE)}: {match.group(1)}")
+        self.assertEqual(faults, [])
+
+    def test_library_neither_prints_nor_exits(self):
+        faults = []
+        for _, file in library_files():
+            lines = without_comments(file.read_text()).splitlines()
+            for number, line in enumerate(lines, 1):
+                if FORBIDDEN.search(line):
+                    faults.append(f"{file.relative_to(SOURCE)}:{number}: {line.strip()}")
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+
+class TheChecksThemselves(unittest.TestCase):
+    def test_allowed_reaches_through(self):
+        self.assertEqual(allowed("motion"), {"motion", "math", "base"})
+        self.assertIn("base", allowed("view"))
+        self.assertNotIn("io", allowed("pipeline"))
+
+    def test_forbidden_words(self):
+        for bad in ("#include <iostream>", "std::cerr << x;", 'printf("")', "std::exit(1);",
+                    "  ::abort();", "std::printf(x)"):
+            self.assertTrue(FORBIDDEN.search(bad), bad)
+        for good in ("std::snprintf(b, n, f)", "loop.exit()", "on_exit(x)", "file.printf(x)"):
+            self.assertFalse(FORBIDDEN.search(good), good)
+        self.assertFalse(FORBIDDEN.search(without_comments('x = "exit(1)"; // abort()')))
+
+
+if __name__ == "__main__":
+    unittest.main()

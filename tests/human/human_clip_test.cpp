@@ -1,0 +1,73 @@
+#include "retarget/human/human_clip.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace retarget {
+namespace {
+
+Joint joint(const std::string& name, int parent, Eigen::Vector3d offset) {
+  Joint result;
+  result.name = name;
+  result.parent = parent;
+  result.offset = offset;
+  return result;
+}
+
+// a leg that stands on a platform, in centimetres with y up
+Clip leg_clip(const std::string& toe) {
+  auto skeleton = std::make_shared<const Skeleton>(
+      std::vector<Joint>{joint("Reference", -1, {10, 0, 0}), joint("Hips", 0, {0, 90, 5}),
+                         joint("LeftUpLeg", 1, {0, 0, 10}), joint("LeftLeg", 2, {0, -45, 0}),
+                         joint("LeftFoot", 3, {0, -40, 0}), joint(toe, 4, {15, 0, 0})});
+  Clip clip(skeleton, {30, 1}, 2);
+  const double half = std::sqrt(0.5);
+  clip.rotations(1)[5] = Eigen::Quaterniond(half, 0, half, 0);  // the toe, a quarter turn about y
+  return clip;
+}
+
+TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
+  const Clip clip = leg_clip("LeftToe");
+  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+  EXPECT_EQ(human.frame_count, 2);
+  EXPECT_EQ(human.height, 1.75);
+  const Pose& foot = human.frame(0)[*find_bone("LeftFoot")];
+  // (10, 5, 15) with y up
+  EXPECT_LT((foot.translation - Eigen::Vector3d(0.10, -0.15, 0.05)).norm(), 1e-15);
+  // what pointed up along y now points up along z
+  EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
+  EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(), 1e-15);
+}
+
+TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
+  for (const char* toe : {"LeftToe", "LeftToeBase"}) {
+    const Clip clip = leg_clip(toe);
+    const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+    const Pose& mod = human.frame(1)[*find_bone("LeftFootMod")];
+    EXPECT_EQ(mod.translation, human.frame(1)[*find_bone("LeftFoot")].translation);
+    EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[*find_bone("LeftToe")].rotation.coeffs());
+    // the toe turned about the file's y axis, which is now z
+    const Eigen::Vector3d x = mod.rotation * Eigen::Vector3d::UnitX();
+    EXPECT_LT((x - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);
+  }
+}
+
+TEST(Lafan1Mapping, LeavesOutBonesThatAreNotThere) {
+  const Clip clip = leg_clip("Ball");
+  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+  EXPECT_TRUE(human.has(*find_bone("LeftFoot")));
+  EXPECT_EQ(human.sources[*find_bone("LeftFoot")], "LeftFoot");
+  EXPECT_FALSE(human.has(*find_bone("LeftToe")));
+  EXPECT_FALSE(human.has(*find_bone("LeftFootMod")));
+  EXPECT_FALSE(human.has(*find_bone("RightArm")));
+}
+
+TEST(FindBone, KnowsTheToeByBothNames) {
+  EXPECT_EQ(find_bone("LeftToeBase"), find_bone("LeftToe"));
+  EXPECT_EQ(kBoneNames[*find_bone("RightHand")], "RightHand");
+  EXPECT_FALSE(find_bone("hips"));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,89 @@
+#include "retarget/pipeline/targets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+IkRow row(const std::string& body, const std::string& bone, Eigen::Vector3d offset,
+          Eigen::Quaterniond turn) {
+  IkRow result;
+  result.body = body;
+  result.bone = bone;
+  result.position_weight = 1.0;
+  result.rotation_weight = 2.0;
+  result.position_offset = offset;
+  result.rotation_offset = turn;
+  return result;
+}
+
+IkTables small_tables() {
+  IkTables tables;
+  tables.robot_root = "base";
+  tables.human_root = "Hips";
+  tables.ground_height = 0.25;
+  tables.human_height_assumption = 2.0;
+  tables.scales = {{"Hips", 0.8}, {"LeftArm", 0.6}, {"RightArm", 0.4}};
+  const double half = std::sqrt(0.5);
+  tables.tables[0].rows = {
+      row("left_upper", "LeftArm", {0.1, 0, 0}, Eigen::Quaterniond(half, 0, 0, half)),
+      row("base", "Hips", {0, 0, 0}, Eigen::Quaterniond::Identity())};
+  // other offsets for a bone of table 1, which must not count; a bone of its own, whose must
+  tables.tables[1].rows = {
+      row("left_upper", "LeftArm", {9, 9, 9}, Eigen::Quaterniond::Identity()),
+      row("right_upper", "RightArm", {0, 0.5, 0}, Eigen::Quaterniond::Identity())};
+  return tables;
+}
+
+TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
+  const TargetBuilder builder(small_tables(), 1.0);
+  std::vector<Pose> bones(kBoneCount);
+  const int hips = *find_bone("Hips"), left = *find_bone("LeftArm"), right = *find_bone("RightArm");
+  bones[hips].translation = {1, 2, 3};
+  bones[left].translation = {2, 2, 4};
+  bones[left].rotation = Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x
+  bones[right].translation = {1, 0, 3};
+  ASSERT_EQ(builder.target_count(), 3);
+  EXPECT_EQ(builder.bones(), (std::vector<int>{hips, left, right}));
+  std::vector<Pose> targets(3);
+  builder.build(bones, targets);
+
+  // scales are halved: the body is 1 m high where 2 m were assumed
+  const Eigen::Vector3d root(0.4, 0.8, 1.2);
+  const Pose& hips_target = targets[builder.target_of(hips)];
+  EXPECT_LT((hips_target.translation - (root + Eigen::Vector3d(0, 0, -0.25))).norm(), 1e-15);
+  // offset and ground lie in the target's frame: half a turn about x, then a quarter about z
+  const Pose& left_target = targets[builder.target_of(left)];
+  const Eigen::Vector3d scaled = root + 0.3 * Eigen::Vector3d(1, 0, 1);
+  EXPECT_LT((left_target.translation - (scaled + Eigen::Vector3d(0, -0.1, 0.25))).norm(), 1e-15);
+  const Pose& right_target = targets[builder.target_of(right)];
+  EXPECT_LT((right_target.translation - (root + Eigen::Vector3d(0, -0.4 + 0.5, -0.25))).norm(),
+            1e-15);
+}
+
+TEST(MakeProblem, LeavesOutTablesThatAreNotUsedAndRowsWithoutWeight) {
+  const auto robot = robot_from_text(kTwoArms);
+  IkTables tables = small_tables();
+  tables.tables[0].rows[0].position_weight = tables.tables[0].rows[0].rotation_weight = 0.0;
+  const auto problem =
+      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+  ASSERT_EQ(problem->passes.size(), 2u);
+  ASSERT_EQ(problem->passes[0].size(), 1u);
+  const FrameTask& task = problem->passes[0][0];
+  EXPECT_EQ(task.body, *robot->find_body("base"));
+  EXPECT_EQ(task.target, 0);
+  EXPECT_EQ(task.position_weight, 1.0);
+  EXPECT_EQ(task.rotation_weight, 2.0);
+  EXPECT_EQ(problem->lower[0], -1.0);
+  tables.tables[0].used = false;
+  const auto second =
+      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+  EXPECT_EQ(second->passes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "retarget/robot/load_robot.h"
+
+namespace retarget {
+
+/// A folder that vanishes with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "retarget_XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Writes a file into the folder and gives its path.
+  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return (path_ / name).string();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A robot from MJCF text.
+inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
+  const TemporaryFolder folder;
+  const auto robot = load_robot(folder.write("robot.xml", mjcf));
+  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
+  return robot ? *robot : nullptr;
+}
+
+/// The Unitree G1 of the repository with its profile.
+inline std::shared_ptr<const Robot> load_g1() {
+  const std::filesystem::path folder =
+      std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
+  const auto robot = load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
+  EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
+  return robot ? *robot : nullptr;
+}
+
+/// Two arms on a floating base: hinges about different axes, an anchor off the origin, a slide, an
+/// unlimited joint.
+inline constexpr const char* kTwoArms = R"(
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="base" pos="0 0 1">
+      <freejoint/>
+      <geom size="0.1" mass="1"/>
+      <body name="left_upper" pos="0 0.2 0.1" quat="0.9 0.1 0.2 0.3">
+        <joint name="left_shoulder" axis="0 1 0" range="-1 1.5"/>
+        <geom size="0.05" mass="1"/>
+        <body name="left_lower" pos="0 0.3 0">
+          <joint name="left_elbow" axis="1 0 1" pos="0 -0.05 0.02" range="0 2.5"/>
+          <joint name="left_twist" axis="0 1 0"/>
+          <geom size="0.05" mass="1"/>
+        </body>
+      </body>
+      <body name="right_upper" pos="0 -0.2 0.1">
+        <joint name="right_slide" type="slide" axis="0 0 1" range="-0.2 0.2"/>
+        <joint name="right_shoulder" axis="1 0 0" range="-2 0.5" ref="0.1"/>
+        <geom size="0.05" mass="1"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+}  // namespace retarget

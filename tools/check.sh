@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# The checks beyond the tests, for developers and CI.
+#
+#   tools/check.sh [format] [shell] [asan] [tidy]        (default: all four)
+#
+#   format  clang-format (version 14) would change nothing
+#   shell   shellcheck finds nothing in the scripts
+#   asan    all tests pass under the address and undefined behaviour sanitizers
+#   tidy    clang-tidy finds nothing in the library and the tool
+#
+# Needs what tools/setup.sh --dev installs, and calls it. JOBS: how many processes.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+jobs=${JOBS:-$(nproc)}
+
+# the files of the repository (or of an unpacked archive of it) with the given endings
+files() {
+  local name tests=()
+  for name; do tests+=(-o -name "$name"); done
+  find . \( -path ./build -o -path ./.git \) -prune -o -type f \( "${tests[@]:1}" \) -print0
+}
+
+check_format() {
+  local program
+  program=$(command -v clang-format-14 || command -v /usr/lib/llvm-14/bin/clang-format || true)
+  if [ -z "$program" ]; then
+    echo "check: format left out: there is no clang-format 14, and others format differently" >&2
+    return 0
+  fi
+  files '*.h' '*.cpp' | xargs -0 -r "$program" --dry-run -Werror
+}
+
+check_shell() {
+  { files '*.sh'; printf '.ci/run\0'; } | xargs -0 -r shellcheck
+}
+
+check_asan() {
+  cmake --preset asan
+  cmake --build --preset asan --parallel "$jobs"
+  ctest --preset asan --parallel "$jobs"
+}
+
+check_tidy() {
+  cmake --preset tidy
+  cmake --build --preset tidy --parallel "$jobs"
+}
+
+checks=("$@")
+[ $# -gt 0 ] || checks=(format shell asan tidy)
+for check in "${checks[@]}"; do
+  if ! declare -F "check_$check" >/dev/null; then
+    echo "check: unknown check \"$check\" (known: format, shell, asan, tidy)" >&2
+    exit 2
+  fi
+done
+
+# the sanitizers come with the compiler
+[ "${checks[*]}" = asan ] && developer=() || developer=(--dev)
+"$root/tools/setup.sh" "${developer[@]}"
+cd -- "$root"
+for check in "${checks[@]}"; do
+  echo "check: $check"
+  "check_$check"
+done

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Retargets the sample walk to the Unitree G1 and says where the CSV is; installs what is missing
+# (tools/setup.sh) and builds the tool first. Safe to repeat.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+# a relative MuJoCo_ROOT is meant from where the user is
+if [ -n "${MuJoCo_ROOT:-}" ]; then
+  MuJoCo_ROOT=$(realpath -- "$MuJoCo_ROOT")
+  export MuJoCo_ROOT
+fi
+
+"$root/tools/setup.sh"
+cd -- "$root"
+cmake --preset release >/dev/null
+cmake --build --preset release --parallel "${JOBS:-$(nproc)}" --target retarget_cli
+
+csv=$root/build/walk.csv
+build/release/tools/retarget/retarget --bvh data/walk.bvh --robot unitree_g1 -o "$csv"
+echo "The trajectory is in $csv"

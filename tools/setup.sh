@@ -1,0 +1,274 @@
+#!/usr/bin/env bash
+# Installs what retarget needs to be built and tested.
+#
+#   tools/setup.sh [--dev] [--check]
+#
+#   --dev    also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
+#   --check  install nothing; say what is missing and exit with 1 when something is
+#
+# Debian and Ubuntu: packages by apt-get, as root or through sudo. Elsewhere: says which packages
+# are missing. MuJoCo comes as a pinned wheel into build/deps/mujoco, unless MuJoCo_ROOT (or
+# MUJOCO_DIR, mujoco_DIR) names one that is there already. Safe to repeat: what is there is left alone.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+
+# the wheel is the SDK: shared library and headers. Only these are used, so that one Python's wheel
+# serves beside any Python; the second is for platforms that the first was not made for
+readonly kMujocoVersion=4.0.0
+readonly kMujocoWheel=(--python-version 3.11 "mujoco-core==$kMujocoVersion")
+readonly kOlderMujocoVersion=3.3.7
+readonly kOlderMujocoWheel=("mujoco==$kOlderMujocoVersion")
+
+# Debian package | Fedora | Arch | Homebrew | how to see that it is there
+readonly kPackages='
+g++                | gcc-c++        | gcc           | gcc           | has_compiler
+cmake              | cmake          | cmake         | cmake         | has_cmake
+ninja-build        | ninja-build    | ninja         | ninja         | has_command ninja
+libeigen3-dev      | eigen3-devel   | eigen         | eigen         | has_header eigen3/Eigen/Core Eigen/Core
+nlohmann-json3-dev | json-devel     | nlohmann-json | nlohmann-json | has_header nlohmann/json.hpp
+libcli11-dev       | cli11-devel    | cli11         | cli11         | has_header CLI/CLI.hpp
+libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header tl/expected.hpp
+libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
+libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
+python3            | python3        | python        | python        | has_command python3
+python3-pip        | python3-pip    | python-pip    | python        | has_pip_or_no_need
+python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
+'
+readonly kDeveloperPackages='
+ccache             | ccache           | ccache    | ccache           | has_command ccache
+clang-14           | clang            | clang     | llvm             | has_command clang++-14 clang++
+clang-tidy-14      | clang-tools-extra | clang    | llvm             | has_command clang-tidy-14 clang-tidy
+clang-format-14    | clang-tools-extra | clang    | llvm             | has_command clang-format-14 clang-format
+libclang-rt-14-dev | compiler-rt      | compiler-rt | llvm           | has_clang_runtime
+libbenchmark-dev   | google-benchmark-devel | benchmark | google-benchmark | has_header benchmark/benchmark.h
+shellcheck         | ShellCheck       | shellcheck | shellcheck      | has_command shellcheck
+'
+
+say() { printf 'setup: %s\n' "$*" >&2; }
+
+# --- what is there ---------------------------------------------------------------------------
+
+has_command() {
+  local name
+  for name; do
+    command -v "$name" >/dev/null 2>&1 && return 0
+  done
+  return 1
+}
+
+# version_at_least HAVE WANTED
+version_at_least() { [ "$(printf '%s\n' "$2" "$1" | sort -V | head -n 1)" = "$2" ]; }
+
+has_compiler() {
+  local compiler
+  for compiler in "${CXX:-}" c++ g++ clang++; do
+    has_command "$compiler" || continue
+    "$compiler" -std=c++20 -fsyntax-only -x c++ - >/dev/null 2>&1 <<'CODE' && return 0
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 11
+#error too old
+#endif
+#include <concepts>
+#include <span>
+CODE
+  done
+  return 1
+}
+
+has_cmake() { has_command cmake && version_at_least "$(cmake_version)" 3.22; }
+cmake_version() { cmake --version | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p'; }
+
+has_header() {
+  local places folder header
+  IFS=: read -ra places <<<"${CPATH:-}:${CPLUS_INCLUDE_PATH:-}"
+  for folder in /usr /usr/local /opt/homebrew $(tr ':;' '  ' <<<"${CMAKE_PREFIX_PATH:-}"); do
+    places+=("$folder/include")
+  done
+  for folder in "${places[@]}"; do
+    for header; do
+      [ -n "$folder" ] && [ -e "$folder/$header" ] && return 0
+    done
+  done
+  return 1
+}
+
+# the first Python that can run `python -c CODE`
+python_that_can() {
+  local python
+  for python in ${PYTHON:+"$PYTHON"} python3 /usr/bin/python3; do
+    if has_command "$python" && "$python" -c "$1" >/dev/null 2>&1; then
+      printf '%s\n' "$python"
+      return 0
+    fi
+  done
+  return 1
+}
+
+has_numpy() { python_that_can 'import numpy' >/dev/null; }
+has_pip_or_no_need() { has_mujoco || python_that_can 'import pip' >/dev/null; }
+
+has_clang_runtime() {
+  local files=(/usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.fuzzer-*.a
+    /usr/lib*/clang/*/lib/*/libclang_rt.fuzzer*.a)
+  local file
+  for file in "${files[@]}"; do
+    [ -e "$file" ] && return 0
+  done
+  return 1
+}
+
+own_mujoco() { printf '%s' "${MuJoCo_ROOT:-${MUJOCO_DIR:-${mujoco_DIR:-}}}"; }
+
+has_mujoco() {
+  [ -n "$(own_mujoco)" ] && return 0
+  local folder=$root/build/deps/mujoco version
+  [ -e "$folder/include/mujoco/mujoco.h" ] || return 1
+  for version in "$kMujocoVersion" "$kOlderMujocoVersion"; do
+    [ -e "$folder/libmujoco.so.$version" ] && return 0
+  done
+  return 1
+}
+
+# --- packages --------------------------------------------------------------------------------
+
+# the rows of kPackages (and kDeveloperPackages) whose check fails
+missing_rows() {
+  local row check
+  while IFS= read -r row; do
+    [ -n "$row" ] || continue
+    read -ra check <<<"${row##*|}"
+    "${check[@]}" || printf '%s\n' "$row"
+  done <<<"$1"
+}
+
+# column N of the rows, on one line, each name once
+names() { awk -F'|' -v n="$1" '{gsub(/ /, "", $n); if (!seen[$n]++) printf "%s%s", sep, $n; sep=" "}' <<<"$2"; }
+
+cannot_install() {
+  say "cannot install: $1"
+  {
+    echo "Missing packages:"
+    echo "  Debian, Ubuntu: apt-get install $(names 1 "$2")"
+    echo "  Fedora:         dnf install $(names 2 "$2")"
+    echo "  Arch:           pacman -S $(names 3 "$2")"
+    echo "  Homebrew:       brew install $(names 4 "$2")"
+    explain_old_tools
+  } >&2
+  exit 1
+}
+
+# a tool that is there but too old looks missing: say so
+explain_old_tools() {
+  if has_command cmake && ! has_cmake; then
+    echo "  (cmake is there, but $(cmake_version) is older than 3.22)"
+  fi
+  if has_command g++ && ! has_compiler; then
+    echo "  (g++ is there, but $(g++ -dumpversion) is too old for C++20; 11 or newer is needed)"
+  fi
+}
+
+# versioned clang packages where the distribution has them, else those of its own version
+available_names() {
+  local name version
+  for name; do
+    if [[ $name == *-14* ]] && ! apt-cache show --no-all-versions "$name" >/dev/null 2>&1; then
+      version=$(apt-cache depends clang | sed -n 's/.*Depends: clang-\([0-9]*\)$/\1/p' | head -n 1)
+      name=${name/-14/-$version}
+    fi
+    printf '%s\n' "$name"
+  done
+}
+
+install_packages() {
+  local rows=$1 packages as_root=()
+  has_command apt-get || cannot_install "this system has no apt-get" "$rows"
+  if [ "$(id -u)" -ne 0 ]; then
+    has_command sudo || cannot_install "you are not root and there is no sudo" "$rows"
+    as_root=(sudo)
+    # without a terminal nobody can type a password
+    [ -t 0 ] || as_root+=(-n)
+  fi
+  read -ra packages <<<"$(names 1 "$rows")"
+  say "installing with ${as_root[*]:+sudo }apt-get: ${packages[*]}"
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq
+    -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 -o Dpkg::Use-Pty=0)
+  # an old list may still do, so the install has the last word
+  "${apt[@]}" update >/dev/null || say "apt-get update failed; trying with the lists that are here"
+  mapfile -t packages < <(available_names "${packages[@]}")
+  "${apt[@]}" install -y --no-install-recommends "${packages[@]}" >/dev/null </dev/null ||
+    cannot_install "apt-get install failed (its messages are above)" "$rows"
+  rows=$(missing_rows "$rows")
+  [ -z "$rows" ] || cannot_install "still missing after apt-get install" "$rows"
+}
+
+# --- MuJoCo ----------------------------------------------------------------------------------
+
+install_mujoco() {
+  local python deps=$root/build/deps temporary
+  python=$(python_that_can 'import pip') || {
+    say "cannot fetch MuJoCo: no Python with pip (Debian: python3-pip)"
+    exit 1
+  }
+  mkdir -p "$deps"
+  temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
+  # shellcheck disable=SC2064  # the name as it is now
+  trap "rm -rf -- '$temporary'" EXIT
+  say "fetching MuJoCo $kMujocoVersion (a Python wheel, used as an SDK) into build/deps/mujoco"
+  fetch_wheel "$python" "$temporary/wheel" "${kMujocoWheel[@]}" ||
+    fetch_wheel "$python" "$temporary/wheel" "${kOlderMujocoWheel[@]}" || {
+    say "cannot fetch MuJoCo: pip's messages are above. With a MuJoCo >= 3.3 of your own:" \
+      "export MuJoCo_ROOT=DIR"
+    exit 1
+  }
+  # its licences go where the library goes
+  find "$temporary/wheel" -path '*.dist-info/*' -name 'LICENSE*' -exec cp {} "$temporary/wheel/mujoco/" \;
+  rm -rf -- "$deps/mujoco"
+  mv -T -- "$temporary/wheel/mujoco" "$deps/mujoco"
+}
+
+fetch_wheel() {
+  local python=$1 folder=$2
+  shift 2
+  rm -rf -- "$folder"
+  PIP_ROOT_USER_ACTION=ignore "$python" -m pip install --quiet --disable-pip-version-check --no-deps --no-compile \
+    --only-binary=:all: --target "$folder" "$@" >&2 && [ -e "$folder/mujoco/include/mujoco/mujoco.h" ]
+}
+
+# --- main ------------------------------------------------------------------------------------
+
+main() {
+  local wanted=$kPackages only_check=false missing own
+  while [ $# -gt 0 ]; do
+    case $1 in
+      --dev) wanted+=$kDeveloperPackages ;;
+      --check) only_check=true ;;
+      -h | --help)
+        sed -n '2,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+        exit 0
+        ;;
+      *)
+        say "unknown option $1 (known: --dev, --check)"
+        exit 2
+        ;;
+    esac
+    shift
+  done
+
+  own=$(own_mujoco)
+  if [ -n "$own" ] && ! [ -d "$own" ]; then
+    say "MuJoCo_ROOT, MUJOCO_DIR or mujoco_DIR names \"$own\", which is no folder"
+    exit 1
+  fi
+
+  missing=$(missing_rows "$wanted")
+  if $only_check; then
+    has_mujoco || say "missing: MuJoCo (a Python wheel; tools/setup.sh fetches it)"
+    [ -z "$missing" ] || cannot_install "only checking" "$missing"
+    has_mujoco || exit 1
+    exit 0
+  fi
+  [ -z "$missing" ] || install_packages "$missing"
+  has_mujoco || install_mujoco
+}
+
+main "$@"
