@@ -117,12 +117,15 @@ TEST(Reference, TwelveClipsAgreeInEveryFrame) {
 }
 
 Eigen::Vector3d vector_of(const Json& json) {
-  return {json[0], json[1], json[2]};
+  const auto v = json.get<std::vector<double>>();
+  return Eigen::Vector3d(v[0], v[1], v[2]);
 }
 
 // angle between two rotations, radians
-double angle_between(const Eigen::Quaterniond& a, const Json& wxyz) {
-  return log_so3(a.conjugate() * Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3])).norm();
+double angle_between(const Eigen::Quaterniond& a, const Json& json) {
+  const auto wxyz = json.get<std::vector<double>>();
+  const Eigen::Quaterniond b(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  return log_so3(a.conjugate() * b).norm();
 }
 
 TEST(Reference, EveryStageAgrees) {
