@@ -295,6 +295,7 @@ Result<Channel> HierarchyParser::parse_channel(int number, int count) {
   });
   if (named == kChannels.end()) {
     std::vector<std::string> names;
+    names.reserve(kChannels.size());
     for (const Channel channel : kChannels) names.emplace_back(channel_name(channel));
     const std::string suggestion = did_you_mean(token.substr(0, 32), names);
     return source_.failure_at(offset, "expected channel " + std::to_string(number) + " of the " +

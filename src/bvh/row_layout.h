@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,7 +21,8 @@ class RowLayout {
     bool neat = true;        ///< Whether each line before it held exactly one row.
   };
 
-  explicit RowLayout(std::size_t row_width) : width_(row_width) {}
+  /// @pre row_width > 0
+  explicit RowLayout(std::size_t row_width) : width_(row_width) { assert(row_width > 0); }
 
   /// @param begin   byte offset of the line's first value.
   /// @param column  values of the current row on lines before.
