@@ -21,8 +21,7 @@ class RowLayout {
     bool neat = true;        ///< Whether each line before it held exactly one row.
   };
 
-  /// @pre row_width > 0
-  explicit RowLayout(std::size_t row_width) : width_(row_width) { assert(row_width > 0); }
+  explicit RowLayout(std::size_t row_width) : width_(row_width) {}
 
   /// @param begin   byte offset of the line's first value.
   /// @param column  values of the current row on lines before.
@@ -33,6 +32,7 @@ class RowLayout {
   }
 
   void end_line(std::size_t values) {
+    assert(width_ > 0);
     ++lines_;
     if (values == width_) ++exact_lines_;
     if (column_ == 0) aligned_.values = values;
