@@ -5,10 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -48,6 +45,37 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
+// the file that a path names in the end, which need not exist: a link may point nowhere yet
+std::string follow_links(const std::string& path) {
+  constexpr int kMostLinks = 40;
+  std::filesystem::path target = path;
+  std::error_code error;
+  for (int i = 0; i < kMostLinks; ++i) {
+    const auto next = std::filesystem::read_symlink(target, error);
+    if (error) break;
+    // an absolute link takes the place of the folder
+    target = target.parent_path() / next;
+  }
+  return target.string();
+}
+
+// beside the target, short enough for any folder, and of no other open file of any process
+std::string temporary_name(const std::string& target, int number) {
+  return folder_of(target) + "/.retarget-" + std::to_string(::getpid()) + "-" +
+         std::to_string(number) + ".tmp";
+}
+
+// a new empty file beside the target, for file systems without nameless files
+int create_named(const std::string& target, std::string& name) {
+  constexpr int kMostNames = 1000;
+  for (int number = 0; number < kMostNames; ++number) {
+    name = temporary_name(target, number);
+    const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
+}
+
 }  // namespace
 
 Result<std::string> read_file(const std::string& path, ErrorKind kind) {
@@ -82,7 +110,11 @@ Result<void> check_output_folder(const std::string& path) {
   if (path == "-") return {};
   const std::string folder = folder_of(path);
   std::error_code ignored;
+  if (path.empty()) return usage_failure("the name of the output is empty");
   if (std::filesystem::is_directory(folder, ignored)) return {};
+  if (std::filesystem::exists(folder, ignored)) {
+    return usage_failure("\"" + folder + "\" of the output \"" + path + "\" is not a folder");
+  }
   return usage_failure(
       "the folder \"" + folder + "\" of the output \"" + path + "\" does not exist",
       "make it first: mkdir -p " + folder);
@@ -97,32 +129,31 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     return file;
   }
   if (auto folder = check_output_folder(path); !folder) return failure(folder.error());
-  // a link is kept and the file that it names is replaced
-  std::error_code no_such_file;
-  const auto resolved = std::filesystem::weakly_canonical(path, no_such_file);
-  file.target_ = no_such_file ? path : resolved.string();
-
   struct stat info {};
-  if (::stat(file.target_.c_str(), &info) == 0) {
+  if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) {
       return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
     }
     file.direct_ = !S_ISREG(info.st_mode);
+  } else if (errno != ENOENT) {
+    return write_failure(path, errno);
   }
   if (file.direct_) {
-    file.descriptor_ = ::open(file.target_.c_str(), O_WRONLY | O_CLOEXEC);
+    file.descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (file.descriptor_ < 0) return write_failure(path, errno);
     return file;
   }
+
+  // a link is kept and the file that it names is replaced
+  file.target_ = follow_links(path);
+  if (auto folder = check_output_folder(file.target_); !folder) return failure(folder.error());
 
 #ifdef O_TMPFILE
   file.descriptor_ =
       ::open(folder_of(file.target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
 #endif
   if (file.descriptor_ < 0) {
-    file.temporary_ = file.target_ + "." + std::to_string(::getpid()) + ".tmp";
-    file.descriptor_ =
-        ::open(file.temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    file.descriptor_ = create_named(file.target_, file.temporary_);
     if (file.descriptor_ < 0) {
       const int error_number = errno;
       file.temporary_.clear();
@@ -162,13 +193,19 @@ Result<void> OutputFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return write_failure(path_, errno);
+    if (count < 0) {
+      const int error_number = errno;
+      // half a file must not be committed by a caller who goes on
+      discard();
+      return write_failure(path_, error_number);
+    }
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   return {};
 }
 
 Result<void> OutputFile::commit() {
+  if (descriptor_ < 0) return write_failure(path_, EBADF);
   if (direct_) {
     discard();
     return {};
@@ -176,7 +213,7 @@ Result<void> OutputFile::commit() {
   if (::fsync(descriptor_) != 0) return write_failure(path_, errno);
   if (temporary_.empty()) {
     // give the nameless file a name beside the target; only a rename replaces in one step
-    const std::string name = target_ + "." + std::to_string(::getpid()) + ".tmp";
+    const std::string name = temporary_name(target_, descriptor_);
     const std::string handle = "/proc/self/fd/" + std::to_string(descriptor_);
     ::unlink(name.c_str());
     if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) {

@@ -1,38 +1,95 @@
 #include "base/json.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "retarget/base/file.h"
 
 namespace retarget {
 namespace {
 
+// deeper nesting means nothing to us, and recursive code would run out of stack
+constexpr int kMaxDepth = 100;
+constexpr std::size_t kMaxFoundLength = 80;
+constexpr std::size_t kMaxReasonLength = 200;
+
+std::string cut_short(std::string text, std::size_t length) {
+  if (text.size() <= length) return text;
+  // not within a character of several bytes
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
+  return text.substr(0, length) + "...";
+}
+
 // nlohmann's text without its own prefix and position, which is counted anew below
-std::string reason_of(const nlohmann::json::parse_error& error) {
+std::string reason_of(const nlohmann::json::exception& error) {
   std::string reason = error.what();
-  if (const auto colon = reason.rfind("column "); colon != std::string::npos) {
+  if (const auto bracket = reason.find("] "); bracket != std::string::npos) {
+    reason.erase(0, bracket + 2);
+  }
+  if (const auto colon = reason.find("column "); colon != std::string::npos) {
     const auto start = reason.find(": ", colon);
     if (start != std::string::npos) reason.erase(0, start + 2);
   }
-  return reason;
+  return cut_short(reason, kMaxReasonLength);
+}
+
+// @param offset  of the byte at fault; the size of the text for its end
+Failure json_failure(std::string_view text, const std::string& file, std::size_t offset,
+                     const std::string& reason) {
+  const std::string_view before = text.substr(0, std::min(offset, text.size()));
+  const std::size_t line_end = before.rfind('\n');
+  Error error;
+  error.kind = ErrorKind::kConfig;
+  error.file = file;
+  error.line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n'));
+  error.column = line_end == std::string_view::npos ? before.size() + 1 : before.size() - line_end;
+  error.message = "no valid JSON: " + reason;
+  return failure(std::move(error));
+}
+
+std::optional<std::size_t> too_deep_at(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxDepth) return i;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return std::nullopt;
+}
+
+// nlohmann does not say where a number is that does not fit, but quotes it
+std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
+  const std::size_t open = reason.find('\'');
+  const std::size_t close = reason.rfind('\'');
+  if (open == std::string::npos || close <= open) return 0;
+  const std::size_t found = text.find(reason.substr(open + 1, close - open - 1));
+  return found == std::string_view::npos ? 0 : found;
 }
 
 }  // namespace
 
 Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::string& file) {
+  if (const auto offset = too_deep_at(text)) {
+    return json_failure(text, file, *offset,
+                        "nested more than " + std::to_string(kMaxDepth) + " deep");
+  }
   try {
     return nlohmann::ordered_json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
-    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-    const std::size_t line_start = before.rfind('\n');
-    Error failed;
-    failed.kind = ErrorKind::kConfig;
-    failed.file = file;
-    failed.line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n'));
-    failed.column = std::max<std::size_t>(
-        1, line_start == std::string_view::npos ? before.size() : before.size() - line_start - 1);
-    failed.message = "no valid JSON: " + reason_of(error);
-    return failure(std::move(failed));
+    // its count of bytes is 1-based
+    return json_failure(text, file, error.byte > 0 ? error.byte - 1 : 0, reason_of(error));
+  } catch (const nlohmann::json::exception& error) {
+    const std::string reason = reason_of(error);
+    return json_failure(text, file, offset_of_quoted(text, reason), reason);
   }
 }
 
@@ -40,6 +97,10 @@ Result<nlohmann::ordered_json> load_json(const std::string& path) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
   return parse_json(*text, path);
+}
+
+std::string short_text(const nlohmann::ordered_json& json) {
+  return cut_short(json.dump(), kMaxFoundLength);
 }
 
 }  // namespace retarget

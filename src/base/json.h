@@ -8,11 +8,17 @@
 
 namespace retarget {
 
-/// Parses JSON; members keep their order. Syntax errors are kConfig errors with line and column.
+/// Parses JSON; members keep their order, and of members by the same name the last one counts.
+///
+/// Syntax errors, numbers beyond the range of double and lists or objects nested more than 100 deep
+/// are kConfig errors with line and column.
 [[nodiscard]] Result<nlohmann::ordered_json> parse_json(std::string_view text,
                                                         const std::string& file);
 
 /// parse_json of a file.
 [[nodiscard]] Result<nlohmann::ordered_json> load_json(const std::string& path);
+
+/// A value for a message: as JSON, cut short where it is long.
+[[nodiscard]] std::string short_text(const nlohmann::ordered_json& json);
 
 }  // namespace retarget

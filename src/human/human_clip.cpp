@@ -1,5 +1,6 @@
 #include "retarget/human/human_clip.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "retarget/motion/forward_kinematics.h"
@@ -30,7 +31,15 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
 
 }  // namespace
 
-HumanMapping lafan1_mapping(const Skeleton& skeleton) {
+Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string& file) {
+  for (const std::string_view bone : kBoneNames) {
+    if (std::ranges::count(skeleton.joints(), bone, &Joint::name) > 1) {
+      return input_failure(file,
+                           "several joints are called \"" + std::string(bone) +
+                               "\": which of them is the bone cannot be told",
+                           "rename all but one of them");
+    }
+  }
   HumanMapping mapping;
   mapping.dialect = "lafan1";
   mapping.bones.reserve(kBoneCount);
@@ -41,6 +50,8 @@ HumanMapping lafan1_mapping(const Skeleton& skeleton) {
   // a quarter turn about x takes y (up) to z
   mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   mapping.height = 1.75;
+  mapping.description =
+      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
   return mapping;
 }
 

@@ -44,11 +44,7 @@ Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_
     return failure(checked.error());
   }
 
-  auto problem = std::make_shared<IkProblem>();
-  problem->robot = robot;
-  problem->passes = make_passes(tables, *robot, targets);
-  problem->lower = Eigen::Map<const Eigen::VectorXd>(limits.lower.data(), limits.lower.size());
-  problem->upper = Eigen::Map<const Eigen::VectorXd>(limits.upper.data(), limits.upper.size());
+  const auto problem = make_problem(robot, tables, targets, limits);
   const auto solver = make_reference_solver(problem, options.ik);
 
   RetargetResult result;

@@ -1,6 +1,7 @@
 #include "retarget/pipeline/targets.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace retarget {
 namespace {
@@ -66,24 +67,29 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
   }
 }
 
-std::vector<IkPass> make_passes(const IkTables& tables, const Robot& robot,
-                                const TargetBuilder& targets) {
-  std::vector<IkPass> passes;
+std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
+                                              const IkTables& tables, const TargetBuilder& targets,
+                                              const LimitSet& limits) {
+  auto problem = std::make_shared<IkProblem>();
   for (const IkTable& table : tables.tables) {
     if (!table.used) continue;
     IkPass pass;
     for (const IkRow& row : table.rows) {
       if (!row.has_weight()) continue;
       FrameTask task;
-      task.body = robot.find_body(row.body).value();
+      task.body = robot->find_body(row.body).value();
       task.target = targets.target_of(find_bone(row.bone).value());
       task.position_weight = row.position_weight;
       task.rotation_weight = row.rotation_weight;
       pass.push_back(task);
     }
-    passes.push_back(std::move(pass));
+    problem->passes.push_back(std::move(pass));
   }
-  return passes;
+  const auto joints = static_cast<Eigen::Index>(robot->joints().size());
+  problem->lower = Eigen::Map<const Eigen::VectorXd>(limits.lower.data(), joints);
+  problem->upper = Eigen::Map<const Eigen::VectorXd>(limits.upper.data(), joints);
+  problem->robot = std::move(robot);
+  return problem;
 }
 
 }  // namespace retarget

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/json.h"
 #include "retarget/base/suggest.h"
 
 namespace retarget {
@@ -27,9 +28,9 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
       faults.add(what + ": the model has no joint \"" + name + "\"" +
                  did_you_mean(name, robot.joint_names()));
     } else if (!is_range(range)) {
-      faults.add(what + " of \"" + name + "\" must be [lower, upper], found " + range.dump());
+      faults.add(what + " of \"" + name + "\" must be [lower, upper], found " + short_text(range));
     } else if (range[0].get<double>() > range[1].get<double>()) {
-      faults.add(what + " of \"" + name + "\": lower is above upper in " + range.dump());
+      faults.add(what + " of \"" + name + "\": lower is above upper in " + short_text(range));
     } else {
       set.lower[*joint] = range[0].get<double>();
       set.upper[*joint] = range[1].get<double>();

@@ -1,29 +1,43 @@
 #include "retarget/robot/limits.h"
 
+#include <mujoco/mujoco.h>
+
+#include <limits>
+
 #include "base/json.h"
 #include "retarget/base/suggest.h"
-#include "retarget/robot/load_robot.h"
+#include "retarget/robot/robot.h"
 #include "robot/json_ranges.h"
+#include "robot/load_model.h"
 
 namespace retarget {
 namespace {
 
-// ranges of the joints that another model of the robot has by the same names
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// ranges of the joints that another model of the robot has by the same names; it need not be a
+// robot that can move about
 Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) {
-  const auto other = load_robot(path);
+  const auto other = load_model(path);
   if (!other) return failure(other.error());
+  const mjModel& model = *other->model;
   LimitSet set = robot.model_limits();
-  int common = 0;
-  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-    const auto joint = (*other)->find_joint(robot.joints()[j].name);
+  std::vector<std::string> other_names;
+  bool common = false;
+  for (int j = 0; j < model.njnt; ++j) {
+    const char* name = mj_id2name(&model, mjOBJ_JOINT, j);
+    if (name == nullptr) continue;
+    other_names.emplace_back(name);
+    const auto joint = robot.find_joint(name);
     if (!joint) continue;
-    ++common;
-    set.lower[j] = (*other)->model_limits().lower[*joint];
-    set.upper[j] = (*other)->model_limits().upper[*joint];
+    common = true;
+    const bool limited = model.jnt_limited[j] != 0;
+    set.lower[*joint] = limited ? model.jnt_range[2 * j] : -kInfinity;
+    set.upper[*joint] = limited ? model.jnt_range[2 * j + 1] : kInfinity;
   }
-  if (common == 0) {
+  if (!common) {
     return config_failure(path, "the model has no joint of " + robot.name(),
-                          "its joints are " + list_names((*other)->joint_names()));
+                          "its joints are " + list_names(other_names));
   }
   return set;
 }

@@ -2,12 +2,17 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <mutex>
-#include <vector>
+#include <utility>
 
 #include "retarget/base/file.h"
+#include "retarget/robot/mujoco_version.h"
+#include "robot/mujoco_messages.h"
 
 namespace retarget {
 namespace {
@@ -15,35 +20,9 @@ namespace {
 struct SpecDeleter {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
 };
-struct ModelDeleter {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-};
 
-// MuJoCo reports through global handlers and keeps the last XML in a global: one load at a time
+// MuJoCo reports through handlers of the process and keeps the last XML in a global
 std::mutex load_mutex;
-std::string first_error;  // guarded by load_mutex
-
-// takes MuJoCo's messages while it lives; the defaults print, write a log file and end the process
-class MessageGuard {
- public:
-  MessageGuard() : old_error_(mju_user_error), old_warning_(mju_user_warning) {
-    first_error.clear();
-    mju_user_error = [](const char* text) {
-      if (first_error.empty()) first_error = text;
-    };
-    mju_user_warning = [](const char*) {};
-  }
-  ~MessageGuard() {
-    mju_user_error = old_error_;
-    mju_user_warning = old_warning_;
-  }
-  MessageGuard(const MessageGuard&) = delete;
-  MessageGuard& operator=(const MessageGuard&) = delete;
-
- private:
-  void (*old_error_)(const char*);
-  void (*old_warning_)(const char*);
-};
 
 template <typename Predicate>
 void delete_elements(mjSpec* spec, mjtObj kind, Predicate unwanted) {
@@ -80,78 +59,127 @@ void keep_kinematics(mjSpec* spec) {
   for (const mjtObj kind : kDropped) {
     delete_elements(spec, kind, [](mjsElement*) { return true; });
   }
-  // bodies whose mass came from a mesh are left without any
+  // mappings may name bodies that do not move against their parent
+  spec->compiler.fusestatic = 0;
+  // bodies whose mass came from a mesh are left without any, and a wrong inertia moves no body
   spec->compiler.boundmass = 1e-6;
   spec->compiler.boundinertia = 1e-9;
+  spec->compiler.balanceinertia = 1;
 }
 
-std::string one_line(std::string text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;)
-    text.replace(at, 1, "; ");
-  return text;
+// MuJoCo's own words for a file that is not there, or for one that is no XML, are less clear
+Result<void> check_file(const std::string& path) {
+  if (path == "-") return config_failure("", "a model cannot come from standard input");
+  const auto text = read_file(path, ErrorKind::kConfig);
+  if (!text) return failure(text.error());
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::string_view rest = *text;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+  if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");
+  if (!rest.starts_with('<')) {
+    return config_failure(path, "the file is no XML: expected an MJCF model");
+  }
+  return {};
 }
 
-// "..., line 12, column 3" at the end of MuJoCo's XML errors becomes the error's place
-Failure model_failure(const std::string& path, const std::string& text) {
-  Error error;
-  error.kind = ErrorKind::kConfig;
-  error.file = path;
-  error.message = "MuJoCo cannot load the model: " + one_line(text);
-  const auto number_after = [&](const std::string& word) -> std::size_t {
-    const std::size_t at = text.rfind(word);
-    return at == std::string::npos ? 0 : std::strtoul(text.c_str() + at + word.size(), nullptr, 10);
-  };
-  error.line = number_after("line ");
-  if (error.line > 0) error.column = number_after("column ");
-  return failure(std::move(error));
+Result<void> check_version() {
+  const MujocoVersion version = mujoco_version();
+  if (version.match) return {};
+  return run_failure(
+      "",
+      "built with MuJoCo " + version.header + ", but the library that runs is " + version.library,
+      "let the program find MuJoCo " + version.header + ", or build it anew");
 }
 
-Result<void> check_joints(const mjModel& model, const std::string& path) {
-  int free_joints = 0;
-  for (int j = 0; j < model.njnt; ++j) {
-    const char* name = mj_id2name(&model, mjOBJ_JOINT, j);
-    if (model.jnt_type[j] == mjJNT_FREE) ++free_joints;
-    if (model.jnt_type[j] == mjJNT_BALL) {
-      return config_failure(path,
-                            "the ball joint \"" + std::string(name ? name : "") +
-                                "\" is not supported: joints must be hinges or slides",
-                            "write it as three hinges");
+std::string quoted_name(const mjModel& model, mjtObj kind, int index) {
+  const char* name = mj_id2name(&model, kind, index);
+  return "\"" + std::string(name == nullptr ? "" : name) + "\"";
+}
+
+bool all_finite(const mjtNum* values, int count) {
+  return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
+}
+
+Result<void> check_finite(const mjModel& model, const std::string& path) {
+  const std::string not_finite = " has a number that is not finite";
+  for (int b = 0; b < model.nbody; ++b) {
+    if (!all_finite(model.body_pos + 3 * b, 3) || !all_finite(model.body_quat + 4 * b, 4)) {
+      return config_failure(path, "the body " + quoted_name(model, mjOBJ_BODY, b) + not_finite);
     }
   }
-  if (free_joints == 0) {
-    return config_failure(path, "the model has no free joint: its base cannot move",
-                          "add <freejoint/> to the root body");
+  for (int j = 0; j < model.njnt; ++j) {
+    const bool finite = all_finite(model.jnt_pos + 3 * j, 3) &&
+                        all_finite(model.jnt_axis + 3 * j, 3) &&
+                        (model.jnt_limited[j] == 0 || all_finite(model.jnt_range + 2 * j, 2)) &&
+                        std::isfinite(model.qpos0[model.jnt_qposadr[j]]);
+    if (!finite) {
+      return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) + not_finite);
+    }
   }
-  if (free_joints > 1) {
-    return config_failure(path, "the model has " + std::to_string(free_joints) +
-                                    " free joints: one robot at a time, without loose objects");
-  }
-  if (model.jnt_type[0] != mjJNT_FREE) {
-    return config_failure(path, "the free joint must be the model's first joint");
+  for (int g = 0; g < model.ngeom; ++g) {
+    if (!all_finite(model.geom_pos + 3 * g, 3) || !all_finite(model.geom_quat + 4 * g, 4) ||
+        !all_finite(model.geom_size + 3 * g, 3)) {
+      const int body = model.geom_bodyid[g];
+      return config_failure(
+          path, "a geom of the body " + quoted_name(model, mjOBJ_BODY, body) + not_finite);
+    }
   }
   return {};
 }
 
 }  // namespace
 
-Result<mjModel*> load_model(const std::string& path) {
-  // MuJoCo's own words for a file that is not there are less clear
-  if (const auto readable = read_file(path, ErrorKind::kConfig); !readable) {
-    return failure(readable.error());
-  }
+Result<LoadedModel> load_model(const std::string& path) {
+  if (auto version = check_version(); !version) return failure(version.error());
+  if (auto file = check_file(path); !file) return failure(file.error());
+
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;
   std::array<char, 2000> text{};
   const std::unique_ptr<mjSpec, SpecDeleter> spec(
-      mj_parseXML(path.c_str(), nullptr, text.data(), text.size()));
+      mj_parseXML(path.c_str(), nullptr, text.data(), static_cast<int>(text.size())));
   if (!spec) return model_failure(path, text.data());
   keep_kinematics(spec.get());
-  std::unique_ptr<mjModel, ModelDeleter> model(mj_compile(spec.get(), nullptr));
-  if (!model) return model_failure(path, mjs_getError(spec.get()));
-  if (!first_error.empty()) return model_failure(path, first_error);
-  if (auto checked = check_joints(*model, path); !checked) return failure(checked.error());
-  return model.release();
+  LoadedModel loaded;
+  loaded.model.reset(mj_compile(spec.get(), nullptr));
+  if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
+  if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
+  if (auto finite = check_finite(*loaded.model, path); !finite) return failure(finite.error());
+  loaded.warnings = guard.warnings();
+  if (mjs_isWarning(spec.get()) != 0) {
+    loaded.warnings.push_back(one_line(mjs_getError(spec.get())));
+  }
+  return loaded;
+}
+
+Result<void> check_robot_joints(const mjModel_& model, const std::string& path) {
+  const int* types = model.jnt_type;
+  const auto free_joints = std::count(types, types + model.njnt, mjJNT_FREE);
+  if (free_joints == 0) {
+    return config_failure(path, "the model has no free joint: its base cannot move",
+                          std::filesystem::path(path).extension() == ".urdf"
+                              ? "convert the URDF to MJCF and add <freejoint/> to the root body"
+                              : "add <freejoint/> to the root body");
+  }
+  if (free_joints > 1) {
+    return config_failure(path, "the model has " + std::to_string(free_joints) +
+                                    " free joints: expected one robot without loose objects");
+  }
+  if (types[0] != mjJNT_FREE) {
+    return config_failure(path,
+                          "the free joint must be the model's first joint, found " +
+                              quoted_name(model, mjOBJ_JOINT, 0) + " before it",
+                          "move the robot to the top of <worldbody>");
+  }
+  for (int j = 0; j < model.njnt; ++j) {
+    if (types[j] != mjJNT_BALL) continue;
+    return config_failure(path,
+                          "the ball joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                              " is not supported: joints must be hinges or slides",
+                          "write it as three hinges");
+  }
+  return {};
 }
 
 }  // namespace retarget

@@ -1,15 +1,27 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "retarget/base/result.h"
-
-struct mjModel_;
+#include "retarget/robot/robot.h"
 
 namespace retarget {
 
-/// Compiles an MJCF file without its meshes and other assets, for kinematics; the caller owns the
-/// model. Checks that it has one free joint, its first, and else hinges and slides.
-[[nodiscard]] Result<mjModel_*> load_model(const std::string& path);
+/// A compiled model and what MuJoCo found odd in it.
+struct LoadedModel {
+  ModelPtr model;
+  std::vector<std::string> warnings;
+};
+
+/// Compiles an MJCF file without its meshes and other assets, for kinematics.
+///
+/// Nothing is printed. Models of any kind are taken; a number that is not finite is an error.
+/// Safe to call from several threads, which wait for each other.
+[[nodiscard]] Result<LoadedModel> load_model(const std::string& path);
+
+/// Checks that a model is a robot that can move about: one free joint, its first, and else hinges
+/// and slides.
+[[nodiscard]] Result<void> check_robot_joints(const mjModel_& model, const std::string& path);
 
 }  // namespace retarget

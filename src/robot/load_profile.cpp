@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/faults.h"
 #include "base/json.h"
@@ -19,21 +18,40 @@ const std::vector<std::string> kKeys = {"name",           "description",        
                                         "default_limits", "method_limits",       "speed_limits",
                                         "soles",          "allowed_self_contact"};
 
+const std::vector<std::string> kSetKeys = {"source", "ranges"};
+const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
+const std::vector<std::string> kSides = {"left", "right"};
+
+bool is_point(const Json& json) {
+  return json.is_array() && json.size() == 3 &&
+         std::ranges::all_of(json, [](const Json& v) { return v.is_number(); });
+}
+
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
 // reads the parts of a profile one by one and notes what is wrong with them
 class ProfileReader {
  public:
   ProfileReader(const Json& json, const Robot& bare, Faults& faults)
-      : json_(json), bare_(bare), faults_(faults) {}
+      : json_(json),
+        body_names_(bare.body_names()),
+        joint_names_(bare.joint_names()),
+        bare_(bare),
+        faults_(faults) {}
 
   RobotProfile read() {
-    check_keys();
-    profile_.name = text("name", true);
-    profile_.description = text("description", false);
-    profile_.source = text("source", false);
-    profile_.licence = text("licence", false);
-    profile_.default_limits = text("default_limits", false);
+    check_keys(json_, kKeys, "");
+    profile_.name = text(json_, "name", "");
+    if (profile_.name.empty()) faults_.add("\"name\" is missing or empty");
+    profile_.description = text(json_, "description", "");
+    profile_.source = text(json_, "source", "");
+    profile_.licence = text(json_, "licence", "");
     read_joint_order();
     read_limit_sets();
+    profile_.default_limits = text(json_, "default_limits", "");
+    if (!profile_.default_limits.empty()) check_set(profile_.default_limits, "\"default_limits\"");
     read_method_limits();
     read_speed_limits();
     read_soles();
@@ -42,163 +60,187 @@ class ProfileReader {
   }
 
  private:
-  const Json* find(const std::string& key) {
-    const auto found = json_.find(key);
-    return found == json_.end() ? nullptr : &*found;
+  // a member of the wanted type; nothing if it is left out or of another type, which is a fault
+  const Json* member(const Json& json, const std::string& key, Json::value_t type,
+                     const std::string& what) {
+    const auto found = json.find(key);
+    if (found == json.end()) return nullptr;
+    if (found->type() == type) return &*found;
+    const std::string wanted = type == Json::value_t::array    ? "a list"
+                               : type == Json::value_t::object ? "an object"
+                                                               : "a text";
+    faults_.add(what + quoted(key) + " must be " + wanted + ", found " + short_text(*found));
+    return nullptr;
   }
 
-  void check_keys() {
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(kKeys, key) == kKeys.end()) {
-        faults_.add("unknown key \"" + key + "\"" + did_you_mean(key, kKeys));
+  std::string text(const Json& json, const std::string& key, const std::string& what) {
+    const Json* value = member(json, key, Json::value_t::string, what);
+    return value == nullptr ? std::string() : value->get<std::string>();
+  }
+  const Json* list(const Json& json, const std::string& key, const std::string& what) {
+    return member(json, key, Json::value_t::array, what);
+  }
+  const Json* object(const std::string& key) {
+    return member(json_, key, Json::value_t::object, "");
+  }
+
+  void check_keys(const Json& json, const std::vector<std::string>& known,
+                  const std::string& what) {
+    for (const auto& [key, value] : json.items()) {
+      if (std::ranges::find(known, key) == known.end()) {
+        faults_.add(what + "unknown key " + quoted(key) + did_you_mean(key, known));
       }
     }
   }
 
-  std::string text(const std::string& key, bool required) {
-    const Json* value = find(key);
-    if (value != nullptr && value->is_string()) return value->get<std::string>();
-    if (value != nullptr) faults_.add("\"" + key + "\" must be a text, found " + value->dump());
-    if (value == nullptr && required) faults_.add("\"" + key + "\" is missing");
-    return {};
+  // an entry of a list that must be a text; as it is for the message that no such name is known
+  static std::string name_in(const Json& json) {
+    return json.is_string() ? json.get<std::string>() : short_text(json);
   }
 
-  int body(const Json& json, const std::string& what) {
-    const std::string name = json.is_string() ? json.get<std::string>() : json.dump();
+  int body(const std::string& name, const std::string& what) {
     const auto found = bare_.find_body(name);
     if (!found) {
-      faults_.add(what + ": the model has no body \"" + name + "\"" +
-                  did_you_mean(name, bare_.body_names()));
+      faults_.add(what + ": the model has no body " + quoted(name) +
+                  did_you_mean(name, body_names_));
     }
     return found.value_or(0);
   }
 
-  // columns must be joints of the model, each at most once
+  bool is_joint(const std::string& name, const std::string& what) {
+    if (bare_.find_joint(name)) return true;
+    faults_.add(what + ": the model has no joint " + quoted(name) +
+                did_you_mean(name, joint_names_));
+    return false;
+  }
+
   void read_joint_order() {
-    const Json* json = find("joint_order");
-    if (json == nullptr) return;
-    if (!json->is_array() || json->empty()) {
-      faults_.add("\"joint_order\" must be a list of joint names");
-      return;
-    }
-    for (const Json& entry : *json) {
-      const std::string name = entry.is_string() ? entry.get<std::string>() : entry.dump();
-      if (!bare_.find_joint(name)) {
-        faults_.add("\"joint_order\": the model has no joint \"" + name + "\"" +
-                    did_you_mean(name, bare_.joint_names()));
-      } else if (std::ranges::find(profile_.joint_order, name) != profile_.joint_order.end()) {
-        faults_.add("\"joint_order\" names \"" + name + "\" twice");
+    const Json* names = list(json_, "joint_order", "");
+    if (names == nullptr) return;
+    if (names->empty()) faults_.add("\"joint_order\" names no joint");
+    std::vector<std::string>& order = profile_.joint_order;
+    for (const Json& entry : *names) {
+      const std::string name = name_in(entry);
+      if (!is_joint(name, "\"joint_order\"")) continue;
+      if (std::ranges::find(order, name) != order.end()) {
+        faults_.add("\"joint_order\" names " + quoted(name) + " twice");
       }
-      profile_.joint_order.push_back(name);
+      order.push_back(name);
     }
   }
 
   void read_limit_sets() {
-    const Json* json = find("limit_sets");
-    if (json == nullptr) return;
-    if (!json->is_object()) {
-      faults_.add("\"limit_sets\" must be an object of sets by name");
-      return;
-    }
-    for (const auto& [name, set] : json->items()) {
+    const Json* sets = object("limit_sets");
+    if (sets == nullptr) return;
+    for (const auto& [name, set] : sets->items()) {
+      const std::string what = "limit set " + quoted(name);
+      if (name.empty() || name == bare_.model_limits().name) {
+        faults_.add(what + ": the name is taken by the ranges of the model itself");
+      }
       if (!set.is_object() || !set.contains("ranges")) {
-        faults_.add("limit set \"" + name + "\" must be {\"source\": text, \"ranges\": {...}}");
+        faults_.add(what + " must be {\"source\": text, \"ranges\": {joint: [lower, upper]}}");
         continue;
       }
-      LimitSet limits =
-          ranges_from_json(set["ranges"], bare_, "limit set \"" + name + "\"", faults_);
+      check_keys(set, kSetKeys, what + ": ");
+      LimitSet limits = ranges_from_json(set["ranges"], bare_, what, faults_);
       limits.name = name;
-      limits.source = set.value("source", std::string());
+      limits.source = text(set, "source", what + ": ");
       profile_.limit_sets.push_back(std::move(limits));
     }
-    if (!profile_.default_limits.empty()) check_set(profile_.default_limits, "\"default_limits\"");
   }
 
   void check_set(const std::string& name, const std::string& what) {
     std::vector<std::string> names = {bare_.model_limits().name};
     for (const LimitSet& set : profile_.limit_sets) names.push_back(set.name);
     if (std::ranges::find(names, name) == names.end()) {
-      faults_.add(what + ": no limit set \"" + name + "\"" + did_you_mean(name, names));
+      faults_.add(what + ": no limit set " + quoted(name) + did_you_mean(name, names));
     }
   }
 
   void read_method_limits() {
-    const Json* json = find("method_limits");
-    if (json == nullptr) return;
-    for (const auto& [method, set] : json->items()) {
-      const std::string name = set.is_string() ? set.get<std::string>() : set.dump();
-      check_set(name, "\"method_limits\" of \"" + method + "\"");
+    const Json* methods = object("method_limits");
+    if (methods == nullptr) return;
+    for (const auto& [method, set] : methods->items()) {
+      const std::string name = name_in(set);
+      check_set(name, "\"method_limits\" of " + quoted(method));
       profile_.method_limits[method] = name;
     }
   }
 
   void read_speed_limits() {
-    const Json* json = find("speed_limits");
-    if (json == nullptr) return;
-    for (const auto& [name, speed] : json->items()) {
-      if (!bare_.find_joint(name)) {
-        faults_.add("\"speed_limits\": the model has no joint \"" + name + "\"" +
-                    did_you_mean(name, bare_.joint_names()));
-      } else if (!speed.is_number() || !(speed.get<double>() > 0.0)) {
-        faults_.add("\"speed_limits\" of \"" + name + "\" must be above 0, found " + speed.dump());
-      } else {
-        profile_.speed_limits[name] = speed.get<double>();
+    const Json* speeds = object("speed_limits");
+    if (speeds == nullptr) return;
+    for (const auto& [name, speed] : speeds->items()) {
+      if (!is_joint(name, "\"speed_limits\"")) continue;
+      if (!speed.is_number() || !(speed.get<double>() > 0.0)) {
+        faults_.add("\"speed_limits\" of " + quoted(name) + " must be a number above 0, found " +
+                    short_text(speed));
+        continue;
       }
+      profile_.speed_limits[name] = speed.get<double>();
     }
   }
 
   void read_soles() {
-    const Json* json = find("soles");
-    if (json == nullptr) return;
-    for (const auto& [side, entry] : json->items()) {
-      const std::string what = "sole \"" + side + "\"";
+    const Json* soles = object("soles");
+    if (soles == nullptr) return;
+    for (const auto& [side, entry] : soles->items()) {
+      const std::string what = "sole " + quoted(side);
+      if (std::ranges::find(kSides, side) == kSides.end()) {
+        faults_.add(what + ": expected \"left\" or \"right\"" + did_you_mean(side, kSides));
+      }
       if (!entry.is_object() || !entry.contains("body") || !entry.contains("points")) {
         faults_.add(what + " must be {\"body\": name, \"points\": [[x, y, z], ...]}");
         continue;
       }
-      Sole sole;
-      sole.side = side;
-      sole.body = body(entry["body"], what);
-      for (const Json& point : entry["points"]) {
-        if (!is_point(point)) {
-          faults_.add(what + ": a point must be [x, y, z], found " + point.dump());
-          continue;
-        }
-        sole.points.emplace_back(point[0].get<double>(), point[1].get<double>(),
-                                 point[2].get<double>());
-      }
-      for (const Json& label : entry.value("labels", Json::array())) {
-        sole.labels.push_back(label.is_string() ? label.get<std::string>() : label.dump());
-      }
-      if (sole.points.empty()) faults_.add(what + " has no points");
-      if (!sole.labels.empty() && sole.labels.size() != sole.points.size()) {
-        faults_.add(what + " has " + std::to_string(sole.points.size()) + " points but " +
-                    std::to_string(sole.labels.size()) + " labels");
-      }
-      profile_.soles.push_back(std::move(sole));
+      check_keys(entry, kSoleKeys, what + ": ");
+      profile_.soles.push_back(sole(entry, side, what));
     }
   }
 
-  static bool is_point(const Json& json) {
-    return json.is_array() && json.size() == 3 && std::ranges::all_of(json, [](const Json& v) {
-             return v.is_number() && std::isfinite(v.get<double>());
-           });
+  Sole sole(const Json& entry, const std::string& side, const std::string& what) {
+    Sole sole;
+    sole.side = side;
+    sole.body = body(name_in(entry["body"]), what);
+    const Json* points = list(entry, "points", what + ": ");
+    if (points == nullptr) return sole;
+    if (points->empty()) faults_.add(what + " has no points");
+    for (const Json& point : *points) {
+      if (!is_point(point)) {
+        faults_.add(what + ": a point must be [x, y, z], found " + short_text(point));
+        continue;
+      }
+      sole.points.emplace_back(point[0].get<double>(), point[1].get<double>(),
+                               point[2].get<double>());
+    }
+    const Json* labels = list(entry, "labels", what + ": ");
+    if (labels == nullptr) return sole;
+    for (const Json& label : *labels) sole.labels.push_back(name_in(label));
+    if (labels->size() != points->size()) {
+      faults_.add(what + " has " + std::to_string(points->size()) + " points but " +
+                  std::to_string(labels->size()) + " labels");
+    }
+    return sole;
   }
 
   void read_allowed_self_contact() {
-    const Json* json = find("allowed_self_contact");
-    if (json == nullptr) return;
-    for (const Json& pair : *json) {
+    const Json* pairs = list(json_, "allowed_self_contact", "");
+    if (pairs == nullptr) return;
+    for (const Json& pair : *pairs) {
       if (!pair.is_array() || pair.size() != 2) {
-        faults_.add("\"allowed_self_contact\" must hold pairs of bodies, found " + pair.dump());
+        faults_.add("\"allowed_self_contact\" must hold pairs of bodies, found " +
+                    short_text(pair));
         continue;
       }
-      profile_.allowed_self_contact.emplace_back(body(pair[0], "\"allowed_self_contact\""),
-                                                 body(pair[1], "\"allowed_self_contact\""));
+      profile_.allowed_self_contact.emplace_back(
+          body(name_in(pair[0]), "\"allowed_self_contact\""),
+          body(name_in(pair[1]), "\"allowed_self_contact\""));
     }
   }
 
   const Json& json_;
+  const std::vector<std::string> body_names_;
+  const std::vector<std::string> joint_names_;
   const Robot& bare_;
   Faults& faults_;
   RobotProfile profile_;

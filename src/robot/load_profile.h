@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// Reads a profile (robot.json; docs/robots.md describes its keys) for a model that is already
+/// Reads a profile (robot.json; load_robot.h describes its keys) for a model that is already
 /// loaded. Every fault is named at once.
 /// @param bare  the robot of the model alone: names of bodies and joints, ranges.
 [[nodiscard]] Result<RobotProfile> load_profile(const std::string& path, const Robot& bare);

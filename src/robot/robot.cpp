@@ -34,6 +34,7 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
 
 template <typename T>
 std::optional<int> index_of(const std::vector<T>& items, std::string_view name) {
+  if (name.empty()) return std::nullopt;
   const auto found = std::ranges::find(items, name, &T::name);
   if (found == items.end()) return std::nullopt;
   return static_cast<int>(found - items.begin());
@@ -51,13 +52,28 @@ Pose motion_of(const RobotJoint& joint, double position) {
 
 }  // namespace
 
-Robot::Robot(mjModel* model, RobotProfile profile) : model_(model) {
+void ModelDeleter::operator()(mjModel_* model) const {
+  mj_deleteModel(model);
+}
+
+Robot::Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warnings)
+    : model_(std::move(model)), warnings_(std::move(warnings)) {
+  read_bodies();
+  read_joints();
+  read_collision_shapes();
+  set_profile(std::move(profile));
+}
+
+void Robot::read_bodies() {
   for (int b = 0; b < model_->nbody; ++b) {
     bodies_.push_back(
-        {name_of(model_, mjOBJ_BODY, b),
+        {name_of(model_.get(), mjOBJ_BODY, b),
          model_->body_parentid[b],
          {quaternion_of(model_->body_quat + 4 * b), vector_of(model_->body_pos + 3 * b)}});
   }
+}
+
+void Robot::read_joints() {
   model_limits_.name = "model";
   model_limits_.source = "joint ranges of the model";
   for (int j = 0; j < model_->njnt; ++j) {
@@ -66,7 +82,7 @@ Robot::Robot(mjModel* model, RobotProfile profile) : model_(model) {
       continue;
     }
     RobotJoint joint;
-    joint.name = name_of(model_, mjOBJ_JOINT, j);
+    joint.name = name_of(model_.get(), mjOBJ_JOINT, j);
     joint.type =
         model_->jnt_type[j] == mjJNT_SLIDE ? RobotJoint::Type::kSlide : RobotJoint::Type::kHinge;
     joint.body = model_->jnt_bodyid[j];
@@ -80,11 +96,37 @@ Robot::Robot(mjModel* model, RobotProfile profile) : model_(model) {
     model_limits_.lower.push_back(limited ? model_->jnt_range[2 * j] : -kInfinity);
     model_limits_.upper.push_back(limited ? model_->jnt_range[2 * j + 1] : kInfinity);
   }
-  set_profile(std::move(profile));
 }
 
-Robot::~Robot() {
-  mj_deleteModel(model_);
+void Robot::read_collision_shapes() {
+  for (int g = 0; g < model_->ngeom; ++g) {
+    const bool touches = model_->geom_contype[g] != 0 || model_->geom_conaffinity[g] != 0;
+    const bool of_robot = model_->body_rootid[model_->geom_bodyid[g]] == root_body_;
+    if (!touches || !of_robot) continue;
+    CollisionShape shape;
+    shape.body = model_->geom_bodyid[g];
+    shape.body_from_shape = {quaternion_of(model_->geom_quat + 4 * g),
+                             vector_of(model_->geom_pos + 3 * g)};
+    const mjtNum* size = model_->geom_size + 3 * g;
+    switch (model_->geom_type[g]) {
+      case mjGEOM_SPHERE:
+        shape.type = CollisionShape::Type::kSphere;
+        shape.radius = size[0];
+        break;
+      case mjGEOM_CAPSULE:
+        shape.type = CollisionShape::Type::kCapsule;
+        shape.radius = size[0];
+        shape.half_length = size[1];
+        break;
+      case mjGEOM_BOX:
+        shape.type = CollisionShape::Type::kBox;
+        shape.half_size = vector_of(size);
+        break;
+      default:
+        continue;
+    }
+    collision_shapes_.push_back(shape);
+  }
 }
 
 void Robot::set_profile(RobotProfile profile) {

@@ -29,7 +29,7 @@ Clip leg_clip(const std::string& toe) {
 
 TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
   const Clip clip = leg_clip("LeftToe");
-  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
   EXPECT_EQ(human.frame_count, 2);
   EXPECT_EQ(human.height, 1.75);
   const Pose& foot = human.frame(0)[*find_bone("LeftFoot")];
@@ -43,7 +43,7 @@ TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
 TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
   for (const char* toe : {"LeftToe", "LeftToeBase"}) {
     const Clip clip = leg_clip(toe);
-    const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+    const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
     const Pose& mod = human.frame(1)[*find_bone("LeftFootMod")];
     EXPECT_EQ(mod.translation, human.frame(1)[*find_bone("LeftFoot")].translation);
     EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[*find_bone("LeftToe")].rotation.coeffs());
@@ -55,12 +55,20 @@ TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
 
 TEST(Lafan1Mapping, LeavesOutBonesThatAreNotThere) {
   const Clip clip = leg_clip("Ball");
-  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
+  const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
   EXPECT_TRUE(human.has(*find_bone("LeftFoot")));
   EXPECT_EQ(human.sources[*find_bone("LeftFoot")], "LeftFoot");
   EXPECT_FALSE(human.has(*find_bone("LeftToe")));
   EXPECT_FALSE(human.has(*find_bone("LeftFootMod")));
   EXPECT_FALSE(human.has(*find_bone("RightArm")));
+}
+
+TEST(Lafan1Mapping, RefusesABoneWhoseNameTwoJointsHave) {
+  const Clip clip = leg_clip("LeftLeg");
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip.bvh");
+  ASSERT_FALSE(mapping);
+  EXPECT_EQ(mapping.error().kind, ErrorKind::kInput);
+  EXPECT_NE(mapping.error().message.find("\"LeftLeg\""), std::string::npos);
 }
 
 TEST(FindBone, KnowsTheToeByBothNames) {

@@ -65,21 +65,24 @@ TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
             1e-15);
 }
 
-TEST(MakePasses, LeavesOutTablesThatAreNotUsedAndRowsWithoutWeight) {
+TEST(MakeProblem, LeavesOutTablesThatAreNotUsedAndRowsWithoutWeight) {
   const auto robot = robot_from_text(kTwoArms);
   IkTables tables = small_tables();
   tables.tables[0].rows[0].position_weight = tables.tables[0].rows[0].rotation_weight = 0.0;
-  const TargetBuilder both(tables, 1.0);
-  const auto passes = make_passes(tables, *robot, both);
-  ASSERT_EQ(passes.size(), 2u);
-  ASSERT_EQ(passes[0].size(), 1u);
-  EXPECT_EQ(passes[0][0].body, *robot->find_body("base"));
-  EXPECT_EQ(passes[0][0].target, 0);
-  EXPECT_EQ(passes[0][0].position_weight, 1.0);
-  EXPECT_EQ(passes[0][0].rotation_weight, 2.0);
+  const auto problem =
+      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+  ASSERT_EQ(problem->passes.size(), 2u);
+  ASSERT_EQ(problem->passes[0].size(), 1u);
+  const FrameTask& task = problem->passes[0][0];
+  EXPECT_EQ(task.body, *robot->find_body("base"));
+  EXPECT_EQ(task.target, 0);
+  EXPECT_EQ(task.position_weight, 1.0);
+  EXPECT_EQ(task.rotation_weight, 2.0);
+  EXPECT_EQ(problem->lower[0], -1.0);
   tables.tables[0].used = false;
-  const TargetBuilder second(tables, 1.0);
-  EXPECT_EQ(make_passes(tables, *robot, second).size(), 1u);
+  const auto second =
+      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+  EXPECT_EQ(second->passes.size(), 1u);
 }
 
 }  // namespace

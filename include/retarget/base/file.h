@@ -20,8 +20,12 @@ namespace retarget {
 ///
 /// Bytes go to a temporary file in the same folder (without a name where the file system can do
 /// that, so that not even a killed process leaves one behind); `commit` flushes it to the disk and
-/// puts it in the place of `path` in one step. Destroyed without commit, nothing remains. `-`
-/// means standard output; it, pipes and devices get the bytes on commit as they come.
+/// puts it in the place of `path` in one step. Destroyed without commit, nothing remains. A
+/// symbolic link is kept, and the file it points to is written, made if need be. `-` means
+/// standard output; it, pipes and devices get the bytes as they come.
+///
+/// Once a write has failed the file is given up: later writes and the commit fail too. A process
+/// that would rather have an error than die of a file size limit must ignore SIGXFSZ.
 class OutputFile {
  public:
   [[nodiscard]] static Result<OutputFile> create(const std::string& path);

@@ -24,8 +24,8 @@ struct HumanMapping {
   double metres_per_unit = 0.01;  ///< Of the source's lengths.
   /// Turns the source's axes into canonical ones; a rotation (determinant +1).
   Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
-  double height = 1.75;                ///< Of the body, metres; what scales are relative to.
-  std::vector<std::string> decisions;  ///< What was taken for granted, a sentence each, for people.
+  double height = 1.75;     ///< Of the body, metres; what scales are relative to.
+  std::string description;  ///< What was taken for granted, for people.
 };
 
 /// World poses of the canonical bones, frame by frame.
@@ -46,8 +46,11 @@ struct HumanClip {
 
 /// The mapping of a skeleton with LAFAN1's joint names, as the published method takes it: file
 /// units are centimetres, Y is up, the body 1.75 m high whatever its bones say. Further joints
-/// (also above Hips) are allowed. Bones whose joints are not there are left out.
-[[nodiscard]] HumanMapping lafan1_mapping(const Skeleton& skeleton);
+/// (also above Hips) are allowed. Bones whose joints are not there are left out; a bone's name on
+/// two joints is a kInput error.
+/// @param file  where the skeleton comes from, for messages.
+[[nodiscard]] Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton,
+                                                  const std::string& file);
 
 /// Poses of all frames under a mapping.
 [[nodiscard]] HumanClip to_human(const Clip& clip, const HumanMapping& mapping);

@@ -1,16 +1,27 @@
 #pragma once
+
+#include <Eigen/Core>
 #include <Eigen/Geometry>
+
 namespace retarget {
-inline Eigen::Quaterniond exp_so3(const Eigen::Vector3d& w) {
-  double t = w.norm();
-  if (t < 1e-12) return Eigen::Quaterniond(1, w.x() / 2, w.y() / 2, w.z() / 2);
-  return Eigen::Quaterniond(Eigen::AngleAxisd(t, w / t));
-}
-inline Eigen::Vector3d log_so3(const Eigen::Quaterniond& q0) {
-  Eigen::Quaterniond q = q0;
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-  double n = q.vec().norm();
-  if (n < 1e-10) return Eigen::Vector3d::Zero();
-  return 2 * std::atan2(n, q.w()) * q.vec() / n;
-}
+
+/// The unit quaternion that turns by |w| rad about w.
+///
+/// Full accuracy at every angle: below 1e-4 rad sin(x)/x is replaced by its series, whose first
+/// term left out is there smaller than rounding.
+[[nodiscard]] Eigen::Quaterniond exp_so3(const Eigen::Vector3d& w);
+
+/// The rotation vector w with exp_so3(w) = +-q and |w| <= pi; the inverse of exp_so3 below pi.
+///
+/// q and -q give the same vector, bit for bit. Full accuracy at every angle: 2 atan2 of the two
+/// parts, and below 1e-4 rad the series of atan. Half a turn (w part zero) has two vectors; the
+/// one whose first non-zero component is positive is taken. q need not be of unit length, only
+/// not zero.
+[[nodiscard]] Eigen::Vector3d log_so3(const Eigen::Quaterniond& q);
+
+/// Left Jacobian inverse of SO(3) at w applied to a vector: log(exp(e v) exp(w)) is
+/// w + e * apply_left_jacobian_inverse_so3(w, v) to first order in e. For |w| < 2 pi.
+[[nodiscard]] Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
+                                                              const Eigen::Vector3d& v);
+
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,9 +46,11 @@ class TargetBuilder {
   std::vector<Rule> rules_;  // the root first
 };
 
-/// The passes of a mapping on a robot: one task per row with a weight, in file order; tables that
-/// are not used are left out. Limits are filled by the caller.
-[[nodiscard]] std::vector<IkPass> make_passes(const IkTables& tables, const Robot& robot,
-                                              const TargetBuilder& targets);
+/// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
+/// tables that are not used are left out.
+[[nodiscard]] std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
+                                                            const IkTables& tables,
+                                                            const TargetBuilder& targets,
+                                                            const LimitSet& limits);
 
 }  // namespace retarget

@@ -18,6 +18,12 @@ struct mjModel_;
 
 namespace retarget {
 
+struct ModelDeleter {
+  void operator()(mjModel_* model) const;
+};
+/// A MuJoCo model with its owner.
+using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
+
 /// A body of the kinematic tree; indices are MuJoCo's (0 is the world).
 struct RobotBody {
   std::string name;
@@ -46,7 +52,18 @@ struct Sole {
   std::vector<std::string> labels;      ///< One per point; may be empty.
 };
 
-/// What a robot's profile (robot.json) adds to its model.
+/// A primitive that stands for a body, or for a part of it, where distances are measured.
+struct CollisionShape {
+  enum class Type { kSphere, kCapsule, kBox };
+  Type type = Type::kSphere;
+  int body = 0;
+  Pose body_from_shape;      ///< The centre; a capsule's axis is z, a box's sides are the axes.
+  double radius = 0.0;       ///< Sphere and capsule, metres.
+  double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, caps not counted.
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
+};
+
+/// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
 struct RobotProfile {
   std::string name;
   std::string description, source, licence;  ///< For people.
@@ -65,24 +82,29 @@ struct RobotProfile {
 /// the joints (rad, m), each at its qpos_address.
 class Robot {
  public:
-  /// Takes ownership of a compiled model that has one free joint, its first, and else hinges and
-  /// slides; load_robot checks that.
-  Robot(mjModel_* model, RobotProfile profile);
-  ~Robot();
-  Robot(const Robot&) = delete;
-  Robot& operator=(const Robot&) = delete;
+  /// @param model  compiled, with one free joint, its first, and else hinges and slides; load_robot
+  ///               checks that.
+  /// @param warnings  what was odd about the model.
+  Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warnings = {});
 
   /// Takes another profile and with it another output order; before the robot is shared.
   void set_profile(RobotProfile profile);
 
-  [[nodiscard]] const mjModel_* model() const { return model_; }
+  [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
+  /// What MuJoCo found odd in the model, one line each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
   /// Indices into joints() in the order of the output columns.
   [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
+  /// The spheres, capsules and boxes among the geoms of the robot that take part in contacts, in
+  /// the model's order. Other shapes, and what stands in the world, are left out.
+  [[nodiscard]] const std::vector<CollisionShape>& collision_shapes() const {
+    return collision_shapes_;
+  }
   /// The body of the free joint.
   [[nodiscard]] int root_body() const { return root_body_; }
   [[nodiscard]] int configuration_size() const;
@@ -93,23 +115,33 @@ class Robot {
   /// Name of the limit set that a method takes when the user names none.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
 
+  /// By name; nothing for an empty one, also where the model has elements without a name.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
   [[nodiscard]] std::optional<int> find_joint(std::string_view name) const;
   [[nodiscard]] std::vector<std::string> body_names() const;
   [[nodiscard]] std::vector<std::string> joint_names() const;
 
  private:
-  mjModel_* model_;
+  void read_bodies();
+  void read_joints();
+  void read_collision_shapes();
+
+  ModelPtr model_;
   RobotProfile profile_;
+  std::vector<std::string> warnings_;
   std::vector<RobotBody> bodies_;
   std::vector<RobotJoint> joints_;
   std::vector<int> output_joints_;
+  std::vector<CollisionShape> collision_shapes_;
   int root_body_ = 0;
   LimitSet model_limits_;
 };
 
 /// World poses of all bodies in a configuration, by body index; metres. Own walk over the tree,
-/// no MuJoCo data needed.
+/// no MuJoCo data needed and nothing allocated.
+/// @param qpos             configuration_size() values; the root quaternion need not be a unit one,
+///                         but must not be zero.
+/// @param world_from_body  bodies().size() poses, filled.
 void forward_kinematics(const Robot& robot, std::span<const double> qpos,
                         std::span<Pose> world_from_body);
 

@@ -1,0 +1,40 @@
+#include "retarget/robot/normalize_start.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace retarget {
+namespace {
+
+// share of the x axis that must lie in the ground plane to show a direction there
+constexpr double kSteep = 0.1;
+
+Eigen::Quaterniond rotation_of(std::span<const double> qpos) {
+  return {qpos[3], qpos[4], qpos[5], qpos[6]};
+}
+
+}  // namespace
+
+double heading(const Eigen::Quaterniond& world_from_body) {
+  const Eigen::Vector3d x = world_from_body * Eigen::Vector3d::UnitX();
+  if (std::hypot(x.x(), x.y()) > kSteep) return std::atan2(x.y(), x.x());
+  return 2.0 * std::atan2(world_from_body.z(), world_from_body.w());
+}
+
+void normalize_start(RobotClip& clip) {
+  if (clip.frame_count() == 0) return;
+  const auto first = clip.qpos(0);
+  const Eigen::Vector3d origin(first[0], first[1], 0.0);
+  const Eigen::Quaterniond turn(
+      Eigen::AngleAxisd(-heading(rotation_of(first)), Eigen::Vector3d::UnitZ()));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    const Eigen::Vector3d position = turn * (Eigen::Vector3d(qpos[0], qpos[1], qpos[2]) - origin);
+    const Eigen::Quaterniond rotation = turn * rotation_of(qpos);
+    for (int i = 0; i < 3; ++i) qpos[i] = position[i];
+    qpos[3] = rotation.w();
+    for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,152 @@
+"""The main command: what it writes, and that it is what it should be."""
+
+import math
+import re
+import subprocess
+import sys
+import unittest
+
+from tool import SAMPLES, SOURCE, ToolTest, difference, read_rows, sample
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+class Output(ToolTest):
+    def text(self, *arguments, **options):
+        result = self.retarget(*arguments, output="-", **options)
+        self.assert_done(result)
+        return result.stdout
+
+    def test_bytes_are_those_of_the_published_data(self):
+        self.assert_done(self.retarget())
+        data = (self.folder / "out.csv").read_bytes()
+        self.assertEqual(self.files(), ["out.csv"])
+        self.assertRegex(data, rb"\A(-?\d+\.\d{6}(,-?\d+\.\d{6}){35}\n)+\Z")
+        self.assertNotIn(b"-0.000000", data)
+
+    @unittest.skipIf(numpy is None, "numpy is not there")
+    def test_numpy_reads_36_columns(self):
+        self.assert_done(self.retarget(bvh=sample("walk")))
+        rows = numpy.loadtxt(self.folder / "out.csv", delimiter=",")
+        self.assertEqual(rows.shape, (301, 36))
+        norms = numpy.linalg.norm(rows[:, 3:7], axis=1)
+        self.assertLess(abs(norms - 1).max(), 2e-6)
+        self.assertGreater((rows[1:, 3:7] * rows[:-1, 3:7]).sum(axis=1).min(), 0)
+        # upright, at a plausible height, as far as the human walked scaled down
+        self.assertTrue(0.6 < rows[:, 2].min() and rows[:, 2].max() < 0.95)
+        self.assertTrue(5.5 < math.hypot(*(rows[-1, :2] - rows[0, :2])) < 7.5)
+
+    def test_goldens(self):
+        for name in SAMPLES:
+            with self.subTest(sample=name):
+                golden = (SOURCE / "tests/golden" / f"{name}.csv").read_text()
+                found = self.text("--method", "gmr", "--precision", 9, bvh=sample(name))
+                self.assertIsNone(difference(read_rows(found), read_rows(golden), 1e-6))
+
+    def test_same_input_gives_the_same_bytes(self):
+        self.assertEqual(self.text(), self.text())
+
+    def test_dialects_hold_the_same_numbers(self):
+        plain = read_rows(self.text())
+        spaced = self.text("--csv-delimiter", "space")
+        self.assertEqual(read_rows(spaced.replace(" ", ",")), plain)
+        tabbed = self.text("--csv-delimiter", "tab")
+        self.assertEqual(read_rows(tabbed.replace("\t", ",")), plain)
+        header, body = self.text("--csv-header").split("\n", 1)
+        self.assertEqual(read_rows(body), plain)
+        names = header.split(",")
+        self.assertEqual(names[:8], ["root_x", "root_y", "root_z", "root_qx", "root_qy",
+                                     "root_qz", "root_qw", "left_hip_pitch_joint"])
+        self.assertEqual((len(names), names[-1]), (36, "right_wrist_yaw_joint"))
+        turned = read_rows(self.text("--csv-quat", "wxyz"))
+        self.assertEqual([r[:3] + r[4:7] + r[3:4] + r[7:] for r in turned], plain)
+
+    def test_standard_input_and_output(self):
+        with open(sample("wave"), "rb") as clip:
+            piped = self.retarget(bvh="-", output="-", stdin=clip)
+        self.assert_done(piped)
+        self.assertEqual(piped.stdout, self.text())
+        self.assertEqual(self.files(), [])
+
+    def test_normalized_start(self):
+        plain = read_rows(self.text("--precision", 9))
+        rows = read_rows(self.text("--precision", 9, "--normalize-start"))
+        x, y, z, qx, qy, qz, qw = rows[0][:7]
+        self.assertLess(max(abs(x), abs(y)), 1e-8)
+        self.assertLess(abs(math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))), 1e-8)
+        for before, after in zip(plain, rows):
+            self.assertEqual(before[2], after[2])
+            self.assertEqual(before[7:], after[7:])
+            moved = [math.dist(a[:2], b[:2]) for a, b in ((before, plain[0]), (after, rows[0]))]
+            self.assertAlmostEqual(*moved, places=7)
+
+    def test_rate_and_range(self):
+        frames = lambda *arguments: len(read_rows(self.text(*arguments)))
+        whole = frames()
+        self.assertEqual(frames("--fps", "source"), whole)
+        self.assertEqual(frames("--fps", 60), 2 * whole - 1)
+        self.assertEqual(frames("--source-fps", 60), (whole - 1) // 2 + 1)
+        self.assertEqual(frames("--frames", "10:25"), 15)
+        self.assertEqual(frames("--start", 1, "--end", 2), 31)
+        self.assertEqual(frames("--fps", 10, "--start", 1, "--end", 2, "--interpolation", "linear",
+                                "--no-antialias"), 11)
+
+    def test_limits(self):
+        official = read_rows(self.text("--limits", "official", bvh=sample("get_up")))
+        gmr = read_rows(self.text("--limits", "gmr", bvh=sample("get_up")))
+        self.assertEqual(gmr, read_rows(self.text(bvh=sample("get_up"))))
+        hip = lambda rows: min(row[7] for row in rows)
+        self.assertLess(hip(official), -1.6)  # beyond what the tighter set allows
+        self.assertGreaterEqual(hip(gmr), -1.57 - 1e-6)
+        self.write("knees.json", '{"left_knee_joint": [0.5, 1.0]}')
+        knees = [row[10] for row in read_rows(self.text("--limits", "knees.json"))]
+        self.assertTrue(all(0.5 - 1e-3 <= q <= 1.0 for q in knees[5:]), min(knees))
+
+    def test_another_model_with_its_mapping(self):
+        model = SOURCE / "robots/unitree_g1/model.xml"
+        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        plain = read_rows(self.text("--limits", "official"))
+        result = self.run_tool("--bvh", sample("wave"), "--robot-xml", model, "--ik-config",
+                               mapping, "-o", "-")
+        self.assert_done(result)
+        self.assertEqual(read_rows(result.stdout), plain)
+
+    def test_summary_says_what_was_done(self):
+        summary = self.retarget().stderr
+        for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
+                      "limits gmr", "IK steps a frame", "comes nearest", "wrote"):
+            self.assertIn(words, summary)
+        self.assertEqual(self.retarget("--quiet").stderr, "")
+        self.assertNotIn("\033", summary)
+
+    def test_version_and_help(self):
+        version = self.run_tool("--version")
+        self.assert_done(version)
+        self.assertRegex(version.stdout, r"retarget \d+\.\d+\.\d+")
+        self.assertRegex(version.stdout, r"MuJoCo \d+\.\d+\.\d+")
+        self.assertRegex(version.stdout, r"Eigen \d+\.\d+\.\d+")
+        help_text = self.run_tool("--help")
+        self.assert_done(help_text)
+        offered = help_text.stdout + self.run_tool("inspect", "--help").stdout
+        for line in (SOURCE / "README.md").read_text().splitlines():
+            if re.match(r" +retarget ", line):
+                for option in re.findall(r" (-[a-z]|--[a-z-]+)\b", line):
+                    self.assertIn(option, offered, "README names " + option)
+
+
+class Samples(ToolTest):
+    def test_generator_writes_the_committed_clips(self):
+        if numpy is None:
+            self.skipTest("numpy is not there")
+        for command in (["tools/samples/make_samples.py", "--check", "data/"],
+                        ["tests/samples/check_samples.py", "data/"]):
+            result = subprocess.run([sys.executable, *command], cwd=SOURCE, text=True,
+                                    capture_output=True, timeout=300)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

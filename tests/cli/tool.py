@@ -1,0 +1,78 @@
+"""What the tests of the command line share: running the tool, sample clips, comparing tables."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+TOOL = os.environ.get("RETARGET_TOOL", "")
+SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
+
+
+def sample(name):
+    return SOURCE / "data" / f"{name}.bvh"
+
+
+def read_rows(text):
+    """Rows of comma-separated numbers."""
+    return [[float(value) for value in line.split(",")] for line in text.splitlines()]
+
+
+def difference(found, expected, tolerance):
+    """None, or in words where two tables of rows differ most."""
+    if len(found) != len(expected):
+        return f"{len(found)} frames for {len(expected)}"
+    worst, where = 0.0, None
+    for frame, (row, wanted) in enumerate(zip(found, expected)):
+        if len(row) != len(wanted):
+            return f"frame {frame} has {len(row)} columns for {len(wanted)}"
+        for column, (a, b) in enumerate(zip(row, wanted), 1):
+            # written so that a value that is no number counts as a difference
+            if not abs(a - b) <= worst:
+                worst = abs(a - b)
+                where = f"frame {frame}, column {column}: {a} for {b}, difference {worst:.3g}"
+    return where if not worst <= tolerance else None
+
+
+class ToolTest(unittest.TestCase):
+    """A test with a folder of its own, in which the tool runs."""
+
+    def setUp(self):
+        if not TOOL:
+            self.skipTest("the tool is not built")
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="retarget test "))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def run_tool(self, *arguments, **options):
+        options.setdefault("stdin", subprocess.DEVNULL)
+        return subprocess.run([TOOL, *map(str, arguments)], cwd=self.folder, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300,
+                              **options)
+
+    def retarget(self, *arguments, bvh=None, robot="unitree_g1", output="out.csv", **options):
+        return self.run_tool("--bvh", bvh or sample("wave"), "--robot", robot, "-o", output,
+                             *arguments, **options)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    def files(self):
+        return sorted(str(f.relative_to(self.folder)) for f in self.folder.rglob("*")
+                      if f.is_file())
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def assert_fails(self, result, code, *words):
+        """One readable error (and perhaps a hint) with these words, and the exit code."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        errors = [line for line in result.stderr.splitlines() if "error:" in line]
+        self.assertEqual(len(errors), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)

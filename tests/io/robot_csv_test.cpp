@@ -1,0 +1,84 @@
+#include "retarget/io/robot_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <clocale>
+
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+// two frames of the two-armed robot with recognisable numbers
+RobotClip two_frames() {
+  RobotClip clip(robot_from_text(kTwoArms), {30, 1}, 2);
+  const auto first = clip.qpos(0);
+  const double root[7] = {1.5, -2.25, 0.1234567, 0.5, -0.5, 0.5, -0.5};
+  std::copy(std::begin(root), std::end(root), first.begin());
+  for (std::size_t i = 7; i < first.size(); ++i) first[i] = -1e-7;
+  const auto second = clip.qpos(1);
+  for (std::size_t i = 0; i < second.size(); ++i) second[i] = static_cast<double>(i);
+  return clip;
+}
+
+TEST(RobotCsv, WritesTheBytesOfThePublishedData) {
+  EXPECT_EQ(format_robot_csv(two_frames()),
+            "1.500000,-2.250000,0.123457,-0.500000,0.500000,-0.500000,0.500000,"
+            "0.000000,0.000000,0.000000,0.000000,0.000000\n"
+            "0.000000,1.000000,2.000000,4.000000,5.000000,6.000000,3.000000,"
+            "7.000000,8.000000,9.000000,10.000000,11.000000\n");
+}
+
+TEST(RobotCsv, WritesOtherDialects) {
+  RobotCsvOptions options;
+  options.precision = 1;
+  options.delimiter = '\t';
+  options.header = true;
+  options.quaternion_order = QuaternionOrder::kWxyz;
+  EXPECT_EQ(
+      format_robot_csv(two_frames(), options),
+      "root_x\troot_y\troot_z\troot_qw\troot_qx\troot_qy\troot_qz\tleft_shoulder\tleft_elbow\t"
+      "left_twist\tright_slide\tright_shoulder\n"
+      "1.5\t-2.2\t0.1\t0.5\t-0.5\t0.5\t-0.5\t0.0\t0.0\t0.0\t0.0\t0.0\n"
+      "0.0\t1.0\t2.0\t3.0\t4.0\t5.0\t6.0\t7.0\t8.0\t9.0\t10.0\t11.0\n");
+  options.precision = 0;
+  options.header = false;
+  options.delimiter = ' ';
+  EXPECT_EQ(format_robot_csv(two_frames(), options),
+            "2 -2 0 0 0 0 0 0 0 0 0 0\n0 1 2 3 4 5 6 7 8 9 10 11\n");
+}
+
+TEST(RobotCsv, KeepsEveryDigitWhenAsked) {
+  RobotCsvOptions options;
+  options.precision = 17;
+  RobotClip clip = two_frames();
+  clip.qpos(0)[0] = 0.1;
+  EXPECT_EQ(format_robot_csv(clip, options).substr(0, 19), "0.10000000000000001");
+}
+
+TEST(RobotCsv, HasNoNegativeZero) {
+  RobotClip clip = two_frames();
+  clip.qpos(0)[0] = -4.9e-7;
+  clip.qpos(0)[1] = -0.0;
+  clip.qpos(0)[2] = -5.1e-7;
+  EXPECT_EQ(format_robot_csv(clip).substr(0, 27), "0.000000,0.000000,-0.000001");
+}
+
+TEST(RobotCsv, IsTheSameInEveryLocale) {
+  const std::string before = format_robot_csv(two_frames());
+  const char* const old = std::setlocale(LC_NUMERIC, nullptr);
+  const std::string kept = old;
+  for (const char* locale : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) {
+    if (std::setlocale(LC_NUMERIC, locale) != nullptr) {
+      EXPECT_EQ(format_robot_csv(two_frames()), before) << locale;
+    }
+  }
+  std::setlocale(LC_NUMERIC, kept.c_str());
+}
+
+TEST(RobotCsv, EmptyClipIsAnEmptyFile) {
+  EXPECT_EQ(format_robot_csv(RobotClip(robot_from_text(kTwoArms), {30, 1}, 0)), "");
+}
+
+}  // namespace
+}  // namespace retarget

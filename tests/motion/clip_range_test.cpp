@@ -1,0 +1,115 @@
+#include "retarget/motion/clip_range.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr FrameRate k30{30, 1};
+
+TEST(FrameRangeFromText, IsHalfOpenAndCountsFromZero) {
+  EXPECT_EQ(frame_range_from_text("10:20", 100).value(), (FrameRange{10, 20}));
+  EXPECT_EQ(frame_range_from_text("0:1", 100).value(), (FrameRange{0, 1}));
+  EXPECT_EQ(frame_range_from_text("99:100", 100).value(), (FrameRange{99, 100}));
+}
+
+TEST(FrameRangeFromText, BoundsLeftOutAreTheClipsOwn) {
+  EXPECT_EQ(frame_range_from_text(":", 100).value(), (FrameRange{0, 100}));
+  EXPECT_EQ(frame_range_from_text("7:", 100).value(), (FrameRange{7, 100}));
+  EXPECT_EQ(frame_range_from_text(":7", 100).value(), (FrameRange{0, 7}));
+}
+
+TEST(FrameRangeFromText, EndsAtTheEndOfTheClip) {
+  EXPECT_EQ(frame_range_from_text("0:300", 100).value(), (FrameRange{0, 100}));
+  EXPECT_EQ(frame_range_from_text("0:99999999999999999999", 100).value(), (FrameRange{0, 100}));
+}
+
+TEST(FrameRangeFromText, OtherTextIsAUsageError) {
+  for (const std::string text :
+       {"", "5", "a:b", "-1:5", "1:-5", "+1:5", " 1:5", "1:5 ", "1:2:3", "1.5:3", "0x1:5", "1,5"}) {
+    const auto range = frame_range_from_text(text, 100);
+    ASSERT_FALSE(range.has_value()) << text;
+    EXPECT_EQ(range.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(range.error().message, HasSubstr("\"" + text + "\" is not of the form a:b"));
+  }
+}
+
+TEST(FrameRangeFromText, RangesWithoutFramesAreUsageErrors) {
+  for (const std::string text : {"5:5", "6:5", "0:0", ":0"}) {
+    const auto range = frame_range_from_text(text, 100);
+    ASSERT_FALSE(range.has_value()) << text;
+    EXPECT_THAT(range.error().message, HasSubstr("holds no frames"));
+  }
+  for (const std::string text : {"100:200", "100:", "99999999999999999999:"}) {
+    const auto range = frame_range_from_text(text, 100);
+    ASSERT_FALSE(range.has_value()) << text;
+    EXPECT_THAT(range.error().message, HasSubstr("behind the clip, which has frames 0 to 99"));
+  }
+  EXPECT_FALSE(frame_range_from_text(":", 0).has_value());
+}
+
+TEST(FrameRangeFromSeconds, TakesTheFramesWithinBothIncluded) {
+  EXPECT_EQ(frame_range_from_seconds(1.0, 2.0, k30, 301).value(), (FrameRange{30, 61}));
+  EXPECT_EQ(frame_range_from_seconds(1.01, 1.99, k30, 301).value(), (FrameRange{31, 60}));
+  EXPECT_EQ(frame_range_from_seconds(0.5, 0.5, k30, 301).value(), (FrameRange{15, 16}));
+  EXPECT_EQ(frame_range_from_seconds(0.0, 0.0, k30, 301).value(), (FrameRange{0, 1}));
+}
+
+// 0.1 * 30 is a little more than 3 in doubles, 0.3 * 30 is 9 exactly, 0.7 / 30 not at all
+TEST(FrameRangeFromSeconds, DecimalTimesOfFramesMeanTheFrames) {
+  for (int frame = 0; frame <= 3000; ++frame) {
+    const double time = frame / 30.0;
+    EXPECT_EQ(frame_range_from_seconds(time, time, k30, 3001).value(),
+              (FrameRange{frame, frame + 1}));
+    const double typed = std::stod(std::to_string(frame / 10.0));
+    EXPECT_EQ(frame_range_from_seconds(typed, {}, k30, 9001).value().begin, 3 * frame);
+    EXPECT_EQ(frame_range_from_seconds({}, typed, k30, 9001).value().end, 3 * frame + 1);
+  }
+}
+
+TEST(FrameRangeFromSeconds, TimesLeftOutAreTheClipsOwn) {
+  EXPECT_EQ(frame_range_from_seconds({}, {}, k30, 301).value(), (FrameRange{0, 301}));
+  EXPECT_EQ(frame_range_from_seconds({}, {}, k30, 0).value(), (FrameRange{0, 0}));
+  EXPECT_EQ(frame_range_from_seconds(9.9, {}, k30, 301).value(), (FrameRange{297, 301}));
+  EXPECT_EQ(frame_range_from_seconds({}, 0.05, k30, 301).value(), (FrameRange{0, 2}));
+  EXPECT_EQ(frame_range_from_seconds({}, 1e300, k30, 301).value(), (FrameRange{0, 301}));
+  EXPECT_EQ(frame_range_from_seconds(1.0, 2.0, FrameRate{2997, 125}, 301).value(),
+            (FrameRange{24, 48}));
+}
+
+TEST(FrameRangeFromSeconds, ImpossibleTimesAreUsageErrors) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1.0, kNan, kInfinity, -kInfinity}) {
+    for (const auto& range : {frame_range_from_seconds(bad, {}, k30, 301),
+                              frame_range_from_seconds({}, bad, k30, 301)}) {
+      ASSERT_FALSE(range.has_value()) << bad;
+      EXPECT_EQ(range.error().kind, ErrorKind::kUsage);
+      EXPECT_THAT(range.error().message, HasSubstr("is not a time of a clip"));
+    }
+  }
+}
+
+TEST(FrameRangeFromSeconds, RangesWithoutFramesAreUsageErrors) {
+  const auto message = [](std::optional<double> start, std::optional<double> end, int count) {
+    const auto range = frame_range_from_seconds(start, end, k30, count);
+    return range.has_value() ? std::string() : describe(range.error());
+  };
+  EXPECT_EQ(message(2.0, 1.0, 301), "error: the end at 1 s comes before the start at 2 s");
+  EXPECT_EQ(message(0.101, 0.102, 301), "error: no frame lies between 0.101 s and 0.102 s");
+  EXPECT_EQ(message(10.1, {}, 301),
+            "error: the start at 10.1 s lies behind the clip, which ends at 10 s");
+  EXPECT_EQ(message(1e300, {}, 301),
+            "error: the start at 1e+300 s lies behind the clip, which ends at 10 s");
+  EXPECT_EQ(message(0.0, {}, 0),
+            "error: the start at 0 s lies behind the clip, which has no frames");
+}
+
+}  // namespace
+}  // namespace retarget

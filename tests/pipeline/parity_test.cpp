@@ -1,0 +1,174 @@
+// The exact method against independent results: frame by frame, stage by stage.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/ik/box_qp.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/math/so3.h"
+#include "retarget/pipeline/retarget.h"
+#include "retarget/pipeline/targets.h"
+#include "support/csv.h"
+#include "support/shared_data.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const fs::path kSource = RETARGET_SOURCE_DIR;
+constexpr double kTolerance = 1e-6;  // rad and m
+
+IkTables g1_tables() {
+  const auto tables = load_ik_tables((kSource / "configs" / "lafan1_to_unitree_g1.json").string());
+  EXPECT_TRUE(tables) << describe(tables.error());
+  return *tables;
+}
+
+LimitSet gmr_limits(const Robot& robot) {
+  const auto limits = load_limits(robot, "gmr");
+  EXPECT_TRUE(limits) << describe(limits.error());
+  return *limits;
+}
+
+// the first frames of a clip as they stand, without resampling
+HumanClip load_human(const fs::path& bvh, int frames) {
+  const auto file = load_bvh(bvh.string());
+  EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
+  const Clip& clip = file->clip;
+  return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
+                  lafan1_mapping(clip.skeleton(), bvh.string()).value());
+}
+
+std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames) {
+  const auto robot = load_g1();
+  const auto result =
+      retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(), gmr_limits(*robot));
+  EXPECT_TRUE(result) << describe(result.error());
+  RobotCsvOptions options;
+  options.precision = 17;
+  return parse_csv(format_robot_csv(result->clip, options));
+}
+
+class Samples : public ::testing::TestWithParam<const char*> {};
+
+// figures of an independent implementation (Python, another QP solver) on the same clips
+TEST_P(Samples, AgreeWithTheOracleInEveryFrame) {
+  const auto expected =
+      read_csv(kSource / "tests" / "golden" / "oracle" / (std::string(GetParam()) + ".csv"));
+  const auto found = retarget_rows(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
+  EXPECT_EQ(found.size(), expected.size());
+  const TableDifference difference = compare_tables(found, expected, kTolerance);
+  EXPECT_TRUE(difference.agree) << difference.where;
+}
+
+TEST_P(Samples, LeaveNoQpUnsolved) {
+  const auto robot = load_g1();
+  const HumanClip human = load_human(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
+  const IkTables tables = g1_tables();
+  const TargetBuilder targets(tables, human.height);
+  const auto problem = make_problem(robot, tables, targets, gmr_limits(*robot));
+  long count = 0, bounded = 0;
+  double worst = 0.0;
+  const auto solver = make_reference_solver(problem, {}, [&](const QpRecord& qp) {
+    ++count;
+    worst = std::max(worst, box_qp_residual(qp.H, qp.g, qp.lower, qp.upper, qp.x));
+    const bool at_bound =
+        ((qp.x - qp.lower).array() <= 0.0).any() || ((qp.upper - qp.x).array() <= 0.0).any();
+    bounded += at_bound ? 1 : 0;
+  });
+  std::vector<double> qpos = robot->zero_configuration();
+  std::vector<Pose> world_from_target(targets.target_count());
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    targets.build(human.frame(frame), world_from_target);
+    for (int pass = 0; pass < 2; ++pass) solver->solve_pass(pass, world_from_target, qpos);
+  }
+  EXPECT_LT(worst, 1e-9) << count << " QPs, " << bounded << " with an active bound";
+  EXPECT_GT(count, 2 * human.frame_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Samples,
+                         ::testing::Values("walk", "turn_in_place", "squat", "wave", "get_up"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Reference, TwelveClipsAgreeInEveryFrame) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  int clips = 0;
+  for (const char* folder : {"lafan1", "lafan1_cuts"}) {
+    for (const auto& entry : fs::directory_iterator(*shared / "data" / folder)) {
+      const fs::path bvh = entry.path();
+      const fs::path csv = *shared / "reference" / "gmr_output" / "unitree_g1" /
+                           bvh.filename().replace_extension(".csv");
+      if (bvh.extension() != ".bvh" || !fs::exists(csv)) continue;
+      const auto expected = read_csv(csv);
+      const auto found = retarget_rows(bvh, static_cast<int>(expected.size()));
+      const TableDifference difference = compare_tables(found, expected, kTolerance);
+      EXPECT_TRUE(difference.agree) << bvh.filename() << ": " << difference.where;
+      ++clips;
+    }
+  }
+  EXPECT_EQ(clips, 12);
+}
+
+Eigen::Vector3d vector_of(const Json& json) {
+  return {json[0], json[1], json[2]};
+}
+
+// angle between two rotations, radians
+double angle_between(const Eigen::Quaterniond& a, const Json& wxyz) {
+  return log_so3(a.conjugate() * Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3])).norm();
+}
+
+TEST(Reference, EveryStageAgrees) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  std::ifstream file(*shared / "reference/gmr_output/unitree_g1/walk4_subject1_stages.json");
+  const Json stages = Json::parse(file);
+  const auto robot = load_g1();
+  const IkTables tables = g1_tables();
+  const HumanClip human = load_human(*shared / "data/lafan1/walk4_subject1.bvh",
+                                     static_cast<int>(stages["frames"].size()));
+  const TargetBuilder targets(tables, human.height);
+  const auto problem = make_problem(robot, tables, targets, gmr_limits(*robot));
+  const auto solver = make_reference_solver(problem);
+  std::vector<double> qpos = robot->zero_configuration();
+  std::vector<Pose> world_from_target(targets.target_count());
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    SCOPED_TRACE("frame " + std::to_string(frame));
+    const Json& stage = stages["frames"][frame];
+    ASSERT_EQ(stage["bones"].size(), static_cast<std::size_t>(kBoneCount));
+    for (const auto& [name, pose] : stage["bones"].items()) {
+      const Pose& bone = human.frame(frame)[find_bone(name).value()];
+      EXPECT_LT((bone.translation - vector_of(pose["pos"])).norm(), 1e-12) << name;
+      EXPECT_LT(angle_between(bone.rotation, pose["quat"]), 1e-12) << name;
+    }
+    targets.build(human.frame(frame), world_from_target);
+    ASSERT_EQ(stage["targets"].size(), world_from_target.size());
+    for (const auto& [name, pose] : stage["targets"].items()) {
+      const Pose& target = world_from_target[targets.target_of(find_bone(name).value())];
+      EXPECT_LT((target.translation - vector_of(pose["pos"])).norm(), 1e-12) << name;
+      EXPECT_LT(angle_between(target.rotation, pose["quat"]), 1e-12) << name;
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+      SCOPED_TRACE("pass " + std::to_string(pass + 1));
+      const Json& expected = stage["passes"][pass];
+      const PassResult result = solver->solve_pass(pass, world_from_target, qpos);
+      ASSERT_EQ(result.steps + 1, static_cast<int>(expected["errors"].size()));
+      for (int k = 0; k <= result.steps; ++k) {
+        EXPECT_NEAR(result.errors[k], expected["errors"][k].get<double>(), 1e-8) << "step " << k;
+      }
+      for (std::size_t i = 0; i < qpos.size(); ++i) {
+        EXPECT_NEAR(qpos[i], expected["qpos"][i].get<double>(), 1e-8) << "entry " << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/base/result.h"
+
+namespace retarget::cli {
+
+/// Exit codes of the tool; README lists them for users.
+enum ExitCode : int {
+  kDone = 0,
+  kRunFailed = 1,
+  kWrongUsage = 2,
+  kBadInput = 3,
+  kBadConfig = 4,
+  kInterruptedByUser = 130,
+};
+
+[[nodiscard]] ExitCode exit_code(ErrorKind kind);
+
+/// What people read, on standard error. Results never come this way.
+class Console {
+ public:
+  explicit Console(bool quiet);
+
+  /// A line of the summary: a short label, then what there is to say. Silent when quiet.
+  void line(std::string_view label, std::string_view text);
+  void warn(const std::vector<Warning>& warnings, std::string_view file);
+  /// Prints the error and gives its exit code.
+  [[nodiscard]] ExitCode fail(const Error& error);
+
+  /// A progress line that overwrites itself; only on a terminal, at most ten times a second.
+  void progress(std::string_view what, int done, int total);
+  /// Removes the progress line.
+  void end_progress();
+
+ private:
+  [[nodiscard]] std::string paint(std::string_view text, std::string_view code) const;
+  /// Colours the word that says how bad a line is.
+  [[nodiscard]] std::string paint_severity(std::string text) const;
+
+  bool quiet_;
+  bool terminal_;
+  bool colour_;
+  bool progress_shown_ = false;
+  double last_progress_s_ = -1.0;
+};
+
+/// A number with so many decimals, without trailing zeros: 9.97, 30.
+[[nodiscard]] std::string number_text(double value, int decimals);
+
+/// `1 frame`, `2 frames`.
+[[nodiscard]] std::string count_text(long count, std::string_view noun);
+
+}  // namespace retarget::cli

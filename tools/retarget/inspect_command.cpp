@@ -1,0 +1,164 @@
+// `retarget inspect`: joints, rate, duration and extents of a motion file.
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "retarget/base/file.h"
+#include "retarget/motion/forward_kinematics.h"
+#include "retarget/motion/skeleton_points.h"
+
+namespace retarget::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::string channel_list(const Joint& joint) {
+  std::string text;
+  for (const Channel channel : joint.channels) {
+    if (!text.empty()) text += ' ';
+    text += channel_name(channel);
+  }
+  return text;
+}
+
+Json joint_json(const Skeleton& skeleton, const Joint& joint) {
+  Json json;
+  json["name"] = joint.name;
+  json["parent"] = joint.parent < 0 ? Json() : Json(skeleton.joint(joint.parent).name);
+  json["parent_index"] = joint.parent < 0 ? Json() : Json(joint.parent);
+  json["offset"] = to_json(joint.offset);
+  json["channels"] = Json::array();
+  for (const Channel channel : joint.channels) json["channels"].push_back(channel_name(channel));
+  json["end_sites"] = Json::array();
+  for (const Eigen::Vector3d& end : joint.end_sites) json["end_sites"].push_back(to_json(end));
+  return json;
+}
+
+std::string report_json(const BvhFile& file, const std::string& name) {
+  const Clip& clip = file.clip;
+  const Eigen::AlignedBox3d box = extents(clip);
+  Json json;
+  json["file"] = name;
+  json["fps"] = clip.rate().fps();
+  json["frames"] = clip.frame_count();
+  json["duration_s"] = clip.duration();
+  json["channels"] = clip.skeleton().channel_count();
+  json["joints"] = Json::array();
+  for (const Joint& joint : clip.skeleton().joints()) {
+    json["joints"].push_back(joint_json(clip.skeleton(), joint));
+  }
+  json["extents"] = {{"min", to_json(box.min())}, {"max", to_json(box.max())}};
+  json["warnings"] = Json::array();
+  for (const Warning& warning : file.warnings) {
+    json["warnings"].push_back(
+        {{"line", warning.line}, {"column", warning.column}, {"message", warning.message}});
+  }
+  // names are the file's bytes; what is no UTF-8 must not end the program
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string vector_text(const Eigen::Vector3d& v) {
+  return number_text(v.x(), 4) + " " + number_text(v.y(), 4) + " " + number_text(v.z(), 4);
+}
+
+std::string report_text(const BvhFile& file, const std::string& name) {
+  const Clip& clip = file.clip;
+  const Skeleton& skeleton = clip.skeleton();
+  const Eigen::AlignedBox3d box = extents(clip);
+  std::string text = name + "\n";
+  text += "  frames    " + std::to_string(clip.frame_count()) + "\n";
+  text += "  rate      " + to_text(clip.rate()) + " fps\n";
+  text += "  duration  " + number_text(clip.duration(), 3) + " s\n";
+  text += "  joints    " + std::to_string(skeleton.joint_count()) + ", " +
+          count_text(skeleton.channel_count(), "channel") + "\n";
+  text += "  extents   " + vector_text(box.min()) + "  to  " + vector_text(box.max()) +
+          "  (file units and axes)\n\n";
+  std::vector<int> depth(skeleton.joint_count(), 0);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joint(j);
+    if (joint.parent >= 0) depth[j] = depth[joint.parent] + 1;
+    // very deep trees would indent beyond any screen
+    const int shown_depth = std::min(depth[j], 40);
+    text += std::string(2 + 2 * static_cast<std::size_t>(shown_depth), ' ') + joint.name +
+            "  offset " + vector_text(joint.offset);
+    if (!joint.channels.empty()) text += "  " + channel_list(joint);
+    if (!joint.end_sites.empty()) text += "  +" + count_text(joint.end_sites.size(), "end site");
+    text += "\n";
+  }
+  return text;
+}
+
+void append_number(std::string& text, double value) {
+  std::array<char, 40> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  text.append(digits.data(), end);
+}
+
+// names with a comma, a quote or a line end are quoted as RFC 4180 asks
+std::string csv_field(const std::string& field) {
+  if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
+  std::string quoted = "\"";
+  for (const char c : field) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+// shortest numbers that read back to the same doubles
+std::string positions_csv(const Clip& clip) {
+  const std::vector<SkeletonPoint> points = skeleton_points(clip.skeleton());
+  std::string text = "frame,time";
+  for (const SkeletonPoint& point : points) {
+    for (const char* column : {".x", ".y", ".z", ".qx", ".qy", ".qz", ".qw"}) {
+      text += "," + csv_field(point.name + column);
+    }
+  }
+  text += "\n";
+  std::vector<Pose> world_from_joint(clip.skeleton().joint_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, world_from_joint);
+    text += std::to_string(frame) + ",";
+    append_number(text, clip.rate().time_of(frame));
+    for (const SkeletonPoint& point : points) {
+      const Pose pose = world_from_point(point, world_from_joint);
+      const Eigen::Vector4d xyzw = pose.rotation.coeffs();
+      for (const double value : {pose.translation.x(), pose.translation.y(), pose.translation.z(),
+                                 xyzw[0], xyzw[1], xyzw[2], xyzw[3]}) {
+        text += ',';
+        append_number(text, value);
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+ExitCode inspect(const InspectOptions& options, Console& console) {
+  if (options.json && options.positions == "-") {
+    return console.fail(usage_failure("--json and --positions - both want standard output",
+                                      "give --positions a file name")
+                            .value());
+  }
+  const auto file = read_source(options.source, options.skeleton_only, console);
+  if (!file) return console.fail(file.error());
+
+  if (!options.positions.empty()) {
+    const auto written = write_file(options.positions, positions_csv(file->clip));
+    if (!written) return console.fail(written.error());
+    if (options.positions == "-") return kDone;
+  }
+  const std::string name = source_name(options.source);
+  const auto printed =
+      write_file("-", options.json ? report_json(*file, name) : report_text(*file, name));
+  if (!printed) return console.fail(printed.error());
+  return kDone;
+}
+
+}  // namespace retarget::cli

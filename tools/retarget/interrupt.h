@@ -1,0 +1,20 @@
+#pragma once
+
+namespace retarget::cli {
+
+/// While one of these lives, Ctrl-C and SIGTERM set a flag instead of ending the process, so that
+/// a run can stop between two frames and clean up. A second signal ends the process at once.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  [[nodiscard]] static bool interrupted();
+};
+
+/// Writing past a file size limit or into a closed pipe becomes an error instead of a signal.
+void turn_write_signals_into_errors();
+
+}  // namespace retarget::cli

@@ -1,0 +1,195 @@
+// The command line: declares the options, checks them against each other, calls a command.
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "retarget/version.h"
+
+namespace retarget::cli {
+namespace {
+
+constexpr const char* kInput = "Input";
+constexpr const char* kRobot = "Robot and method";
+constexpr const char* kTime = "Time";
+constexpr const char* kOutput = "Output";
+constexpr const char* kGeneral = "General";
+
+constexpr const char* kFooter = R"(
+Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
+4 bad configuration, model or unknown robot, 130 interrupted.
+
+Examples:
+  retarget --bvh walk.bvh --robot unitree_g1 -o walk.csv
+  retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
+  retarget inspect walk.bvh)";
+
+// the option's own words say what it takes; CLI11's would stand beside them
+CLI::Validator silent(CLI::Validator validator) {
+  return validator.description("");
+}
+
+void add_common_options(CLI::App& app, CommonOptions& options) {
+  app.add_flag("-q,--quiet", options.quiet, "Print errors only")->group(kGeneral);
+  app.add_option("--data-dir", options.data_dir,
+                 "Folder that holds robots/ and configs/\n"
+                 "(default: $RETARGET_DATA_DIR, else found beside the program)")
+      ->type_name("DIR")
+      ->group(kGeneral);
+}
+
+void add_source_options(CLI::App& app, SourceOptions& options) {
+  app.add_flag("--lenient", options.lenient,
+               "Keep the complete frames of a damaged file, say what was\ndropped")
+      ->group(kInput);
+  app.add_option("--root", options.root, "Which tree to read, when a file holds several ROOTs")
+      ->type_name("NAME")
+      ->group(kInput);
+  app.add_option("--source-fps", options.source_fps,
+                 "Frames per second of the source, whatever its header says")
+      ->type_name("N")
+      ->check(silent(CLI::PositiveNumber))
+      ->group(kInput);
+}
+
+void add_run_options(CLI::App& app, RunOptions& options) {
+  app.add_option("--bvh", options.source.file, "Motion to retarget; - reads standard input")
+      ->type_name("FILE")
+      ->group(kInput);
+  add_source_options(app, options.source);
+  app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
+      ->type_name("S")
+      ->check(silent(CLI::NonNegativeNumber))
+      ->group(kInput);
+  app.add_option("--end", options.end_s, "End at this time of the source, seconds, inclusive")
+      ->type_name("S")
+      ->check(silent(CLI::NonNegativeNumber))
+      ->group(kInput);
+  app.add_option("--frames", options.frames,
+                 "Source frames from A up to, not including, B; either may be left out")
+      ->type_name("A:B")
+      ->group(kInput);
+
+  app.add_option("--robot", options.robot, "Robot by name, or a robot folder")
+      ->type_name("NAME")
+      ->group(kRobot);
+  app.add_option("--robot-xml", options.robot_xml,
+                 "Any other robot: its MJCF model; meshes are not needed")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--robot-profile", options.robot_profile,
+                 "Output joint order, limit sets and soles of --robot-xml, JSON")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--ik-config", options.ik_config,
+                 "Mapping from human bones to robot bodies, JSON\n"
+                 "(default: the robot's own)")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--limits", options.limits,
+                 "Joint limits: a set of the robot (official, gmr), or\n"
+                 "a JSON or MJCF file (default: gmr with --method gmr)")
+      ->type_name("SET|FILE")
+      ->group(kRobot);
+  app.add_option("--method", options.method,
+                 "gmr: the published two-pass inverse kinematics, frame by\nframe")
+      ->type_name("gmr")
+      ->check(silent(CLI::IsMember({"gmr"})))
+      ->capture_default_str()
+      ->group(kRobot);
+
+  app.add_option("--fps", options.fps, "Output rate in frames per second, or `source`")
+      ->type_name("N|source")
+      ->capture_default_str()
+      ->group(kTime);
+  app.add_option("--interpolation", options.interpolation, "Between source frames")
+      ->type_name("linear|cubic")
+      ->check(silent(CLI::IsMember({"linear", "cubic"})))
+      ->capture_default_str()
+      ->group(kTime);
+  app.add_flag("--no-antialias", options.no_antialias,
+               "Do not low-pass a source that is faster than the output")
+      ->group(kTime);
+
+  app.add_option("-o,--output", options.output, "CSV to write; - writes standard output")
+      ->type_name("FILE")
+      ->group(kOutput);
+  app.add_option("--precision", options.precision, "Digits after the decimal point, 0 to 17")
+      ->type_name("N")
+      ->check(silent(CLI::Range(0, 17)))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_option("--csv-delimiter", options.delimiter, "Between columns")
+      ->type_name("comma|space|tab")
+      ->check(silent(CLI::IsMember({"comma", "space", "tab"})))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_flag("--csv-header", options.header, "Write a first line that names the columns")
+      ->group(kOutput);
+  app.add_option("--csv-quat", options.quaternion, "Order of the root quaternion")
+      ->type_name("xyzw|wxyz")
+      ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_flag("--normalize-start", options.normalize_start,
+               "Move and turn the motion so that it starts at x = y = 0,\nfacing +x")
+      ->group(kOutput);
+  add_common_options(app, options.common);
+}
+
+CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
+  CLI::App* command = app.add_subcommand("inspect", "Show what a motion file holds");
+  command->add_option("file", options.source.file, "BVH file; - reads standard input")
+      ->required()
+      ->type_name("FILE");
+  add_source_options(*command, options.source);
+  command
+      ->add_flag("--skeleton", options.skeleton_only,
+                 "The skeleton is enough: accept a file without MOTION")
+      ->group(kInput);
+  command->add_flag("--json", options.json, "Print JSON on standard output")->group(kOutput);
+  command
+      ->add_option("--positions", options.positions,
+                   "Write world positions and quaternions (xyzw) of all joints and end sites, "
+                   "in the file's units and axes, as CSV; - writes standard output")
+      ->type_name("FILE")
+      ->group(kOutput);
+  add_common_options(*command, options.common);
+  return command;
+}
+
+int main_with(int argc, char** argv) {
+  CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
+  app.footer(kFooter);
+  app.get_formatter()->column_width(32);
+  app.get_help_ptr()->group(kGeneral);
+  app.set_version_flag("--version", [] { return version_text(); })->group(kGeneral);
+
+  RunOptions run_options;
+  add_run_options(app, run_options);
+  InspectOptions inspect_options;
+  const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // help and version go to standard output and are no failure
+    const bool asked_for = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+    return app.exit(error) == 0 && asked_for ? kDone : kWrongUsage;
+  }
+  turn_write_signals_into_errors();
+  if (inspect_command->parsed()) {
+    Console console(inspect_options.common.quiet);
+    return inspect(inspect_options, console);
+  }
+  Console console(run_options.common.quiet);
+  return run(run_options, console);
+}
+
+}  // namespace
+}  // namespace retarget::cli
+
+int main(int argc, char** argv) {
+  return retarget::cli::main_with(argc, argv);
+}

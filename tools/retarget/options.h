@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace retarget::cli {
+
+/// Options that many commands share.
+struct CommonOptions {
+  bool quiet = false;
+  std::string data_dir;  ///< Folder that holds robots/ and configs/; empty: found.
+};
+
+/// How a source clip is read.
+struct SourceOptions {
+  std::string file;  ///< `-` for standard input.
+  bool lenient = false;
+  std::string root;         ///< Which of several ROOTs.
+  double source_fps = 0.0;  ///< 0: as the file says.
+};
+
+/// The default command: one clip to one robot CSV.
+struct RunOptions {
+  CommonOptions common;
+  SourceOptions source;
+  double start_s = -1.0;  ///< Negative: not given.
+  double end_s = -1.0;
+  std::string frames;  ///< `a:b`; empty: not given.
+
+  std::string robot;
+  std::string robot_xml;
+  std::string robot_profile;
+  std::string limits;     ///< Empty: the method's own.
+  std::string ik_config;  ///< Empty: the robot's own.
+  std::string method = "gmr";
+
+  std::string fps = "30";  ///< A number or `source`.
+  std::string interpolation = "cubic";
+  bool no_antialias = false;
+
+  std::string output;
+  int precision = 6;
+  std::string delimiter = "comma";
+  bool header = false;
+  std::string quaternion = "xyzw";
+  bool normalize_start = false;
+};
+
+/// `retarget inspect`: what a motion file holds.
+struct InspectOptions {
+  CommonOptions common;
+  SourceOptions source;
+  bool skeleton_only = false;
+  bool json = false;
+  std::string positions;  ///< CSV to write; empty: none.
+};
+
+}  // namespace retarget::cli

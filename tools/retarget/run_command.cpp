@@ -1,0 +1,241 @@
+// The default command: one motion file to one robot CSV.
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "retarget/base/data_folder.h"
+#include "retarget/base/file.h"
+#include "retarget/human/human_clip.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/motion/clip_range.h"
+#include "retarget/motion/resample.h"
+#include "retarget/pipeline/retarget.h"
+#include "retarget/robot/limit_distance.h"
+#include "retarget/robot/load_robot.h"
+#include "retarget/robot/normalize_start.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// everything that is loaded before the first frame is solved
+struct Setup {
+  std::shared_ptr<const Robot> robot;
+  LimitSet limits;
+  IkTables tables;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<void> check_usage(const RunOptions& options) {
+  if (options.source.file.empty()) {
+    return usage_failure("no motion file is given",
+                         "retarget --bvh walk.bvh --robot unitree_g1 "
+                         "-o walk.csv; retarget --help shows more");
+  }
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!options.robot_xml.empty() && options.ik_config.empty()) {
+    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+  }
+  if (options.output.empty()) {
+    return usage_failure("no output is given", "add -o FILE, or -o - for standard output");
+  }
+  if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
+    return usage_failure("--frames and --start/--end both choose a part of the clip",
+                         "give one of them");
+  }
+  for (const std::string_view end : {".npz", ".pkl"}) {
+    if (options.output.ends_with(end)) {
+      return usage_failure(
+          "the output \"" + options.output + "\" is no CSV: CSV is what is written",
+          "give a name that ends in .csv");
+    }
+  }
+  std::error_code ignored;
+  if (options.output != "-" && fs::equivalent(options.source.file, options.output, ignored)) {
+    return usage_failure("the output would overwrite the input \"" + options.source.file + "\"",
+                         "give another name with -o");
+  }
+  return check_output_folder(options.output);
+}
+
+// the output rate; nothing: the source's own
+Result<std::optional<FrameRate>> output_rate(const std::string& text) {
+  if (text == "source") return std::optional<FrameRate>();
+  double fps = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fps);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  if (!whole || !std::isfinite(fps) || fps <= 0.0) {
+    return usage_failure("--fps must be a number above 0 or `source`, found \"" + text + "\"");
+  }
+  return frame_rate_from_fps(fps);
+}
+
+// the part of the clip that the user asked for
+Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
+  if (options.frames.empty() && options.start_s < 0.0 && options.end_s < 0.0) return clip;
+  const auto given = [](double seconds) {
+    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
+  };
+  const auto range = options.frames.empty()
+                         ? frame_range_from_seconds(given(options.start_s), given(options.end_s),
+                                                    clip.rate(), clip.frame_count())
+                         : frame_range_from_text(options.frames, clip.frame_count());
+  if (!range) return failure(range.error());
+  return cut(clip, range->begin, range->end);
+}
+
+// the source clip, cut and at the output rate
+Result<Clip> load_clip(const RunOptions& options, Console& console) {
+  const auto rate = output_rate(options.fps);
+  if (!rate) return failure(rate.error());
+  auto file = read_source(options.source, false, console);
+  if (!file) return failure(file.error());
+  const Clip& clip = file->clip;
+  console.line("read", source_name(options.source) + ": " +
+                           count_text(clip.skeleton().joint_count(), "joint") + ", " +
+                           count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
+                           " fps, " + number_text(clip.duration(), 2) + " s");
+  if (clip.frame_count() == 0) {
+    return input_failure(source_name(options.source), "the clip has no frames to retarget",
+                         "retarget inspect shows its skeleton");
+  }
+  auto chosen = choose_frames(std::move(file->clip), options);
+  if (!chosen || !*rate) return chosen;
+  ResampleOptions resample_options;
+  resample_options.interpolation =
+      options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
+  resample_options.antialias = !options.no_antialias;
+  return resample(*chosen, **rate, resample_options);
+}
+
+Result<Setup> load_setup(const RunOptions& options) {
+  Setup setup;
+  std::string mapping = options.ik_config;
+  if (options.robot_xml.empty()) {
+    const auto& chosen = options.common.data_dir;
+    const auto data =
+        find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
+    if (!data) return failure(data.error());
+    const auto found = find_robot(options.robot, *data / "robots");
+    if (!found) return failure(found.error());
+    auto robot = load_robot(found->model.string(), found->profile.string());
+    if (!robot) return failure(robot.error());
+    setup.robot = *robot;
+    if (mapping.empty()) {
+      mapping = (*data / "configs" / ("lafan1_to_" + setup.robot->name() + ".json")).string();
+    }
+  } else {
+    auto robot = load_robot(options.robot_xml, options.robot_profile);
+    if (!robot) return failure(robot.error());
+    setup.robot = *robot;
+  }
+  // the published method judges by its own, tighter set where the robot has one
+  const std::string wanted =
+      !options.limits.empty() ? options.limits : setup.robot->limits_for(options.method);
+  auto limits = load_limits(*setup.robot, wanted);
+  if (!limits) return failure(limits.error());
+  setup.limits = std::move(*limits);
+  auto tables = load_ik_tables(mapping);
+  if (!tables) return failure(tables.error());
+  setup.tables = std::move(*tables);
+  if (auto checked = check_ik_tables(setup.tables, *setup.robot); !checked) {
+    return failure(checked.error());
+  }
+  return setup;
+}
+
+RobotCsvOptions csv_options(const RunOptions& options) {
+  RobotCsvOptions csv;
+  csv.precision = options.precision;
+  csv.delimiter = options.delimiter == "comma" ? ',' : options.delimiter == "space" ? ' ' : '\t';
+  csv.header = options.header;
+  csv.quaternion_order =
+      options.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
+  return csv;
+}
+
+void print_limits(const RobotClip& clip, const LimitSet& limits, Console& console) {
+  const auto worst = nearest_limit(clip, limits);
+  if (!worst) return;
+  const double distance = worst->distance;
+  console.line("limits", limits.name + ": " + worst->joint + " comes nearest, " +
+                             (distance < 0.0 ? number_text(-distance, 6) + " beyond"
+                                             : number_text(distance, 6) + " from") +
+                             " its " + (worst->at_upper ? "upper" : "lower") + " limit in frame " +
+                             std::to_string(worst->frame) + "; joints at a limit in " +
+                             number_text(100.0 * worst->frames_at_limit, 1) + " % of frames");
+}
+
+Result<RetargetResult> solve(const HumanClip& human, const Setup& setup, const RunOptions& options,
+                             Console& console) {
+  RetargetOptions retarget_options;
+  retarget_options.keep_going = [&](int frame) {
+    console.progress("solving frame", frame, human.frame_count);
+    return !InterruptGuard::interrupted();
+  };
+  auto result = retarget::retarget(human, source_name(options.source), setup.robot, setup.tables,
+                                   setup.limits, retarget_options);
+  console.end_progress();
+  return result;
+}
+
+Result<void> run_checked(const RunOptions& options, Console& console) {
+  const auto start = std::chrono::steady_clock::now();
+  if (auto usage = check_usage(options); !usage) return usage;
+  const auto setup = load_setup(options);
+  if (!setup) return failure(setup.error());
+  const auto clip = load_clip(options, console);
+  if (!clip) return failure(clip.error());
+  const auto mapping = lafan1_mapping(clip->skeleton(), source_name(options.source));
+  if (!mapping) return failure(mapping.error());
+  const HumanClip human = to_human(*clip, *mapping);
+  console.line("taken as", mapping->description);
+  console.line("robot", setup->robot->name() + ", " +
+                            count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
+                            ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
+
+  // from here on Ctrl-C stops between two frames and leaves nothing behind
+  const InterruptGuard guard;
+  auto result = solve(human, *setup, options, console);
+  if (!result) return failure(result.error());
+  RobotClip& motion = result->clip;
+  console.line("solved",
+               count_text(motion.frame_count(), "frame") + " at " + to_text(motion.rate()) +
+                   " fps, " +
+                   number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
+                   " IK steps a frame");
+  print_limits(motion, setup->limits, console);
+  if (options.normalize_start) normalize_start(motion);
+  auto written = write_file(options.output, format_robot_csv(motion, csv_options(options)));
+  if (!written) return written;
+  console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
+                            number_text(seconds_since(start), 2) + " s");
+  return {};
+}
+
+}  // namespace
+
+ExitCode run(const RunOptions& options, Console& console) {
+  const auto done = run_checked(options, console);
+  return done ? kDone : console.fail(done.error());
+}
+
+}  // namespace retarget::cli
