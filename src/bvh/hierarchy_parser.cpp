@@ -18,12 +18,6 @@ constexpr std::array kChannels = {Channel::kXPosition, Channel::kYPosition, Chan
                                   Channel::kXRotation, Channel::kYRotation, Channel::kZRotation,
                                   Channel::kXScale,    Channel::kYScale,    Channel::kZScale};
 
-const std::vector<std::string>& block_keywords() {
-  static const std::vector<std::string> kKeywords = {"OFFSET", "CHANNELS", "JOINT", "End Site",
-                                                     "End"};
-  return kKeywords;
-}
-
 // how often something odd was met, and where first
 struct Tally {
   std::size_t count = 0;
@@ -295,6 +289,7 @@ Result<Channel> HierarchyParser::parse_channel(int number, int count) {
   });
   if (named == kChannels.end()) {
     std::vector<std::string> names;
+    names.reserve(kChannels.size());
     for (const Channel channel : kChannels) names.emplace_back(channel_name(channel));
     const std::string suggestion = did_you_mean(token.substr(0, 32), names);
     return source_.failure_at(offset, "expected channel " + std::to_string(number) + " of the " +
@@ -350,7 +345,8 @@ Failure HierarchyParser::unknown_statement(std::size_t offset) const {
       hint = "CHANNELS lists more names than the number after it says";
     }
   }
-  const std::string suggestion = did_you_mean(token.substr(0, 32), block_keywords());
+  const std::vector<std::string> keywords = {"OFFSET", "CHANNELS", "JOINT", "End", "End Site"};
+  const std::string suggestion = did_you_mean(token.substr(0, 32), keywords);
   return source_.failure_at(offset,
                             "expected OFFSET, CHANNELS, JOINT, End Site or '}' in " +
                                 block_name(open_.back()) + ", found " + source_.found_at(offset) +

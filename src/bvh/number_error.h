@@ -7,7 +7,7 @@
 
 namespace retarget {
 
-/// Whether the text at `offset` is a way to write NaN or infinity, or begins with one.
+/// Whether a token is, or begins with, a way to write NaN or infinity.
 [[nodiscard]] bool is_nan_or_infinity(std::string_view token);
 
 /// The error for a token that is not a number: says which of the usual faults it is (decimal

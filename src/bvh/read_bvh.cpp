@@ -178,6 +178,7 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
 void BvhReader::warn_about_kept_offsets(const Tree& tree, const std::vector<int>& joints) {
   if (joints.empty()) return;
   std::vector<std::string> names;
+  names.reserve(joints.size());
   for (const int joint : joints) names.push_back(quoted(tree.skeleton->joint(joint).name));
   warnings_.push_back(
       source_.warning_at(tree.places[joints.front()],

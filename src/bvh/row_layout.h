@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,7 @@ class RowLayout {
   }
 
   void end_line(std::size_t values) {
+    assert(width_ > 0);
     ++lines_;
     if (values == width_) ++exact_lines_;
     if (column_ == 0) aligned_.values = values;

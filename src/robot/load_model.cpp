@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "retarget/base/file.h"
-#include "retarget/robot/mujoco_version.h"
 #include "robot/mujoco_messages.h"
+#include "version_numbers.h"
 
 namespace retarget {
 namespace {
@@ -83,13 +83,14 @@ Result<void> check_file(const std::string& path) {
   return {};
 }
 
+// models have another layout in every version of MuJoCo
 Result<void> check_version() {
-  const MujocoVersion version = mujoco_version();
-  if (version.match) return {};
-  return run_failure(
-      "",
-      "built with MuJoCo " + version.header + ", but the library that runs is " + version.library,
-      "let the program find MuJoCo " + version.header + ", or build it anew");
+  if (mj_version() == mjVERSION_HEADER) return {};
+  const std::string built_with = mujoco_version_text(mjVERSION_HEADER);
+  return run_failure("",
+                     "built with MuJoCo " + built_with + ", but the library that runs is " +
+                         mujoco_version_text(mj_version()),
+                     "let the program find MuJoCo " + built_with + ", or build it anew");
 }
 
 std::string quoted_name(const mjModel& model, mjtObj kind, int index) {
@@ -131,8 +132,8 @@ Result<void> check_finite(const mjModel& model, const std::string& path) {
 }  // namespace
 
 Result<LoadedModel> load_model(const std::string& path) {
-  if (auto version = check_version(); !version) return failure(version.error());
-  if (auto file = check_file(path); !file) return failure(file.error());
+  if (const auto version = check_version(); !version) return failure(version.error());
+  if (const auto file = check_file(path); !file) return failure(file.error());
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;
@@ -147,8 +148,11 @@ Result<LoadedModel> load_model(const std::string& path) {
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
   if (auto finite = check_finite(*loaded.model, path); !finite) return failure(finite.error());
   loaded.warnings = guard.warnings();
-  if (mjs_isWarning(spec.get()) != 0) {
-    loaded.warnings.push_back(one_line(mjs_getError(spec.get())));
+  // some versions tell a warning here, some through the handler, some both ways
+  const std::string warning =
+      mjs_isWarning(spec.get()) != 0 ? one_line(mjs_getError(spec.get())) : std::string();
+  if (!warning.empty() && std::ranges::find(loaded.warnings, warning) == loaded.warnings.end()) {
+    loaded.warnings.push_back(warning);
   }
   return loaded;
 }

@@ -90,7 +90,7 @@ TEST(EulerAngles, FollowsAnglesThroughManyTurns) {
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     std::vector<double> before = {0.0, 45.0, 0.0};
     for (int frame = 0; frame < 2000; ++frame) {
-      const std::vector<double> truth = {0.7 * frame, 45.0 + 3.0 * std::sin(0.01 * frame),
+      const std::vector<double> truth = {0.7 * frame, 45.0 + 100.0 * std::sin(0.01 * frame),
                                          -0.4 * frame};
       Quaterniond rotation = Quaterniond::Identity();
       for (int i = 0; i < 3; ++i) rotate_about(rotation, axes[i], truth[i]);

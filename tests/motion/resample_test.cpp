@@ -59,6 +59,12 @@ TEST(ResampledFrameCount, IsExactForLongClips) {
             std::numeric_limits<std::int64_t>::max());
 }
 
+TEST(ResampledFrameCount, ForgivesABillionthOfASample) {
+  constexpr FrameRate kOne{1, 1};
+  EXPECT_EQ(resampled_frame_count(2, FrameRate{1'000'000'000, 999'999'999}, kOne), 2);
+  EXPECT_EQ(resampled_frame_count(2, FrameRate{1'000'000'000, 999'999'998}, kOne), 1);
+}
+
 TEST(Resample, EqualRatesCopyBitForBit) {
   Clip clip = make_clip(frame_rate_from_frame_time(0.033333), 101, tone(3.0));
   clip.rotations(50)[1].coeffs() *= -1.0;
@@ -141,9 +147,9 @@ TEST(Resample, RampsStayWhereTheyAreInTime) {
 TEST(Resample, LongClipsDoNotDrift) {
   const auto ramp = [](double t) { return t; };
   const FrameRate film{24000, 1001};
-  const Clip clip = make_clip(film, 100'000, ramp);
+  const Clip clip = make_clip(film, 10'000, ramp);
   const Clip output = resampled(clip, k30);
-  EXPECT_EQ(output.frame_count(), resampled_frame_count(100'000, film, k30));
+  EXPECT_EQ(output.frame_count(), resampled_frame_count(10'000, film, k30));
   EXPECT_LT(translation_error(output, ramp, 0, output.frame_count()), 1e-10);
 }
 

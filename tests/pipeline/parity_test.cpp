@@ -94,7 +94,7 @@ TEST_P(Samples, LeaveNoQpUnsolved) {
 
 INSTANTIATE_TEST_SUITE_P(All, Samples,
                          ::testing::Values("walk", "turn_in_place", "squat", "wave", "get_up"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& sample) { return std::string(sample.param); });
 
 TEST(Reference, TwelveClipsAgreeInEveryFrame) {
   const auto shared = shared_folder();
