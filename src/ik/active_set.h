@@ -27,7 +27,8 @@ enum class BoundSide : signed char { kLower = -1, kFree = 0, kUpper = 1 };
 /// Owns its scratch memory: no allocation after construction.
 class ActiveSet {
  public:
-  explicit ActiveSet(int size) : size_(size), sides_(size, BoundSide::kFree), stuck_(size), minimum_(size) {}
+  explicit ActiveSet(int size)
+      : size_(size), sides_(size, BoundSide::kFree), stuck_(size), minimum_(size) {}
 
   struct Outcome {
     int factorizations = 0;
@@ -36,8 +37,8 @@ class ActiveSet {
 
   [[nodiscard]] const std::vector<BoundSide>& sides() const { return sides_; }
   [[nodiscard]] int active_count() const {
-    return static_cast<int>(std::ranges::count_if(
-        sides_, [](BoundSide side) { return side != BoundSide::kFree; }));
+    return static_cast<int>(
+        std::ranges::count_if(sides_, [](BoundSide side) { return side != BoundSide::kFree; }));
   }
 
   template <typename System>

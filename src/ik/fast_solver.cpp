@@ -86,10 +86,10 @@ class FastSolver final : public IkSolver {
   std::vector<int> idle_joints_;  // joints that carry no task: nothing pulls them
 
   TreeState state_;
-  std::vector<FrameError> errors_;        // by pair
-  std::vector<Eigen::Vector3d> lever_;    // by pair, from the root's origin to the body
+  std::vector<FrameError> errors_;      // by pair
+  std::vector<Eigen::Vector3d> lever_;  // by pair, from the root's origin to the body
   Composite base_;
-  std::vector<Composite> composites_;     // by node
+  std::vector<Composite> composites_;  // by node
   Eigen::Matrix3d world_from_base_;
   TreeSystem system_;
   ActiveSet active_set_;
@@ -105,7 +105,8 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
       composites_(tree_.nodes().size()),
       system_(tree_),
       active_set_(tree_.dof_count()),
-      lower_(Eigen::VectorXd::Constant(tree_.dof_count(), -std::numeric_limits<double>::infinity())),
+      lower_(
+          Eigen::VectorXd::Constant(tree_.dof_count(), -std::numeric_limits<double>::infinity())),
       upper_(-lower_),
       dq_(tree_.dof_count()) {
   const std::vector<int> bodies = bodies_of(*problem_);
@@ -167,16 +168,14 @@ void FastSolver::add_task(const Task& task) {
   const int node = tree_.attachments()[pairs_[task.pair].attachment].node;
   const double wp = task.position_weight_squared;
   const double wr = task.rotation_weight_squared;
-  damping_ += options_.lm_damping *
-              (wp * error.linear.squaredNorm() + wr * error.angle_squared);
+  damping_ += options_.lm_damping * (wp * error.linear.squaredNorm() + wr * error.angle_squared);
   if (node == MovingTree::kWorld) return;
   Composite& composite = node == MovingTree::kBase ? base_ : composites_[node];
 
   // G = A'A = I + gamma (w w' - theta^2 I); below the switch A counts as the identity
   const Eigen::Vector3d& w = error.angular;
   const double gamma =
-      error.small ? 0.0
-                  : 2.0 * error.beta - 0.25 - error.beta * error.beta * error.angle_squared;
+      error.small ? 0.0 : 2.0 * error.beta - 0.25 - error.beta * error.beta * error.angle_squared;
   Eigen::Matrix3d G = (gamma * w) * w.transpose();
   G.diagonal().array() += 1.0 - gamma * error.angle_squared;
   composite.angular += wr * G;
@@ -187,7 +186,8 @@ void FastSolver::add_task(const Task& task) {
   Eigen::Matrix3d C = skew(lever_[task.pair]);
   if (!error.small) C += coupling(error);
   const Eigen::Matrix3d GC = G * C;
-  const Eigen::Vector3d pull = wp * (error.small ? error.linear : Eigen::Vector3d(G * error.offset));
+  const Eigen::Vector3d pull =
+      wp * (error.small ? error.linear : Eigen::Vector3d(G * error.offset));
   composite.linear += wp * G;
   composite.mixed -= wp * GC;
   composite.angular += wp * (C.transpose() * GC);
@@ -232,8 +232,7 @@ void FastSolver::fill_node_row(int index) {
   const Composite& composite = composites_[index];
   const Eigen::Vector3d& origin = state_.world_from_base.translation;
   const Eigen::Vector3d& axis = state_.axis[index];
-  const Eigen::Vector3d moment =
-      axis.cross(origin - state_.world_from_node[index].translation);
+  const Eigen::Vector3d moment = axis.cross(origin - state_.world_from_node[index].translation);
   Eigen::Vector3d force, torque;
   double gradient = 0.0;
   if (node.slides) {

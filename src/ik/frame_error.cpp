@@ -52,12 +52,11 @@ Eigen::Matrix3d coupling(const FrameError& error) {
   const double fourth = square * square;
   const double b = (angle - error.sine) / (square * angle);
   const double c = (error.one_minus_cosine - 0.5 * square) / fourth;
-  const double d = (3.0 * (angle - error.sine) - angle * error.one_minus_cosine) /
-                   (2.0 * fourth * angle);
+  const double d =
+      (3.0 * (angle - error.sine) - angle * error.one_minus_cosine) / (2.0 * fourth * angle);
   const double s = v.dot(w);
 
-  const Eigen::Vector3d turned =
-      (error.one_minus_cosine / square) * v - (s * (b + 2.0 * c)) * w;
+  const Eigen::Vector3d turned = (error.one_minus_cosine / square) * v - (s * (b + 2.0 * c)) * w;
   const Eigen::Vector3d left = b * v - (2.0 * d * s) * w;  // left w' + (b w) v'
   Eigen::Matrix3d q = left * w.transpose() + (b * w) * v.transpose();
   q += skew(turned);

@@ -21,10 +21,10 @@ struct FrameError {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< w, radians.
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< t, metres.
   double angle_squared = 0.0;
-  double beta = 0.0;         ///< A = I - W/2 + beta W^2; zero below the small-angle switch.
-  double sine = 0.0;         ///< Of the angle.
+  double beta = 0.0;  ///< A = I - W/2 + beta W^2; zero below the small-angle switch.
+  double sine = 0.0;  ///< Of the angle.
   double one_minus_cosine = 0.0;
-  bool small = true;         ///< Below the switch: the Jacobian is the identity.
+  bool small = true;  ///< Below the switch: the Jacobian is the identity.
 
   [[nodiscard]] double squared_norm() const { return linear.squaredNorm() + angle_squared; }
 };

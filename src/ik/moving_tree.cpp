@@ -101,8 +101,8 @@ void TreeState::update(const MovingTree& tree, std::span<const double> qpos) {
 
 Pose TreeState::world_from_body(const MovingTree::Attachment& attachment) const {
   if (attachment.node == MovingTree::kWorld) return attachment.node_from_body;
-  const Pose& node = attachment.node == MovingTree::kBase ? world_from_base
-                                                          : world_from_node[attachment.node];
+  const Pose& node =
+      attachment.node == MovingTree::kBase ? world_from_base : world_from_node[attachment.node];
   return {node.rotation * attachment.node_from_body.rotation,
           node.translation + turned(node.rotation, attachment.node_from_body.translation)};
 }

@@ -23,14 +23,14 @@ class MovingTree {
   static constexpr int kBaseDofs = 6;
 
   struct Node {
-    int parent = kBase;           ///< Index of a node with a smaller number, or kBase.
-    int last_descendant = 0;      ///< The subtree is [own index, last_descendant].
-    int depth = 0;                ///< Nodes above this one.
-    bool slides = false;          ///< A slide joint; else a hinge.
-    int joint = 0;                ///< Index into Robot::joints().
+    int parent = kBase;       ///< Index of a node with a smaller number, or kBase.
+    int last_descendant = 0;  ///< The subtree is [own index, last_descendant].
+    int depth = 0;            ///< Nodes above this one.
+    bool slides = false;      ///< A slide joint; else a hinge.
+    int joint = 0;            ///< Index into Robot::joints().
     int qpos_address = 0;
-    double reference = 0.0;       ///< Joint position at which the node stands at parent_from_node.
-    Pose parent_from_node;        ///< Constant; metres.
+    double reference = 0.0;  ///< Joint position at which the node stands at parent_from_node.
+    Pose parent_from_node;   ///< Constant; metres.
   };
 
   /// Where a body hangs: a node, kBase or kWorld, and its constant pose there.
