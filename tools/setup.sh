@@ -146,12 +146,16 @@ names() { awk -F'|' -v n="$1" '{gsub(/ /, "", $n); if (!seen[$n]++) printf "%s%s
 
 cannot_install() {
   say "cannot install: $1"
+  list_missing "$2"
+}
+
+list_missing() {
   {
     echo "Missing packages:"
-    echo "  Debian, Ubuntu: apt-get install $(names 1 "$2")"
-    echo "  Fedora:         dnf install $(names 2 "$2")"
-    echo "  Arch:           pacman -S $(names 3 "$2")"
-    echo "  Homebrew:       brew install $(names 4 "$2")"
+    echo "  Debian, Ubuntu: apt-get install $(names 1 "$1")"
+    echo "  Fedora:         dnf install $(names 2 "$1")"
+    echo "  Arch:           pacman -S $(names 3 "$1")"
+    echo "  Homebrew:       brew install $(names 4 "$1")"
     explain_old_tools
   } >&2
   exit 1
@@ -263,7 +267,7 @@ main() {
   missing=$(missing_rows "$wanted")
   if $only_check; then
     has_mujoco || say "missing: MuJoCo (a Python wheel; tools/setup.sh fetches it)"
-    [ -z "$missing" ] || cannot_install "only checking" "$missing"
+    [ -z "$missing" ] || list_missing "$missing"
     has_mujoco || exit 1
     exit 0
   fi
