@@ -1,0 +1,49 @@
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/human_clip.h"
+#include "retarget/pipeline/ik_tables.h"
+#include "retarget/pipeline/targets.h"
+#include "retarget/robot/load_robot.h"
+
+namespace retarget {
+
+/// The G1, its mapping and a clip, loaded once per benchmark.
+struct BenchCase {
+  std::shared_ptr<const Robot> robot;
+  IkTables tables;
+  LimitSet limits;
+  HumanClip human;
+};
+
+/// The folder of real clips, or the repository's samples where it is not there.
+inline std::filesystem::path clip_path(const std::string& name) {
+  const std::filesystem::path source = RETARGET_SOURCE_DIR;
+  const char* chosen = std::getenv("RETARGET_SHARED");
+  const auto shared = chosen != nullptr ? std::filesystem::path(chosen) : source / ".." / "shared";
+  const auto real = shared / "data" / "lafan1" / (name + ".bvh");
+  return std::filesystem::exists(real) ? real : source / "data" / "walk.bvh";
+}
+
+inline BenchCase load_case(const std::string& clip) {
+  const std::filesystem::path source = RETARGET_SOURCE_DIR;
+  BenchCase result;
+  result.robot = load_robot((source / "robots/unitree_g1/model.xml").string(),
+                            (source / "robots/unitree_g1/robot.json").string())
+                     .value();
+  result.tables = load_ik_tables((source / "configs/lafan1_to_unitree_g1.json").string()).value();
+  result.limits = load_limits(*result.robot, "gmr").value();
+  const auto file = load_bvh(clip_path(clip).string()).value();
+  result.human = to_human(file.clip, lafan1_mapping(file.clip.skeleton(), clip).value());
+  return result;
+}
+
+}  // namespace retarget
