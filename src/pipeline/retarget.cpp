@@ -45,7 +45,9 @@ Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_
   }
 
   const auto problem = make_problem(robot, tables, targets, limits);
-  const auto solver = make_reference_solver(problem, options.ik);
+  const auto solver = options.engine == IkEngine::kFast
+                          ? make_fast_solver(problem, options.ik)
+                          : make_reference_solver(problem, options.ik);
 
   RetargetResult result;
   result.clip = RobotClip(robot, human.rate, human.frame_count);

@@ -102,7 +102,7 @@ bool all_finite(const mjtNum* values, int count) {
   return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
 }
 
-Result<void> check_finite(const mjModel& model, const std::string& path) {
+Result<void> check_numbers(const mjModel& model, const std::string& path) {
   const std::string not_finite = " has a number that is not finite";
   for (int b = 0; b < model.nbody; ++b) {
     if (!all_finite(model.body_pos + 3 * b, 3) || !all_finite(model.body_quat + 4 * b, 4)) {
@@ -116,6 +116,11 @@ Result<void> check_finite(const mjModel& model, const std::string& path) {
                         std::isfinite(model.qpos0[model.jnt_qposadr[j]]);
     if (!finite) {
       return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) + not_finite);
+    }
+    // MuJoCo takes such a joint as one without limits
+    if (model.jnt_range[2 * j] > model.jnt_range[2 * j + 1]) {
+      return config_failure(path, "the joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                      " has a range whose lower end is above the upper");
     }
   }
   for (int g = 0; g < model.ngeom; ++g) {
@@ -146,7 +151,9 @@ Result<LoadedModel> load_model(const std::string& path) {
   loaded.model.reset(mj_compile(spec.get(), nullptr));
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
-  if (auto finite = check_finite(*loaded.model, path); !finite) return failure(finite.error());
+  if (const auto sound = check_numbers(*loaded.model, path); !sound) {
+    return failure(sound.error());
+  }
   loaded.warnings = guard.warnings();
   // some versions tell a warning here, some through the handler, some both ways
   const std::string warning =

@@ -16,7 +16,8 @@ struct LoadedModel {
 
 /// Compiles an MJCF file without its meshes and other assets, for kinematics.
 ///
-/// Nothing is printed. Models of any kind are taken; a number that is not finite is an error.
+/// Nothing is printed. Models of any kind are taken; a number that is not finite and a range
+/// whose lower end is above the upper are errors.
 /// Safe to call from several threads, which wait for each other.
 [[nodiscard]] Result<LoadedModel> load_model(const std::string& path);
 

@@ -6,31 +6,13 @@
 #include <random>
 #include <vector>
 
+#include "ik/ik_cases.h"
 #include "retarget/ik/box_qp.h"
 #include "retarget/ik/ik_solver.h"
 #include "retarget/math/se3.h"
-#include "support/test_robots.h"
 
 namespace retarget {
 namespace {
-
-// a pose of all joints that is inside the limits
-std::vector<double> random_configuration(const Robot& robot, const LimitSet& limits,
-                                         std::mt19937& engine) {
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  std::vector<double> qpos = robot.zero_configuration();
-  for (int i = 0; i < 3; ++i) qpos[i] += uniform(engine) - 0.5;
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond(1.0, 0.2 * uniform(engine), 0.1, -0.2).normalized();
-  qpos[3] = turn.w();
-  for (int i = 0; i < 3; ++i) qpos[4 + i] = turn.vec()[i];
-  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-    const double lower = std::max(limits.lower[j], -1.0);
-    const double upper = std::min(limits.upper[j], 1.0);
-    qpos[robot.joints()[j].qpos_address] = lower + (upper - lower) * uniform(engine);
-  }
-  return qpos;
-}
 
 std::shared_ptr<IkProblem> make_problem(std::shared_ptr<const Robot> robot) {
   auto problem = std::make_shared<IkProblem>();
@@ -77,8 +59,8 @@ TEST(ReferenceSolver, LinearTermIsTheGradientOfTheWeightedError) {
                       {robot->find_body("left_lower").value(), 1, 5.0, 0.0},
                       {robot->find_body("right_upper").value(), 2, 0.0, 2.0}}};
   std::mt19937 engine(11);
-  const std::vector<double> start = random_configuration(*robot, robot->model_limits(), engine);
-  const std::vector<double> goal = random_configuration(*robot, robot->model_limits(), engine);
+  const std::vector<double> start = random_configuration(*robot, engine, 0.5);
+  const std::vector<double> goal = random_configuration(*robot, engine, 0.5);
   std::vector<Pose> bodies(robot->bodies().size());
   forward_kinematics(*robot, goal, bodies);
   const std::vector<Pose> targets = {bodies[1], bodies[robot->find_body("left_lower").value()],
@@ -102,7 +84,7 @@ TEST(ReferenceSolver, ReachesTargetsThatCanBeReached) {
   IkPass pass;
   std::vector<Pose> targets;
   std::mt19937 engine(5);
-  const std::vector<double> goal = random_configuration(*robot, robot->model_limits(), engine);
+  const std::vector<double> goal = random_configuration(*robot, engine, 0.5);
   std::vector<Pose> bodies(robot->bodies().size());
   forward_kinematics(*robot, goal, bodies);
   for (std::size_t b = 1; b < bodies.size(); ++b) {

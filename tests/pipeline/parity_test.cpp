@@ -45,10 +45,12 @@ HumanClip load_human(const fs::path& bvh, int frames) {
                   lafan1_mapping(clip.skeleton(), bvh.string()).value());
 }
 
-std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames) {
+std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, IkEngine engine) {
   const auto robot = load_g1();
-  const auto result =
-      retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(), gmr_limits(*robot));
+  RetargetOptions retarget_options;
+  retarget_options.engine = engine;
+  const auto result = retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(),
+                               gmr_limits(*robot), retarget_options);
   EXPECT_TRUE(result) << describe(result.error());
   RobotCsvOptions options;
   options.precision = 17;
@@ -61,10 +63,13 @@ class Samples : public ::testing::TestWithParam<const char*> {};
 TEST_P(Samples, AgreeWithTheOracleInEveryFrame) {
   const auto expected =
       read_csv(kSource / "tests" / "golden" / "oracle" / (std::string(GetParam()) + ".csv"));
-  const auto found = retarget_rows(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
-  EXPECT_EQ(found.size(), expected.size());
-  const TableDifference difference = compare_tables(found, expected, kTolerance);
-  EXPECT_TRUE(difference.agree) << difference.where;
+  for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
+    const auto found =
+        retarget_rows(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000, engine);
+    EXPECT_EQ(found.size(), expected.size());
+    const TableDifference difference = compare_tables(found, expected, kTolerance);
+    EXPECT_TRUE(difference.agree) << difference.where;
+  }
 }
 
 TEST_P(Samples, LeaveNoQpUnsolved) {
@@ -107,9 +112,11 @@ TEST(Reference, TwelveClipsAgreeInEveryFrame) {
                            bvh.filename().replace_extension(".csv");
       if (bvh.extension() != ".bvh" || !fs::exists(csv)) continue;
       const auto expected = read_csv(csv);
-      const auto found = retarget_rows(bvh, static_cast<int>(expected.size()));
-      const TableDifference difference = compare_tables(found, expected, kTolerance);
-      EXPECT_TRUE(difference.agree) << bvh.filename() << ": " << difference.where;
+      for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
+        const auto found = retarget_rows(bvh, static_cast<int>(expected.size()), engine);
+        const TableDifference difference = compare_tables(found, expected, kTolerance);
+        EXPECT_TRUE(difference.agree) << bvh.filename() << ": " << difference.where;
+      }
       ++clips;
     }
   }

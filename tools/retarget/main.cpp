@@ -99,6 +99,13 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->capture_default_str()
       ->group(kRobot);
 
+  app.add_option("--engine", options.engine,
+                 "Implementation of the inverse kinematics; both take the\nsame steps")
+      ->type_name("fast|reference")
+      ->check(silent(CLI::IsMember({"fast", "reference"})))
+      ->capture_default_str()
+      ->group(kRobot);
+
   app.add_option("--fps", options.fps, "Output rate in frames per second, or `source`")
       ->type_name("N|source")
       ->capture_default_str()

@@ -33,6 +33,7 @@ struct RunOptions {
   std::string limits;     ///< Empty: the method's own.
   std::string ik_config;  ///< Empty: the robot's own.
   std::string method = "gmr";
+  std::string engine = "fast";
 
   std::string fps = "30";  ///< A number or `source`.
   std::string interpolation = "cubic";

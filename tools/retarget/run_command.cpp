@@ -187,6 +187,7 @@ void print_limits(const RobotClip& clip, const LimitSet& limits, Console& consol
 Result<RetargetResult> solve(const HumanClip& human, const Setup& setup, const RunOptions& options,
                              Console& console) {
   RetargetOptions retarget_options;
+  retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, human.frame_count);
     return !InterruptGuard::interrupted();

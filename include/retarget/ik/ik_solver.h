@@ -84,4 +84,10 @@ struct QpRecord {
     std::shared_ptr<const IkProblem> problem, const IkOptions& options = {},
     std::function<void(const QpRecord&)> observe = {});
 
+/// The engine to use: forward kinematics of what carries a task alone, one logarithm per task,
+/// task terms composed up the tree instead of stacked Jacobians, a factorisation that keeps the
+/// tree's sparsity. Agrees with the reference engine to 1e-9 a frame from the same start.
+[[nodiscard]] std::unique_ptr<IkSolver> make_fast_solver(std::shared_ptr<const IkProblem> problem,
+                                                         const IkOptions& options = {});
+
 }  // namespace retarget

@@ -12,8 +12,12 @@
 
 namespace retarget {
 
+/// Which implementation of the inverse kinematics runs; both take the same steps.
+enum class IkEngine { kFast, kReference };
+
 /// How a human clip becomes a robot clip.
 struct RetargetOptions {
+  IkEngine engine = IkEngine::kFast;
   IkOptions ik;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.
   std::function<bool(int frame)> keep_going;

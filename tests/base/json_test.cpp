@@ -1,0 +1,86 @@
+#include "base/json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+Error error_of(const std::string& text) {
+  const auto json = parse_json(text, "file.json");
+  EXPECT_FALSE(json.has_value());
+  return json ? Error() : json.error();
+}
+
+void expect_at(const std::string& text, std::size_t line, std::size_t column) {
+  const Error error = error_of(text);
+  EXPECT_EQ(error.kind, ErrorKind::kConfig) << text;
+  EXPECT_EQ(error.file, "file.json") << text;
+  EXPECT_EQ(error.line, line) << text;
+  EXPECT_EQ(error.column, column) << text;
+}
+
+TEST(JsonTest, MembersKeepTheirOrder) {
+  const auto json = parse_json(R"({"z": 1, "a": 2, "m": 3})", "file.json");
+  ASSERT_TRUE(json.has_value());
+  EXPECT_EQ(json->dump(), R"({"z":1,"a":2,"m":3})");
+}
+
+TEST(JsonTest, SyntaxErrorsStandAtTheFirstWrongByte) {
+  expect_at("{\"a\": 1,}", 1, 9);
+  expect_at("{\n  \"a\": 1\n  \"b\": 2\n}", 3, 5);  // the end of the string that was read
+  expect_at("[1, 2", 1, 6);
+  expect_at("[1,\n2\n", 3, 1);
+  expect_at("", 1, 1);
+  expect_at("[\"a\nb\"]", 1, 4);  // a line break within a text
+}
+
+TEST(JsonTest, MessageSaysWhatWasExpected) {
+  EXPECT_THAT(error_of("{\"a\": }").message, HasSubstr("unexpected '}'"));
+  EXPECT_THAT(error_of("<html>").message, HasSubstr("invalid literal"));
+}
+
+TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithAPlace) {
+  expect_at("[1,\n 1e999]", 2, 2);
+}
+
+TEST(JsonTest, InvalidUtf8IsAnError) {
+  error_of("[\"\xff\"]");
+}
+
+TEST(JsonTest, DeepNestingIsAnErrorAndNoOverflow) {
+  expect_at(std::string(1000000, '['), 1, 101);
+  const std::string as_deep_as_allowed = std::string(100, '[') + std::string(100, ']');
+  EXPECT_TRUE(parse_json(as_deep_as_allowed, "file.json").has_value());
+  const std::string brackets_in_text = "[\"\\\"" + std::string(200, '[') + "\"]";
+  EXPECT_TRUE(parse_json(brackets_in_text, "file.json").has_value());
+}
+
+TEST(JsonTest, LongTokensDoNotFillTheMessage) {
+  EXPECT_LT(error_of("[" + std::string(100000, 'x')).message.size(), 300U);
+  EXPECT_LT(error_of("[\"" + std::string(100000, 'x')).message.size(), 300U);
+}
+
+TEST(JsonTest, ShortTextCutsBetweenCharacters) {
+  EXPECT_EQ(short_text({1, 2}), "[1,2]");
+  std::string umlauts;
+  for (int i = 0; i < 100; ++i) umlauts += "\xc3\xa4";
+  const std::string text = short_text(umlauts);
+  // a quote, 39 whole letters of two bytes, the dots
+  EXPECT_THAT(text, SizeIs(1 + 39 * 2 + 3));
+}
+
+TEST(JsonTest, MissingFileIsAnError) {
+  const auto json = load_json("no/such/file.json");
+  ASSERT_FALSE(json.has_value());
+  EXPECT_EQ(json.error().kind, ErrorKind::kConfig);
+  EXPECT_EQ(json.error().file, "no/such/file.json");
+}
+
+}  // namespace
+}  // namespace retarget

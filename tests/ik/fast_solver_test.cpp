@@ -1,0 +1,99 @@
+// The fast engine against the reference engine.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ik/frame_error.h"
+#include "ik/ik_cases.h"
+#include "retarget/math/se3.h"
+
+namespace retarget {
+namespace {
+
+// largest difference of two configurations; quaternions count up to their sign
+double difference(std::span<const double> a, std::span<const double> b) {
+  double dot = 0.0;
+  for (int i = 3; i < 7; ++i) dot += a[i] * b[i];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool flip = i >= 3 && i < 7 && dot < 0.0;
+    largest = std::max(largest, std::abs(a[i] - (flip ? -b[i] : b[i])));
+  }
+  return largest;
+}
+
+// a pass of each engine from the same start; their largest difference
+double engines_differ(const IkCase& ik_case, const IkOptions& options, int pass) {
+  const auto reference = make_reference_solver(ik_case.problem, options);
+  const auto fast = make_fast_solver(ik_case.problem, options);
+  std::vector<double> expected = ik_case.start, found = ik_case.start;
+  const PassResult a = reference->solve_pass(pass, ik_case.targets, expected);
+  const PassResult b = fast->solve_pass(pass, ik_case.targets, found);
+  EXPECT_TRUE(a.converged && b.converged);
+  EXPECT_EQ(a.steps, b.steps);
+  for (int k = 0; k <= std::min(a.steps, b.steps); ++k) EXPECT_NEAR(a.errors[k], b.errors[k], 1e-9);
+  return difference(expected, found);
+}
+
+TEST(FastSolver, TakesTheSameStepsAsTheReferenceOnRandomProblems) {
+  for (const auto& robot : {load_g1(), robot_from_text(kTwoArms)}) {
+    ASSERT_NE(robot, nullptr);
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      const IkCase ik_case = random_case(robot, 1 + static_cast<int>(seed) % 20, seed);
+      IkOptions options;
+      options.max_extra_steps = static_cast<int>(seed) % 11;
+      EXPECT_LT(engines_differ(ik_case, options, static_cast<int>(seed) % 2), 1e-9)
+          << robot->name() << ", seed " << seed;
+    }
+  }
+}
+
+TEST(FastSolver, BringsBackJointsThatStartOutsideTheirLimits) {
+  const auto robot = robot_from_text(kTwoArms);
+  IkCase ik_case = random_case(robot, 1, 4);
+  // one task at the base: no joint is pulled, all start outside
+  ik_case.problem->passes[0] = {{1, 0, 10.0, 10.0}};
+  for (const RobotJoint& joint : robot->joints()) ik_case.start[joint.qpos_address] = 4.0;
+  EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-12);
+}
+
+TEST(FastSolver, TasksOnBodiesThatDoNotMoveCountInTheErrorAlone) {
+  const auto robot = robot_from_text(R"(
+<mujoco><worldbody>
+  <body name="post" pos="1 0 0"><geom size="0.1"/></body>
+  <body name="base"><freejoint/><geom size="0.1"/>
+    <body name="tip" pos="0 0 1"><joint name="j" axis="0 -1 0" limited="false"/><geom size="0.1"/></body>
+  </body>
+</worldbody></mujoco>)");
+  ASSERT_NE(robot, nullptr);
+  IkCase ik_case = random_case(robot, 3, 8);
+  EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-9);
+}
+
+TEST(FrameError, HoldsTheErrorAndTheJacobianOfTheReference) {
+  std::mt19937 engine(2);
+  std::normal_distribution<double> normal;
+  for (const double angle : {1e-7, 0.9e-5, 1e-3, 0.1, 1.0, 2.5, 3.1}) {
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = normal(engine);
+    twist.tail<3>() *= angle / twist.tail<3>().norm();
+    const Pose body{
+        Eigen::Quaterniond(normal(engine), normal(engine), normal(engine), 1).normalized(),
+        {1.0, -2.0, 0.5}};
+    const FrameError error = frame_error(body, body * exp_se3(twist));
+    const Eigen::Matrix3d R = body.rotation.toRotationMatrix();
+    EXPECT_LT((error.linear - R * twist.head<3>()).norm(), 1e-9) << angle;
+    EXPECT_LT((error.angular - R * twist.tail<3>()).norm(), 1e-12) << angle;
+    if (error.small) continue;
+    // -A Q A in world axes is the upper right block
+    const Matrix6d inverse = left_jacobian_inverse_se3(twist);
+    const Eigen::Matrix3d A = inverse.topLeftCorner<3, 3>();
+    const Eigen::Matrix3d expected = -R * inverse.topRightCorner<3, 3>() * R.transpose();
+    const Eigen::Matrix3d found = R * A * R.transpose() * coupling(error);
+    EXPECT_LT((found - expected).norm(), 1e-8) << angle;
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,86 @@
+#include "retarget/robot/find_robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+// a folder with the robots maker_one, maker_two (no profile) and things that are no robots
+class FindRobotTest : public testing::Test {
+ protected:
+  FindRobotTest() {
+    for (const char* name : {"maker_two", "maker_one", "no_robot"}) {
+      fs::create_directory(folder_.path() / name);
+    }
+    folder_.write("maker_one/model.xml", "");
+    folder_.write("maker_one/robot.json", "");
+    folder_.write("maker_two/model.xml", "");
+    folder_.write("model.txt", "");
+  }
+
+  [[nodiscard]] Error error_of(const std::string& name) const {
+    const auto found = find_robot(name, folder_.path());
+    EXPECT_FALSE(found.has_value()) << name;
+    if (found) return {};
+    EXPECT_EQ(found.error().kind, ErrorKind::kConfig);
+    return found.error();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(FindRobotTest, ByName) {
+  const auto found = find_robot("maker_one", folder_.path());
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->model, folder_.path() / "maker_one" / "model.xml");
+  EXPECT_EQ(found->profile, folder_.path() / "maker_one" / "robot.json");
+}
+
+TEST_F(FindRobotTest, ByFolderAndWithoutProfile) {
+  const fs::path folder = folder_.path() / "maker_two";
+  const auto found = find_robot(folder.string(), "no/such/folder");
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->model, folder / "model.xml");
+  EXPECT_TRUE(found->profile.empty());
+}
+
+TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
+  const Error typing_mistake = error_of("Maker_on");
+  EXPECT_THAT(typing_mistake.message, AllOf(HasSubstr("Maker_on"), HasSubstr("\"maker_one\"?")));
+  EXPECT_THAT(typing_mistake.hint, HasSubstr("maker_one, maker_two"));
+  EXPECT_THAT(error_of("Two").message, HasSubstr("did you mean \"maker_two\"?"));
+  EXPECT_THAT(error_of("maker").message, Not(HasSubstr("did you mean")));  // could be both
+  EXPECT_THAT(error_of("").message, AllOf(HasSubstr("no robot"), Not(HasSubstr("did you mean"))));
+  EXPECT_THAT(find_robot("x", "no/such/folder").error().hint, HasSubstr("no robots in"));
+}
+
+TEST_F(FindRobotTest, FoldersAndFilesThatAreNoRobots) {
+  EXPECT_THAT(error_of((folder_.path() / "no_robot").string()).message,
+              HasSubstr("no file model.xml"));
+  EXPECT_THAT(error_of((folder_.path() / "model.txt").string()).hint, HasSubstr("--robot-xml"));
+}
+
+TEST_F(FindRobotTest, ListIsSortedAndHoldsRobotsOnly) {
+  EXPECT_THAT(list_robots(folder_.path()), ElementsAre("maker_one", "maker_two"));
+  EXPECT_THAT(list_robots("no/such/folder"), IsEmpty());
+}
+
+TEST(RobotsFolderTest, OursHasTheG1) {
+  EXPECT_THAT(list_robots(fs::path(RETARGET_SOURCE_DIR) / "robots"),
+              ::testing::Contains("unitree_g1"));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,109 @@
+#include "retarget/robot/limits.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Result<LimitSet> limits_of_file(const std::string& name, const std::string& text) {
+  const TemporaryFolder folder;
+  return load_limits(*robot_from_text(kTwoArms), folder.write(name, text));
+}
+
+std::string message_of(const std::string& text) {
+  const auto limits = limits_of_file("limits.json", text);
+  EXPECT_FALSE(limits.has_value()) << text;
+  if (limits) return {};
+  EXPECT_EQ(limits.error().kind, ErrorKind::kConfig);
+  return limits.error().message;
+}
+
+TEST(LimitsTest, SetsByName) {
+  const auto robot = load_g1();
+  for (const char* name : {"official", "gmr", "model"}) {
+    const auto limits = load_limits(*robot, name);
+    ASSERT_TRUE(limits.has_value()) << name;
+    EXPECT_EQ(limits->name, name);
+    EXPECT_EQ(limits->lower.size(), 29U);
+  }
+}
+
+TEST(LimitsTest, UnknownNameSuggestsAndLists) {
+  const auto limits = load_limits(*load_g1(), "offical");
+  ASSERT_FALSE(limits.has_value());
+  EXPECT_EQ(limits.error().kind, ErrorKind::kConfig);
+  EXPECT_THAT(limits.error().message,
+              AllOf(HasSubstr("unitree_g1"), HasSubstr("did you mean \"official\"?")));
+  EXPECT_THAT(limits.error().hint, HasSubstr("model, official, gmr"));
+}
+
+TEST(LimitsTest, JsonFileOverTheModelsRanges) {
+  const auto limits =
+      limits_of_file("limits.json", R"({"left_twist": [-0.5, 0.5], "left_elbow": [1, 1]})");
+  ASSERT_TRUE(limits.has_value()) << describe(limits.error());
+  EXPECT_THAT(limits->lower, ElementsAre(-1, 1, -0.5, -0.2, -2));
+  EXPECT_THAT(limits->upper, ElementsAre(1.5, 1, 0.5, 0.2, 0.5));
+  EXPECT_THAT(limits->name, HasSubstr("limits.json"));
+}
+
+TEST(LimitsTest, AllFaultsOfAJsonFileAtOnce) {
+  const std::string message = message_of(
+      R"({"left_elbw": [0, 1], "left_elbow": [1, 0], "left_twist": [0], "right_slide": "x"})");
+  EXPECT_THAT(message, HasSubstr("4 faults in the joint limits"));
+  EXPECT_THAT(message, HasSubstr("did you mean \"left_elbow\"?"));
+  EXPECT_THAT(message, HasSubstr("lower is above upper in [1,0]"));
+  EXPECT_THAT(message, HasSubstr("found [0]"));
+  EXPECT_THAT(message, HasSubstr("found \"x\""));
+}
+
+TEST(LimitsTest, NumbersThatAreNotFiniteAreRefused) {
+  EXPECT_THAT(message_of(R"({"left_elbow": [0, 1e999]})"), HasSubstr("1e999"));
+  EXPECT_THAT(message_of(R"({"left_elbow": [0, NaN]})"), HasSubstr("no valid JSON"));
+  EXPECT_THAT(message_of(R"({"left_elbow": [null, 1]})"), HasSubstr("found [null,1]"));
+  EXPECT_THAT(message_of("[]"), HasSubstr("must be an object"));
+}
+
+// no free joint is needed, and joints of another hand do not matter
+TEST(LimitsTest, MjcfFileByItsJointNames) {
+  const auto limits = limits_of_file("limits.xml", R"(
+<mujoco><compiler angle="radian"/><worldbody>
+  <body><joint name="left_elbow" range="-0.25 0.75"/><geom type="mesh" mesh="missing"/>
+    <body><joint name="right_slide" type="slide"/><joint name="finger"/></body></body>
+</worldbody><asset><mesh name="missing" file="missing.stl"/></asset></mujoco>)");
+  ASSERT_TRUE(limits.has_value()) << describe(limits.error());
+  EXPECT_THAT(limits->lower, ElementsAre(-1, -0.25, -kInfinity, -kInfinity, -2));
+  EXPECT_THAT(limits->upper, ElementsAre(1.5, 0.75, kInfinity, kInfinity, 0.5));
+}
+
+TEST(LimitsTest, MjcfOfAnotherRobotIsAnError) {
+  const auto limits = limits_of_file(
+      "other.xml",
+      "<mujoco><worldbody><body><joint name='knee'/><geom size='1'/></body></worldbody></mujoco>");
+  ASSERT_FALSE(limits.has_value());
+  EXPECT_THAT(limits.error().message, HasSubstr("no joint of robot"));
+  EXPECT_THAT(limits.error().hint, HasSubstr("knee"));
+}
+
+TEST(LimitsTest, MissingFilesAreErrors) {
+  const auto robot = robot_from_text(kTwoArms);
+  for (const char* file : {"none.json", "none.xml"}) {
+    const auto limits = load_limits(*robot, file);
+    ASSERT_FALSE(limits.has_value());
+    EXPECT_EQ(limits.error().kind, ErrorKind::kConfig);
+    EXPECT_EQ(limits.error().file, file);
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,167 @@
+// Profiles: what they add to a robot, and how their faults are told.
+
+#include "robot/load_profile.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "retarget/robot/load_robot.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::Pair;
+
+Result<std::shared_ptr<const Robot>> load(const std::string& profile) {
+  const TemporaryFolder folder;
+  return load_robot(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
+}
+
+std::string message_of(const std::string& profile) {
+  const auto robot = load(profile);
+  EXPECT_FALSE(robot.has_value()) << profile;
+  if (robot) return {};
+  EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
+  EXPECT_THAT(robot.error().file, HasSubstr("robot.json"));
+  return robot.error().message;
+}
+
+// a profile with one more member
+std::string message_with(const std::string& member) {
+  return message_of("{\"name\": \"two_arms\", " + member + "}");
+}
+
+TEST(LoadProfileTest, EveryPartIsRead) {
+  const auto loaded = load(R"({
+    "name": "two_arms", "description": "d", "source": "s", "licence": "l",
+    "joint_order": ["right_slide", "left_elbow"],
+    "limit_sets": {"narrow": {"source": "a sheet", "ranges": {"left_elbow": [0.5, 1]}}},
+    "default_limits": "narrow",
+    "method_limits": {"gmr": "model"},
+    "speed_limits": {"left_elbow": 7.5},
+    "soles": {"left": {"body": "left_lower", "points": [[1, 2, 3], [4, 5, 6]],
+                       "labels": ["heel", "toe"]}},
+    "allowed_self_contact": [["base", "left_lower"]]})");
+  ASSERT_TRUE(loaded.has_value()) << describe(loaded.error());
+  const Robot& robot = **loaded;
+  EXPECT_EQ(robot.name(), "two_arms");
+  EXPECT_EQ(robot.profile().licence, "l");
+  EXPECT_THAT(robot.output_joints(), ElementsAre(3, 1));
+  ASSERT_EQ(robot.profile().limit_sets.size(), 1U);
+  const LimitSet& narrow = robot.profile().limit_sets[0];
+  EXPECT_EQ(narrow.source, "a sheet");
+  EXPECT_EQ(narrow.lower[1], 0.5);
+  EXPECT_EQ(narrow.upper[1], 1.0);
+  EXPECT_EQ(narrow.lower[0], -1.0);  // not named: the model's
+  EXPECT_EQ(robot.limits_for("gmr"), "model");
+  EXPECT_EQ(robot.limits_for("fit"), "narrow");
+  EXPECT_THAT(robot.profile().speed_limits, ElementsAre(Pair("left_elbow", 7.5)));
+  ASSERT_EQ(robot.profile().soles.size(), 1U);
+  const Sole& sole = robot.profile().soles[0];
+  EXPECT_EQ(sole.side, "left");
+  EXPECT_EQ(sole.body, 3);
+  EXPECT_THAT(sole.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
+  EXPECT_THAT(sole.labels, ElementsAre("heel", "toe"));
+  EXPECT_THAT(robot.profile().allowed_self_contact, ElementsAre(Pair(1, 3)));
+}
+
+TEST(LoadProfileTest, NameAloneIsEnough) {
+  const auto robot = load(R"({"name": "two_arms"})");
+  ASSERT_TRUE(robot.has_value()) << describe(robot.error());
+  EXPECT_EQ((*robot)->output_joints().size(), 5U);
+  EXPECT_EQ((*robot)->limits_for("gmr"), "model");
+}
+
+TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
+  const auto robot = load("{\"name\": \"x\",\n \"soles\": }");
+  ASSERT_FALSE(robot.has_value());
+  EXPECT_EQ(robot.error().line, 2U);
+  EXPECT_EQ(robot.error().column, 11U);
+}
+
+TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
+  const std::string message = message_of(R"({
+    "joint_ordr": [],
+    "joint_order": ["left_elbo", "left_elbow", "left_elbow"],
+    "limit_sets": {"a": {"ranges": {"left_elbow": [2, 1], "knee": [0, 1]}}},
+    "default_limits": "b",
+    "speed_limits": {"right_slid": 1, "left_elbow": -1},
+    "soles": {"left": {"body": "left_lowr", "points": [[0, 0, 0]]}},
+    "allowed_self_contact": [["base", "elbow"]]})");
+  EXPECT_THAT(message, HasSubstr("11 faults in the robot profile"));
+  EXPECT_THAT(message, HasSubstr("\"name\" is missing"));
+  EXPECT_THAT(message, HasSubstr("\"joint_ordr\" (did you mean \"joint_order\"?)"));
+  EXPECT_THAT(message, HasSubstr("\"left_elbo\" (did you mean \"left_elbow\"?)"));
+  EXPECT_THAT(message, HasSubstr("names \"left_elbow\" twice"));
+  EXPECT_THAT(message, HasSubstr("lower is above upper"));
+  EXPECT_THAT(message, HasSubstr("no joint \"knee\""));
+  EXPECT_THAT(message, HasSubstr("no limit set \"b\""));
+  EXPECT_THAT(message, HasSubstr("\"right_slid\" (did you mean \"right_slide\"?)"));
+  EXPECT_THAT(message, HasSubstr("above 0, found -1"));
+  EXPECT_THAT(message, HasSubstr("\"left_lowr\" (did you mean \"left_lower\"?)"));
+  EXPECT_THAT(message, HasSubstr("no body \"elbow\""));
+}
+
+TEST(LoadProfileTest, FaultsOfOneKind) {
+  EXPECT_THAT(message_with(R"("joint_order": [])"), HasSubstr("names no joint"));
+  EXPECT_THAT(message_with(R"("limit_sets": {"model": {"ranges": {}}})"), HasSubstr("taken"));
+  EXPECT_THAT(message_with(R"("limit_sets": {"a": {"rangs": {}, "ranges": {}}})"),
+              AllOf(HasSubstr("\"a\""), HasSubstr("did you mean \"ranges\"?")));
+  EXPECT_THAT(message_with(R"("method_limits": {"gmr": "gmr"})"), HasSubstr("no limit set"));
+  EXPECT_THAT(message_with(R"("soles": {"lefft": {"body": "base", "points": [[0, 0, 0]]}})"),
+              HasSubstr("did you mean \"left\"?"));
+  EXPECT_THAT(message_with(R"("soles": {"left": {"body": "base", "points": []}})"),
+              HasSubstr("no points"));
+  EXPECT_THAT(
+      message_with(R"("soles": {"left": {"body": "base", "points": [[0, 0]], "labels": ["a"]}})"),
+      HasSubstr("must be [x, y, z], found [0,0]"));
+  EXPECT_THAT(
+      message_with(R"("soles": {"left": {"body": "base", "points": [[0, 0, 0]], "labels": []}})"),
+      HasSubstr("1 points but 0 labels"));
+}
+
+// every member with every type, at two depths: an error or a robot, never an exception
+TEST(LoadProfileTest, WrongTypesAreFaults) {
+  const std::vector<std::string> values = {"null",
+                                           "true",
+                                           "1",
+                                           "\"x\"",
+                                           "[]",
+                                           "{}",
+                                           "[[1]]",
+                                           "{\"x\": 1}",
+                                           "{\"left\": {\"body\": 1, \"points\": 1}}",
+                                           "{\"a\": {\"ranges\": 1, \"source\": 1}}",
+                                           "{\"left\": {\"body\": \"base\", \"points\": [1], "
+                                           "\"labels\": \"x\"}}"};
+  for (const char* key : {"name", "description", "joint_order", "limit_sets", "default_limits",
+                          "method_limits", "speed_limits", "soles", "allowed_self_contact"}) {
+    for (const std::string& value : values) {
+      const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
+      if (!robot) {
+        EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
+        EXPECT_THAT(robot.error().message, Not(HasSubstr("exception")));
+      }
+    }
+    EXPECT_FALSE(load("{\"name\": \"n\", \"" + std::string(key) + "\": 1}").has_value()) << key;
+    EXPECT_FALSE(load("{\"name\": \"n\", \"" + std::string(key) + "\": null}").has_value()) << key;
+  }
+  for (const std::string& value : values) message_of(value);
+}
+
+TEST(LoadProfileTest, MissingFileIsAnError) {
+  const TemporaryFolder folder;
+  const auto robot = load_robot(folder.write("robot.xml", kTwoArms), "no/robot.json");
+  ASSERT_FALSE(robot.has_value());
+  EXPECT_EQ(robot.error().file, "no/robot.json");
+}
+
+}  // namespace
+}  // namespace retarget
