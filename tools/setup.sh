@@ -13,10 +13,10 @@ set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 
-# the wheel is the SDK: shared library and headers. Only these are used, so that one Python's wheel
-# serves beside any Python; the second is for platforms that the first was not made for
+# the wheel is the SDK: shared library and headers. Only these are used, and no Python is tied to
+# them, so one Python's wheel serves beside any; the second is for where pip does not get the first
 readonly kMujocoVersion=4.0.0
-readonly kMujocoWheel=(--python-version 3.11 "mujoco-core==$kMujocoVersion")
+readonly kMujocoWheel=(--python-version 3.11 --ignore-requires-python "mujoco-core==$kMujocoVersion")
 readonly kOlderMujocoVersion=3.3.7
 readonly kOlderMujocoWheel=("mujoco==$kOlderMujocoVersion")
 
@@ -217,6 +217,8 @@ install_mujoco() {
   temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
   # shellcheck disable=SC2064  # the name as it is now
   trap "rm -rf -- '$temporary'" EXIT
+  # pip makes an interrupt an error of its own: without this, the second wheel would be tried
+  trap 'exit 130' INT TERM
   say "fetching MuJoCo $kMujocoVersion (a Python wheel, used as an SDK) into build/deps/mujoco"
   fetch_wheel "$python" "$temporary/wheel" "${kMujocoWheel[@]}" ||
     fetch_wheel "$python" "$temporary/wheel" "${kOlderMujocoWheel[@]}" || {
