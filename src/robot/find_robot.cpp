@@ -27,7 +27,7 @@ std::string lower_case(std::string text) {
 
 // `g1` is no typing mistake for `unitree_g1`, but what is meant is plain if only one name has it
 std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  const std::string near = did_you_mean(name, known);
+  std::string near = did_you_mean(name, known);
   if (!near.empty() || name.empty()) return near;
   std::vector<std::string> containing;
   for (const std::string& robot : known) {
