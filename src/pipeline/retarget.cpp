@@ -36,7 +36,7 @@ void keep_quaternion_sign(std::span<const double> before, std::span<double> now)
 }  // namespace
 
 Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
-                                std::shared_ptr<const Robot> robot, const IkTables& tables,
+                                const std::shared_ptr<const Robot>& robot, const IkTables& tables,
                                 const LimitSet& limits, const RetargetOptions& options) {
   if (auto checked = check_ik_tables(tables, *robot); !checked) return failure(checked.error());
   const TargetBuilder targets(tables, human.height);

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "support/temporary_folder.h"
+
 namespace retarget {
 namespace {
 
@@ -14,12 +16,6 @@ using ::testing::HasSubstr;
 
 class DataFolderTest : public ::testing::Test {
  protected:
-  DataFolderTest() {
-    std::string name = ::testing::TempDir() + "data_folder_XXXXXX";
-    root_ = fs::canonical(::mkdtemp(name.data()));
-  }
-  ~DataFolderTest() override { fs::remove_all(root_); }
-
   // a folder below the root that holds robots/ and configs/
   fs::path data_folder(const std::string& name) const {
     fs::create_directories(root_ / name / "robots");
@@ -27,7 +23,8 @@ class DataFolderTest : public ::testing::Test {
     return root_ / name;
   }
 
-  fs::path root_;
+  TemporaryFolder temporary_;
+  fs::path root_ = temporary_.path();
 };
 
 TEST_F(DataFolderTest, FlagComesBeforeEnvironmentAndExecutable) {

@@ -1,6 +1,8 @@
 // The command line: declares the options, checks them against each other, calls a command.
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
 #include <string>
 
 #include "commands.h"
@@ -198,5 +200,11 @@ int main_with(int argc, char** argv) {
 }  // namespace retarget::cli
 
 int main(int argc, char** argv) {
-  return retarget::cli::main_with(argc, argv);
+  // the library returns its errors; what is thrown nevertheless is memory that ran out
+  try {
+    return retarget::cli::main_with(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return retarget::cli::kRunFailed;
+  }
 }

@@ -38,7 +38,7 @@ struct RetargetResult {
 /// that are not finite (kRun).
 /// @param clip_name  the clip's file, for messages.
 [[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
-                                              std::shared_ptr<const Robot> robot,
+                                              const std::shared_ptr<const Robot>& robot,
                                               const IkTables& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});
 
