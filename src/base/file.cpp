@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -20,12 +21,13 @@ std::string system_message(int error_number) {
 Failure read_failure(ErrorKind kind, const std::string& path, int error_number) {
   Error error;
   error.kind = kind;
-  error.file = path;
+  error.file = path == "-" ? "standard input" : path;
   error.message = "cannot read the file: " + system_message(error_number);
   return failure(std::move(error));
 }
 
-Failure write_failure(const std::string& path, int error_number) {
+Failure write_failure(const std::string& name, int error_number) {
+  const std::string path = name == "-" ? "standard output" : name;
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   return run_failure(path, "cannot write the file: " + system_message(error_number),
                      full ? "nothing was left behind; free some space or write elsewhere" : "");
@@ -59,15 +61,31 @@ std::string follow_links(const std::string& path) {
   return target.string();
 }
 
-// beside the target, short enough for any folder, and of no other open file of any process
+constexpr int kMostNames = 1000;
+
+// beside the target and short enough for any folder; who uses it must try the next number when
+// it is taken, as processes of other machines may share the folder
 std::string temporary_name(const std::string& target, int number) {
   return folder_of(target) + "/.retarget-" + std::to_string(::getpid()) + "-" +
          std::to_string(number) + ".tmp";
 }
 
+// gives a nameless file a name that nothing has; 0, or -1 with errno
+int link_to_new_name(int descriptor, const std::string& target, std::string& name) {
+  const std::string handle = "/proc/self/fd/" + std::to_string(descriptor);
+  for (int number = 0; number < kMostNames; ++number) {
+    name = temporary_name(target, number);
+    if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      return 0;
+    }
+    if (errno != EEXIST) break;
+  }
+  name.clear();
+  return -1;
+}
+
 // a new empty file beside the target, for file systems without nameless files
 int create_named(const std::string& target, std::string& name) {
-  constexpr int kMostNames = 1000;
   for (int number = 0; number < kMostNames; ++number) {
     name = temporary_name(target, number);
     const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
@@ -86,6 +104,8 @@ Result<std::string> read_file(const std::string& path, ErrorKind kind) {
   struct stat info {};
   if (::fstat(reader.descriptor, &info) != 0) return read_failure(kind, path, errno);
   if (S_ISDIR(info.st_mode)) return read_failure(kind, path, EISDIR);
+  // a device such as /dev/zero may never end
+  if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
 
   // the size is a guess that saves copies; the file may be a pipe, or grow
   std::string bytes;
@@ -130,11 +150,15 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   }
   if (auto folder = check_output_folder(path); !folder) return failure(folder.error());
   struct stat info {};
+  std::optional<mode_t> mode;  // of the file that is replaced
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) {
       return usage_failure("the output \"" + path + "\" is a folder", "give a file name");
     }
     file.direct_ = !S_ISREG(info.st_mode);
+    // replacing needs the folder's permission alone; who made a file read-only means the file
+    if (!file.direct_ && ::access(path.c_str(), W_OK) != 0) return write_failure(path, errno);
+    mode = info.st_mode & 07777;
   } else if (errno != ENOENT) {
     return write_failure(path, errno);
   }
@@ -160,6 +184,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
       return write_failure(path, error_number);
     }
   }
+  if (mode && ::fchmod(file.descriptor_, *mode) != 0) return write_failure(path, errno);
   return file;
 }
 
@@ -212,14 +237,10 @@ Result<void> OutputFile::commit() {
   }
   if (::fsync(descriptor_) != 0) return write_failure(path_, errno);
   if (temporary_.empty()) {
-    // give the nameless file a name beside the target; only a rename replaces in one step
-    const std::string name = temporary_name(target_, descriptor_);
-    const std::string handle = "/proc/self/fd/" + std::to_string(descriptor_);
-    ::unlink(name.c_str());
-    if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) {
+    // only a rename replaces in one step, and it needs a name beside the target
+    if (link_to_new_name(descriptor_, target_, temporary_) != 0) {
       return write_failure(path_, errno);
     }
-    temporary_ = name;
   }
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) return write_failure(path_, errno);
   temporary_.clear();

@@ -40,6 +40,10 @@ Failure run_failure(std::string file, std::string message, std::string hint) {
   return make_failure(ErrorKind::kRun, std::move(file), std::move(message), std::move(hint));
 }
 
+Failure interrupted_failure() {
+  return make_failure(ErrorKind::kInterrupted, {}, "interrupted; no output was written", {});
+}
+
 std::string describe(const Error& error) {
   std::string text = place(error.file, error.line, error.column) + "error: " + error.message;
   if (!error.hint.empty()) text += "\n  hint: " + error.hint;

@@ -1,8 +1,10 @@
 #include "retarget/human/human_clip.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "retarget/base/suggest.h"
 #include "retarget/motion/forward_kinematics.h"
 
 namespace retarget {
@@ -29,6 +31,41 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
   return {joint, joint};
 }
 
+// limbs that leave the joint's x axis by more than this are no LAFAN1 limbs
+constexpr double kLargestLimbAngle = 0.35;  // rad
+// thigh and shin together, centimetres: from a child to a giant
+constexpr double kShortestLeg = 45.0;
+constexpr double kLongestLeg = 130.0;
+
+// what the offsets say against a skeleton being LAFAN1's: names alone prove little
+std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
+  std::vector<std::string> bent;
+  for (const char* name : {"LeftLeg", "LeftFoot", "RightLeg", "RightFoot", "LeftForeArm",
+                           "LeftHand", "RightForeArm", "RightHand"}) {
+    const std::optional<int> joint = skeleton.find(name);
+    if (!joint) continue;
+    const Eigen::Vector3d& offset = skeleton.joint(*joint).offset;
+    if (offset.x() <= std::cos(kLargestLimbAngle) * offset.norm()) bent.emplace_back(name);
+  }
+  std::vector<Warning> doubts;
+  if (!bent.empty()) {
+    doubts.push_back({0, 0,
+                      "the joints have LAFAN1's names but not its axes: the offsets of " +
+                          list_names(bent) + " do not run along x; expect twisted limbs"});
+  }
+  const std::optional<int> knee = skeleton.find("LeftLeg"), ankle = skeleton.find("LeftFoot");
+  if (knee && ankle) {
+    const double leg = skeleton.joint(*knee).offset.norm() + skeleton.joint(*ankle).offset.norm();
+    if (leg < kShortestLeg || leg > kLongestLeg) {
+      doubts.push_back({0, 0,
+                        "a leg of " + std::to_string(leg) +
+                            " units is no human leg in centimetres: the file has another "
+                            "unit, and positions will be wrong"});
+    }
+  }
+  return doubts;
+}
+
 }  // namespace
 
 Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string& file) {
@@ -52,6 +89,7 @@ Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string&
   mapping.height = 1.75;
   mapping.description =
       "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
+  mapping.doubts = lafan1_doubts(skeleton);
   return mapping;
 }
 

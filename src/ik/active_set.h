@@ -81,7 +81,7 @@ ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower
     ++outcome.factorizations;
     if (!system.minimise(sides_, x, minimum_)) {
       outcome.converged = false;
-      break;
+      return outcome;
     }
     const int blocked = walk_to_minimum(lower, upper, x);
     if (blocked >= 0) {
@@ -93,9 +93,10 @@ ActiveSet::Outcome ActiveSet::solve(System& system, const Eigen::VectorXd& lower
     // the last release made way: what was stuck before may be free to move now
     if (released >= 0) std::ranges::fill(stuck_, 0);
     released = variable_to_release(system, x, tolerance);
-    if (released < 0) break;
+    if (released < 0) return outcome;
     sides_[released] = BoundSide::kFree;
   }
+  outcome.converged = false;
   return outcome;
 }
 

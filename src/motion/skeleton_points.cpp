@@ -9,9 +9,15 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joint(j);
     points.push_back({joint.name, j, Eigen::Vector3d::Zero()});
-    for (std::size_t i = 0; i < joint.end_sites.size(); ++i) {
-      const std::string number = i == 0 ? "" : std::to_string(i + 1);
-      points.push_back({joint.name + "_end" + number, j, joint.end_sites[i]});
+    int number = 0;
+    for (const Eigen::Vector3d& end_site : joint.end_sites) {
+      // a joint may have the name already
+      std::string name;
+      do {
+        ++number;
+        name = joint.name + "_end" + (number == 1 ? "" : std::to_string(number));
+      } while (skeleton.find(name));
+      points.push_back({name, j, end_site});
     }
   }
   return points;

@@ -139,6 +139,7 @@ void check_row(const IkRow& row, const std::string& table, const IkTables& table
     faults.add(table + ": the robot has no body \"" + row.body + "\"" +
                did_you_mean(row.body, bodies));
   }
+  if (row.bone.empty()) return;  // a row that could not be read was named already
   if (!find_bone(row.bone)) {
     faults.add(table + " of \"" + row.body + "\": no bone \"" + row.bone + "\"" +
                did_you_mean(row.bone, bone_names()));
@@ -169,20 +170,17 @@ const double* IkTables::find_scale(std::string_view bone) const {
   return found == scales.end() ? nullptr : &found->second;
 }
 
-Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  if (!json->is_object()) return config_failure(file, "a mapping must be a JSON object");
+namespace {
 
-  Faults faults;
-  Reader reader(*json, faults);
+IkTables read_tables(const Json& json, const std::string& file, Faults& faults) {
+  Reader reader(json, faults);
   IkTables tables;
   tables.file = file;
   tables.robot_root = reader.text("robot_root_name");
   tables.human_root = reader.text("human_root_name");
   tables.ground_height = reader.number("ground_height");
   tables.human_height_assumption = reader.number("human_height_assumption");
-  if (tables.human_height_assumption <= 0.0 && json->contains("human_height_assumption")) {
+  if (tables.human_height_assumption <= 0.0 && json.contains("human_height_assumption")) {
     faults.add("\"human_height_assumption\" must be more than 0");
   }
   if (const Json* scales = reader.find("human_scale_table")) {
@@ -194,28 +192,23 @@ Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file)
   for (int number = 0; number < 2; ++number) {
     tables.tables[number] = read_table(reader, faults, number);
   }
-  if (!faults.empty()) return faults.failure_in(file, "the mapping");
   return tables;
 }
 
-Result<IkTables> load_ik_tables(const std::string& path) {
-  const auto text = read_file(path, ErrorKind::kConfig);
-  if (!text) return failure(text.error());
-  return parse_ik_tables(*text, path);
-}
-
-Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {
-  Faults faults;
+void check_tables(const IkTables& tables, const Robot& robot, Faults& faults) {
   const std::vector<std::string> bodies = robot.body_names();
-  if (std::ranges::find(bodies, tables.robot_root) == bodies.end()) {
+  if (!tables.robot_root.empty() && std::ranges::find(bodies, tables.robot_root) == bodies.end()) {
     faults.add("\"robot_root_name\": the robot has no body \"" + tables.robot_root + "\"" +
                did_you_mean(tables.robot_root, bodies));
   }
-  if (!find_bone(tables.human_root)) {
-    faults.add("\"human_root_name\": no bone \"" + tables.human_root + "\"" +
-               did_you_mean(tables.human_root, bone_names()));
-  } else if (tables.find_scale(tables.human_root) == nullptr) {
-    faults.add("the root bone \"" + tables.human_root + "\" has no entry in \"human_scale_table\"");
+  if (!tables.human_root.empty()) {
+    if (!find_bone(tables.human_root)) {
+      faults.add("\"human_root_name\": no bone \"" + tables.human_root + "\"" +
+                 did_you_mean(tables.human_root, bone_names()));
+    } else if (tables.find_scale(tables.human_root) == nullptr) {
+      faults.add("the root bone \"" + tables.human_root +
+                 "\" has no entry in \"human_scale_table\"");
+    }
   }
   bool any_task = false;
   for (int number = 0; number < 2; ++number) {
@@ -223,7 +216,37 @@ Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {
     check_table(number, tables, bodies, faults);
     any_task = any_task || std::ranges::any_of(tables.tables[number].rows, &IkRow::has_weight);
   }
-  if (!any_task) faults.add("no row of a table in use has a weight: nothing would move");
+  if (!any_task && faults.empty()) {
+    faults.add("no row of a table in use has a weight: nothing would move");
+  }
+}
+
+Result<IkTables> tables_from(std::string_view text, const std::string& file, const Robot* robot) {
+  const auto json = parse_json(text, file);
+  if (!json) return failure(json.error());
+  if (!json->is_object()) return config_failure(file, "a mapping must be a JSON object");
+  Faults faults;
+  IkTables tables = read_tables(*json, file, faults);
+  if (robot != nullptr) check_tables(tables, *robot, faults);
+  if (!faults.empty()) return faults.failure_in(file, "the mapping");
+  return tables;
+}
+
+}  // namespace
+
+Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file) {
+  return tables_from(text, file, nullptr);
+}
+
+Result<IkTables> load_ik_tables(const std::string& path, const Robot* robot) {
+  const auto text = read_file(path, ErrorKind::kConfig);
+  if (!text) return failure(text.error());
+  return tables_from(*text, path, robot);
+}
+
+Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {
+  Faults faults;
+  check_tables(tables, robot, faults);
   if (!faults.empty()) return faults.failure_in(tables.file, "the mapping");
   return {};
 }

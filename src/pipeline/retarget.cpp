@@ -10,6 +10,9 @@
 namespace retarget {
 namespace {
 
+// metres; squares of such numbers are still far from the end of a double
+constexpr double kLargestPosition = 1e100;
+
 // names the mapped bones that the source lacks, and what it has instead
 Result<void> check_bones(const HumanClip& human, const TargetBuilder& targets,
                          const std::string& clip_name, const std::string& mapping) {
@@ -23,6 +26,13 @@ Result<void> check_bones(const HumanClip& human, const TargetBuilder& targets,
                            std::string(missing.size() == 1 ? "the bone " : "the bones ") +
                            list_names(missing) + ", which the mapping " + mapping + " uses",
                        "the file has " + list_names(human.source_joints));
+}
+
+bool all_finite(std::span<const Pose> poses) {
+  return std::ranges::all_of(poses, [](const Pose& pose) {
+    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+           pose.translation.cwiseAbs().maxCoeff() < kLargestPosition;
+  });
 }
 
 void keep_quaternion_sign(std::span<const double> before, std::span<double> now) {
@@ -54,21 +64,20 @@ Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_
   std::vector<double> qpos = robot->zero_configuration();
   std::vector<Pose> world_from_target(targets.target_count());
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    if (options.keep_going && !options.keep_going(frame)) {
-      Error error;
-      error.kind = ErrorKind::kInterrupted;
-      error.message = "interrupted; no output was written";
-      return failure(std::move(error));
-    }
+    if (options.keep_going && !options.keep_going(frame)) return interrupted_failure();
     targets.build(human.frame(frame), world_from_target);
+    if (!all_finite(world_from_target)) {
+      return input_failure(clip_name, "frame " + std::to_string(frame) +
+                                          ": positions are too large to compute with");
+    }
     int steps = 0;
     double error = 0.0;
     for (std::size_t pass = 0; pass < problem->passes.size(); ++pass) {
       const PassResult solved = solver->solve_pass(static_cast<int>(pass), world_from_target, qpos);
       if (!solved.converged) {
-        return run_failure(clip_name,
-                           "frame " + std::to_string(frame) +
-                               ": the inverse kinematics met values that are not finite");
+        return config_failure(tables.file, "frame " + std::to_string(frame) +
+                                               ": these weights and scales lead to values that "
+                                               "are not finite");
       }
       steps += solved.steps;
       error = solved.errors[solved.steps];

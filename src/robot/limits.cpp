@@ -46,7 +46,7 @@ Result<LimitSet> limits_from_json(const Robot& robot, const std::string& path) {
   const auto json = load_json(path);
   if (!json) return failure(json.error());
   Faults faults;
-  LimitSet set = ranges_from_json(*json, robot, "range", faults);
+  LimitSet set = ranges_from_json(*json, robot, "the joint limits", faults);
   if (!faults.empty()) return faults.failure_in(path, "the joint limits");
   return set;
 }

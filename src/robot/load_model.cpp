@@ -183,12 +183,21 @@ Result<void> check_robot_joints(const mjModel_& model, const std::string& path) 
                               quoted_name(model, mjOBJ_JOINT, 0) + " before it",
                           "move the robot to the top of <worldbody>");
   }
+  // body_rootid is the tree's topmost body below the world
+  const int tree = model.body_rootid[model.jnt_bodyid[0]];
   for (int j = 0; j < model.njnt; ++j) {
-    if (types[j] != mjJNT_BALL) continue;
-    return config_failure(path,
-                          "the ball joint " + quoted_name(model, mjOBJ_JOINT, j) +
-                              " is not supported: joints must be hinges or slides",
-                          "write it as three hinges");
+    if (types[j] == mjJNT_BALL) {
+      return config_failure(path,
+                            "the ball joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                " is not supported: joints must be hinges or slides",
+                            "write it as three hinges");
+    }
+    if (model.body_rootid[model.jnt_bodyid[j]] != tree) {
+      return config_failure(path,
+                            "the joint " + quoted_name(model, mjOBJ_JOINT, j) +
+                                " does not belong to the body with the free joint: expected one "
+                                "robot without other moving things");
+    }
   }
   return {};
 }

@@ -71,6 +71,26 @@ TEST(Lafan1Mapping, RefusesABoneWhoseNameTwoJointsHave) {
   EXPECT_NE(mapping.error().message.find("\"LeftLeg\""), std::string::npos);
 }
 
+TEST(Lafan1Mapping, DoubtsSkeletonsThatOnlyHaveTheNames) {
+  // limbs down along y, in metres
+  const auto limb = [](const std::string& name, int parent, double length) {
+    return joint(name, parent, {0, -length, 0});
+  };
+  const Skeleton other({joint("Hips", -1, {0, 0.9, 0}), limb("LeftUpLeg", 0, 0.1),
+                        limb("LeftLeg", 1, 0.45), limb("LeftFoot", 2, 0.42)});
+  const auto doubts = lafan1_mapping(other, "clip.bvh")->doubts;
+  ASSERT_EQ(doubts.size(), 2u);
+  EXPECT_NE(doubts[0].message.find("LeftLeg, LeftFoot do not run along x"), std::string::npos);
+  EXPECT_NE(doubts[1].message.find("another unit"), std::string::npos);
+
+  const auto along_x = [](const std::string& name, int parent, double length) {
+    return joint(name, parent, {length, 0.5, 0});
+  };
+  const Skeleton lafan1({joint("Hips", -1, {0, 90, 0}), joint("LeftUpLeg", 0, {0, 2, 10}),
+                         along_x("LeftLeg", 1, 42), along_x("LeftFoot", 2, 41)});
+  EXPECT_TRUE(lafan1_mapping(lafan1, "clip.bvh")->doubts.empty());
+}
+
 TEST(FindBone, KnowsTheToeByBothNames) {
   EXPECT_EQ(find_bone("LeftToeBase"), find_bone("LeftToe"));
   EXPECT_EQ(kBoneNames[*find_bone("RightHand")], "RightHand");

@@ -8,22 +8,33 @@ namespace {
 // signal handlers can reach nothing but a global
 volatile std::sig_atomic_t interrupt_seen = 0;
 
+// the second signal ends the process
 void note_interrupt(int signal_number) {
   interrupt_seen = 1;
   std::signal(signal_number, SIG_DFL);
+}
+
+// a signal that the parent had ignored, as nohup does, stays ignored
+void take_over(int signal_number, struct sigaction& old) {
+  ::sigaction(signal_number, nullptr, &old);
+  if (old.sa_handler == SIG_IGN) return;
+  struct sigaction action {};
+  action.sa_handler = note_interrupt;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(signal_number, &action, nullptr);
 }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
   interrupt_seen = 0;
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+  take_over(SIGINT, old_interrupt_);
+  take_over(SIGTERM, old_terminate_);
 }
 
 InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  ::sigaction(SIGINT, &old_interrupt_, nullptr);
+  ::sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
 bool InterruptGuard::interrupted() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <csignal>
+
 namespace retarget::cli {
 
 /// While one of these lives, Ctrl-C and SIGTERM set a flag instead of ending the process, so that
@@ -12,6 +14,10 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   [[nodiscard]] static bool interrupted();
+
+ private:
+  struct sigaction old_interrupt_ {};
+  struct sigaction old_terminate_ {};
 };
 
 /// Writing past a file size limit or into a closed pipe becomes an error instead of a signal.

@@ -1,12 +1,16 @@
 // The command line: declares the options, checks them against each other, calls a command.
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "interrupt.h"
+#include "retarget/base/suggest.h"
 #include "retarget/version.h"
 
 namespace retarget::cli {
@@ -17,6 +21,11 @@ constexpr const char* kRobot = "Robot and method";
 constexpr const char* kTime = "Time";
 constexpr const char* kOutput = "Output";
 constexpr const char* kGeneral = "General";
+
+// what --source-fps and --start may say; wider than any motion, narrower than any slip
+constexpr double kSlowestRate = 0.001;
+constexpr double kFastestRate = 1e6;
+constexpr double kLongestTime = 1e9;
 
 constexpr const char* kFooter = R"(
 Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
@@ -30,6 +39,19 @@ Examples:
 // the option's own words say what it takes; CLI11's would stand beside them
 CLI::Validator silent(CLI::Validator validator) {
   return validator.description("");
+}
+
+// a finite number in a range, with words of its own where it is not
+CLI::Validator number_from(double least, double most) {
+  const auto check = [least, most](const std::string& text) -> std::string {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    if (whole && value >= least && value <= most) return {};
+    return "expected a number from " + number_text(least, 3) + " to " + number_text(most, 0) +
+           ", found \"" + text + "\"";
+  };
+  return CLI::Validator(check, "");
 }
 
 void add_common_options(CLI::App& app, CommonOptions& options) {
@@ -51,7 +73,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--source-fps", options.source_fps,
                  "Frames per second of the source, whatever its header says")
       ->type_name("N")
-      ->check(silent(CLI::PositiveNumber))
+      ->check(number_from(kSlowestRate, kFastestRate))
       ->group(kInput);
 }
 
@@ -62,11 +84,11 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   add_source_options(app, options.source);
   app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
       ->type_name("S")
-      ->check(silent(CLI::NonNegativeNumber))
+      ->check(number_from(0.0, kLongestTime))
       ->group(kInput);
   app.add_option("--end", options.end_s, "End at this time of the source, seconds, inclusive")
       ->type_name("S")
-      ->check(silent(CLI::NonNegativeNumber))
+      ->check(number_from(0.0, kLongestTime))
       ->group(kInput);
   app.add_option("--frames", options.frames,
                  "Source frames from A up to, not including, B; either may be left out")
@@ -168,6 +190,23 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   return command;
 }
 
+// names what the command line holds beyond its options, with the option that may be meant
+Failure unknown_words(const CLI::App& app) {
+  std::vector<std::string> known;
+  for (const CLI::App* part : app.get_subcommands()) {
+    for (const CLI::Option* option : part->get_options()) known.push_back(option->get_name());
+  }
+  for (const CLI::Option* option : app.get_options()) known.push_back(option->get_name());
+  for (const std::string& word : app.remaining(true)) {
+    if (word.starts_with('-')) {
+      return usage_failure("unknown option " + word + did_you_mean(word, known),
+                           "retarget --help lists the options");
+    }
+  }
+  const std::vector<std::string> words = app.remaining(true);
+  return usage_failure("unexpected " + list_names(words), "a motion file goes with --bvh FILE");
+}
+
 int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
@@ -182,10 +221,14 @@ int main_with(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    // help and version, on standard output
+    return app.exit(success) == 0 ? kDone : kRunFailed;
+  } catch (const CLI::ExtrasError&) {
+    return Console(false).fail(unknown_words(app).value());
   } catch (const CLI::ParseError& error) {
-    // help and version go to standard output and are no failure
-    const bool asked_for = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
-    return app.exit(error) == 0 && asked_for ? kDone : kWrongUsage;
+    return Console(false).fail(
+        usage_failure(error.what(), "retarget --help lists the options").value());
   }
   turn_write_signals_into_errors();
   if (inspect_command->parsed()) {
@@ -203,6 +246,9 @@ int main(int argc, char** argv) {
   // the library returns its errors; what is thrown nevertheless is memory that ran out
   try {
     return retarget::cli::main_with(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: there is not enough memory\n", stderr);
+    return retarget::cli::kRunFailed;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return retarget::cli::kRunFailed;

@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "retarget/base/file.h"
 
 namespace retarget::cli {
 
@@ -8,8 +9,11 @@ Result<BvhFile> read_source(const SourceOptions& options, bool skeleton_only, Co
   read_options.motion_optional = skeleton_only;
   read_options.root = options.root;
   if (options.source_fps > 0.0) read_options.source_fps = options.source_fps;
-  auto file = load_bvh(options.file, read_options);
-  if (file) console.warn(file->warnings, source_name(options));
+  const std::string name = source_name(options);
+  const auto bytes = read_file(options.file);
+  if (!bytes) return failure(bytes.error());
+  auto file = read_bvh(*bytes, name, read_options);
+  if (file) console.warn(file->warnings, name);
   return file;
 }
 

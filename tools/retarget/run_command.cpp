@@ -82,8 +82,10 @@ Result<std::optional<FrameRate>> output_rate(const std::string& text) {
   double fps = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fps);
   const bool whole = error == std::errc() && end == text.data() + text.size();
-  if (!whole || !std::isfinite(fps) || fps <= 0.0) {
-    return usage_failure("--fps must be a number above 0 or `source`, found \"" + text + "\"");
+  // wider than any motion, narrower than any slip
+  if (!whole || !(fps >= 0.001 && fps <= 1e6)) {
+    return usage_failure("--fps must be a number from 0.001 to 1000000 or `source`, found \"" +
+                         text + "\"");
   }
   return frame_rate_from_fps(fps);
 }
@@ -123,42 +125,63 @@ Result<Clip> load_clip(const RunOptions& options, Console& console) {
   resample_options.interpolation =
       options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
   resample_options.antialias = !options.no_antialias;
-  return resample(*chosen, **rate, resample_options);
+  auto resampled = resample(*chosen, **rate, resample_options);
+  if (!resampled) resampled.error().file = source_name(options.source);
+  return resampled;
 }
 
-Result<Setup> load_setup(const RunOptions& options) {
+// the mapping that comes with a robot: in its folder, or among the mappings by its name
+Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
+                                 const std::string& robot) {
+  const fs::path own = robot_folder / "ik.json";
+  const fs::path shared = configs / ("lafan1_to_" + robot + ".json");
+  std::error_code ignored;
+  for (const fs::path& path : {own, shared}) {
+    if (fs::is_regular_file(path, ignored)) return path.string();
+  }
+  return config_failure("",
+                        "there is no mapping for the robot \"" + robot + "\": neither " +
+                            own.string() + " nor " + shared.string(),
+                        "add --ik-config FILE");
+}
+
+Result<Setup> load_setup(const RunOptions& options, Console& console) {
   Setup setup;
+  std::string model = options.robot_xml, profile = options.robot_profile;
   std::string mapping = options.ik_config;
-  if (options.robot_xml.empty()) {
+  fs::path data_folder;
+  if (model.empty()) {
     const auto& chosen = options.common.data_dir;
     const auto data =
         find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
     if (!data) return failure(data.error());
-    const auto found = find_robot(options.robot, *data / "robots");
+    data_folder = *data;
+    const auto found = find_robot(options.robot, data_folder / "robots");
     if (!found) return failure(found.error());
-    auto robot = load_robot(found->model.string(), found->profile.string());
-    if (!robot) return failure(robot.error());
-    setup.robot = *robot;
-    if (mapping.empty()) {
-      mapping = (*data / "configs" / ("lafan1_to_" + setup.robot->name() + ".json")).string();
-    }
-  } else {
-    auto robot = load_robot(options.robot_xml, options.robot_profile);
-    if (!robot) return failure(robot.error());
-    setup.robot = *robot;
+    model = found->model.string();
+    profile = found->profile.string();
+  }
+  auto robot = load_robot(model, profile);
+  if (!robot) return failure(robot.error());
+  setup.robot = *robot;
+  for (const std::string& warning : setup.robot->warnings()) {
+    console.warn({{0, 0, warning}}, model);
+  }
+  if (mapping.empty()) {
+    const auto found = find_mapping(fs::path(model).parent_path(), data_folder / "configs",
+                                    fs::path(setup.robot->name()).filename().string());
+    if (!found) return failure(found.error());
+    mapping = *found;
   }
   // the published method judges by its own, tighter set where the robot has one
-  const std::string wanted =
-      !options.limits.empty() ? options.limits : setup.robot->limits_for(options.method);
-  auto limits = load_limits(*setup.robot, wanted);
+  auto limits =
+      load_limits(*setup.robot, options.limits.empty() ? setup.robot->limits_for(options.method)
+                                                       : options.limits);
   if (!limits) return failure(limits.error());
   setup.limits = std::move(*limits);
-  auto tables = load_ik_tables(mapping);
+  auto tables = load_ik_tables(mapping, setup.robot.get());
   if (!tables) return failure(tables.error());
   setup.tables = std::move(*tables);
-  if (auto checked = check_ik_tables(setup.tables, *setup.robot); !checked) {
-    return failure(checked.error());
-  }
   return setup;
 }
 
@@ -173,15 +196,19 @@ RobotCsvOptions csv_options(const RunOptions& options) {
 }
 
 void print_limits(const RobotClip& clip, const LimitSet& limits, Console& console) {
-  const auto worst = nearest_limit(clip, limits);
-  if (!worst) return;
-  const double distance = worst->distance;
-  console.line("limits", limits.name + ": " + worst->joint + " comes nearest, " +
-                             (distance < 0.0 ? number_text(-distance, 6) + " beyond"
-                                             : number_text(distance, 6) + " from") +
-                             " its " + (worst->at_upper ? "upper" : "lower") + " limit in frame " +
-                             std::to_string(worst->frame) + "; joints at a limit in " +
-                             number_text(100.0 * worst->frames_at_limit, 1) + " % of frames");
+  const auto nearest = nearest_limit(clip, limits);
+  if (!nearest) return;
+  // what rounds to nothing in the file is neither before the limit nor beyond it
+  constexpr double kNothing = 5e-7;
+  const std::string side = nearest->at_upper ? "upper limit" : "lower limit";
+  const std::string distance = number_text(std::abs(nearest->distance), 6);
+  const std::string where = std::abs(nearest->distance) < kNothing ? " is at its " + side
+                            : nearest->distance > 0.0
+                                ? " comes nearest, " + distance + " from its " + side
+                                : " goes " + distance + " beyond its " + side;
+  console.line("limits", limits.name + ": " + nearest->joint + where + " in frame " +
+                             std::to_string(nearest->frame) + "; joints at a limit in " +
+                             number_text(100.0 * nearest->frames_at_limit, 1) + " % of frames");
 }
 
 Result<RetargetResult> solve(const HumanClip& human, const Setup& setup, const RunOptions& options,
@@ -201,7 +228,7 @@ Result<RetargetResult> solve(const HumanClip& human, const Setup& setup, const R
 Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto start = std::chrono::steady_clock::now();
   if (auto usage = check_usage(options); !usage) return usage;
-  const auto setup = load_setup(options);
+  const auto setup = load_setup(options, console);
   if (!setup) return failure(setup.error());
   const auto clip = load_clip(options, console);
   if (!clip) return failure(clip.error());
@@ -209,6 +236,7 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   if (!mapping) return failure(mapping.error());
   const HumanClip human = to_human(*clip, *mapping);
   console.line("taken as", mapping->description);
+  console.warn(mapping->doubts, source_name(options.source));
   console.line("robot", setup->robot->name() + ", " +
                             count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
                             ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
@@ -225,6 +253,7 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
                    " IK steps a frame");
   print_limits(motion, setup->limits, console);
   if (options.normalize_start) normalize_start(motion);
+  if (InterruptGuard::interrupted()) return interrupted_failure();
   auto written = write_file(options.output, format_robot_csv(motion, csv_options(options)));
   if (!written) return written;
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +

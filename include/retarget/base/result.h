@@ -52,6 +52,9 @@ using Failure = tl::unexpected<Error>;
 [[nodiscard]] Failure usage_failure(std::string message, std::string hint = {});
 [[nodiscard]] Failure run_failure(std::string file, std::string message, std::string hint = {});
 
+/// The error of a run that the user stopped.
+[[nodiscard]] Failure interrupted_failure();
+
 /// `file:line:column: error: message` and, where there is one, `\n  hint: ...`; no final newline.
 /// Parts that are not known are left out.
 [[nodiscard]] std::string describe(const Error& error);

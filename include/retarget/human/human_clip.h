@@ -24,8 +24,9 @@ struct HumanMapping {
   double metres_per_unit = 0.01;  ///< Of the source's lengths.
   /// Turns the source's axes into canonical ones; a rotation (determinant +1).
   Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
-  double height = 1.75;     ///< Of the body, metres; what scales are relative to.
-  std::string description;  ///< What was taken for granted, for people.
+  double height = 1.75;         ///< Of the body, metres; what scales are relative to.
+  std::string description;      ///< What was taken for granted, for people.
+  std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: nothing speaks against it.
 };
 
 /// World poses of the canonical bones, frame by frame.

@@ -9,7 +9,9 @@ namespace retarget {
 struct BoxQpStats {
   int factorizations = 0;  ///< Cholesky factorisations, 1 when no bound was reached.
   int active = 0;          ///< Variables at a bound in the solution.
-  bool converged = true;  ///< False only where H is not positive definite or a value is not finite.
+  /// False where H is not positive definite, a value is not finite, or rounding keeps the active
+  /// set from settling.
+  bool converged = true;
 };
 
 /// Exact solver of small dense box-constrained quadratic programs

@@ -36,7 +36,7 @@ struct FrameRate {
 /// Whether two rates differ by no more than 1e-4, relatively: then frames are copied one by one.
 [[nodiscard]] bool same_rate(const FrameRate& a, const FrameRate& b);
 
-/// `30`, or with up to six significant decimals `23.976`.
+/// `30`, or with up to eight significant digits `23.976`.
 [[nodiscard]] std::string to_text(const FrameRate& rate);
 
 }  // namespace retarget

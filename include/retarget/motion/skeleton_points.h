@@ -11,7 +11,8 @@ namespace retarget {
 
 /// A point of a skeleton whose world pose can be asked for: a joint or an end site.
 struct SkeletonPoint {
-  std::string name;  ///< The joint's; of end sites `<joint>_end`, then `<joint>_end2` and so on.
+  std::string name;  ///< The joint's; of end sites `<joint>_end`, `<joint>_end2` and so on, without
+                     ///< those that joints have as names.
   int joint = 0;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the joint, in its frame.
 };

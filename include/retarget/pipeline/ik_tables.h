@@ -56,7 +56,9 @@ struct IkTables {
 /// Reads a mapping. Syntax errors come with line and column; wrong types, missing keys and
 /// quaternions whose norm is not 1 within 1e-3 are named all at once. Quaternions are normalised.
 [[nodiscard]] Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file);
-[[nodiscard]] Result<IkTables> load_ik_tables(const std::string& path);
+/// @param robot  if given, check_ik_tables runs as well, so that all faults are named together.
+[[nodiscard]] Result<IkTables> load_ik_tables(const std::string& path,
+                                              const Robot* robot = nullptr);
 
 /// Checks a mapping against a robot and the canonical human's bones and names every fault at
 /// once: unknown bodies and bones (with the nearest name), bones without a scale, two rows on one

@@ -34,8 +34,8 @@ struct RetargetResult {
 /// Retargets frame by frame with the published two-pass method: the first frame starts from the
 /// model's zero configuration (qpos0), every other from the frame before.
 ///
-/// Errors: a fault in the mapping (kConfig), a mapped bone that the clip lacks (kInput), values
-/// that are not finite (kRun).
+/// Errors: a fault in the mapping, or weights that lead to values that are not finite (kConfig); a
+/// mapped bone that the clip lacks, or positions too large to compute with (kInput).
 /// @param clip_name  the clip's file, for messages.
 [[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
                                               const std::shared_ptr<const Robot>& robot,
