@@ -172,27 +172,21 @@ void FastSolver::add_task(const Task& task) {
   if (node == MovingTree::kWorld) return;
   Composite& composite = node == MovingTree::kBase ? base_ : composites_[node];
 
-  // G = A'A = I + gamma (w w' - theta^2 I); below the switch A counts as the identity
-  const Eigen::Vector3d& w = error.angular;
-  const double gamma =
-      error.small ? 0.0 : 2.0 * error.beta - 0.25 - error.beta * error.beta * error.angle_squared;
-  Eigen::Matrix3d G = (gamma * w) * w.transpose();
-  G.diagonal().array() += 1.0 - gamma * error.angle_squared;
+  const ErrorJacobian jacobian(error);
+  const Eigen::Matrix3d G = jacobian.square();
   composite.angular += wr * G;
-  composite.torque -= wr * w;
+  composite.torque -= wr * error.angular;
   if (wp == 0.0) return;
 
-  // the error's linear part changes with -A (v - C w), C = skew(lever) + Q A
-  Eigen::Matrix3d C = skew(lever_[task.pair]);
-  if (!error.small) C += coupling(error);
-  const Eigen::Matrix3d GC = G * C;
-  const Eigen::Vector3d pull =
-      wp * (error.small ? error.linear : Eigen::Vector3d(G * error.offset));
+  // the error's linear part changes with -A (v - K u), K = skew(lever) + Q A
+  const Eigen::Matrix3d K = skew(lever_[task.pair]) + jacobian.coupling();
+  const Eigen::Matrix3d GK = G * K;
+  const Eigen::Vector3d pull = wp * jacobian.transposed_times(error.linear);
   composite.linear += wp * G;
-  composite.mixed -= wp * GC;
-  composite.angular += wp * (C.transpose() * GC);
+  composite.mixed -= wp * GK;
+  composite.angular += wp * (K.transpose() * GK);
   composite.force -= pull;
-  composite.torque += C.transpose() * pull;
+  composite.torque += K.transpose() * pull;
 }
 
 // composites up the tree, then H and g with the joints' motions

@@ -11,27 +11,40 @@ namespace retarget {
 /// With the error twist e = log(T_wb^-1 T_wt) = [e_v; w] of the published method and
 /// A = J_l^-1(w) on SO(3) (which is also the V^-1 of the logarithm), the inverse left Jacobian of
 /// SE(3) is [[A, -A Q A], [0, A]]. Turning e from the body's axes into the world's changes neither
-/// norms nor A'A, so all of it is kept in world axes:
-///
-///     A'A = I + gamma (w w' - |w|^2 I),   A'w = w,   e_v = A t,   t = p_target - p_body
-///
-/// (docs/ik.md derives them).
+/// norms nor A'A, so all of it is kept in world axes (docs/ik.md).
 struct FrameError {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< e_v, metres.
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< w, radians.
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< t, metres.
   double angle_squared = 0.0;
-  double beta = 0.0;  ///< A = I - W/2 + beta W^2; zero below the small-angle switch.
-  double sine = 0.0;  ///< Of the angle.
-  double one_minus_cosine = 0.0;
-  bool small = true;  ///< Below the switch: the Jacobian is the identity.
 
   [[nodiscard]] double squared_norm() const { return linear.squaredNorm() + angle_squared; }
 };
 
 [[nodiscard]] FrameError frame_error(const Pose& world_from_body, const Pose& world_from_target);
 
-/// Q A of the inverse left Jacobian, for an error above the small-angle switch; world axes.
-[[nodiscard]] Eigen::Matrix3d coupling(const FrameError& error);
+/// How the error changes with the body's velocity: A and Q A, as coefficients.
+///
+/// The closed forms are those of the reference engine (left_jacobian_inverse_se3), also where they
+/// cancel at small angles: the same expressions in the same numbers lose the same digits, and the
+/// engines stay together.
+class ErrorJacobian {
+ public:
+  /// @param error  must outlive this.
+  explicit ErrorJacobian(const FrameError& error);
+
+  /// A'v.
+  [[nodiscard]] Eigen::Vector3d transposed_times(const Eigen::Vector3d& v) const;
+  /// A'A = I + gamma (w w' - |w|^2 I).
+  [[nodiscard]] Eigen::Matrix3d square() const;
+  /// Q A.
+  [[nodiscard]] Eigen::Matrix3d coupling() const;
+
+ private:
+  const FrameError& error_;
+  bool identity_;  // below the small-angle switch A counts as I and Q as 0
+  double angle_ = 0.0;
+  double sine_ = 0.0, cosine_ = 1.0;
+  double beta_ = 0.0;  // A = I - W/2 + beta W^2
+};
 
 }  // namespace retarget

@@ -34,6 +34,15 @@ class BadInput(ToolTest):
             self.assertEqual(result.returncode, 2, option)
             self.assertEqual(self.files(), [])
 
+    def test_words_for_wrong_options(self):
+        self.assert_refused(self.retarget("--limit", "x"), 2, "--limit ", 'did you mean "--limits"')
+        self.assert_refused(self.run_tool("walk.bvh"), 2, "walk.bvh", "--bvh FILE")
+        for option in ("--source-fps", "--start", "--end"):
+            for value in ("nan", "inf", "-1", "1e300", "x"):
+                self.assert_refused(self.retarget(f"{option}={value}"), 2, option, value)
+        for value in ("nan", "inf", "-30", "1e300"):
+            self.assert_refused(self.retarget(f"--fps={value}"), 2, "--fps", value)
+
     def test_output_over_the_input(self):
         clip = self.write("clip.bvh", sample("wave").read_bytes())
         self.assert_fails(self.retarget(bvh=clip, output="clip.bvh"), 2, "overwrite")
@@ -87,6 +96,10 @@ class BadInput(ToolTest):
                             "no free joint")
         free = "<mujoco><worldbody><body name='pelvis'><freejoint/>" + body
         self.assert_refused(with_model(free), 4, "left_knee_link", "faults")
+        door = ("</body><body name='door'><joint name='hinge'/><geom size='.1'/></body>"
+                "</worldbody></mujoco>")
+        self.assert_refused(with_model(free.replace("</body></worldbody></mujoco>", door)), 4,
+                            '"hinge"', "one robot")
         self.assertFalse((self.folder / "MUJOCO_LOG.TXT").exists())
 
     def test_mappings(self):
@@ -98,9 +111,48 @@ class BadInput(ToolTest):
         self.assert_refused(self.retarget("--ik-config", self.write("map.json", wrong)), 4,
                             "left_kne_link\" (did you mean \"left_knee_link\"?)",
                             "LeftHnad\" (did you mean \"LeftHand\"?)")
+        # what is wrong in itself and what does not fit the robot are told together
+        wrong = wrong.replace("[0.5, 0.5, 0.5, 0.5]", "[2, 0, 0, 0]", 1)
+        self.assert_refused(self.retarget("--ik-config", self.write("map.json", wrong)), 4,
+                            "no unit quaternion", "left_kne_link")
+        heavy = text.replace('["Hips", 100, 5', '["Hips", 1e300, 5')
+        self.assert_refused(self.retarget("--ik-config", self.write("map.json", heavy)), 4,
+                            "map.json", "not finite")
+
+    def test_robot_folder_without_a_mapping(self):
+        self.write("mine/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text())
+        self.assert_refused(self.retarget(robot="mine"), 4, "no mapping", "--ik-config")
+        self.write("mine/ik.json", (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text())
+        self.assertEqual(self.retarget(robot="mine").returncode, 0)
+
+
+class Devices(ToolTest):
+    def test_a_device_that_never_ends(self):
+        self.assert_fails(self.retarget(bvh="/dev/zero"), 3, "/dev/zero")
+        self.assert_fails(self.retarget("--ik-config", "/dev/zero"), 4, "/dev/zero")
 
 
 class Outputs(ToolTest):
+    def test_permissions_are_kept(self):
+        out = self.write("out.csv", "old\n")
+        out.chmod(0o600)
+        self.assert_done(self.retarget())
+        self.assertEqual(out.stat().st_mode & 0o777, 0o600)
+        if os.geteuid() != 0:
+            out.chmod(0o400)
+            self.assert_fails(self.retarget(), 1, "out.csv", "ermission")
+
+    def test_an_ignored_interrupt_stays_ignored(self):
+        ignore = lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)
+        process = subprocess.Popen([TOOL, "--bvh", sample("walk"), "--robot", "unitree_g1",
+                                    "--fps", "240", "-o", "out.csv"], cwd=self.folder,
+                                   stderr=subprocess.PIPE, preexec_fn=ignore)
+        for _ in range(10):
+            time.sleep(0.02)
+            process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, message)
+
     def test_full_disk(self):
         self.assert_fails(self.retarget(output="/dev/full"), 1, "/dev/full", "No space left")
 

@@ -85,13 +85,15 @@ TEST(FrameError, HoldsTheErrorAndTheJacobianOfTheReference) {
     const Eigen::Matrix3d R = body.rotation.toRotationMatrix();
     EXPECT_LT((error.linear - R * twist.head<3>()).norm(), 1e-9) << angle;
     EXPECT_LT((error.angular - R * twist.tail<3>()).norm(), 1e-12) << angle;
-    if (error.small) continue;
-    // -A Q A in world axes is the upper right block
+    // the inverse left Jacobian in world axes: A on the diagonal, -A Q A beside it
+    const ErrorJacobian jacobian(error);
     const Matrix6d inverse = left_jacobian_inverse_se3(twist);
-    const Eigen::Matrix3d A = inverse.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d expected = -R * inverse.topRightCorner<3, 3>() * R.transpose();
-    const Eigen::Matrix3d found = R * A * R.transpose() * coupling(error);
-    EXPECT_LT((found - expected).norm(), 1e-8) << angle;
+    const Eigen::Matrix3d A = R * inverse.topLeftCorner<3, 3>() * R.transpose();
+    const Eigen::Matrix3d side = R * inverse.topRightCorner<3, 3>() * R.transpose();
+    EXPECT_LT((A * jacobian.coupling() + side).norm(), 1e-8) << angle;
+    EXPECT_LT((jacobian.square() - A.transpose() * A).norm(), 1e-12) << angle;
+    const Eigen::Vector3d v(0.3, -0.7, 1.1);
+    EXPECT_LT((jacobian.transposed_times(v) - A.transpose() * v).norm(), 1e-12) << angle;
   }
 }
 

@@ -122,7 +122,7 @@ TEST(ForwardKinematicsTest, AgreesWithMujocoOnAnchorsSlidesAndSeveralJointsOnABo
         <body name="framed" pos="0 0 1"><joint axis="0 0 1"/><geom size="0.1"/></body>
       </frame>
     </body>
-    <body name="door" pos="1 1 1"><joint axis="0 0 1"/><geom size="0.1"/></body>
+    <body name="post" pos="1 1 1"><geom size="0.1"/></body>
   </worldbody>
 </mujoco>)"),
                        100);

@@ -1,0 +1,49 @@
+#include "retarget/motion/skeleton_points.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+
+Joint joint(const std::string& name, int parent, const Eigen::Vector3d& offset,
+            std::vector<Eigen::Vector3d> end_sites = {}) {
+  Joint result;
+  result.name = name;
+  result.parent = parent;
+  result.offset = offset;
+  result.end_sites = std::move(end_sites);
+  return result;
+}
+
+std::vector<std::string> names_of(const Skeleton& skeleton) {
+  std::vector<std::string> names;
+  for (const SkeletonPoint& point : skeleton_points(skeleton)) names.push_back(point.name);
+  return names;
+}
+
+TEST(SkeletonPoints, EndSitesFollowTheirJointAndShareNoName) {
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  const Skeleton skeleton({joint("Hand", -1, zero, {zero, zero, zero}), joint("Hand_end2", 0, zero),
+                           joint("Tip", 0, zero, {zero})});
+  EXPECT_THAT(names_of(skeleton), ElementsAre("Hand", "Hand_end", "Hand_end3", "Hand_end4",
+                                              "Hand_end2", "Tip", "Tip_end"));
+}
+
+TEST(Extents, HoldJointsAndEndSitesOfAllFrames) {
+  auto skeleton = std::make_shared<const Skeleton>(std::vector<Joint>{
+      joint("Root", -1, {1, 0, 0}), joint("Tip", 0, {0, 2, 0}, {Eigen::Vector3d(0, 0, 3)})});
+  Clip clip(skeleton, {30, 1}, 2);
+  const double half = std::sqrt(0.5);
+  clip.rotations(1)[1] = Eigen::Quaterniond(half, 0, half, 0);  // z to x
+  const Eigen::AlignedBox3d box = extents(clip);
+  EXPECT_LT((box.min() - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((box.max() - Eigen::Vector3d(4, 2, 3)).norm(), 1e-12);
+  // without frames, the skeleton at rest
+  EXPECT_EQ(extents(Clip(skeleton, {30, 1}, 0)).max(), Eigen::Vector3d(1, 2, 3));
+}
+
+}  // namespace
+}  // namespace retarget
