@@ -31,27 +31,43 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
   return {joint, joint};
 }
 
-// limbs that leave the joint's x axis by more than this are no LAFAN1 limbs
-constexpr double kLargestLimbAngle = 0.35;  // rad
+// offsets that leave their axis by more than this are not LAFAN1's
+constexpr double kLargestAxisAngle = 0.35;  // rad
 // thigh and shin together, centimetres: from a child to a giant
 constexpr double kShortestLeg = 45.0;
 constexpr double kLongestLeg = 130.0;
 
-// what the offsets say against a skeleton being LAFAN1's: names alone prove little
-std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
-  std::vector<std::string> bent;
+bool runs_along(const Eigen::Vector3d& offset, int axis) {
+  return offset[axis] > std::cos(kLargestAxisAngle) * offset.norm();
+}
+
+// joints whose offsets are not as LAFAN1's: limbs along x, left and right apart along z
+std::vector<std::string> joints_off_axis(const Skeleton& skeleton) {
+  std::vector<std::string> off_axis;
   for (const char* name : {"LeftLeg", "LeftFoot", "RightLeg", "RightFoot", "LeftForeArm",
                            "LeftHand", "RightForeArm", "RightHand"}) {
     const std::optional<int> joint = skeleton.find(name);
-    if (!joint) continue;
-    const Eigen::Vector3d& offset = skeleton.joint(*joint).offset;
-    if (offset.x() <= std::cos(kLargestLimbAngle) * offset.norm()) bent.emplace_back(name);
+    if (joint && !runs_along(skeleton.joint(*joint).offset, 0)) off_axis.emplace_back(name);
   }
+  for (const char* name : {"UpLeg", "Shoulder"}) {
+    const std::optional<int> left = skeleton.find(std::string("Left") + name);
+    const std::optional<int> right = skeleton.find(std::string("Right") + name);
+    if (!left || !right) continue;
+    const Eigen::Vector3d across = skeleton.joint(*left).offset - skeleton.joint(*right).offset;
+    if (!runs_along(across, 2)) off_axis.push_back(std::string("Left/Right") + name);
+  }
+  return off_axis;
+}
+
+// what the offsets say against a skeleton being LAFAN1's: names alone prove little
+std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
+  const std::vector<std::string> off_axis = joints_off_axis(skeleton);
   std::vector<Warning> doubts;
-  if (!bent.empty()) {
+  if (!off_axis.empty()) {
     doubts.push_back({0, 0,
-                      "the joints have LAFAN1's names but not its axes: the offsets of " +
-                          list_names(bent) + " do not run along x; expect twisted limbs"});
+                      "the joints have LAFAN1's names but not its axes (limbs along x, sides "
+                      "apart along z): " +
+                          list_names(off_axis) + "; expect twisted limbs"});
   }
   const std::optional<int> knee = skeleton.find("LeftLeg"), ankle = skeleton.find("LeftFoot");
   if (knee && ankle) {

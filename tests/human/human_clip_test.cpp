@@ -80,7 +80,7 @@ TEST(Lafan1Mapping, DoubtsSkeletonsThatOnlyHaveTheNames) {
                         limb("LeftLeg", 1, 0.45), limb("LeftFoot", 2, 0.42)});
   const auto doubts = lafan1_mapping(other, "clip.bvh")->doubts;
   ASSERT_EQ(doubts.size(), 2u);
-  EXPECT_NE(doubts[0].message.find("LeftLeg, LeftFoot do not run along x"), std::string::npos);
+  EXPECT_NE(doubts[0].message.find("LeftLeg, LeftFoot; expect twisted limbs"), std::string::npos);
   EXPECT_NE(doubts[1].message.find("another unit"), std::string::npos);
 
   const auto along_x = [](const std::string& name, int parent, double length) {
@@ -89,6 +89,14 @@ TEST(Lafan1Mapping, DoubtsSkeletonsThatOnlyHaveTheNames) {
   const Skeleton lafan1({joint("Hips", -1, {0, 90, 0}), joint("LeftUpLeg", 0, {0, 2, 10}),
                          along_x("LeftLeg", 1, 42), along_x("LeftFoot", 2, 41)});
   EXPECT_TRUE(lafan1_mapping(lafan1, "clip.bvh")->doubts.empty());
+
+  // limbs as LAFAN1's, but the hips apart along x
+  const Skeleton turned({joint("Hips", -1, {0, 90, 0}), joint("LeftUpLeg", 0, {8, 0, 0}),
+                         along_x("LeftLeg", 1, 42), along_x("LeftFoot", 2, 41),
+                         joint("RightUpLeg", 0, {-8, 0, 0})});
+  const auto sides = lafan1_mapping(turned, "clip.bvh")->doubts;
+  ASSERT_EQ(sides.size(), 1u);
+  EXPECT_NE(sides[0].message.find("Left/RightUpLeg"), std::string::npos);
 }
 
 TEST(FindBone, KnowsTheToeByBothNames) {
