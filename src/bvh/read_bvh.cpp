@@ -215,9 +215,9 @@ Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
 }
 
 Result<BvhFile> load_bvh(const std::string& path, const BvhReadOptions& options) {
-  const Result<std::string> bytes = read_file(path);
+  const Result<FileContent> bytes = read_file(path);
   if (!bytes) return Failure(bytes.error());
-  return read_bvh(*bytes, path == "-" ? "<stdin>" : path, options);
+  return read_bvh(bytes->view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget
