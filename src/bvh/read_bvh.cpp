@@ -157,7 +157,7 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   const auto declared = static_cast<std::uint64_t>(header.frames);
   clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, most_rows)));
 
-  const RowDecoder decoder(*tree.skeleton, tree.first_column);
+  RowDecoder decoder(*tree.skeleton, tree.first_column);
   const RowSink sink = [&](int index, std::span<const double> row) {
     if (index >= clip.frame_count()) {
       const std::size_t grown = std::max<std::size_t>(16, 2 * static_cast<std::size_t>(index));

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "retarget/math/trigonometry.h"
+
 namespace retarget {
 namespace {
 
@@ -29,7 +31,7 @@ double bessel_i0(double x) {
 
 double sinc(double x) {
   const double angle = std::numbers::pi * x;
-  return x == 0.0 ? 1.0 : std::sin(angle) / angle;
+  return x == 0.0 ? 1.0 : portable::sin_cos(angle).sine / angle;
 }
 
 Eigen::Vector3d reflect(const Eigen::Vector3d& center, const Eigen::Vector3d& point) {
@@ -92,7 +94,7 @@ double gain(std::span<const double> taps, double frequency) {
   double sum = taps[half];
   for (std::size_t k = 1; k <= half; ++k) {
     sum += 2.0 * taps[half + k] *
-           std::cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k));
+           portable::sin_cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k)).cosine;
   }
   return sum;
 }

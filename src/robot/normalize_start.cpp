@@ -1,6 +1,7 @@
 #include "retarget/robot/normalize_start.h"
 
-#include <cmath>
+#include "retarget/math/so3.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -16,13 +17,13 @@ Eigen::Quaterniond rotation_of(std::span<const double> qpos) {
 
 double heading(const Eigen::Quaterniond& world_from_body) {
   const Eigen::Vector3d x = world_from_body * Eigen::Vector3d::UnitX();
-  if (std::hypot(x.x(), x.y()) > kSteep) return std::atan2(x.y(), x.x());
-  return 2.0 * std::atan2(world_from_body.z(), world_from_body.w());
+  if (x.head<2>().norm() > kSteep) return portable::atan2(x.y(), x.x());
+  return 2.0 * portable::atan2(world_from_body.z(), world_from_body.w());
 }
 
 StartNormalizer::StartNormalizer(std::span<const double> first)
     : origin_(first[0], first[1], 0.0),
-      turn_(Eigen::AngleAxisd(-heading(rotation_of(first)), Eigen::Vector3d::UnitZ())) {}
+      turn_(exp_so3(-heading(rotation_of(first)) * Eigen::Vector3d::UnitZ())) {}
 
 void StartNormalizer::apply(std::span<double> qpos) const {
   const Eigen::Vector3d position = turn_ * (Eigen::Vector3d(qpos[0], qpos[1], qpos[2]) - origin_);
