@@ -124,7 +124,7 @@ Result<Clip> load_clip(const RunOptions& options, Console& console) {
   resample_options.interpolation =
       options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
   resample_options.antialias = !options.no_antialias;
-  auto resampled = resample(*chosen, **rate, resample_options);
+  auto resampled = resample(std::move(*chosen), **rate, resample_options);
   if (!resampled) resampled.error().file = source_name(options.source);
   return resampled;
 }
