@@ -31,14 +31,14 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
   return {joint, joint};
 }
 
-// offsets that leave their axis by more than this are not LAFAN1's
-constexpr double kLargestAxisAngle = 0.35;  // rad
+// offsets that leave their axis by more than 20 degrees are not LAFAN1's
+constexpr double kLeastAxisShare = 0.93969262078590838;  // cosine of that angle
 // thigh and shin together, centimetres: from a child to a giant
 constexpr double kShortestLeg = 45.0;
 constexpr double kLongestLeg = 130.0;
 
 bool runs_along(const Eigen::Vector3d& offset, int axis) {
-  return offset[axis] > std::cos(kLargestAxisAngle) * offset.norm();
+  return offset[axis] > kLeastAxisShare * offset.norm();
 }
 
 // joints whose offsets are not as LAFAN1's: limbs along x, left and right apart along z
