@@ -3,8 +3,8 @@
 #
 #   tools/check_arm64.sh
 #
-# Needs the cross compiler aarch64-linux-gnu-g++ (tools/setup.sh --dev installs it where the
-# distribution has it); without it, says so and exits with 0. Nothing is linked: the headers that
+# Needs the cross compiler aarch64-linux-gnu-g++ (Debian and Ubuntu: g++-aarch64-linux-gnu), which
+# tools/setup.sh leaves to you; without it, says so and exits with 0. Nothing is linked: the headers that
 # are used serve every processor, MuJoCo's library here does not. JOBS: how many processes.
 set -euo pipefail
 

@@ -3,8 +3,7 @@
 #
 #   tools/setup.sh [--dev] [--check]
 #
-#   --dev    also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark,
-#            the cross compiler for ARM64
+#   --dev    also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
 #   --check  install nothing; say what is missing and exit with 1 when something is
 #
 # Debian and Ubuntu: packages by apt-get, as root or through sudo. Elsewhere: says which packages
@@ -44,7 +43,6 @@ clang-format-14    | clang-tools-extra | clang    | llvm             | has_comma
 libclang-rt-14-dev | compiler-rt      | compiler-rt | llvm           | has_clang_runtime
 libbenchmark-dev   | google-benchmark-devel | benchmark | google-benchmark | has_header benchmark/benchmark.h
 shellcheck         | ShellCheck       | shellcheck | shellcheck      | has_command shellcheck
-g++-aarch64-linux-gnu | gcc-c++-aarch64-linux-gnu | aarch64-linux-gnu-gcc | aarch64-unknown-linux-gnu | has_cross_compiler_or_no_need
 '
 
 say() { printf 'setup: %s\n' "$*" >&2; }
@@ -117,11 +115,6 @@ has_clang_runtime() {
     [ -e "$file" ] && return 0
   done
   return 1
-}
-
-# asked for where it surely can be had: tools/check_arm64.sh does without
-has_cross_compiler_or_no_need() {
-  has_command aarch64-linux-gnu-g++ || [ "$(uname -m)" != x86_64 ] || ! has_command apt-get
 }
 
 own_mujoco() { printf '%s' "${MuJoCo_ROOT:-${MUJOCO_DIR:-${mujoco_DIR:-}}}"; }
