@@ -86,6 +86,7 @@ BoxQpStats BoxQp::solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                         Eigen::VectorXd& x) {
   workspace_->system.set(H, g);
+  workspace_->active_set.reset();
   const auto outcome = workspace_->active_set.solve(workspace_->system, lower, upper, x);
   return {outcome.factorizations, workspace_->active_set.active_count(), outcome.converged};
 }

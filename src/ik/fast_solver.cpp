@@ -135,6 +135,8 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
 
 PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) {
   PassResult result;
+  // what comes out depends on what goes in alone, not on the frame before
+  active_set_.reset();
   result.errors[0] = measure_errors(pass, targets, qpos);
   do {
     if (!step(pass, qpos)) {
