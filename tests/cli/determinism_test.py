@@ -25,7 +25,7 @@ class AnyProcessor(ToolTest):
 
     def test_without_fma_the_same_bytes(self):
         for name in SAMPLES:
-            for options in ((), ("--fps", "24"), ("--normalize-start",), ("--engine", "reference")):
+            for options in ((), ("--fps", "24"), ("--normalize-start",)):
                 with self.subTest(sample=name, options=options):
                     # every digit that there is
                     self.assertEqual(*self.both(name, "--precision", 17, *options))
