@@ -16,6 +16,8 @@ struct FrameError {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< e_v, metres.
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< w, radians.
   double angle_squared = 0.0;
+  double half_sine = 0.0;  ///< Of half the angle: the quaternion's own entries.
+  double half_cosine = 1.0;
 
   [[nodiscard]] double squared_norm() const { return linear.squaredNorm() + angle_squared; }
 };

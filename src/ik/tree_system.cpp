@@ -3,6 +3,15 @@
 #include <cmath>
 
 namespace retarget {
+namespace {
+
+// rows do not overlap, which the compiler cannot know: asking it each time costs more than the sum
+void subtract_scaled(const double* __restrict row, double scale, int count,
+                     double* __restrict other_row) {
+  for (int i = 0; i < count; ++i) other_row[i] -= scale * row[i];
+}
+
+}  // namespace
 
 TreeSystem::TreeSystem(const MovingTree& tree) : g_(Eigen::VectorXd::Zero(tree.dof_count())) {
   constexpr int kBase = MovingTree::kBaseDofs;
@@ -28,6 +37,7 @@ TreeSystem::TreeSystem(const MovingTree& tree) : g_(Eigen::VectorXd::Zero(tree.d
   H_.assign(carriers_.size(), 0.0);
   L_.assign(carriers_.size(), 0.0);
   inverse_d_.assign(size, 0.0);
+  masked_.assign(size, 0);
 }
 
 bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
@@ -35,7 +45,8 @@ bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::Vect
   L_ = H_;
   minimum = -g_;
   for (int i = 0; i < size(); ++i) {
-    if (sides[i] != BoundSide::kFree) mask(i, x[i], minimum);
+    masked_[i] = sides[i] != BoundSide::kFree ? 1 : 0;
+    if (masked_[i] != 0) mask(i, x[i], minimum);
   }
   if (!factorise()) return false;
   solve(minimum);
@@ -66,10 +77,10 @@ bool TreeSystem::factorise() {
     if (!(row[depth] > 0.0)) return false;
     const double inverse = 1.0 / row[depth];
     inverse_d_[k] = inverse;
+    if (masked_[k] != 0) continue;
     for (int m = depth - 1; m >= 0; --m) {
       const double scaled = row[m] * inverse;
-      double* const carrier_row = L_.data() + begin_[carriers(k)[m]];
-      for (int n = 0; n <= m; ++n) carrier_row[n] -= scaled * row[n];
+      subtract_scaled(row, scaled, m + 1, L_.data() + begin_[carriers(k)[m]]);
       row[m] = scaled;
     }
   }
@@ -79,12 +90,14 @@ bool TreeSystem::factorise() {
 // x = H^-1 x by L'DL
 void TreeSystem::solve(Eigen::VectorXd& x) const {
   for (int k = size() - 1; k >= 0; --k) {
+    if (masked_[k] != 0) continue;
     const double* const row = L_.data() + begin_[k];
     const int depth = row_size(k) - 1;
     const double value = x[k];
     for (int m = 0; m < depth; ++m) x[carriers(k)[m]] -= row[m] * value;
   }
   for (int k = 0; k < size(); ++k) {
+    if (masked_[k] != 0) continue;
     const double* const row = L_.data() + begin_[k];
     const int depth = row_size(k) - 1;
     double value = x[k] * inverse_d_[k];

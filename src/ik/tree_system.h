@@ -44,6 +44,7 @@ class TreeSystem {
   std::vector<int> last_descendant_;  // of each variable
   std::vector<double> H_, L_;         // rows as described; L_ holds D on the diagonal
   std::vector<double> inverse_d_;
+  std::vector<char> masked_;  // rows of bound variables: zeros and a one
   Eigen::VectorXd g_;
 };
 
