@@ -69,9 +69,11 @@ class FastSolver final : public IkSolver {
   PassResult solve_pass(int pass, std::span<const Pose> targets, std::span<double> qpos) override;
 
  private:
+  void forget_errors_of_other(std::span<const Pose> targets);
   double measure_errors(int pass, std::span<const Pose> targets, std::span<const double> qpos);
   void add_task(const Task& task);
   void build_system(int pass);
+  void find_motion(int node);
   void fill_base_rows();
   void fill_node_row(int node);
   void set_bounds(std::span<const double> qpos);
@@ -85,9 +87,17 @@ class FastSolver final : public IkSolver {
   std::vector<std::vector<Task>> passes_;
   std::vector<int> idle_joints_;  // joints that carry no task: nothing pulls them
 
+  // a pass begins where another ended, and its tasks share pairs with the other's: what is known
+  // of a configuration and its targets is not computed again
+  std::vector<double> known_qpos_;
+  std::vector<Pose> known_targets_;
+  std::vector<char> known_;  // by pair
+
   TreeState state_;
   std::vector<FrameError> errors_;      // by pair
   std::vector<Eigen::Vector3d> lever_;  // by pair, from the root's origin to the body
+  // by node: a joint's motion, the velocity of the root's origin if it moved along and the angular
+  std::vector<Eigen::Vector3d> motion_linear_, motion_angular_;
   Composite base_;
   std::vector<Composite> composites_;  // by node
   Eigen::Matrix3d world_from_base_;
@@ -101,7 +111,11 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
     : problem_(std::move(problem)),
       options_(options),
       tree_(*problem_->robot, bodies_of(*problem_)),
+      known_qpos_(problem_->robot->zero_configuration().size(),
+                  std::numeric_limits<double>::quiet_NaN()),
       state_(tree_),
+      motion_linear_(tree_.nodes().size()),
+      motion_angular_(tree_.nodes().size()),
       composites_(tree_.nodes().size()),
       system_(tree_),
       active_set_(tree_.dof_count()),
@@ -126,6 +140,10 @@ FastSolver::FastSolver(std::shared_ptr<const IkProblem> problem, const IkOptions
   }
   errors_.resize(pairs_.size());
   lever_.resize(pairs_.size());
+  known_.assign(pairs_.size(), 0);
+  int target_count = 0;
+  for (const Pair& pair : pairs_) target_count = std::max(target_count, pair.target + 1);
+  known_targets_.resize(target_count);
   std::vector<char> moves(problem_->robot->joints().size(), 0);
   for (const MovingTree::Node& node : tree_.nodes()) moves[node.joint] = 1;
   for (std::size_t j = 0; j < moves.size(); ++j) {
@@ -137,6 +155,7 @@ PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::
   PassResult result;
   // what comes out depends on what goes in alone, not on the frame before
   active_set_.reset();
+  forget_errors_of_other(targets);
   result.errors[0] = measure_errors(pass, targets, qpos);
   do {
     if (!step(pass, qpos)) {
@@ -149,16 +168,33 @@ PassResult FastSolver::solve_pass(int pass, std::span<const Pose> targets, std::
   return result;
 }
 
+void FastSolver::forget_errors_of_other(std::span<const Pose> targets) {
+  const auto same = [](const Pose& a, const Pose& b) {
+    return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+  };
+  const auto used = targets.first(known_targets_.size());
+  if (std::ranges::equal(used, known_targets_, same)) return;
+  std::ranges::copy(used, known_targets_.begin());
+  std::ranges::fill(known_, 0);
+}
+
 // kinematics and one logarithm per task, which the next step uses again
 double FastSolver::measure_errors(int pass, std::span<const Pose> targets,
                                   std::span<const double> qpos) {
-  state_.update(tree_, qpos);
+  if (!std::ranges::equal(qpos, known_qpos_)) {
+    state_.update(tree_, qpos);
+    std::ranges::copy(qpos, known_qpos_.begin());
+    std::ranges::fill(known_, 0);
+  }
   double sum = 0.0;
   for (const Task& task : passes_[pass]) {
-    const Pair& pair = pairs_[task.pair];
-    const Pose world_from_body = state_.world_from_body(tree_.attachments()[pair.attachment]);
-    lever_[task.pair] = world_from_body.translation - state_.world_from_base.translation;
-    errors_[task.pair] = frame_error(world_from_body, targets[pair.target]);
+    if (known_[task.pair] == 0) {
+      const Pair& pair = pairs_[task.pair];
+      const Pose world_from_body = state_.world_from_body(tree_.attachments()[pair.attachment]);
+      lever_[task.pair] = world_from_body.translation - state_.world_from_base.translation;
+      errors_[task.pair] = frame_error(world_from_body, targets[pair.target]);
+      known_[task.pair] = 1;
+    }
     sum += errors_[task.pair].squared_norm();
   }
   return std::sqrt(sum);
@@ -197,6 +233,7 @@ void FastSolver::build_system(int pass) {
   for (Composite& composite : composites_) composite.set_zero();
   damping_ = options_.damping;
   for (const Task& task : passes_[pass]) add_task(task);
+  for (int i = 0; i < static_cast<int>(composites_.size()); ++i) find_motion(i);
   for (int i = static_cast<int>(composites_.size()) - 1; i >= 0; --i) {
     fill_node_row(i);
     const int parent = tree_.nodes()[i].parent;
@@ -222,24 +259,26 @@ void FastSolver::fill_base_rows() {
   system_.linear().segment<3>(3) = world_from_base_.transpose() * base_.torque;
 }
 
-// the joint's motion S = [v; w], the force F = A S, and S_j' F for all joints that carry it
+void FastSolver::find_motion(int index) {
+  const Eigen::Vector3d& axis = state_.axis[index];
+  if (tree_.nodes()[index].slides) {
+    motion_linear_[index] = axis;
+    motion_angular_[index].setZero();
+    return;
+  }
+  const Eigen::Vector3d& origin = state_.world_from_base.translation;
+  motion_linear_[index] = axis.cross(origin - state_.world_from_node[index].translation);
+  motion_angular_[index] = axis;
+}
+
+// with the joint's motion S = [v; w] the force F = A S, and S_j' F for all joints that carry it
 void FastSolver::fill_node_row(int index) {
   const MovingTree::Node& node = tree_.nodes()[index];
   const Composite& composite = composites_[index];
-  const Eigen::Vector3d& origin = state_.world_from_base.translation;
-  const Eigen::Vector3d& axis = state_.axis[index];
-  const Eigen::Vector3d moment = axis.cross(origin - state_.world_from_node[index].translation);
-  Eigen::Vector3d force, torque;
-  double gradient = 0.0;
-  if (node.slides) {
-    force = composite.linear * axis;
-    torque = composite.mixed.transpose() * axis;
-    gradient = axis.dot(composite.force);
-  } else {
-    force = composite.linear * moment + composite.mixed * axis;
-    torque = composite.mixed.transpose() * moment + composite.angular * axis;
-    gradient = moment.dot(composite.force) + axis.dot(composite.torque);
-  }
+  const Eigen::Vector3d& v = motion_linear_[index];
+  const Eigen::Vector3d& w = motion_angular_[index];
+  const Eigen::Vector3d force = composite.linear * v + composite.mixed * w;
+  const Eigen::Vector3d torque = composite.mixed.transpose() * v + composite.angular * w;
 
   double* const row = system_.row(MovingTree::kBaseDofs + index);
   const Eigen::Vector3d base_torque = world_from_base_.transpose() * torque;
@@ -247,19 +286,13 @@ void FastSolver::fill_node_row(int index) {
     row[i] = force[i];
     row[3 + i] = base_torque[i];
   }
-  // a moment about the carrier's own axis, without its motion stored
   for (int j = index, at = MovingTree::kBaseDofs + node.depth; j >= 0;
        j = tree_.nodes()[j].parent, --at) {
-    const Eigen::Vector3d& carrier_axis = state_.axis[j];
-    if (tree_.nodes()[j].slides) {
-      row[at] = carrier_axis.dot(force);
-    } else {
-      const Eigen::Vector3d arm = origin - state_.world_from_node[j].translation;
-      row[at] = carrier_axis.dot(torque + arm.cross(force));
-    }
+    row[at] = motion_linear_[j].dot(force) + motion_angular_[j].dot(torque);
   }
   row[MovingTree::kBaseDofs + node.depth] += damping_;
-  system_.linear()[MovingTree::kBaseDofs + index] = gradient;
+  system_.linear()[MovingTree::kBaseDofs + index] =
+      v.dot(composite.force) + w.dot(composite.torque);
 }
 
 // a step may take a joint the given share of its way to a limit
