@@ -151,7 +151,7 @@ class NpzBuilder {
     const std::string central_extra = style.zip64_central ? extra(false) : "";
     directory_ += "PK\x01\x02" + little_endian_bytes(45, 2) + little_endian_bytes(45, 2) +
                   common(true, style.zip64_central) + little_endian_bytes(central_extra.size(), 2) +
-                  little_endian_bytes(0, 10) +
+                  std::string(10, '\0') +
                   little_endian_bytes(style.zip64_central ? 0xFFFFFFFF : offset, 4) + file +
                   central_extra;
     ++count_;
