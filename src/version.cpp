@@ -14,6 +14,14 @@ std::string dotted(int major, int minor, int patch) {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
 
+// what makes results differ from those of other builds
+constexpr const char* kInstructions =
+#if defined(RETARGET_NATIVE_BUILD)
+    ", for the building machine's processor (RETARGET_NATIVE)";
+#else
+    "";
+#endif
+
 std::string compiler() {
 #if defined(__clang__)
   return "Clang " + dotted(__clang_major__, __clang_minor__, __clang_patchlevel__);
@@ -39,8 +47,9 @@ std::string version_number() {
 std::string version_text() {
   const std::string commit = kGitCommit;
   return "retarget " + version_number() + (commit.empty() ? "" : " (git " + commit + ")") +
-         "\ncompiler " + compiler() + "\nMuJoCo " + mujoco_version_text(mj_version()) +
-         " (compiled against " + mujoco_version_text(mjVERSION_HEADER) + ")" + "\nEigen " +
+         "\ncompiler " + compiler() + kInstructions + "\nMuJoCo " +
+         mujoco_version_text(mj_version()) + " (compiled against " +
+         mujoco_version_text(mjVERSION_HEADER) + ")" + "\nEigen " +
          dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
 }
 

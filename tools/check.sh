@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # The checks beyond the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tidy]        (default: all four)
+#   tools/check.sh [format] [shell] [asan] [tidy] [arm64]      (default: all five)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck finds nothing in the scripts
 #   asan    all tests pass under the address and undefined behaviour sanitizers
 #   tidy    clang-tidy finds nothing in the library and the tool
+#   arm64   the library and the tool compile for ARM64, where its cross compiler is there
 #
 # Needs what tools/setup.sh --dev installs, and calls it. JOBS: how many processes.
 set -euo pipefail
@@ -46,11 +47,15 @@ check_tidy() {
   cmake --build --preset tidy --parallel "$jobs"
 }
 
+check_arm64() {
+  "$root/tools/check_arm64.sh"
+}
+
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tidy)
+[ $# -gt 0 ] || checks=(format shell asan tidy arm64)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, tidy)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, tidy, arm64)" >&2
     exit 2
   fi
 done

@@ -8,7 +8,8 @@ namespace retarget {
 [[nodiscard]] std::string version_number();
 
 /// What `--version` prints, one fact a line, no final newline: version and git commit (where
-/// built from a git checkout), compiler, MuJoCo's header and library, Eigen.
+/// built from a git checkout), compiler and whether it compiled for the building machine alone
+/// (RETARGET_NATIVE), MuJoCo's header and library, Eigen.
 ///
 ///     retarget 0.1.0 (git 0123456789ab)
 ///     compiler GCC 12.2.0

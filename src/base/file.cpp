@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -96,7 +97,7 @@ int create_named(const std::string& target, std::string& name) {
 
 }  // namespace
 
-Result<std::string> read_file(const std::string& path, ErrorKind kind) {
+Result<FileContent> read_file(const std::string& path, ErrorKind kind) {
   const bool standard_input = path == "-";
   Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
                 !standard_input};
@@ -108,22 +109,23 @@ Result<std::string> read_file(const std::string& path, ErrorKind kind) {
   if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
 
   // the size is a guess that saves copies; the file may be a pipe, or grow
-  std::string bytes;
-  std::size_t used = 0;
   std::size_t room = S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
+  auto bytes = std::make_unique_for_overwrite<char[]>(room);
+  std::size_t used = 0;
   for (;;) {
-    if (used == bytes.size()) {
-      room = std::max(room, 2 * used);
-      bytes.resize(room);
+    if (used == room) {
+      auto grown = std::make_unique_for_overwrite<char[]>(2 * room);
+      std::copy_n(bytes.get(), used, grown.get());
+      bytes = std::move(grown);
+      room *= 2;
     }
-    const ssize_t count = ::read(reader.descriptor, bytes.data() + used, bytes.size() - used);
+    const ssize_t count = ::read(reader.descriptor, bytes.get() + used, room - used);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return read_failure(kind, path, errno);
     if (count == 0) break;
     used += static_cast<std::size_t>(count);
   }
-  bytes.resize(used);
-  return bytes;
+  return FileContent(std::move(bytes), used);
 }
 
 Result<void> check_output_folder(const std::string& path) {

@@ -96,7 +96,7 @@ Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::stri
 Result<nlohmann::ordered_json> load_json(const std::string& path) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
-  return parse_json(*text, path);
+  return parse_json(text->view(), path);
 }
 
 std::string short_text(const nlohmann::ordered_json& json) {

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {
@@ -26,19 +30,23 @@ double handedness(int i, int j) {
   return (i + 1) % 3 == j ? 1.0 : -1.0;
 }
 
+double length(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
+
 // rotation = turn about i, turn about j, turn about i again
 Angles proper_angles(const Eigen::Quaterniond& rotation, int i, int j, const Angles& goal) {
   const auto& q = rotation.coeffs();
   const int k = 3 - i - j;
   const double w = q[3];
   const double out_of_plane = handedness(i, j) * q[k];
-  const double cosine = std::hypot(w, q[i]);
-  const double sine = std::hypot(q[j], out_of_plane);
+  const double cosine = length(w, q[i]);
+  const double sine = length(q[j], out_of_plane);
   const double sum =
-      cosine > kGimbalLock ? 2.0 * kDegrees * std::atan2(q[i], w) : goal[0] + goal[2];
+      cosine > kGimbalLock ? 2.0 * kDegrees * portable::atan2(q[i], w) : goal[0] + goal[2];
   const double difference =
-      sine > kGimbalLock ? 2.0 * kDegrees * std::atan2(out_of_plane, q[j]) : goal[0] - goal[2];
-  const double middle = 2.0 * kDegrees * std::atan2(sine, cosine);
+      sine > kGimbalLock ? 2.0 * kDegrees * portable::atan2(out_of_plane, q[j]) : goal[0] - goal[2];
+  const double middle = 2.0 * kDegrees * portable::atan2(sine, cosine);
   const double first = (sum + difference) / 2.0;
   const double last = (sum - difference) / 2.0;
 
@@ -63,13 +71,14 @@ Angles different_angles(const Eigen::Quaterniond& rotation, int i, int j, const 
 Angles two_angles(const Eigen::Quaterniond& rotation, int i, int j, const Angles& goal) {
   const auto& q = rotation.coeffs();
   const double out_of_plane = handedness(i, j) * q[3 - i - j];
-  const bool small_second = std::hypot(q[3], q[i]) >= std::hypot(q[j], out_of_plane);
-  const double half = small_second ? std::atan2(q[i], q[3]) : std::atan2(out_of_plane, q[j]);
+  const bool small_second = length(q[3], q[i]) >= length(q[j], out_of_plane);
+  const double half =
+      small_second ? portable::atan2(q[i], q[3]) : portable::atan2(out_of_plane, q[j]);
   const double first = nearest_turn(2.0 * kDegrees * half, goal[0]);
   Eigen::Quaterniond rest = Eigen::Quaterniond::Identity();
   rotate_about(rest, i, -first);
   rest = rest * rotation;
-  const double second = 2.0 * kDegrees * std::atan2(rest.coeffs()[j], rest.w());
+  const double second = 2.0 * kDegrees * portable::atan2(rest.coeffs()[j], rest.w());
   return {first, nearest_turn(second, goal[1]), 0.0};
 }
 
@@ -91,7 +100,7 @@ double euler_angles(const Eigen::Quaterniond& rotation, std::span<const int> axe
   Angles found{};
   if (count == 1) {
     const double angle =
-        2.0 * kDegrees * std::atan2(rotation.coeffs()[axes[used[0]]], rotation.w());
+        2.0 * kDegrees * portable::atan2(rotation.coeffs()[axes[used[0]]], rotation.w());
     found[0] = nearest_turn(angle, goal[0]);
   } else if (count == 2) {
     found = two_angles(rotation, axes[used[0]], axes[used[1]], goal);
@@ -104,7 +113,7 @@ double euler_angles(const Eigen::Quaterniond& rotation, std::span<const int> axe
 
   Eigen::Quaterniond reached = Eigen::Quaterniond::Identity();
   for (std::size_t at = 0; at < axes.size(); ++at) rotate_about(reached, axes[at], angles[at]);
-  return rotation.angularDistance(reached) * kDegrees;
+  return log_so3(rotation.conjugate() * reached).norm() * kDegrees;
 }
 
 }  // namespace retarget

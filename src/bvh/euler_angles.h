@@ -2,17 +2,17 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cmath>
-#include <numbers>
 #include <span>
+
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 
-/// rotation := rotation * (turn by `degrees` about coordinate axis 0, 1 or 2).
-inline void rotate_about(Eigen::Quaterniond& rotation, int axis, double degrees) {
-  const double half = degrees * (std::numbers::pi / 360.0);
-  const double c = std::cos(half);
-  const double s = std::sin(half);
+/// rotation := rotation * (turn about coordinate axis 0, 1 or 2), of which half the angle's sine
+/// and cosine are given.
+inline void rotate_about(Eigen::Quaterniond& rotation, int axis,
+                         const portable::SineCosine& of_half_angle) {
+  const auto [s, c] = of_half_angle;
   // x, y, z, w; j and k follow the axis cyclically
   double* q = rotation.coeffs().data();
   const int j = axis == 2 ? 0 : axis + 1;
@@ -24,6 +24,12 @@ inline void rotate_about(Eigen::Quaterniond& rotation, int axis, double degrees)
   q[j] = along_j;
   q[axis] = i;
   q[3] = w;
+}
+
+/// rotation := rotation * (turn by `degrees` about coordinate axis 0, 1 or 2).
+/// @pre |degrees| < 1e15
+inline void rotate_about(Eigen::Quaterniond& rotation, int axis, double degrees) {
+  rotate_about(rotation, axis, portable::sin_cos_of_half_degrees(degrees));
 }
 
 /// Euler angles of `rotation` for turns about `axes` (0, 1, 2), composed left to right

@@ -1,10 +1,12 @@
 #include "bvh/motion_rows.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "bvh/number_error.h"
+#include "bvh/number_line.h"
 #include "bvh/number_parser.h"
 #include "bvh/row_layout.h"
 
@@ -22,7 +24,7 @@ class RowsParser {
         options_(options),
         sink_(sink),
         layout_(options.row_width),
-        row_(options.row_width) {}
+        row_(options.row_width + kNumberLineSlack) {}
 
   Result<MotionRows> parse();
 
@@ -36,6 +38,8 @@ class RowsParser {
   };
 
   Stop read_stream();
+  bool read_neat_line(std::size_t begin);
+  void take_row();
   bool at_trailing_text() const;
   std::optional<Error> find_damage(Stop stop) const;
   Error bad_value() const;
@@ -46,15 +50,18 @@ class RowsParser {
   void note_row_count(MotionRows& rows) const;
 
   bool too_few() const { return rows_ < options_.declared_rows; }
+  std::size_t width() const { return options_.row_width; }
 
   const SourceText& source_;
   Scanner& scanner_;
   const MotionRowsOptions& options_;
   const RowSink& sink_;
   RowLayout layout_;
-  std::vector<double> row_;
-  std::size_t column_ = 0;  // values of the current row
-  int rows_ = 0;            // complete rows
+  const ReadNumberLine read_number_line_ = fastest_number_line_reader();
+  int lines_declined_ = 0;   // by it, less those it read
+  std::vector<double> row_;  // with room for what it needs
+  std::size_t column_ = 0;   // values of the current row
+  int rows_ = 0;             // complete rows
 };
 
 // whether a number ends where `at` is
@@ -76,17 +83,21 @@ RowsParser::Stop RowsParser::read_stream() {
     }
     scanner_.move_to(static_cast<std::size_t>(at - begin));
     if (at == end) return Stop::kEnd;
-    if (values_on_line == 0) layout_.begin_line(scanner_.offset(), column_, rows_);
+    if (values_on_line == 0) {
+      layout_.begin_line(scanner_.offset(), column_, rows_);
+      if (read_neat_line(scanner_.offset())) {
+        at = begin + scanner_.offset();
+        values_on_line = width();
+        continue;
+      }
+    }
 
     const ParsedNumber number = parse_number(at, end);
     if (number.status == NumberStatus::kOk && number_may_end(number.end, end)) {
       row_[column_] = number.value;
       at = number.end;
       ++values_on_line;
-      if (++column_ < row_.size()) continue;
-      sink_(rows_, row_);
-      column_ = 0;
-      ++rows_;
+      if (++column_ == width()) take_row();
     } else if (scanner_.at_comment()) {
       scanner_.skip_space();
       // a comment takes its line's end with it
@@ -100,6 +111,28 @@ RowsParser::Stop RowsParser::read_stream() {
   }
 }
 
+void RowsParser::take_row() {
+  sink_(rows_, {row_.data(), width()});
+  column_ = 0;
+  ++rows_;
+}
+
+// a line that is one row, if the fast reader takes it; the scanner is then at the line's end
+bool RowsParser::read_neat_line(std::size_t begin) {
+  // where rows lie in another way on lines, or are written in a rarer form, asking costs time
+  constexpr int kMostDeclined = 16;
+  if (column_ > 0 || lines_declined_ > kMostDeclined) return false;
+  const std::size_t end = read_number_line_(source_.text(), begin, width(), row_);
+  if (end == std::string_view::npos) {
+    ++lines_declined_;
+    return false;
+  }
+  lines_declined_ = std::max(lines_declined_ - 1, 0);
+  scanner_.move_to(end);
+  take_row();
+  return true;
+}
+
 // old files carry other data after the last row; a number gone bad is not that
 bool RowsParser::at_trailing_text() const {
   if (column_ > 0 || too_few()) return false;
@@ -110,7 +143,7 @@ bool RowsParser::at_trailing_text() const {
 }
 
 Error RowsParser::bad_value() const {
-  std::string role = "value " + std::to_string(column_ + 1) + " of " + std::to_string(row_.size()) +
+  std::string role = "value " + std::to_string(column_ + 1) + " of " + std::to_string(width()) +
                      " in row " + std::to_string(rows_ + 1);
   if (too_few()) role += " of " + std::to_string(options_.declared_rows);
   Error error = number_failure(source_, scanner_.offset(), role).value();
@@ -122,7 +155,7 @@ Error RowsParser::bad_value() const {
 
 Error RowsParser::wrong_length(const RowLayout::Line& line) const {
   return source_.error_at(line.begin,
-                          "expected rows of " + std::to_string(row_.size()) +
+                          "expected rows of " + std::to_string(width()) +
                               " values, as the channels of HIERARCHY ask for, found " +
                               std::to_string(line.values) + " on this line",
                           kLenientHint);
@@ -137,7 +170,7 @@ std::optional<Error> RowsParser::find_damage(Stop stop) const {
   }
   if (column_ > 0) {
     return source_.error_at(layout_.latest().begin,
-                            "expected " + std::to_string(row_.size()) + " values in row " +
+                            "expected " + std::to_string(width()) + " values in row " +
                                 std::to_string(rows_ + 1) + ", which begins here, found " +
                                 std::to_string(column_) + " before the end of the file",
                             "the file seems to be cut off" +
@@ -212,8 +245,8 @@ RowsParser::Lines RowsParser::read_lines(std::size_t begin, int first_row, bool 
   scanner_.skip_space();
   while (!scanner_.at_end()) {
     std::size_t values = 0;
-    if (read_line(&values) && values == row_.size()) {
-      if (store) sink_(first_row + lines.good, row_);
+    if (read_line(&values) && values == width()) {
+      if (store) sink_(first_row + lines.good, {row_.data(), width()});
       ++lines.good;
       lines.moved_up = lines.bad > 0;
     } else {
@@ -235,7 +268,7 @@ bool RowsParser::read_line(std::size_t* values) {
     if (at == end || is_line_end(*at) || scanner_.at_comment()) return true;
     const ParsedNumber number = parse_number(at, end);
     if (number.status != NumberStatus::kOk || !number_may_end(number.end, end)) return false;
-    if (*values < row_.size()) row_[*values] = number.value;
+    if (*values < width()) row_[*values] = number.value;
     ++*values;
     scanner_.move_to(static_cast<std::size_t>(number.end - begin));
   }

@@ -157,7 +157,7 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   const auto declared = static_cast<std::uint64_t>(header.frames);
   clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, most_rows)));
 
-  const RowDecoder decoder(*tree.skeleton, tree.first_column);
+  RowDecoder decoder(*tree.skeleton, tree.first_column);
   const RowSink sink = [&](int index, std::span<const double> row) {
     if (index >= clip.frame_count()) {
       const std::size_t grown = std::max<std::size_t>(16, 2 * static_cast<std::size_t>(index));
@@ -215,9 +215,9 @@ Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
 }
 
 Result<BvhFile> load_bvh(const std::string& path, const BvhReadOptions& options) {
-  const Result<std::string> bytes = read_file(path);
+  const Result<FileContent> bytes = read_file(path);
   if (!bytes) return Failure(bytes.error());
-  return read_bvh(*bytes, path == "-" ? "<stdin>" : path, options);
+  return read_bvh(bytes->view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget

@@ -1,6 +1,7 @@
 #include "bvh/row_decoder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bvh/euler_angles.h"
 
@@ -20,6 +21,19 @@ bool positions_are_zero(const Clip& clip, int joint) {
   return true;
 }
 
+// what portable::sin_cos_of_half_degrees takes
+constexpr double kLargestAngle = 1e15;
+
+// a loop of its own without any other memory in it, so that compilers make vector code of it
+void half_angles(std::span<const double> degrees, double* __restrict sines,
+                 double* __restrict cosines) {
+  for (std::size_t i = 0; i < degrees.size(); ++i) {
+    const auto [sine, cosine] = portable::sin_cos_of_half_degrees(degrees[i]);
+    sines[i] = sine;
+    cosines[i] = cosine;
+  }
+}
+
 }  // namespace
 
 RowDecoder::RowDecoder(const Skeleton& skeleton, int first_column) {
@@ -34,13 +48,22 @@ RowDecoder::RowDecoder(const Skeleton& skeleton, int first_column) {
       ++column;
     }
   }
+  angles_.resize(rotations_.size());
+  sines_.resize(rotations_.size());
+  cosines_.resize(rotations_.size());
 }
 
-void RowDecoder::decode(std::span<const double> row, Clip& clip, int frame) const {
+void RowDecoder::decode(std::span<const double> row, Clip& clip, int frame) {
+  for (std::size_t i = 0; i < rotations_.size(); ++i) {
+    const double angle = row[rotations_[i].column];
+    // exact; two whole turns, for half of the angle counts
+    angles_[i] = std::abs(angle) < kLargestAngle ? angle : std::remainder(angle, 720.0);
+  }
+  half_angles(angles_, sines_.data(), cosines_.data());
   const auto rotations = clip.rotations(frame);
   std::ranges::fill(rotations, Eigen::Quaterniond::Identity());
-  for (const Step& step : rotations_) {
-    rotate_about(rotations[step.target], step.axis, row[step.column]);
+  for (std::size_t i = 0; i < rotations_.size(); ++i) {
+    rotate_about(rotations[rotations_[i].target], rotations_[i].axis, {sines_[i], cosines_[i]});
   }
   const auto translations = clip.translations(frame);
   for (const Step& step : positions_) translations[step.target][step.axis] = row[step.column];

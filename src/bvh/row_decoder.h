@@ -18,7 +18,7 @@ class RowDecoder {
   RowDecoder(const Skeleton& skeleton, int first_column);
 
   /// @pre row holds at least first_column + skeleton.channel_count() values.
-  void decode(std::span<const double> row, Clip& clip, int frame) const;
+  void decode(std::span<const double> row, Clip& clip, int frame);
 
  private:
   struct Step {
@@ -29,6 +29,10 @@ class RowDecoder {
 
   std::vector<Step> rotations_;
   std::vector<Step> positions_;
+  // of the frame, by rotations_: apart from each other, so that loops over them are vector code
+  std::vector<double> angles_;
+  std::vector<double> sines_;
+  std::vector<double> cosines_;
 };
 
 /// Some files (MakeHuman's) write zeros in the position channels of joints that stay at their

@@ -46,6 +46,12 @@ class NumberWriter {
   std::optional<int> decimals_;
 };
 
+double power_of_ten(int exponent) {
+  double power = 1.0;
+  for (int i = 0; i < exponent; ++i) power *= 10.0;
+  return power;
+}
+
 class BvhWriter {
  public:
   BvhWriter(const Clip& clip, const BvhWriteOptions& options)
@@ -53,7 +59,7 @@ class BvhWriter {
         skeleton_(clip.skeleton()),
         decimals_(options.decimals),
         numbers_(options.decimals),
-        smallest_(options.decimals ? std::pow(10.0, -*options.decimals) : kBarelyNotZero) {}
+        smallest_(options.decimals ? 1.0 / power_of_ten(*options.decimals) : kBarelyNotZero) {}
 
   Result<std::string> write();
 

@@ -31,14 +31,14 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
   return {joint, joint};
 }
 
-// offsets that leave their axis by more than this are not LAFAN1's
-constexpr double kLargestAxisAngle = 0.35;  // rad
+// offsets that leave their axis by more than 20 degrees are not LAFAN1's
+constexpr double kLeastAxisShare = 0.93969262078590838;  // cosine of that angle
 // thigh and shin together, centimetres: from a child to a giant
 constexpr double kShortestLeg = 45.0;
 constexpr double kLongestLeg = 130.0;
 
 bool runs_along(const Eigen::Vector3d& offset, int axis) {
-  return offset[axis] > std::cos(kLargestAxisAngle) * offset.norm();
+  return offset[axis] > kLeastAxisShare * offset.norm();
 }
 
 // joints whose offsets are not as LAFAN1's: limbs along x, left and right apart along z
@@ -109,32 +109,48 @@ Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string&
   return mapping;
 }
 
-HumanClip to_human(const Clip& clip, const HumanMapping& mapping) {
-  const Skeleton& skeleton = clip.skeleton();
-  HumanClip human;
-  human.rate = clip.rate();
-  human.frame_count = clip.frame_count();
-  human.height = mapping.height;
-  human.source_joints = skeleton.names();
-  for (const BoneSource& source : mapping.bones) {
-    const bool known = source.position_joint >= 0 && source.rotation_joint >= 0;
-    human.sources.push_back(known ? skeleton.joint(source.position_joint).name : std::string());
-  }
+HumanPoser::HumanPoser(const Clip& clip, const HumanMapping& mapping)
+    : clip_(clip),
+      mapping_(mapping),
+      turn_(mapping.human_from_source),
+      world_from_joint_(clip.skeleton().joint_count()) {}
 
-  human.world_from_bone.resize(static_cast<std::size_t>(human.frame_count) * kBoneCount);
-  std::vector<Pose> world_from_joint(skeleton.joint_count());
-  const Eigen::Quaterniond turn(mapping.human_from_source);
-  Pose* out = human.world_from_bone.data();
-  for (int frame = 0; frame < human.frame_count; ++frame) {
-    forward_kinematics(clip, frame, world_from_joint);
-    for (const BoneSource& source : mapping.bones) {
-      Pose& bone = *out++;
-      if (source.position_joint < 0 || source.rotation_joint < 0) continue;
-      bone.translation = mapping.human_from_source *
-                         world_from_joint[source.position_joint].translation *
-                         mapping.metres_per_unit;
-      bone.rotation = turn * world_from_joint[source.rotation_joint].rotation;
+HumanClipInfo HumanPoser::info() const {
+  const Skeleton& skeleton = clip_.skeleton();
+  HumanClipInfo info;
+  info.rate = clip_.rate();
+  info.frame_count = clip_.frame_count();
+  info.height = mapping_.height;
+  info.source_joints = skeleton.names();
+  for (const BoneSource& source : mapping_.bones) {
+    const bool known = source.position_joint >= 0 && source.rotation_joint >= 0;
+    info.sources.push_back(known ? skeleton.joint(source.position_joint).name : std::string());
+  }
+  return info;
+}
+
+void HumanPoser::pose(int frame, std::span<Pose> world_from_bone) {
+  forward_kinematics(clip_, frame, world_from_joint_);
+  for (std::size_t bone = 0; bone < mapping_.bones.size(); ++bone) {
+    const BoneSource& source = mapping_.bones[bone];
+    if (source.position_joint < 0 || source.rotation_joint < 0) {
+      world_from_bone[bone] = Pose{};
+      continue;
     }
+    world_from_bone[bone] = {turn_ * world_from_joint_[source.rotation_joint].rotation,
+                             mapping_.human_from_source *
+                                 world_from_joint_[source.position_joint].translation *
+                                 mapping_.metres_per_unit};
+  }
+}
+
+HumanClip to_human(const Clip& clip, const HumanMapping& mapping) {
+  HumanPoser poser(clip, mapping);
+  HumanClip human{poser.info(), {}};
+  human.world_from_bone.resize(static_cast<std::size_t>(human.frame_count) * kBoneCount);
+  const std::span<Pose> poses(human.world_from_bone);
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    poser.pose(frame, poses.subspan(static_cast<std::size_t>(frame) * kBoneCount, kBoneCount));
   }
   return human;
 }

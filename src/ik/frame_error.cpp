@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "retarget/math/se3.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -22,7 +23,7 @@ FrameError frame_error(const Pose& world_from_body, const Pose& world_from_targe
   const double n = turn.vec().norm();
   double angle = 0.0;
   if (n >= kNoRotation) {
-    angle = 2.0 * std::atan2(n, w);
+    angle = 2.0 * portable::atan2(n, w);
     error.angular = (std::copysign(angle, turn.w()) / n) * turn.vec();
     error.angle_squared = angle * angle;
   }
@@ -39,8 +40,9 @@ ErrorJacobian::ErrorJacobian(const FrameError& error)
     : error_(error), identity_(error.angle_squared < kSmallAngleSquared) {
   if (identity_) return;
   angle_ = std::sqrt(error.angle_squared);
-  sine_ = std::sin(angle_);
-  cosine_ = std::cos(angle_);
+  const auto [sine, cosine] = portable::sin_cos(angle_);
+  sine_ = sine;
+  cosine_ = cosine;
   beta_ = (1.0 - angle_ * sine_ / (2.0 * (1.0 - cosine_))) / error.angle_squared;
 }
 

@@ -1,6 +1,6 @@
 #include "ik/moving_tree.h"
 
-#include <cmath>
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -21,8 +21,7 @@ Pose joint_frame(const RobotJoint& joint) {
 
 // q times a turn by `angle` about its own z axis
 Eigen::Quaterniond turned_about_z(const Eigen::Quaterniond& q, double angle) {
-  const double c = std::cos(0.5 * angle);
-  const double s = std::sin(0.5 * angle);
+  const auto [s, c] = portable::sin_cos(0.5 * angle);
   return {q.w() * c - q.z() * s, q.x() * c + q.y() * s, q.y() * c - q.x() * s,
           q.z() * c + q.w() * s};
 }

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <charconv>
-#include <vector>
+#include <string_view>
 
 namespace retarget {
 namespace {
@@ -52,19 +52,24 @@ void append_number(std::string& text, double value, int precision) {
 
 }  // namespace
 
+RobotCsvFormatter::RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options)
+    : options_(options),
+      columns_(column_order(robot, options.quaternion_order)),
+      header_(options.header ? header_line(robot, options) : std::string()) {}
+
+void RobotCsvFormatter::append_line(std::span<const double> qpos, std::string& text) const {
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (i > 0) text += options_.delimiter;
+    append_number(text, qpos[columns_[i]], options_.precision);
+  }
+  text += '\n';
+}
+
 std::string format_robot_csv(const RobotClip& clip, const RobotCsvOptions& options) {
-  const std::vector<int> columns = column_order(clip.robot(), options.quaternion_order);
-  std::string text;
-  text.reserve(static_cast<std::size_t>(clip.frame_count()) * columns.size() *
-               (options.precision + 5));
-  if (options.header) text += header_line(clip.robot(), options);
+  const RobotCsvFormatter formatter(clip.robot(), options);
+  std::string text = formatter.header();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    const auto qpos = clip.qpos(frame);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) text += options.delimiter;
-      append_number(text, qpos[columns[i]], options.precision);
-    }
-    text += '\n';
+    formatter.append_line(clip.qpos(frame), text);
   }
   return text;
 }

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "retarget/math/trigonometry.h"
+
 namespace retarget {
 namespace {
 
@@ -29,7 +31,7 @@ double bessel_i0(double x) {
 
 double sinc(double x) {
   const double angle = std::numbers::pi * x;
-  return x == 0.0 ? 1.0 : std::sin(angle) / angle;
+  return x == 0.0 ? 1.0 : portable::sin_cos(angle).sine / angle;
 }
 
 Eigen::Vector3d reflect(const Eigen::Vector3d& center, const Eigen::Vector3d& point) {
@@ -92,36 +94,38 @@ double gain(std::span<const double> taps, double frequency) {
   double sum = taps[half];
   for (std::size_t k = 1; k <= half; ++k) {
     sum += 2.0 * taps[half + k] *
-           std::cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k));
+           portable::sin_cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k)).cosine;
   }
   return sum;
 }
 
 std::vector<Eigen::Vector3d> low_pass(std::span<const Eigen::Vector3d> points,
-                                      std::span<const double> taps) {
+                                      std::span<const double> taps, std::size_t stride) {
   if (points.empty()) return {};
   const int half = static_cast<int>(taps.size() / 2);
   const auto extended = extend(points, half);
   std::vector<Eigen::Vector3d> filtered;
-  filtered.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  filtered.reserve((points.size() - 1) / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
     filtered.push_back(weigh(extended.data() + half + i, taps));
   }
   return filtered;
 }
 
 std::vector<Eigen::Quaterniond> low_pass(std::span<const Eigen::Quaterniond> rotations,
-                                         std::span<const double> taps) {
+                                         std::span<const double> taps, std::size_t stride) {
   if (rotations.empty()) return {};
   const int half = static_cast<int>(taps.size() / 2);
   std::vector<Eigen::Vector4d> extended;
   extended.reserve(rotations.size() + taps.size());
   for (const auto& rotation : extend(rotations, half)) extended.push_back(rotation.coeffs());
-  std::vector<Eigen::Quaterniond> filtered(rotations.begin(), rotations.end());
-  for (std::size_t i = 0; i < rotations.size(); ++i) {
+  std::vector<Eigen::Quaterniond> filtered;
+  filtered.reserve((rotations.size() - 1) / stride + 1);
+  for (std::size_t i = 0; i < rotations.size(); i += stride) {
     const Eigen::Vector4d sum = weigh(extended.data() + half + i, taps);
     const double norm = sum.norm();
-    if (norm > kSmallestNorm) filtered[i].coeffs() = sum / norm;
+    filtered.push_back(rotations[i]);
+    if (norm > kSmallestNorm) filtered.back().coeffs() = sum / norm;
   }
   return filtered;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "retarget/math/so3.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -16,8 +17,7 @@ constexpr double kSmallAngle = 1e-10;
 Eigen::Matrix3d coupling_block(const Eigen::Vector3d& v, const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   const double angle = std::sqrt(angle_squared);
-  const double sine = std::sin(angle);
-  const double cosine = std::cos(angle);
+  const auto [sine, cosine] = portable::sin_cos(angle);
   const double fourth = angle_squared * angle_squared;
   const double b = (angle - sine) / (angle_squared * angle);
   const double c = (1.0 - 0.5 * angle_squared - cosine) / fourth;
@@ -50,8 +50,9 @@ Pose exp_se3(const Vector6d& twist) {
     V = Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
   } else {
     const double angle = std::sqrt(angle_squared);
-    V = Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / angle_squared * W +
-        (angle - std::sin(angle)) / (angle_squared * angle) * (W * W);
+    const auto [sine, cosine] = portable::sin_cos(angle);
+    V = Eigen::Matrix3d::Identity() + (1.0 - cosine) / angle_squared * W +
+        (angle - sine) / (angle_squared * angle) * (W * W);
   }
   return {exp_so3(w), V * twist.head<3>()};
 }
@@ -66,7 +67,8 @@ Vector6d log_se3(const Pose& a_from_b) {
   } else {
     const double angle = std::sqrt(angle_squared);
     const double half = 0.5 * angle;
-    V_inverse += (1.0 - half * std::cos(half) / std::sin(half)) / angle_squared * (W * W);
+    const auto [sine, cosine] = portable::sin_cos(half);
+    V_inverse += (1.0 - half * cosine / sine) / angle_squared * (W * W);
   }
   Vector6d twist;
   twist << V_inverse * a_from_b.translation, w;
@@ -76,10 +78,10 @@ Vector6d log_se3(const Pose& a_from_b) {
 Eigen::Matrix3d left_jacobian_inverse_so3(const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   const double angle = std::sqrt(angle_squared);
-  const double beta =
-      angle < kSmallAngle
-          ? 1.0 / 12.0
-          : (1.0 - angle * std::sin(angle) / (2.0 * (1.0 - std::cos(angle)))) / angle_squared;
+  const auto [sine, cosine] = portable::sin_cos(angle);
+  const double beta = angle < kSmallAngle
+                          ? 1.0 / 12.0
+                          : (1.0 - angle * sine / (2.0 * (1.0 - cosine))) / angle_squared;
   const Eigen::Matrix3d W = skew(w);
   return Eigen::Matrix3d::Identity() - 0.5 * W + beta * (W * W);
 }

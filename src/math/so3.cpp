@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "retarget/math/trigonometry.h"
+
 namespace retarget {
 namespace {
 
@@ -21,10 +23,10 @@ bool is_lower_half(const Eigen::Quaterniond& q) {
 
 Eigen::Quaterniond exp_so3(const Eigen::Vector3d& w) {
   const double angle = w.norm();
-  const double vector_per_angle =
-      angle < kSmallAngle ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const auto [sine, cosine] = portable::sin_cos(0.5 * angle);
+  const double vector_per_angle = angle < kSmallAngle ? 0.5 - angle * angle / 48.0 : sine / angle;
   const Eigen::Vector3d vector = vector_per_angle * w;
-  return {std::cos(0.5 * angle), vector.x(), vector.y(), vector.z()};
+  return {cosine, vector.x(), vector.y(), vector.z()};
 }
 
 Eigen::Vector3d log_so3(const Eigen::Quaterniond& q) {
@@ -35,7 +37,7 @@ Eigen::Vector3d log_so3(const Eigen::Quaterniond& q) {
     const double tangent = sine / cosine;
     angle_per_vector = 2.0 / cosine * (1.0 - tangent * tangent / 3.0);
   } else {
-    angle_per_vector = 2.0 * std::atan2(sine, cosine) / sine;
+    angle_per_vector = 2.0 * portable::atan2(sine, cosine) / sine;
   }
   const Eigen::Vector3d w = angle_per_vector * q.vec();
   return is_lower_half(q) ? Eigen::Vector3d(-w) : w;
@@ -50,7 +52,8 @@ Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
     const double square = angle * angle;
     second += square / 720.0 + square * square / 30240.0;
   } else {
-    second = (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+    const auto [sine, cosine] = portable::sin_cos(0.5 * angle);
+    second = (1.0 - 0.5 * angle * cosine / sine) / (angle * angle);
   }
   const Eigen::Vector3d cross = w.cross(v);
   return v - 0.5 * cross + second * w.cross(cross);

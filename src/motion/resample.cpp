@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "motion/clip_tracks.h"
+#include "motion/track_sampler.h"
 #include "retarget/math/filter.h"
 
 namespace retarget {
@@ -46,24 +47,60 @@ Result<void> check_size(const Clip& source, const FrameRate& output_rate,
                        "one of the two rates is wrong; give the true ones");
 }
 
-// without what the output rate cannot show; signs must be continuous
-Clip damped(const Clip& source, double ratio) {
-  const std::vector<double> taps = anti_alias_taps(ratio);
-  Clip filtered = source;
-  for (int joint = 0; joint < source.skeleton().joint_count(); ++joint) {
-    const auto track = low_pass(rotation_track(source, joint), taps);
-    for (int frame = 0; frame < source.frame_count(); ++frame) {
-      filtered.rotations(frame)[joint] = track[frame];
-    }
+// how the tracks of one clip are brought to the output's rate, each apart from the others
+class TrackResampler {
+ public:
+  TrackResampler(const Clip& source, int count, const Stride& stride,
+                 const ResampleOptions& options)
+      : last_(source.frame_count() - 1),
+        count_(count),
+        stride_(stride),
+        interpolation_(options.interpolation) {
+    const bool decimates = stride.numerator > stride.denominator;
+    if (decimates && options.antialias) taps_ = anti_alias_taps(stride.value());
   }
-  for (int slot = 0; slot < source.skeleton().translated_count(); ++slot) {
-    const auto track = low_pass(translation_track(source, slot), taps);
-    for (int frame = 0; frame < source.frame_count(); ++frame) {
-      filtered.translations(frame)[slot] = track[frame];
+
+  template <typename Value>
+  std::vector<Value> resample(std::vector<Value> track) const {
+    make_sign_continuous(track);
+    if (stride_.numerator % stride_.denominator == 0) return pick(track);
+    // without what the output rate cannot show
+    if (!taps_.empty()) track = low_pass(track, taps_);
+    const TrackSampler<Value> sampler(std::move(track), interpolation_);
+    std::vector<Value> samples;
+    samples.reserve(count_);
+    for (int i = 0; i < count_; ++i) {
+      const Int128 place = i * stride_.numerator;
+      // the last sample may be a hair behind the last frame
+      const auto frame = static_cast<int>(std::min(place / stride_.denominator, last_));
+      const double fraction = static_cast<double>(place % stride_.denominator) /
+                              static_cast<double>(stride_.denominator);
+      samples.push_back(sampler.sample(frame, fraction));
     }
+    return samples;
   }
-  return filtered;
-}
+
+ private:
+  // every sample falls on a frame: the others need not be filtered
+  template <typename Value>
+  std::vector<Value> pick(const std::vector<Value>& track) const {
+    const auto stride = static_cast<std::size_t>(stride_.numerator / stride_.denominator);
+    std::vector<Value> samples;
+    if (taps_.empty()) {
+      for (std::size_t i = 0; i < track.size(); i += stride) samples.push_back(track[i]);
+    } else {
+      samples = low_pass(track, taps_, stride);
+    }
+    make_sign_continuous(samples);
+    return samples;
+  }
+
+  const Int128 last_;
+  const int count_;
+  const Stride stride_;
+  const Interpolation interpolation_;
+  std::vector<double> taps_;  // empty: no filter
+};
 
 }  // namespace
 
@@ -77,34 +114,26 @@ std::int64_t resampled_frame_count(int frame_count, const FrameRate& source_rate
   return static_cast<std::int64_t>(std::min(count, kMost));
 }
 
-Result<Clip> resample(const Clip& source, const FrameRate& output_rate,
-                      const ResampleOptions& options) {
+Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleOptions& options) {
   if (same_rate(source.rate(), output_rate)) {
-    Clip copy = source;
-    copy.set_rate(output_rate);
-    return copy;
+    source.set_rate(output_rate);
+    return source;
   }
   const std::int64_t count =
       resampled_frame_count(source.frame_count(), source.rate(), output_rate);
   if (auto fits = check_size(source, output_rate, count); !fits) return failure(fits.error());
 
-  const Stride stride(source.rate(), output_rate);
-  Clip continuous = source;
-  make_sign_continuous(continuous);
-  const bool decimates = stride.numerator > stride.denominator;
-  const ClipSampler sampler(
-      decimates && options.antialias ? damped(continuous, stride.value()) : std::move(continuous),
-      options.interpolation);
-
+  // joint by joint, so that no second copy of a long clip is needed
+  const TrackResampler tracks(source, static_cast<int>(count), Stride(source.rate(), output_rate),
+                              options);
   Clip output(source.shared_skeleton(), output_rate, static_cast<int>(count));
-  const Int128 last = source.frame_count() - 1;
-  for (int i = 0; i < output.frame_count(); ++i) {
-    const Int128 place = i * stride.numerator;
-    // the last sample may be a hair behind the last frame
-    const auto frame = static_cast<int>(std::min(place / stride.denominator, last));
-    const double fraction =
-        static_cast<double>(place % stride.denominator) / static_cast<double>(stride.denominator);
-    sampler.sample(frame, fraction, output.rotations(i), output.translations(i));
+  for (int joint = 0; joint < source.skeleton().joint_count(); ++joint) {
+    const auto track = tracks.resample(rotation_track(source, joint));
+    for (int i = 0; i < output.frame_count(); ++i) output.rotations(i)[joint] = track[i];
+  }
+  for (int slot = 0; slot < source.skeleton().translated_count(); ++slot) {
+    const auto track = tracks.resample(translation_track(source, slot));
+    for (int i = 0; i < output.frame_count(); ++i) output.translations(i)[slot] = track[i];
   }
   return output;
 }

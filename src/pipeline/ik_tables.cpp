@@ -241,7 +241,7 @@ Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file)
 Result<IkTables> load_ik_tables(const std::string& path, const Robot* robot) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
-  return tables_from(*text, path, robot);
+  return tables_from(text->view(), path, robot);
 }
 
 Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {

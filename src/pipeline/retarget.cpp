@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/target_stream.h"
 #include "retarget/base/suggest.h"
 #include "retarget/pipeline/targets.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr double kLargestPosition = 1e100;
 
 // names the mapped bones that the source lacks, and what it has instead
-Result<void> check_bones(const HumanClip& human, const TargetBuilder& targets,
+Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
                          const std::string& clip_name, const std::string& mapping) {
   std::vector<std::string> missing, present;
   for (const int bone : targets.bones()) {
@@ -43,52 +44,101 @@ void keep_quaternion_sign(std::span<const double> before, std::span<double> now)
   for (int i = 0; i < 4; ++i) now[kRootRotation + i] = -now[kRootRotation + i];
 }
 
+// one clip on its way through the solver
+class ClipSolver {
+ public:
+  ClipSolver(const std::string& clip_name, const std::shared_ptr<const Robot>& robot,
+             const IkTables& tables, const LimitSet& limits, const RetargetOptions& options)
+      : clip_name_(clip_name), robot_(robot), tables_(tables), limits_(limits), options_(options) {}
+
+  Result<RetargetResult> solve(const HumanClipInfo& human, HumanPoseSource poses);
+
+ private:
+  Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
+                           RetargetResult& result);
+
+  const std::string& clip_name_;
+  const std::shared_ptr<const Robot>& robot_;
+  const IkTables& tables_;
+  const LimitSet& limits_;
+  const RetargetOptions& options_;
+  std::unique_ptr<IkSolver> solver_;
+  int passes_ = 0;
+  std::vector<double> qpos_;  // of the latest frame
+};
+
+Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSource poses) {
+  if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
+    return failure(checked.error());
+  }
+  const TargetBuilder targets(tables_, human.height);
+  if (auto checked = check_bones(human, targets, clip_name_, tables_.file); !checked) {
+    return failure(checked.error());
+  }
+  const auto problem = make_problem(robot_, tables_, targets, limits_);
+  passes_ = static_cast<int>(problem->passes.size());
+  solver_ = options_.engine == IkEngine::kFast ? make_fast_solver(problem, options_.ik)
+                                               : make_reference_solver(problem, options_.ik);
+  qpos_ = robot_->zero_configuration();
+
+  RetargetResult result;
+  result.clip = RobotClip(robot_, human.rate, human.frame_count);
+  TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
+    if (auto solved = solve_frame(frame, stream.next(), result); !solved) {
+      return failure(solved.error());
+    }
+  }
+  if (human.frame_count > 0) result.mean_error /= human.frame_count;
+  return result;
+}
+
+Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,
+                                     RetargetResult& result) {
+  if (!all_finite(world_from_target)) {
+    return input_failure(
+        clip_name_, "frame " + std::to_string(frame) + ": positions are too large to compute with");
+  }
+  int steps = 0;
+  for (int pass = 0; pass < passes_; ++pass) {
+    const PassResult solved = solver_->solve_pass(pass, world_from_target, qpos_);
+    if (!solved.converged) {
+      return config_failure(tables_.file, "frame " + std::to_string(frame) +
+                                              ": these weights and scales lead to values that "
+                                              "are not finite");
+    }
+    steps += solved.steps;
+    if (pass == passes_ - 1) result.mean_error += solved.errors[solved.steps];
+  }
+  if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
+  std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
+  if (options_.frame_solved) options_.frame_solved(frame, qpos_);
+  result.steps += steps;
+  result.most_steps = std::max(result.most_steps, steps);
+  return {};
+}
+
 }  // namespace
 
 Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
                                 const std::shared_ptr<const Robot>& robot, const IkTables& tables,
                                 const LimitSet& limits, const RetargetOptions& options) {
-  if (auto checked = check_ik_tables(tables, *robot); !checked) return failure(checked.error());
-  const TargetBuilder targets(tables, human.height);
-  if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
-    return failure(checked.error());
-  }
+  return ClipSolver(clip_name, robot, tables, limits, options)
+      .solve(human, [&human](int frame, std::span<Pose> world_from_bone) {
+        std::ranges::copy(human.frame(frame), world_from_bone.begin());
+      });
+}
 
-  const auto problem = make_problem(robot, tables, targets, limits);
-  const auto solver = options.engine == IkEngine::kFast
-                          ? make_fast_solver(problem, options.ik)
-                          : make_reference_solver(problem, options.ik);
-
-  RetargetResult result;
-  result.clip = RobotClip(robot, human.rate, human.frame_count);
-  std::vector<double> qpos = robot->zero_configuration();
-  std::vector<Pose> world_from_target(targets.target_count());
-  for (int frame = 0; frame < human.frame_count; ++frame) {
-    if (options.keep_going && !options.keep_going(frame)) return interrupted_failure();
-    targets.build(human.frame(frame), world_from_target);
-    if (!all_finite(world_from_target)) {
-      return input_failure(clip_name, "frame " + std::to_string(frame) +
-                                          ": positions are too large to compute with");
-    }
-    int steps = 0;
-    double error = 0.0;
-    for (std::size_t pass = 0; pass < problem->passes.size(); ++pass) {
-      const PassResult solved = solver->solve_pass(static_cast<int>(pass), world_from_target, qpos);
-      if (!solved.converged) {
-        return config_failure(tables.file, "frame " + std::to_string(frame) +
-                                               ": these weights and scales lead to values that "
-                                               "are not finite");
-      }
-      steps += solved.steps;
-      error = solved.errors[solved.steps];
-    }
-    if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos);
-    std::ranges::copy(qpos, result.clip.qpos(frame).begin());
-    result.steps += steps;
-    result.most_steps = std::max(result.most_steps, steps);
-    result.mean_error += error / human.frame_count;
-  }
-  return result;
+Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
+                                const std::string& clip_name,
+                                const std::shared_ptr<const Robot>& robot, const IkTables& tables,
+                                const LimitSet& limits, const RetargetOptions& options) {
+  HumanPoser poser(clip, mapping);
+  return ClipSolver(clip_name, robot, tables, limits, options)
+      .solve(poser.info(), [&poser](int frame, std::span<Pose> world_from_bone) {
+        poser.pose(frame, world_from_bone);
+      });
 }
 
 }  // namespace retarget

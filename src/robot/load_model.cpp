@@ -73,7 +73,7 @@ Result<void> check_file(const std::string& path) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::string_view rest = *text;
+  std::string_view rest = text->view();
   if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
   if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");

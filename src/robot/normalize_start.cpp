@@ -1,7 +1,7 @@
 #include "retarget/robot/normalize_start.h"
 
-#include <Eigen/Geometry>
-#include <cmath>
+#include "retarget/math/so3.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -17,24 +17,26 @@ Eigen::Quaterniond rotation_of(std::span<const double> qpos) {
 
 double heading(const Eigen::Quaterniond& world_from_body) {
   const Eigen::Vector3d x = world_from_body * Eigen::Vector3d::UnitX();
-  if (std::hypot(x.x(), x.y()) > kSteep) return std::atan2(x.y(), x.x());
-  return 2.0 * std::atan2(world_from_body.z(), world_from_body.w());
+  if (x.head<2>().norm() > kSteep) return portable::atan2(x.y(), x.x());
+  return 2.0 * portable::atan2(world_from_body.z(), world_from_body.w());
+}
+
+StartNormalizer::StartNormalizer(std::span<const double> first)
+    : origin_(first[0], first[1], 0.0),
+      turn_(exp_so3(-heading(rotation_of(first)) * Eigen::Vector3d::UnitZ())) {}
+
+void StartNormalizer::apply(std::span<double> qpos) const {
+  const Eigen::Vector3d position = turn_ * (Eigen::Vector3d(qpos[0], qpos[1], qpos[2]) - origin_);
+  const Eigen::Quaterniond rotation = turn_ * rotation_of(qpos);
+  for (int i = 0; i < 3; ++i) qpos[i] = position[i];
+  qpos[3] = rotation.w();
+  for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
 }
 
 void normalize_start(RobotClip& clip) {
   if (clip.frame_count() == 0) return;
-  const auto first = clip.qpos(0);
-  const Eigen::Vector3d origin(first[0], first[1], 0.0);
-  const Eigen::Quaterniond turn(
-      Eigen::AngleAxisd(-heading(rotation_of(first)), Eigen::Vector3d::UnitZ()));
-  for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    const auto qpos = clip.qpos(frame);
-    const Eigen::Vector3d position = turn * (Eigen::Vector3d(qpos[0], qpos[1], qpos[2]) - origin);
-    const Eigen::Quaterniond rotation = turn * rotation_of(qpos);
-    for (int i = 0; i < 3; ++i) qpos[i] = position[i];
-    qpos[3] = rotation.w();
-    for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
-  }
+  const StartNormalizer normalizer(clip.qpos(0));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) normalizer.apply(clip.qpos(frame));
 }
 
 }  // namespace retarget

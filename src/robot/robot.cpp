@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "retarget/math/trigonometry.h"
+
 namespace retarget {
 namespace {
 
@@ -46,7 +48,9 @@ Pose motion_of(const RobotJoint& joint, double position) {
   if (joint.type == RobotJoint::Type::kSlide) {
     return {Eigen::Quaterniond::Identity(), travel * joint.axis};
   }
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(travel, joint.axis));
+  const auto [sine, cosine] = portable::sin_cos(0.5 * travel);
+  const Eigen::Vector3d vector = sine * joint.axis;
+  const Eigen::Quaterniond turn(cosine, vector.x(), vector.y(), vector.z());
   return {turn, joint.anchor - turn * joint.anchor};
 }
 

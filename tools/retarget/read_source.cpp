@@ -12,7 +12,7 @@ Result<BvhFile> read_source(const SourceOptions& options, bool skeleton_only, Co
   const std::string name = source_name(options);
   const auto bytes = read_file(options.file);
   if (!bytes) return failure(bytes.error());
-  auto file = read_bvh(*bytes, name, read_options);
+  auto file = read_bvh(bytes->view(), name, read_options);
   if (file) console.warn(file->warnings, name);
   return file;
 }

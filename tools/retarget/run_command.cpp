@@ -8,17 +8,16 @@
 #include <optional>
 
 #include "commands.h"
+#include "csv_sink.h"
 #include "interrupt.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/human/human_clip.h"
-#include "retarget/io/robot_csv.h"
 #include "retarget/motion/clip_range.h"
 #include "retarget/motion/resample.h"
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
 #include "retarget/robot/load_robot.h"
-#include "retarget/robot/normalize_start.h"
 
 namespace retarget::cli {
 namespace {
@@ -125,7 +124,7 @@ Result<Clip> load_clip(const RunOptions& options, Console& console) {
   resample_options.interpolation =
       options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
   resample_options.antialias = !options.no_antialias;
-  auto resampled = resample(*chosen, **rate, resample_options);
+  auto resampled = resample(std::move(*chosen), **rate, resample_options);
   if (!resampled) resampled.error().file = source_name(options.source);
   return resampled;
 }
@@ -211,16 +210,18 @@ void print_limits(const RobotClip& clip, const LimitSet& limits, Console& consol
                              number_text(100.0 * nearest->frames_at_limit, 1) + " % of frames");
 }
 
-Result<RetargetResult> solve(const HumanClip& human, const Setup& setup, const RunOptions& options,
-                             Console& console) {
+Result<RetargetResult> solve(const Clip& clip, const HumanMapping& mapping, const Setup& setup,
+                             const RunOptions& options, CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
+  retarget_options.targets_ahead = true;
   retarget_options.keep_going = [&](int frame) {
-    console.progress("solving frame", frame, human.frame_count);
+    console.progress("solving frame", frame, clip.frame_count());
     return !InterruptGuard::interrupted();
   };
-  auto result = retarget::retarget(human, source_name(options.source), setup.robot, setup.tables,
-                                   setup.limits, retarget_options);
+  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
+  auto result = retarget::retarget(clip, mapping, source_name(options.source), setup.robot,
+                                   setup.tables, setup.limits, retarget_options);
   console.end_progress();
   return result;
 }
@@ -234,7 +235,6 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   if (!clip) return failure(clip.error());
   const auto mapping = lafan1_mapping(clip->skeleton(), source_name(options.source));
   if (!mapping) return failure(mapping.error());
-  const HumanClip human = to_human(*clip, *mapping);
   console.line("taken as", mapping->description);
   console.warn(mapping->doubts, source_name(options.source));
   console.line("robot", setup->robot->name() + ", " +
@@ -243,19 +243,20 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto result = solve(human, *setup, options, console);
+  auto sink =
+      CsvSink::open(options.output, setup->robot, {csv_options(options), options.normalize_start});
+  if (!sink) return failure(sink.error());
+  const auto result = solve(*clip, *mapping, *setup, options, **sink, console);
   if (!result) return failure(result.error());
-  RobotClip& motion = result->clip;
+  const RobotClip& motion = result->clip;
   console.line("solved",
                count_text(motion.frame_count(), "frame") + " at " + to_text(motion.rate()) +
                    " fps, " +
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, setup->limits, console);
-  if (options.normalize_start) normalize_start(motion);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  auto written = write_file(options.output, format_robot_csv(motion, csv_options(options)));
-  if (!written) return written;
+  if (auto written = (*sink)->finish(); !written) return written;
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return {};

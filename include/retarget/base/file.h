@@ -1,16 +1,33 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "retarget/base/result.h"
 
 namespace retarget {
 
+/// Bytes that were read. Not a std::string, which would clear its memory before it is filled.
+class FileContent {
+ public:
+  FileContent() = default;
+  FileContent(std::unique_ptr<char[]> bytes, std::size_t size)
+      : bytes_(std::move(bytes)), size_(size) {}
+
+  [[nodiscard]] std::string_view view() const { return {bytes_.get(), size_}; }
+
+ private:
+  std::unique_ptr<char[]> bytes_;
+  std::size_t size_ = 0;
+};
+
 /// The whole content of a regular file, a pipe or, for `-`, of standard input.
 ///
 /// Folders, missing and unreadable files are errors of the given kind.
-[[nodiscard]] Result<std::string> read_file(const std::string& path,
+[[nodiscard]] Result<FileContent> read_file(const std::string& path,
                                             ErrorKind kind = ErrorKind::kInput);
 
 /// Whether the folder that would hold `path` exists; a usage error naming it when it does not.
@@ -37,6 +54,10 @@ class OutputFile {
 
   [[nodiscard]] Result<void> write(std::string_view bytes);
   [[nodiscard]] Result<void> commit();
+
+  /// Whether bytes are seen by others as they are written: on standard output, in pipes and
+  /// devices.
+  [[nodiscard]] bool is_direct() const { return direct_; }
 
  private:
   OutputFile() = default;

@@ -29,20 +29,25 @@ struct HumanMapping {
   std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: nothing speaks against it.
 };
 
-/// World poses of the canonical bones, frame by frame.
-struct HumanClip {
+/// What a canonical human in motion is, but for its poses.
+struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
   double height = 1.75;                    ///< Of the body, metres.
   std::vector<std::string> sources;        ///< Per bone, the joint it came from; empty: missing.
   std::vector<std::string> source_joints;  ///< All joints of the source, for messages.
+
+  [[nodiscard]] bool has(int bone) const { return !sources[bone].empty(); }
+};
+
+/// World poses of the canonical bones, frame by frame.
+struct HumanClip : HumanClipInfo {
   /// World poses, metres, Z up; frame-major, kBoneCount a frame. Missing bones: identity.
   std::vector<Pose> world_from_bone;
 
   [[nodiscard]] std::span<const Pose> frame(int index) const {
     return {world_from_bone.data() + static_cast<std::size_t>(index) * kBoneCount, kBoneCount};
   }
-  [[nodiscard]] bool has(int bone) const { return !sources[bone].empty(); }
 };
 
 /// The mapping of a skeleton with LAFAN1's joint names, as the published method takes it: file
@@ -52,6 +57,24 @@ struct HumanClip {
 /// @param file  where the skeleton comes from, for messages.
 [[nodiscard]] Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton,
                                                   const std::string& file);
+
+/// Poses of a clip's frames under a mapping, one at a time: long clips need not be held as human
+/// poses, which take more memory than what they come from. Refers to its clip and mapping.
+class HumanPoser {
+ public:
+  HumanPoser(const Clip& clip, const HumanMapping& mapping);
+
+  [[nodiscard]] HumanClipInfo info() const;
+
+  /// @param world_from_bone  kBoneCount poses, metres, Z up; filled. Missing bones: identity.
+  void pose(int frame, std::span<Pose> world_from_bone);
+
+ private:
+  const Clip& clip_;
+  const HumanMapping& mapping_;
+  Eigen::Quaterniond turn_;
+  std::vector<Pose> world_from_joint_;
+};
 
 /// Poses of all frames under a mapping.
 [[nodiscard]] HumanClip to_human(const Clip& clip, const HumanMapping& mapping);

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <span>
 #include <string>
-#include <string_view>
+#include <vector>
 
-#include "retarget/base/result.h"
 #include "retarget/robot/robot_clip.h"
 
 namespace retarget {
@@ -20,9 +20,26 @@ struct RobotCsvOptions {
   QuaternionOrder quaternion_order = QuaternionOrder::kXyzw;
 };
 
-/// One line per frame: root position x y z (metres), root quaternion, then the joints (radians,
-/// metres for slides) in the robot's output order. Fixed notation, LF, no negative zeros, the same
-/// bytes in every locale.
+/// Writes configurations as lines: root position x y z (metres), root quaternion, then the joints
+/// (radians, metres for slides) in the robot's output order. Fixed notation, LF, no negative
+/// zeros, the same bytes in every locale.
+class RobotCsvFormatter {
+ public:
+  explicit RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options = {});
+
+  /// What stands before the first line: the header, or nothing.
+  [[nodiscard]] const std::string& header() const { return header_; }
+
+  /// @param qpos  configuration in the layout of RobotClip.
+  void append_line(std::span<const double> qpos, std::string& text) const;
+
+ private:
+  RobotCsvOptions options_;
+  std::vector<int> columns_;  // of a configuration, in the order in which they are written
+  std::string header_;
+};
+
+/// The whole file for a clip.
 [[nodiscard]] std::string format_robot_csv(const RobotClip& clip,
                                            const RobotCsvOptions& options = {});
 

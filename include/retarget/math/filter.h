@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -28,17 +29,20 @@ namespace retarget {
 /// amplitude (the phase does not change).
 [[nodiscard]] double gain(std::span<const double> taps, double frequency);
 
-/// Filters a track of points without delay; as many come out as go in.
+/// Filters a track of points without delay. What comes out are the samples 0, stride, 2 stride, ...
+/// of the filtered track.
 ///
 /// Before its first and after its last sample the track is continued by its reflection in that
 /// sample (as often as a short track needs): position and slope go on smoothly, so constants and
 /// ramps pass unchanged up to the very ends, and the first and last sample stay as they are. A
 /// single sample is a constant.
-/// @param taps  symmetric, odd in number
+/// @param taps    symmetric, odd in number
+/// @param stride  at least 1
 [[nodiscard]] std::vector<Eigen::Vector3d> low_pass(std::span<const Eigen::Vector3d> points,
-                                                    std::span<const double> taps);
+                                                    std::span<const double> taps,
+                                                    std::size_t stride = 1);
 
-/// Filters a track of unit quaternions without delay.
+/// Filters a track of unit quaternions without delay, with the stride of the filter of points.
 ///
 /// @pre sign-continuous: neighbours have a dot product >= 0
 ///
@@ -50,6 +54,7 @@ namespace retarget {
 /// Ends are continued by point reflection of the rotations, q0 q(k)^-1 q0. Where the sum vanishes
 /// (turns beyond any motion), the sample stays as it is.
 [[nodiscard]] std::vector<Eigen::Quaterniond> low_pass(
-    std::span<const Eigen::Quaterniond> rotations, std::span<const double> taps);
+    std::span<const Eigen::Quaterniond> rotations, std::span<const double> taps,
+    std::size_t stride = 1);
 
 }  // namespace retarget

@@ -16,20 +16,27 @@ enum class Interpolation : std::uint8_t {
   kCubic,   ///< Splines with continuous velocities; see math/spline.h.
 };
 
+template <typename Value>
+class TrackSampler;
+
 /// A clip as a function of time. Immutable once built; threads may share it.
 ///
-/// Holds a copy of the clip with sign-continuous quaternions and, for cubic interpolation, a
+/// Holds the clip's tracks with sign-continuous quaternions and, for cubic interpolation, a
 /// velocity per joint and frame, so that each sample costs the same wherever it lies.
 class ClipSampler {
  public:
-  explicit ClipSampler(Clip clip, Interpolation interpolation = Interpolation::kCubic);
+  explicit ClipSampler(const Clip& clip, Interpolation interpolation = Interpolation::kCubic);
+  ~ClipSampler();
+  ClipSampler(ClipSampler&&) noexcept;
+  ClipSampler& operator=(ClipSampler&&) noexcept;
+  ClipSampler(const ClipSampler&) = delete;
+  ClipSampler& operator=(const ClipSampler&) = delete;
 
-  /// The clip that is interpolated: what was given, with sign-continuous quaternions.
-  [[nodiscard]] const Clip& clip() const { return clip_; }
+  [[nodiscard]] int frame_count() const { return frame_count_; }
 
   /// The pose at `fraction` in [0, 1) of the way from `frame` to the next one. A fraction of
   /// zero gives the frame itself, bit for bit, as does any at the last frame.
-  /// @pre 0 <= frame < clip().frame_count()
+  /// @pre 0 <= frame < frame_count()
   /// @param rotations     one per joint; filled, sign-continuous in time
   /// @param translations  one per translated joint, as Clip::translations; filled
   void sample(int frame, double fraction, std::span<Eigen::Quaterniond> rotations,
@@ -42,13 +49,10 @@ class ClipSampler {
               std::span<Eigen::Vector3d> translations) const;
 
  private:
-  void prepare_velocities();
-
-  Clip clip_;
-  Interpolation interpolation_;
-  // change per frame, frame-major in the layout of the clip; empty when linear
-  std::vector<Eigen::Vector3d> angular_velocities_;
-  std::vector<Eigen::Vector3d> linear_velocities_;
+  FrameRate rate_;
+  int frame_count_;
+  std::vector<TrackSampler<Eigen::Quaterniond>> rotations_;  // by joint
+  std::vector<TrackSampler<Eigen::Vector3d>> translations_;  // by translated joint
 };
 
 }  // namespace retarget

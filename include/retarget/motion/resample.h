@@ -35,7 +35,7 @@ struct ResampleOptions {
 ///
 /// Input errors: more than 1000 samples between two frames, or more than 10 million in all; a
 /// frame rate like that is a slip, and following it would fill the memory.
-[[nodiscard]] Result<Clip> resample(const Clip& source, const FrameRate& output_rate,
+[[nodiscard]] Result<Clip> resample(Clip source, const FrameRate& output_rate,
                                     const ResampleOptions& options = {});
 
 }  // namespace retarget

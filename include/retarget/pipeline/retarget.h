@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 
 #include "retarget/base/result.h"
 #include "retarget/human/human_clip.h"
@@ -19,8 +21,12 @@ enum class IkEngine { kFast, kReference };
 struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   IkOptions ik;
+  /// Make the targets ahead of the solver on a second thread; the result is the same.
+  bool targets_ahead = false;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.
   std::function<bool(int frame)> keep_going;
+  /// Told every frame's configuration as soon as it is solved, on the caller's thread.
+  std::function<void(int frame, std::span<const double> qpos)> frame_solved;
 };
 
 /// A robot clip and what it took to solve it.
@@ -38,6 +44,13 @@ struct RetargetResult {
 /// mapped bone that the clip lacks, or positions too large to compute with (kInput).
 /// @param clip_name  the clip's file, for messages.
 [[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
+                                              const std::shared_ptr<const Robot>& robot,
+                                              const IkTables& tables, const LimitSet& limits,
+                                              const RetargetOptions& options = {});
+
+/// The same for a clip under a mapping, without holding all human poses in memory.
+[[nodiscard]] Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
+                                              const std::string& clip_name,
                                               const std::shared_ptr<const Robot>& robot,
                                               const IkTables& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});

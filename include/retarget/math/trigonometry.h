@@ -1,0 +1,96 @@
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+/// Sine, cosine and arc tangent of a few basic operations, so that every machine gets the same
+/// bits: C libraries choose their code by the processor (glibc takes another one where fused
+/// multiply-adds are there), and their results differ in the last place.
+///
+/// Errors stay below 2 units in the last place (3 for the sine of angles above 100). Polynomials and constants are those of Sun's
+/// fdlibm (k_sin.c, k_cos.c, s_atan.c; 1993). Callers must be compiled without contraction of
+/// products and sums into fused operations, as the library is.
+namespace retarget::portable {
+
+struct SineCosine {
+  double sine;
+  double cosine;
+};
+
+/// Of rest + quadrant * pi / 2, with |rest| <= pi / 4 but for rounding. Without branches: loops
+/// over it become vector code.
+[[nodiscard]] inline SineCosine sin_cos_in_quadrant(double rest, std::uint64_t quadrant) {
+  const double square = rest * rest;
+  const double sine =
+      rest + rest * square *
+                 (-1.66666666666666324348e-01 +
+                  square * (8.33333333332248946124e-03 +
+                            square * (-1.98412698298579493134e-04 +
+                                      square * (2.75573137070700676789e-06 +
+                                                square * (-2.50507602534068634195e-08 +
+                                                          square * 1.58969099521155010221e-10)))));
+  const double half = 0.5 * square;
+  const double one_less = 1.0 - half;
+  // what 1 - half lost
+  const double lost = (1.0 - one_less) - half;
+  const double cosine =
+      one_less +
+      (lost +
+       square * square *
+           (4.16666666666666019037e-02 +
+            square * (-1.38888888888741095749e-03 +
+                      square * (2.48015872894767294178e-05 +
+                                square * (-2.75573143513906633035e-07 +
+                                          square * (2.08757232129817482790e-09 +
+                                                    square * -1.13596475577881948265e-11))))));
+  const auto sine_bits = std::bit_cast<std::uint64_t>(sine);
+  const auto cosine_bits = std::bit_cast<std::uint64_t>(cosine);
+  const std::uint64_t swap = (sine_bits ^ cosine_bits) & (0 - (quadrant & 1));
+  const std::uint64_t negative_sine = (quadrant & 2) << 62;
+  const std::uint64_t negative_cosine = ((quadrant + 1) & 2) << 62;
+  return {std::bit_cast<double>((sine_bits ^ swap) ^ negative_sine),
+          std::bit_cast<double>((cosine_bits ^ swap) ^ negative_cosine)};
+}
+
+/// A double rounded to the nearest integer, ties to even, and that integer modulo 4.
+struct Rounded {
+  double value;
+  std::uint64_t modulo_4;
+};
+
+/// @pre |x| < 2^51
+[[nodiscard]] inline Rounded round_to_integer(double x) {
+  constexpr double kOneAndAHalfTimes2To52 = 6755399441055744.0;
+  const double shifted = x + kOneAndAHalfTimes2To52;
+  return {shifted - kOneAndAHalfTimes2To52, std::bit_cast<std::uint64_t>(shifted) & 3};
+}
+
+/// Radians. Beyond a million turns the angle is first reduced by 2 pi as a double has it. NaN for
+/// what is not finite.
+[[nodiscard]] inline SineCosine sin_cos(double angle) {
+  // pi / 2 in parts of 33 bits, so that their products with the quadrant are exact
+  constexpr double kFirst = 1.57079632673412561417e+00;
+  constexpr double kSecond = 6.07710050630396597660e-11;
+  constexpr double kThird = 2.02226624879595063154e-21;
+  constexpr double kLargest = 1e6;
+  if (!(std::abs(angle) <= kLargest)) angle = std::remainder(angle, 6.28318530717958647692);
+  if (!(std::abs(angle) <= kLargest)) return {std::nan(""), std::nan("")};
+  const auto [quadrant, modulo_4] = round_to_integer(angle * 6.36619772367581382433e-01);
+  const double rest = ((angle - quadrant * kFirst) - quadrant * kSecond) - quadrant * kThird;
+  return sin_cos_in_quadrant(rest, modulo_4);
+}
+
+/// Of half an angle in degrees, as rotations of motion files need it; the reduction is exact.
+/// @pre |degrees| < 1e15
+[[nodiscard]] inline SineCosine sin_cos_of_half_degrees(double degrees) {
+  constexpr double kRadiansPerHalfDegree = 8.72664625997164788462e-03;
+  const auto [quadrant, modulo_4] = round_to_integer(degrees * (1.0 / 180.0));
+  return sin_cos_in_quadrant((degrees - 180.0 * quadrant) * kRadiansPerHalfDegree, modulo_4);
+}
+
+/// Angle of the point (x, y) from the x axis, radians, from -pi to pi; signs of zeros as in
+/// std::atan2. NaN unless both are finite.
+[[nodiscard]] double atan2(double y, double x);
+
+}  // namespace retarget::portable

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <utility>
+#include <vector>
+
+#include "retarget/math/spline.h"
+#include "retarget/motion/clip_sampler.h"
+
+namespace retarget {
+
+/// Of q and -q takes for every rotation the one nearer to the one before.
+inline void make_sign_continuous(std::vector<Eigen::Quaterniond>& track) {
+  for (std::size_t i = 1; i < track.size(); ++i) {
+    if (track[i].dot(track[i - 1]) < 0.0) track[i].coeffs() = -track[i].coeffs();
+  }
+}
+
+inline void make_sign_continuous(std::vector<Eigen::Vector3d>&) {}
+
+[[nodiscard]] inline Eigen::Vector3d interpolate_linear(const Eigen::Vector3d& p0,
+                                                        const Eigen::Vector3d& p1, double s) {
+  return p0 + s * (p1 - p0);
+}
+
+/// The rotations (Eigen::Quaterniond) or translations (Eigen::Vector3d) of one joint as a
+/// function of time; what ClipSampler says holds for each.
+template <typename Value>
+class TrackSampler {
+ public:
+  TrackSampler(std::vector<Value> track, Interpolation interpolation) : track_(std::move(track)) {
+    make_sign_continuous(track_);
+    if (interpolation == Interpolation::kCubic && !track_.empty()) {
+      velocities_ = spline_velocities(steps_between(track_));
+    }
+  }
+
+  /// @pre frame is one of the track's
+  [[nodiscard]] Value sample(int frame, double fraction) const {
+    const auto at = static_cast<std::size_t>(frame);
+    if (fraction == 0.0 || at + 1 == track_.size()) return track_[at];
+    if (velocities_.empty()) {
+      return interpolate_linear(track_[at], track_[at + 1], fraction);
+    }
+    return interpolate_cubic(track_[at], velocities_[at], track_[at + 1], velocities_[at + 1],
+                             fraction);
+  }
+
+ private:
+  std::vector<Value> track_;
+  std::vector<Eigen::Vector3d> velocities_;  // change per frame; empty when linear
+};
+
+}  // namespace retarget

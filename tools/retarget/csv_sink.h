@@ -1,0 +1,67 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "retarget/base/file.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/robot/normalize_start.h"
+
+namespace retarget::cli {
+
+/// Writes a robot CSV while its frames are being solved: a second thread formats and writes what
+/// is there, so that neither time nor memory is spent at the end. What others would see at once
+/// (standard output, a pipe) is held back until all frames are there.
+class CsvSink {
+ public:
+  struct Options {
+    RobotCsvOptions csv;
+    bool normalize_start = false;
+  };
+
+  [[nodiscard]] static Result<std::unique_ptr<CsvSink>> open(const std::string& path,
+                                                             std::shared_ptr<const Robot> robot,
+                                                             const Options& options);
+  ~CsvSink();
+  CsvSink(const CsvSink&) = delete;
+  CsvSink& operator=(const CsvSink&) = delete;
+
+  /// Takes the next frame.
+  void add(std::span<const double> qpos);
+
+  /// Writes what is left and puts the file in its place. Without it nothing remains.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  CsvSink(OutputFile file, std::shared_ptr<const Robot> robot, const Options& options);
+
+  void hand_over();
+  void write_chunks();
+  void write_frames(std::vector<double>& frames);
+  void write_text();
+
+  OutputFile file_;
+  const std::shared_ptr<const Robot> robot_;
+  const Options options_;
+  const RobotCsvFormatter formatter_;
+  std::vector<double> filling_;  // frames that add() took, one after the other
+
+  // of the writing thread, or of the caller's where there is none
+  std::optional<StartNormalizer> normalizer_;
+  std::string text_;
+  Result<void> written_;
+
+  std::thread writer_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<double> waiting_;  // frames for the writer; empty: it took them
+  bool done_ = false;
+};
+
+}  // namespace retarget::cli
