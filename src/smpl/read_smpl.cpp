@@ -107,9 +107,9 @@ Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_nam
 }
 
 Result<SmplMotion> load_smpl(const std::string& path, const SmplReadOptions& options) {
-  const Result<std::string> bytes = read_file(path);
+  const Result<FileContent> bytes = read_file(path);
   if (!bytes) return failure(bytes.error());
-  return read_smpl(*bytes, path == "-" ? "<stdin>" : path, options);
+  return read_smpl(bytes->view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget

@@ -220,9 +220,9 @@ Result<SmplBody> read_smpl_body(std::string_view bytes, const std::string& file_
 }
 
 Result<SmplBody> load_smpl_body(const std::string& path) {
-  const Result<std::string> bytes = read_file(path, ErrorKind::kConfig);
+  const Result<FileContent> bytes = read_file(path, ErrorKind::kConfig);
   if (!bytes) return failure(bytes.error());
-  return read_smpl_body(*bytes, path);
+  return read_smpl_body(bytes->view(), path);
 }
 
 SmplRestBody smpl_rest_body(const SmplBody& body, std::span<const double> betas) {

@@ -34,9 +34,9 @@ class NpzFromNumpy : public ::testing::Test {
   }
 
   [[nodiscard]] std::string bytes_of(const std::string& name) const {
-    const Result<std::string> bytes = read_file((folder_.path() / name).string());
-    EXPECT_TRUE(bytes.has_value());
-    return bytes.value_or("");
+    const Result<FileContent> bytes = read_file((folder_.path() / name).string());
+    EXPECT_TRUE(bytes.has_value()) << name;
+    return bytes ? std::string(bytes->view()) : std::string();
   }
 
   TemporaryFolder folder_;
