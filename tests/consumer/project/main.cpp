@@ -1,4 +1,4 @@
-// A program of another project: calls into the library, its Eigen types and its MuJoCo.
+// A program of another project: calls into the library, its Eigen types, its MuJoCo and its zlib.
 
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "retarget/base/npz.h"
 #include "retarget/base/suggest.h"
 #include "retarget/math/pose.h"
 #include "retarget/motion/clip.h"
@@ -53,6 +54,10 @@ int main() {
     std::cerr << "the library and its user lay poses out differently\n";
     return 1;
   }
+  // a file without arrays
+  const std::string empty = std::string("PK\x05\x06") + std::string(18, '\0');
+  const auto file = retarget::NpzFile::open(empty, "empty.npz");
+  if (!file || file->read("poses")) return 1;
   std::cout << retarget::version_text() << "\n";
   return 0;
 }

@@ -1,0 +1,175 @@
+#include "retarget/base/npz.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "base/npy_stream.h"
+#include "base/zip.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kSuffix = ".npy";
+
+struct Foreign {
+  std::string_view prefix;
+  std::string_view what;
+  std::string_view hint;
+};
+
+constexpr std::string_view kSaveHint =
+    "save its arrays with numpy.savez; nothing is ever unpickled here, as that runs code from the "
+    "file";
+
+constexpr std::array kForeign = {
+    Foreign{"\x93NUMPY"sv, "a single NPY array", "put the arrays into one file with numpy.savez"},
+    Foreign{"\x80\x02"sv, "a Python pickle", kSaveHint},
+    Foreign{"\x80\x03"sv, "a Python pickle", kSaveHint},
+    Foreign{"\x80\x04"sv, "a Python pickle", kSaveHint},
+    Foreign{"\x80\x05"sv, "a Python pickle", kSaveHint},
+    Foreign{"(dp"sv, "a Python pickle", kSaveHint},
+    Foreign{"\x89HDF"sv, "an HDF5 file", "save its arrays with numpy.savez"},
+    Foreign{"\x1f\x8b"sv, "a gzip archive", "unpack it and give the .npz file inside"},
+    Foreign{"version https://git-lfs"sv, "a git-LFS pointer",
+            "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it "
+            "comes from"},
+    Foreign{"<!doctype html"sv, "a web page", "the download gave a page in place of the file"},
+    Foreign{"<!DOCTYPE html"sv, "a web page", "the download gave a page in place of the file"},
+    Foreign{"<html"sv, "a web page", "the download gave a page in place of the file"},
+    Foreign{"HIERARCHY"sv, "a BVH file", ""},
+};
+
+bool has_control_bytes(std::string_view name) {
+  return std::ranges::any_of(
+      name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+}  // namespace
+
+struct NpzFile::Contents {
+  std::string_view bytes;
+  std::string file_name;
+  NpzReadOptions options;
+  std::vector<ZipEntry> entries;
+  std::map<std::string, std::size_t, std::less<>> index;  // of each name in entries
+
+  // the error with its file and, where one is meant, its array
+  [[nodiscard]] Failure complete(Error error, std::string_view array = {}) const {
+    error.kind = options.error_kind;
+    error.file = file_name;
+    if (!array.empty()) error.message = "array \"" + std::string(array) + "\": " + error.message;
+    return failure(std::move(error));
+  }
+};
+
+NpzFile::NpzFile(std::shared_ptr<const Contents> contents) : contents_(std::move(contents)) {}
+
+Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
+                              const NpzReadOptions& options) {
+  auto contents = std::make_shared<Contents>();
+  contents->bytes = bytes;
+  contents->file_name = std::move(file_name);
+  contents->options = options;
+  const auto fault = [&](std::string message, std::string_view hint = {}) {
+    return contents->complete(format_failure(std::move(message), std::string(hint)).value());
+  };
+
+  if (bytes.empty()) return fault("expected an NPZ file, found an empty one");
+  for (const Foreign& foreign : kForeign) {
+    if (!bytes.starts_with(foreign.prefix)) continue;
+    return fault("expected an NPZ file, found " + std::string(foreign.what), foreign.hint);
+  }
+  Result<std::vector<ZipEntry>> entries = read_zip_directory(bytes);
+  if (!entries) return contents->complete(entries.error());
+  contents->entries = std::move(*entries);
+
+  std::vector<std::string> names;
+  for (const ZipEntry& entry : contents->entries) {
+    std::string name = entry.name;
+    if (name.ends_with(kSuffix)) name.resize(name.size() - kSuffix.size());
+    if (has_control_bytes(name)) return fault("the name of an array has control bytes in it");
+    if (!contents->index.emplace(name, names.size()).second) {
+      return fault("there are two arrays \"" + name + "\"");
+    }
+    names.push_back(std::move(name));
+  }
+  NpzFile file(std::move(contents));
+  file.names_ = std::move(names);
+  return file;
+}
+
+std::optional<std::size_t> NpzFile::find(std::string_view name) const {
+  const auto place = contents_->index.find(name);
+  return place == contents_->index.end() ? std::nullopt : std::optional(place->second);
+}
+
+bool NpzFile::has(std::string_view name) const {
+  return find(name).has_value();
+}
+
+Failure NpzFile::no_such_array(std::string_view name) const {
+  const std::string found = names_.empty() ? "no arrays at all" : list_names(names_);
+  return file_failure("no array \"" + std::string(name) + "\"" + did_you_mean(name, names_) +
+                      "; found " + found);
+}
+
+Result<std::string> NpzFile::type_of(std::string_view name) const {
+  const auto place = find(name);
+  if (!place) return no_such_array(name);
+  Result<ZipEntryReader> reader =
+      ZipEntryReader::open(contents_->bytes, contents_->entries[*place]);
+  if (!reader) return contents_->complete(reader.error(), name);
+  Result<NpyHeader> header =
+      read_npy_header([&reader](std::size_t size) { return reader->read(size); });
+  if (!header) return contents_->complete(header.error(), name);
+  return std::move(header->type);
+}
+
+Result<NpyArray> NpzFile::read(std::string_view name) const {
+  const auto place = find(name);
+  if (!place) return no_such_array(name);
+  const ZipEntry& entry = contents_->entries[*place];
+  Result<ZipEntryReader> reader = ZipEntryReader::open(contents_->bytes, entry);
+  if (!reader) return contents_->complete(reader.error(), name);
+  const Result<NpyHeader> header =
+      read_npy_header([&reader](std::size_t size) { return reader->read(size); });
+  if (!header) return contents_->complete(header.error(), name);
+  Result<NpyLayout> layout = npy_layout(*header);
+  if (!layout) return contents_->complete(layout.error(), name);
+
+  // what the header explains must be what the archive holds
+  const std::string needs =
+      "its shape " + shape_text(header->shape) + " of " + header->type + " needs ";
+  if (entry.size < header->byte_count || entry.size - header->byte_count != layout->data_size) {
+    const std::uint64_t found =
+        entry.size - std::min<std::uint64_t>(entry.size, header->byte_count);
+    return array_failure(
+        name, needs + bytes_text(layout->data_size) + ", found " + std::to_string(found));
+  }
+  if (layout->data_size > contents_->options.max_array_bytes) {
+    return array_failure(name, needs + bytes_text(layout->data_size) + ", at most " +
+                                   std::to_string(contents_->options.max_array_bytes) +
+                                   " are read");
+  }
+  Result<std::string> data = reader->read(layout->data_size);
+  if (!data) return contents_->complete(data.error(), name);
+  const Result<void> whole = reader->finish();
+  if (!whole) return contents_->complete(whole.error(), name);
+  return npy_with_data(std::move(*layout), std::move(*data), header->fortran_order);
+}
+
+Failure NpzFile::array_failure(std::string_view name, const std::string& message,
+                               std::string hint) const {
+  return contents_->complete(format_failure(message, std::move(hint)).value(), name);
+}
+
+Failure NpzFile::file_failure(std::string message, std::string hint) const {
+  return contents_->complete(format_failure(std::move(message), std::move(hint)).value());
+}
+
+}  // namespace retarget

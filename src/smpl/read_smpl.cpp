@@ -1,0 +1,115 @@
+#include "retarget/smpl/read_smpl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "retarget/base/file.h"
+#include "retarget/base/npz.h"
+#include "retarget/math/so3.h"
+#include "smpl/motion_arrays.h"
+
+namespace retarget {
+namespace {
+
+// the rule of thumb that the first beta goes with the height, and where it makes no human any more
+constexpr double kMeanHeight = 1.66;
+constexpr double kHeightPerBeta = 0.1;
+constexpr double kLeastHeight = 0.5;
+constexpr double kMostHeight = 2.5;
+
+bool is_positive(std::optional<double> value) {
+  return !value || (std::isfinite(*value) && *value > 0.0);
+}
+
+Result<SmplRestBody> generic_rest_body(const NpzFile& file, const std::vector<double>& betas,
+                                       std::optional<double> height) {
+  if (height) return generic_smpl_rest_body(*height);
+  const double guess = kMeanHeight + (betas.empty() ? 0.0 : kHeightPerBeta * betas.front());
+  if (guess >= kLeastHeight && guess <= kMostHeight) return generic_smpl_rest_body(guess);
+  return file.array_failure("betas",
+                            "the first one, " + std::to_string(betas.front()) +
+                                ", would make a body " + std::to_string(guess) + " m high",
+                            "give the height with --height, or the body model");
+}
+
+// the model's body of the motion's betas, as far as they fit it
+SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
+  const auto warn = [&arrays](std::string message) {
+    arrays.warnings.push_back({0, 0, std::move(message)});
+  };
+  const bool other_family = arrays.family != SmplFamily::kUnknown &&
+                            body.family != SmplFamily::kUnknown && arrays.family != body.family;
+  if (other_family && !arrays.betas.empty()) {
+    warn(std::string("the betas are those of ") +
+         (arrays.family == SmplFamily::kSmplx ? "SMPL-X" : "SMPL or SMPL+H") +
+         ", the body model is another one: its average shape is taken");
+    return smpl_rest_body(body, {});
+  }
+  const auto known = static_cast<std::ptrdiff_t>(
+      std::min(arrays.betas.size(), static_cast<std::size_t>(body.beta_count())));
+  const bool lost = std::any_of(arrays.betas.begin() + known, arrays.betas.end(),
+                                [](double beta) { return beta != 0.0; });
+  if (lost) {
+    warn("the body model has " + std::to_string(known) + " betas, the motion " +
+         std::to_string(arrays.betas.size()) + ": the further ones are left out");
+  }
+  return smpl_rest_body(body, arrays.betas);
+}
+
+Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body) {
+  Clip clip(smpl_skeleton(body), arrays.rate, arrays.frame_count);
+  const std::span<const int> order = smpl_skeleton_order();
+  for (int frame = 0; frame < arrays.frame_count; ++frame) {
+    const std::span<Eigen::Quaterniond> rotations = clip.rotations(frame);
+    const std::size_t first = static_cast<std::size_t>(frame) * kSmplJointCount;
+    for (std::size_t joint = 0; joint < rotations.size(); ++joint) {
+      rotations[joint] = exp_so3(arrays.rotations[first + static_cast<std::size_t>(order[joint])]);
+    }
+    // the models turn about the pelvis, so its own place is never turned
+    clip.translations(frame)[0] = arrays.translations[frame] + body.joints[0];
+  }
+  return clip;
+}
+
+Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_name,
+                               const SmplReadOptions& options) {
+  const Result<NpzFile> file = NpzFile::open(bytes, file_name);
+  if (!file) return failure(file.error());
+  Result<MotionArrays> arrays = read_motion_arrays(*file, options.source_fps);
+  if (!arrays) return failure(arrays.error());
+  const Result<SmplRestBody> body = options.body != nullptr
+                                        ? model_rest_body(*options.body, *arrays)
+                                        : generic_rest_body(*file, arrays->betas, options.height);
+  if (!body) return failure(body.error());
+  return SmplMotion{clip_of(*arrays, *body),    arrays->family,          std::move(arrays->gender),
+                    std::move(arrays->betas),   options.body == nullptr, body->height,
+                    std::move(arrays->warnings)};
+}
+
+}  // namespace
+
+Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
+                             const SmplReadOptions& options) {
+  if (!is_positive(options.source_fps)) {
+    return usage_failure("the source frame rate must be a finite number above 0");
+  }
+  if (!is_positive(options.height)) {
+    return usage_failure("the height must be a finite number of metres above 0");
+  }
+  try {
+    return read_motion(bytes, file_name, options);
+  } catch (const std::bad_alloc&) {
+    return run_failure(file_name, "not enough memory for the motion in this file");
+  }
+}
+
+Result<SmplMotion> load_smpl(const std::string& path, const SmplReadOptions& options) {
+  const Result<FileContent> bytes = read_file(path);
+  if (!bytes) return failure(bytes.error());
+  return read_smpl(bytes->view(), path == "-" ? "<stdin>" : path, options);
+}
+
+}  // namespace retarget

@@ -1,0 +1,457 @@
+#include "retarget/base/npz.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "support/npz_builder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+using Style = NpzBuilder::Style;
+
+// the bytes end where their memory ends, so that a sanitizer sees any read past them
+class ExactBytes {
+ public:
+  explicit ExactBytes(std::string_view bytes)
+      : bytes_(new char[bytes.size()]), size_(bytes.size()) {
+    if (size_ > 0) std::memcpy(bytes_.get(), bytes.data(), size_);
+  }
+  [[nodiscard]] std::string_view view() const { return {bytes_.get(), size_}; }
+
+ private:
+  std::unique_ptr<char[]> bytes_;
+  std::size_t size_;
+};
+
+Result<NpyArray> read_array(const std::string& bytes, std::string_view name,
+                            const NpzReadOptions& options = {}) {
+  const ExactBytes exact(bytes);
+  const Result<NpzFile> file = NpzFile::open(exact.view(), "a.npz", options);
+  if (!file) return failure(file.error());
+  return file->read(name);
+}
+
+// the one array of a file that must be good
+NpyArray array_of(const std::string& npy_bytes, const Style& style = {}) {
+  const Result<NpyArray> array = read_array(NpzBuilder().add("a", npy_bytes, style).build(), "a");
+  EXPECT_TRUE(array.has_value()) << describe(array.error());
+  return array ? *array : NpyArray{};
+}
+
+template <typename T>
+std::string error_of(const Result<T>& result) {
+  return result ? "no error" : describe(result.error());
+}
+
+std::string array_error(const std::string& npy_bytes, const Style& style = {}) {
+  return error_of(read_array(NpzBuilder().add("a", npy_bytes, style).build(), "a"));
+}
+
+std::string reversed_items(std::string bytes, std::size_t size) {
+  for (std::size_t at = 0; at < bytes.size(); at += size) {
+    std::reverse(bytes.begin() + at, bytes.begin() + at + size);
+  }
+  return bytes;
+}
+
+TEST(Npz, ListsTheArraysAndReadsEach) {
+  const std::string bytes = NpzBuilder()
+                                .add("trans", npy_doubles({2, 3}, {1, 2, 3, 4, 5, 6}))
+                                .add("fps", npy("<i8", "()", element_bytes<std::int64_t>({30})))
+                                .build();
+  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
+  ASSERT_TRUE(file.has_value()) << describe(file.error());
+  EXPECT_THAT(file->names(), ElementsAre("trans", "fps"));
+  EXPECT_TRUE(file->has("fps"));
+  EXPECT_FALSE(file->has("trans.npy"));
+
+  const Result<NpyArray> trans = file->read("trans");
+  ASSERT_TRUE(trans.has_value()) << describe(trans.error());
+  EXPECT_THAT(trans->shape, ElementsAre(2, 3));
+  EXPECT_THAT(trans->numbers(), ElementsAre(1, 2, 3, 4, 5, 6));
+  const Result<NpyArray> fps = file->read("fps");
+  ASSERT_TRUE(fps.has_value()) << describe(fps.error());
+  EXPECT_THAT(fps->shape, IsEmpty());
+  EXPECT_EQ(fps->element_count(), 1U);
+  EXPECT_THAT(fps->numbers(), ElementsAre(30));
+  EXPECT_EQ(*file->type_of("trans"), "<f8");
+}
+
+TEST(Npz, EveryWayToStoreAnEntryGivesTheSameArray) {
+  const std::string array = npy_doubles({3}, {0.5, -2, 7});
+  for (const bool compress : {false, true}) {
+    for (const bool zip64_local : {false, true}) {
+      for (const bool zip64_central : {false, true}) {
+        for (const bool data_descriptor : {false, true}) {
+          Style style;
+          style.compress = compress;
+          style.zip64_local = zip64_local;
+          style.zip64_central = zip64_central;
+          style.data_descriptor = data_descriptor;
+          EXPECT_THAT(array_of(array, style).numbers(), ElementsAre(0.5, -2, 7));
+        }
+      }
+    }
+  }
+}
+
+TEST(Npz, FindsTheDirectoryBehindZip64RecordsAndComments) {
+  const NpzBuilder builder = NpzBuilder().add("a", npy_doubles({1}, {4}));
+  for (const bool zip64 : {false, true}) {
+    for (const std::string& comment :
+         {std::string(), std::string("PK\x05\x06 not the end"), std::string(65535, 'x')}) {
+      const auto array = read_array(builder.build(zip64, comment), "a");
+      ASSERT_TRUE(array.has_value()) << describe(array.error());
+      EXPECT_THAT(array->numbers(), ElementsAre(4));
+    }
+  }
+}
+
+TEST(Npz, NoArraysAreNoError) {
+  const std::string bytes = NpzBuilder().build();
+  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
+  ASSERT_TRUE(file.has_value()) << describe(file.error());
+  EXPECT_THAT(file->names(), IsEmpty());
+  EXPECT_THAT(error_of(file->read("a")), HasSubstr("no array \"a\"; found no arrays at all"));
+}
+
+TEST(Npz, ReadsEveryKindOfNumberInEitherByteOrder) {
+  const auto both = [](const std::string& type, std::size_t size, const std::string& data) {
+    const NpyArray little = array_of(npy("<" + type, "(3,)", data));
+    const NpyArray big = array_of(npy(">" + type, "(3,)", reversed_items(data, size)));
+    EXPECT_EQ(little.data, big.data) << type;
+    return little.numbers();
+  };
+  EXPECT_THAT(both("i1", 1, element_bytes<std::int8_t>({-128, 0, 127})), ElementsAre(-128, 0, 127));
+  EXPECT_THAT(both("i2", 2, element_bytes<std::int16_t>({-32768, 1, 32767})),
+              ElementsAre(-32768, 1, 32767));
+  EXPECT_THAT(both("i4", 4, element_bytes<std::int32_t>({-2147483647, 5, 2147483647})),
+              ElementsAre(-2147483647, 5, 2147483647));
+  EXPECT_THAT(both("i8", 8, element_bytes<std::int64_t>({-9007199254740992, 6, 1})),
+              ElementsAre(-9007199254740992.0, 6, 1));
+  EXPECT_THAT(both("u1", 1, element_bytes<std::uint8_t>({0, 128, 255})), ElementsAre(0, 128, 255));
+  EXPECT_THAT(both("u2", 2, element_bytes<std::uint16_t>({0, 258, 65535})),
+              ElementsAre(0, 258, 65535));
+  EXPECT_THAT(both("u4", 4, element_bytes<std::uint32_t>({0, 16909060, 4294967295})),
+              ElementsAre(0, 16909060, 4294967295.0));
+  EXPECT_THAT(both("u8", 8, element_bytes<std::uint64_t>({0, 7, 1ULL << 63})),
+              ElementsAre(0, 7, 9223372036854775808.0));
+  EXPECT_THAT(both("f4", 4, element_bytes<float>({-1.5F, 3e38F, 1e-45F})),
+              ElementsAre(-1.5, static_cast<double>(3e38F), static_cast<double>(1e-45F)));
+  EXPECT_THAT(both("f8", 8, element_bytes<double>({0.1, -1e308, 5e-324})),
+              ElementsAre(0.1, -1e308, 5e-324));
+  EXPECT_THAT(array_of(npy("|b1", "(3,)", std::string("\0\1\1", 3))).numbers(),
+              ElementsAre(0, 1, 1));
+}
+
+TEST(Npz, ReadsHalfFloats) {
+  // one, minus two, largest, smallest normal, smallest subnormal, a third
+  const std::string data =
+      element_bytes<std::uint16_t>({0x3C00, 0xC000, 0x7BFF, 0x0400, 0x0001, 0x3555});
+  EXPECT_THAT(
+      array_of(npy("<f2", "(6,)", data)).numbers(),
+      ElementsAre(1, -2, 65504, std::ldexp(1.0, -14), std::ldexp(1.0, -24), 1365.0 / 4096.0));
+  const auto special =
+      array_of(npy("<f2", "(3,)", element_bytes<std::uint16_t>({0x7C00, 0xFC00, 0x7E00})))
+          .numbers();
+  EXPECT_EQ(special[0], HUGE_VAL);
+  EXPECT_EQ(special[1], -HUGE_VAL);
+  EXPECT_TRUE(std::isnan(special[2]));
+}
+
+TEST(Npz, ReadsText) {
+  std::string characters;
+  for (const std::uint32_t c : {0x6D, 0x61, 0, 0xE9, 0x20AC, 0x1F600, 0xD800, 0, 0}) {
+    characters += little_endian_bytes(c, 4);
+  }
+  const std::vector<std::string> expected = {
+      std::string("ma"), "\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80", "\xEF\xBF\xBD"};
+  EXPECT_EQ(array_of(npy("<U3", "(3,)", characters)).texts(), expected);
+  EXPECT_EQ(array_of(npy(">U3", "(3,)", reversed_items(characters, 4))).texts(), expected);
+  EXPECT_THAT(array_of(npy("|S6", "(2,)", std::string("male\0\0female", 12))).texts(),
+              ElementsAre("male", "female"));
+  EXPECT_THAT(array_of(npy_text("neutral")).texts(), ElementsAre("neutral"));
+}
+
+TEST(Npz, PutsFortranOrderIntoCOrder) {
+  // element (i, j, k) is 100 i + 10 j + k; the first index is the fastest in the file
+  std::vector<double> fortran, c_order;
+  for (int k = 0; k < 4; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 2; ++i) fortran.push_back(100 * i + 10 * j + k);
+    }
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 4; ++k) c_order.push_back(100 * i + 10 * j + k);
+    }
+  }
+  const std::string bytes = npy("<f8", "(2, 3, 4)", element_bytes(fortran), true);
+  EXPECT_EQ(array_of(bytes).numbers(), c_order);
+  EXPECT_THAT(array_of(npy("<f8", "(2,)", element_bytes<double>({1, 2}), true)).numbers(),
+              ElementsAre(1, 2));
+  EXPECT_THAT(array_of(npy("<f8", "(2, 0)", "", true)).numbers(), IsEmpty());
+}
+
+TEST(Npz, ReadsEmptyArraysOfAnyShape) {
+  EXPECT_THAT(array_of(npy("<f4", "(0,)", "")).shape, ElementsAre(0));
+  EXPECT_THAT(array_of(npy("<f4", "(0, 3)", "")).numbers(), IsEmpty());
+  EXPECT_EQ(array_of(npy("<f4", "(99999999999, 0)", "")).element_count(), 0U);
+}
+
+TEST(Npz, ReadsHeadersOfEveryVersionAndSpelling) {
+  const std::string data = element_bytes<double>({1, 2});
+  for (const int version : {1, 2, 3}) {
+    EXPECT_THAT(array_of(npy("<f8", "(2,)", data, false, version)).numbers(), ElementsAre(1, 2));
+  }
+  for (const std::string dictionary : {
+           R"({"shape": (2,), "fortran_order": False, "descr": "<f8"})",
+           R"( { 'fortran_order' :False,'shape':( 2 , ),'descr':'<f8' , } )",
+           R"({'descr': '<f8', 'fortran_order': False, 'shape': (2L,), })",
+       }) {
+    EXPECT_THAT(array_of(npy_with_header(dictionary, data)).numbers(), ElementsAre(1, 2))
+        << dictionary;
+  }
+}
+
+TEST(Npz, RefusesMalformedHeaders) {
+  const std::string data = element_bytes<double>({1, 2});
+  for (const std::string dictionary : {
+           "",
+           "{",
+           "{}",
+           "'descr'",
+           "{'descr': '<f8', 'fortran_order': False}",
+           "{'descr': '<f8', 'fortran_order': 0, 'shape': (2,)}",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': 2}",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (-2,)}",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (2}",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)} x",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999,)}",
+           "{'descr: <f8}",
+           "{'descr': [('a', '<f8'",
+           "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), 'other': 1}",
+       }) {
+    EXPECT_THAT(array_error(npy_with_header(dictionary, data)),
+                HasSubstr("a.npz: error: array \"a\": the NPY header"))
+        << dictionary;
+  }
+  EXPECT_THAT(array_error(npy("<f8", "(2,)", data, false, 4)),
+              HasSubstr("expected NPY version 1, 2 or 3, found 4"));
+  EXPECT_THAT(array_error("no array at all"), HasSubstr("expected an NPY array"));
+  EXPECT_THAT(array_error("\x93NUMPY"), HasSubstr("ends early"));
+  EXPECT_THAT(array_error("\x93NUMPY\x02" + std::string(1, '\0') + "\xff\xff\xff\xff{"),
+              HasSubstr("header claims 4294967295 bytes"));
+}
+
+TEST(Npz, RefusesPythonObjectsByName) {
+  const std::string bytes = NpzBuilder().add("gender", npy("|O", "()", "\x80\x04\x4e.")).build();
+  const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
+  ASSERT_TRUE(file.has_value());
+  EXPECT_EQ(*file->type_of("gender"), "|O");
+  const Result<NpyArray> array = file->read("gender");
+  EXPECT_THAT(error_of(array), HasSubstr("array \"gender\": it holds Python objects"));
+  EXPECT_THAT(error_of(array), HasSubstr("hint: unpickling runs code"));
+  EXPECT_EQ(array.error().kind, ErrorKind::kInput);
+}
+
+TEST(Npz, RefusesTypesThatItDoesNotKnow) {
+  for (const std::string type : {"<c8", "<f16", "<f1", "<i3", "<M8[ns]", "|V4", "<U0", "|S0", "f8",
+                                 "", "<", "<f", "<f8x", "<U99999999999999999999", "|b2"}) {
+    EXPECT_THAT(array_error(npy(type, "()", "12345678")),
+                HasSubstr("array \"a\": its type " + type + " is not supported"));
+  }
+  EXPECT_THAT(array_error(npy_with_header("{'descr': [('x', '<f4'), ('y', '<f4', (2, 2))], "
+                                          "'fortran_order': False, 'shape': ()}",
+                                          "12345678")),
+              HasSubstr("its type [...] is not supported"));
+}
+
+TEST(Npz, HoldsTheShapeAgainstTheBytes) {
+  const std::string data = element_bytes<double>({1, 2});
+  EXPECT_THAT(array_error(npy("<f8", "(3,)", data)),
+              HasSubstr("its shape (3,) of <f8 needs 24 bytes, found 16"));
+  EXPECT_THAT(array_error(npy("<f8", "(1,)", data)), HasSubstr("needs 8 bytes, found 16"));
+  EXPECT_THAT(array_error(npy("<f8", "(4294967296, 4294967296)", data)),
+              HasSubstr("more elements than any memory"));
+  EXPECT_THAT(array_error(npy("<f8", "(2305843009213693952,)", data)),
+              HasSubstr("more elements than any memory"));
+  EXPECT_THAT(array_error(npy("<f8", "(1000000000000,)", data)),
+              HasSubstr("needs 8000000000000 bytes, found 16"));
+}
+
+TEST(Npz, SizesThatAreNotTrueCostNoMemory) {
+  // header and directory agree on 2^40 bytes that are not there
+  const std::string array = npy("<u1", "(1099511627776,)", "12345678");
+  Style style;
+  style.zip64_central = true;
+  style.claimed_size = static_cast<std::int64_t>(array.size() - 8) + 1099511627776;
+  NpzReadOptions options;
+  options.max_array_bytes = std::numeric_limits<std::size_t>::max();
+  for (const bool compress : {false, true}) {
+    style.compress = compress;
+    const auto found = read_array(NpzBuilder().add("a", array, style).build(), "a", options);
+    EXPECT_THAT(error_of(found), HasSubstr(compress ? "it ends early: expected 1099511627776 bytes"
+                                                    : "it is not compressed, but has"));
+  }
+}
+
+TEST(Npz, InflatesNoMoreThanTheShapeExplains) {
+  const std::string zeros(std::size_t{1} << 20, '\0');
+  Style style;
+  style.compress = true;
+  // the shape explains eight bytes, and so does the directory; a megabyte follows
+  const std::string array = npy("<u1", "(8,)", zeros);
+  style.claimed_size = static_cast<std::int64_t>(array.size() - zeros.size() + 8);
+  EXPECT_THAT(array_error(array, style), HasSubstr("packed data do not end where it ends"));
+
+  // all is true, but more than is asked for
+  style.claimed_size = -1;
+  const std::string bytes = NpzBuilder().add("a", npy("<u1", "(1048576,)", zeros), style).build();
+  EXPECT_LT(bytes.size(), zeros.size() / 100);
+  NpzReadOptions options;
+  options.max_array_bytes = zeros.size() - 1;
+  EXPECT_THAT(error_of(read_array(bytes, "a", options)),
+              HasSubstr("needs 1048576 bytes, at most 1048575 are read"));
+  options.max_array_bytes = zeros.size();
+  EXPECT_TRUE(read_array(bytes, "a", options).has_value());
+}
+
+TEST(Npz, ChecksTheChecksum) {
+  for (const bool compress : {false, true}) {
+    Style style;
+    style.compress = compress;
+    style.crc_error = 1;
+    EXPECT_THAT(array_error(npy_doubles({1}, {3}), style),
+                HasSubstr("array \"a\": its bytes disagree with their checksum"));
+  }
+}
+
+TEST(Npz, RefusesWhatItCannotUnpack) {
+  Style style;
+  style.flags = 1;
+  EXPECT_THAT(array_error(npy_doubles({1}, {3}), style), HasSubstr("it is encrypted"));
+  style.flags = 0;
+  style.method = 14;
+  EXPECT_THAT(array_error(npy_doubles({1}, {3}), style),
+              HasSubstr("its compression (ZIP method 14) is not supported"));
+  style.method = 8;
+  EXPECT_THAT(array_error(npy_doubles({1}, {3}), style), HasSubstr("array \"a\": "));
+}
+
+TEST(Npz, RefusesTwoArraysOfOneName) {
+  const std::string bytes = NpzBuilder()
+                                .add("a", npy_doubles({1}, {1}))
+                                .add_entry("a", npy_doubles({1}, {2}), {})
+                                .build();
+  EXPECT_THAT(error_of(NpzFile::open(bytes, "a.npz")), HasSubstr("there are two arrays \"a\""));
+}
+
+TEST(Npz, SaysWhichArraysThereAre) {
+  const std::string bytes =
+      NpzBuilder().add("poses", npy_doubles({1}, {1})).add("trans", npy_doubles({1}, {1})).build();
+  EXPECT_THAT(error_of(read_array(bytes, "Poses")),
+              HasSubstr("no array \"Poses\" (did you mean \"poses\"?); found poses, trans"));
+}
+
+TEST(Npz, SaysWhatAFileIsInstead) {
+  const auto error = [](const std::string& bytes) {
+    return error_of(NpzFile::open(bytes, "walk.npz"));
+  };
+  EXPECT_THAT(error(""), HasSubstr("walk.npz: error: expected an NPZ file, found an empty one"));
+  EXPECT_THAT(error(npy_doubles({1}, {1})), HasSubstr("a single NPY array"));
+  EXPECT_THAT(error("\x80\x04\x95"), HasSubstr("a Python pickle"));
+  EXPECT_THAT(error("HIERARCHY\n"), HasSubstr("a BVH file"));
+  EXPECT_THAT(error("some text that is long enough for a ZIP archive"),
+              HasSubstr("no ZIP directory at its end"));
+  NpzReadOptions options;
+  options.error_kind = ErrorKind::kConfig;
+  EXPECT_EQ(NpzFile::open("", "model.npz", options).error().kind, ErrorKind::kConfig);
+}
+
+// all arrays of a file; errors must say something and name the file
+void read_all(std::string_view bytes) {
+  const ExactBytes exact(bytes);
+  const Result<NpzFile> file = NpzFile::open(exact.view(), "a.npz");
+  if (!file) {
+    EXPECT_FALSE(file.error().message.empty());
+    EXPECT_EQ(file.error().file, "a.npz");
+    return;
+  }
+  for (const std::string& name : file->names()) {
+    (void)file->type_of(name);
+    const Result<NpyArray> array = file->read(name);
+    if (!array) {
+      EXPECT_FALSE(array.error().message.empty());
+      continue;
+    }
+    EXPECT_LE(array->data.size(), 1000 * bytes.size());
+    if (array->is_number()) (void)array->numbers();
+    if (array->is_text()) (void)array->texts();
+  }
+}
+
+std::vector<std::string> small_files() {
+  std::vector<std::string> files;
+  for (const bool compress : {false, true}) {
+    Style style;
+    style.compress = compress;
+    style.zip64_central = compress;
+    files.push_back(NpzBuilder()
+                        .add("poses", npy("<f4", "(2, 3)", std::string(24, 'x'), true), style)
+                        .add("gender", npy_text("male"), style)
+                        .build(compress));
+  }
+  return files;
+}
+
+TEST(NpzRobustness, EveryTruncationIsRefused) {
+  for (const std::string& bytes : small_files()) {
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      const ExactBytes exact(std::string_view(bytes).substr(0, size));
+      EXPECT_FALSE(NpzFile::open(exact.view(), "a.npz").has_value()) << size;
+    }
+  }
+}
+
+TEST(NpzRobustness, EveryChangedByteIsReadOrRefused) {
+  for (const std::string& bytes : small_files()) {
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+      for (const int change : {0x01, 0x10, 0x80, 0xFF}) {
+        std::string changed = bytes;
+        changed[at] = static_cast<char>(changed[at] ^ change);
+        read_all(changed);
+      }
+    }
+  }
+}
+
+TEST(Npy, ReadsASingleArray) {
+  const auto array = read_npy(npy_floats({2, 1}, {1.5F, -2.0F}), "a.npy");
+  ASSERT_TRUE(array.has_value()) << describe(array.error());
+  EXPECT_THAT(array->shape, ElementsAre(2, 1));
+  EXPECT_THAT(array->numbers(), ElementsAre(1.5, -2.0));
+  const std::string whole = npy_floats({2}, {1, 2});
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const ExactBytes exact(std::string_view(whole).substr(0, size));
+    EXPECT_THAT(error_of(read_npy(exact.view(), "a.npy")), HasSubstr("a.npy: error: "));
+  }
+}
+
+}  // namespace
+}  // namespace retarget
