@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "retarget/human/bones.h"
+#include "retarget/motion/skeleton.h"
 
 namespace retarget {
 
@@ -36,5 +37,14 @@ struct BoneMap {
     return joints;
   }
 };
+
+/// The joint whose rotation turns a bone.
+///
+/// That is the bone's own joint, except on the way from the hips up to the file's root where the
+/// root is not at the hips (a headset, for one): there the tree runs against the body, and the
+/// joint that turns the part of the body between two joints is the one farther from the hips.
+/// @return -1 for a bone without a joint.
+[[nodiscard]] int rotation_joint(const BoneMap& map, const Skeleton& skeleton,
+                                 std::string_view bone);
 
 }  // namespace retarget
