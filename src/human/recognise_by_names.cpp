@@ -106,22 +106,33 @@ class LimbSearch {
     if (choice.weight < best_.weight - kEqualMerit) return;
     // equal merit: joints in line are parts of one limb, the upper one counts
     bool in_line = true;
-    int depth_gain = 0;
+    int gain = 0;
     for (std::size_t i = 0; i < choice.joints.size(); ++i) {
       const int a = best_.joints[i], b = choice.joints[i];
       if (a == b) continue;
       if (a < 0 || b < 0) {
-        depth_gain += a < 0 ? 1 : -1;
+        gain += a < 0 ? 1 : -1;
         continue;
       }
       in_line = in_line && (is_above(a, b) || is_above(b, a));
-      depth_gain += source_.tree.depth(a) - source_.tree.depth(b);
+      gain += preference(a, b);
     }
     if (!in_line) {
       rival_ = choice;
-    } else if (depth_gain > 0) {
+    } else if (gain > 0) {
       best_ = choice;
     }
+  }
+
+  // positive if b is to be preferred to a: the upper one, but of one word the shorter name, which is
+  // no helper's
+  int preference(int a, int b) const {
+    const auto length = [&](int joint) {
+      return static_cast<int>(source_.skeleton.joint(joint).name.size());
+    };
+    const bool same_word = source_.names[a] == source_.names[b];
+    if (same_word && length(a) != length(b)) return length(a) - length(b);
+    return source_.tree.depth(a) - source_.tree.depth(b);
   }
 
   // the first slot that best and rival fill with different joints

@@ -73,9 +73,17 @@ std::size_t end_of_limb(const BodySource& source, const TreeReach& reach, const 
   return size;
 }
 
+// how a kind of limb looks
+struct LimbShape {
+  double lower_per_upper;  // shin per thigh, forearm per upper arm
+  double most_before;      // a helper or clavicle is at most this share of itself and what follows
+};
+constexpr LimbShape kLegShape = {1.0, 0.2};
+constexpr LimbShape kArmShape = {0.85, 0.42};
+
 // the three joints of a chain that are most like a limb
-Limb find_limb(const ChainPair& pair, std::size_t size, double lower_per_upper) {
-  constexpr double kRatioSpread = 0.2, kHelperShare = 0.2;
+Limb find_limb(const ChainPair& pair, std::size_t size, const LimbShape& shape) {
+  constexpr double kRatioSpread = 0.2;
   std::vector<double> along(size, 0.0);
   for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
   Limb best;
@@ -84,16 +92,16 @@ Limb find_limb(const ChainPair& pair, std::size_t size, double lower_per_upper) 
       for (std::size_t k = j + 1; k < size; ++k) {
         const double upper = along[j] - along[i], lower = along[k] - along[j];
         if (upper <= 0.0 || lower <= 0.0) continue;
-        const double deviation = std::log(lower / upper / lower_per_upper) / kRatioSpread;
+        const double deviation = std::log(lower / upper / shape.lower_per_upper) / kRatioSpread;
         const double merit = upper * lower * std::exp(-0.5 * deviation * deviation);
         if (merit > best.merit) best = {i, j, k, merit};
       }
     }
   }
-  // helpers stand close before the joint that turns the limb
+  // helpers and clavicles come before the joint that turns the limb
   while (best.merit > 0.0 && best.upper + 1 < best.lower &&
          along[best.upper + 1] - along[best.upper] <
-             kHelperShare * (along[best.lower] - along[best.upper])) {
+             shape.most_before * (along[best.lower] - along[best.upper])) {
     ++best.upper;
   }
   return best;
@@ -133,11 +141,19 @@ double height_above_torso(const BodySource& source, const Shape& shape, int join
   return height;
 }
 
-// a last joint that carries nothing, not even an end site: the top of the head
-bool is_mere_end(const BodySource& source, int joint) {
-  const auto& ends = source.skeleton.joint(joint).end_sites;
-  return source.tree.neighbours(joint).size() == 1 &&
-         std::ranges::all_of(ends, [](const Eigen::Vector3d& end) { return end.norm() < 1e-9; });
+// whether the last joint of torso, neck and head is but the top of the head: it carries nothing,
+// or is farther from the head than that is from the neck
+bool ends_in_top(const BodySource& source, const std::vector<int>& chain) {
+  constexpr double kLongerThanNeck = 1.25;
+  if (chain.size() < 3) return false;
+  const int last = chain.back(), before = chain[chain.size() - 2];
+  if (source.tree.neighbours(last).size() != 1) return false;
+  const auto& ends = source.skeleton.joint(last).end_sites;
+  if (std::ranges::all_of(ends, [](const Eigen::Vector3d& end) { return end.norm() < 1e-9; })) {
+    return true;
+  }
+  const std::vector<double>& lengths = source.poses.lengths;
+  return lengths[before] > 0.0 && lengths[last] > kLongerThanNeck * lengths[before];
 }
 
 // the way to the head: of what else hangs from the torso or below it, what reaches highest
@@ -156,7 +172,7 @@ std::vector<int> find_head_chain(const BodySource& source, const Shape& shape) {
       best_height = height;
     }
   }
-  if (best.size() >= 3 && is_mere_end(source, best.back())) best.pop_back();
+  if (ends_in_top(source, best)) best.pop_back();
   return best;
 }
 
@@ -169,7 +185,8 @@ double order_merit(const BodySource& source, const TreeReach& reach, const Shape
   // legs are longer than arms, and thigh and shin nearer to equal length
   const std::size_t leg_end = end_of_limb(source, reach, shape.legs);
   const std::size_t arm_end = end_of_limb(source, reach, shape.arms);
-  const Limb leg = find_limb(shape.legs, leg_end, 1.0), arm = find_limb(shape.arms, arm_end, 0.85);
+  const Limb leg = find_limb(shape.legs, leg_end, kLegShape),
+             arm = find_limb(shape.arms, arm_end, kArmShape);
   merit += leg.merit > arm.merit ? 0.6 : -0.6;
   // clavicles come before the arm, and fingers spread from the hand
   merit += arm.upper > leg.upper ? 0.4 : arm.upper < leg.upper ? -0.4 : 0.0;
@@ -219,8 +236,8 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
 
 // whether both pairs hold a limb, which is then mapped
 bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& shape, BoneMap& map) {
-  const Limb leg = find_limb(shape.legs, end_of_limb(source, reach, shape.legs), 1.0);
-  const Limb arm = find_limb(shape.arms, end_of_limb(source, reach, shape.arms), 0.85);
+  const Limb leg = find_limb(shape.legs, end_of_limb(source, reach, shape.legs), kLegShape);
+  const Limb arm = find_limb(shape.arms, end_of_limb(source, reach, shape.arms), kArmShape);
   if (leg.merit <= 0.0 || arm.merit <= 0.0) return false;
   for (const std::string side : {"Left", "Right"}) {
     const bool left = side == "Left";

@@ -65,20 +65,27 @@ void set_torso(const BodySource& source, BoneMap& map) {
   if (torso != hips) joint_of(map, "Spine2") = torso;
 }
 
+// the joints of the spine below the torso; one that carries hips and spine alike turns neither
+std::vector<int> spine_chain(const BodySource& source, const BoneMap& map) {
+  const int hips = map.joint("Hips"), torso = map.joint("Spine2");
+  std::vector<int> chain = joints_between(source, hips, torso);
+  if (!chain.empty()) std::erase(chain, source.tree.meeting_point(0, hips, torso));
+  return chain;
+}
+
 // the first joint of the spine, and of the others the one nearest to halfway up to the torso
 void set_spine(const BodySource& source, BoneMap& map) {
-  const int torso = map.joint("Spine2");
-  if (map.joint("Spine") >= 0 || map.joint("Spine1") >= 0) return;
-  const std::vector<int> chain = joints_between(source, map.joint("Hips"), torso);
+  std::vector<int> chain = spine_chain(source, map);
   if (chain.empty()) return;
-  joint_of(map, "Spine") = chain[0];
-  if (chain.size() < 2) return;
-  const double half = 0.5 * length_of_path(source, chain[0], torso);
-  const auto distance = [&](int joint) {
-    return std::abs(length_of_path(source, chain[0], joint) - half);
-  };
-  joint_of(map, "Spine1") = *std::min_element(
-      chain.begin() + 1, chain.end(), [&](int a, int b) { return distance(a) < distance(b); });
+  if (map.joint("Spine") < 0) joint_of(map, "Spine") = chain[0];
+  const int first = map.joint("Spine"), torso = map.joint("Spine2");
+  std::erase_if(chain, [&](int joint) {
+    return is_mapped(map, joint) || !source.tree.between(joint, first, torso);
+  });
+  if (chain.empty() || map.joint("Spine1") >= 0) return;
+  const double half = 0.5 * length_of_path(source, first, torso);
+  joint_of(map, "Spine1") = *std::ranges::min_element(
+      chain, {}, [&](int joint) { return std::abs(length_of_path(source, first, joint) - half); });
 }
 
 // necks of two joints may begin with a helper that stands at the torso
