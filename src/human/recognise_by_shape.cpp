@@ -52,37 +52,41 @@ std::vector<Hub> find_hubs(const BodySource& source, const TreeReach& reach) {
   return hubs;
 }
 
-// a chain ends where fingers spread and before segments much shorter than what came before
-std::size_t end_of_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair) {
+// how many joints of a chain belong to the limb
+struct LimbEnd {
+  std::size_t size = 0;
+  bool spreads = false;  // the last of them carries fingers, or several toes
+};
+
+// a limb ends where fingers spread, else before segments much shorter than what came before
+LimbEnd end_of_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair) {
   constexpr double kSpread = 0.5, kShortSegment = 0.6;
-  std::size_t size = pair.left.size();
   for (std::size_t i = 1; i + 1 < pair.left.size(); ++i) {
     std::vector<double> ways;
     for (const int next : source.tree.neighbours(pair.left[i])) {
       if (next != pair.left[i - 1]) ways.push_back(reach.reach(pair.left[i], next));
     }
     std::ranges::sort(ways, std::greater<>{});
-    if (ways.size() > 1 && ways[0] > 0.0 && ways[1] > kSpread * ways[0]) {
-      size = i + 1;
-      break;
-    }
+    if (ways.size() > 1 && ways[0] > 0.0 && ways[1] > kSpread * ways[0]) return {i + 1, true};
   }
-  const double longest =
-      *std::max_element(pair.lengths.begin() + 1, pair.lengths.begin() + static_cast<long>(size));
+  std::size_t size = pair.left.size();
+  const double longest = *std::max_element(pair.lengths.begin() + 1, pair.lengths.end());
   while (size > 3 && pair.lengths[size - 1] < kShortSegment * longest) --size;
-  return size;
+  return {size, false};
 }
 
 // how a kind of limb looks
 struct LimbShape {
   double lower_per_upper;  // shin per thigh, forearm per upper arm
   double most_before;      // a helper or clavicle is at most this share of itself and what follows
+  bool ends_in_spread;     // joints spread from the hand, but from foot or toe
 };
-constexpr LimbShape kLegShape = {1.0, 0.2};
-constexpr LimbShape kArmShape = {0.85, 0.42};
+constexpr LimbShape kLegShape = {1.0, 0.2, false};
+constexpr LimbShape kArmShape = {0.85, 0.46, true};
 
 // the three joints of a chain that are most like a limb
-Limb find_limb(const ChainPair& pair, std::size_t size, const LimbShape& shape) {
+Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& shape) {
+  const std::size_t size = limb_end.size;
   constexpr double kRatioSpread = 0.2;
   std::vector<double> along(size, 0.0);
   for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
@@ -92,6 +96,7 @@ Limb find_limb(const ChainPair& pair, std::size_t size, const LimbShape& shape) 
       for (std::size_t k = j + 1; k < size; ++k) {
         const double upper = along[j] - along[i], lower = along[k] - along[j];
         if (upper <= 0.0 || lower <= 0.0) continue;
+        if (limb_end.spreads && shape.ends_in_spread && k + 1 < size) continue;
         const double deviation = std::log(lower / upper / shape.lower_per_upper) / kRatioSpread;
         const double merit = upper * lower * std::exp(-0.5 * deviation * deviation);
         if (merit > best.merit) best = {i, j, k, merit};
@@ -183,8 +188,8 @@ double order_merit(const BodySource& source, const TreeReach& reach, const Shape
   merit += source.tree.neighbours(shape.torso).size() > 3 ? 1.0 : 0.0;
   merit -= source.tree.neighbours(shape.hips).size() > 3 ? 0.5 : 0.0;
   // legs are longer than arms, and thigh and shin nearer to equal length
-  const std::size_t leg_end = end_of_limb(source, reach, shape.legs);
-  const std::size_t arm_end = end_of_limb(source, reach, shape.arms);
+  const LimbEnd leg_end = end_of_limb(source, reach, shape.legs);
+  const LimbEnd arm_end = end_of_limb(source, reach, shape.arms);
   const Limb leg = find_limb(shape.legs, leg_end, kLegShape),
              arm = find_limb(shape.arms, arm_end, kArmShape);
   merit += leg.merit > arm.merit ? 0.6 : -0.6;
