@@ -17,6 +17,8 @@ constexpr int kMostJoints = 1000;
 constexpr double kLeastReach = 0.12;
 constexpr std::size_t kMostHubs = 16;
 constexpr double kShapeConfidence = 0.7;
+// joints nearer to each other than this share of a chain stand at one place
+constexpr double kSamePlace = 0.02;
 
 // the part of a chain that is a limb: three joints in proportion
 struct Limb {
@@ -90,8 +92,12 @@ Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& 
   constexpr double kRatioSpread = 0.2;
   std::vector<double> along(size, 0.0);
   for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
+  // left and right limbs do not begin at one place
+  std::size_t first = 0;
+  const double least = kSamePlace * pair.reach;
+  while (first < size && pair.lengths[0] + along[first] < least) ++first;
   Limb best;
-  for (std::size_t i = 0; i < size; ++i) {
+  for (std::size_t i = first; i < size; ++i) {
     for (std::size_t j = i + 1; j < size; ++j) {
       for (std::size_t k = j + 1; k < size; ++k) {
         const double upper = along[j] - along[i], lower = along[k] - along[j];
@@ -114,7 +120,7 @@ Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& 
 
 // the joint before a limb or after it that is not at the same place
 int neighbour_at(const ChainPair& pair, const std::vector<int>& side, std::size_t from, int step) {
-  const double least = 0.02 * pair.reach;
+  const double least = kSamePlace * pair.reach;
   for (auto i = static_cast<long>(from) + step; i >= 0 && i < static_cast<long>(side.size());
        i += step) {
     const double length = pair.lengths[static_cast<std::size_t>(step > 0 ? i : i + 1)];
