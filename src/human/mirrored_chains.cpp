@@ -67,6 +67,11 @@ TreeReach::TreeReach(const BodySource& source)
       down_(source.tree.joint_count(), 0.0),
       up_(source.tree.joint_count(), 0.0) {
   const int count = tree_.joint_count();
+  for (int joint = 0; joint < count; ++joint) {
+    for (const Eigen::Vector3d& end : source.skeleton.joint(joint).end_sites) {
+      down_[joint] = std::max(down_[joint], end.norm());
+    }
+  }
   for (int joint = count - 1; joint > 0; --joint) {
     double& parent = down_[tree_.parent(joint)];
     parent = std::max(parent, lengths_[joint] + down_[joint]);

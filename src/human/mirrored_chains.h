@@ -20,7 +20,7 @@ class TreeReach {
 
   /// Distance between neighbours.
   [[nodiscard]] double edge(int a, int b) const { return lengths_[tree_.parent(a) == b ? a : b]; }
-  /// The longest path that leaves `from` by its neighbour `by`.
+  /// The longest path that leaves `from` by its neighbour `by`; end sites count.
   [[nodiscard]] double reach(int from, int by) const;
   /// The longest path of the whole tree.
   [[nodiscard]] double diameter() const;
