@@ -107,6 +107,19 @@ std::vector<RoleWeight> roles_of(const JointName& name) {
   return roles;
 }
 
+bool may_mean(const JointName& name, std::string_view bone) {
+  // the canonical names are words themselves; the spine's are all one
+  const std::vector<JointName> canonical = normalise_joint_names({std::string(bone)});
+  if (name.side != canonical[0].side) return false;
+  // only in the canonical names is the leg the shin, and the shoulder the clavicle
+  const std::string& base = canonical[0].base;
+  const Role wanted = base == "leg"        ? Role::kShin
+                      : base == "shoulder" ? Role::kClavicle
+                                           : roles_of(canonical[0]).front().role;
+  return std::ranges::any_of(roles_of(name),
+                             [wanted](const RoleWeight& r) { return r.role == wanted; });
+}
+
 bool is_limb_word(std::string_view base) {
   return std::ranges::find(kLimbWords, base, &Word::text) != kLimbWords.end();
 }

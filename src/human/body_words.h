@@ -33,6 +33,9 @@ struct RoleWeight {
 /// or the shin. Names of fingers, twist joints, ends and helpers mean none.
 [[nodiscard]] std::vector<RoleWeight> roles_of(const JointName& name);
 
+/// Whether a name may mean a canonical bone.
+[[nodiscard]] bool may_mean(const JointName& name, std::string_view bone);
+
 /// Whether a word names a part of a limb when a side stands in front of it.
 [[nodiscard]] bool is_limb_word(std::string_view base);
 

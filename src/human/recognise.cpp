@@ -56,17 +56,29 @@ class Recogniser {
   Result<BoneMap> run() {
     if (auto map = recognise_by_dialect(source_, dialects_)) consider(std::move(*map));
     if (accepted_) return finish();
-    if (auto stop = consider_candidate(recognise_by_names(source_))) return failure(*stop);
+    const std::optional<Error> by_names = consider_candidate(recognise_by_names(source_));
     if (accepted_) return finish();
     // limbs that names left out or put wrongly
-    if (auto stop = consider_candidate(recognise_by_shape(source_))) {
-      if (incomplete_.empty()) return failure(*stop);
-    }
+    const std::optional<Error> by_shape = consider_candidate(recognise_by_shape(source_));
+    if (by_names && !(accepted_ && names_mean_nothing(*accepted_))) return failure(*by_names);
     if (accepted_) return finish();
+    if (by_shape && incomplete_.empty()) return failure(*by_shape);
     return refuse_or_take_part();
   }
 
  private:
+  // whether most joints that the shape maps are called after other parts of the body
+  bool names_mean_nothing(const BoneMap& map) const {
+    int mapped = 0, fitting = 0;
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      const int joint = map.joint_of_bone[bone];
+      if (joint < 0) continue;
+      ++mapped;
+      fitting += may_mean(source_.names[joint], kBoneNames[bone]) ? 1 : 0;
+    }
+    return 2 * fitting < mapped;
+  }
+
   // an error to stop at, if there is one
   std::optional<Error> consider_candidate(Candidate candidate) {
     if (!candidate) return candidate.error();
@@ -121,18 +133,18 @@ class Recogniser {
     };
     if (lacks("hips") || (is_limb_of("leg") && is_limb_of("arm"))) return no_human(missing);
     if (!options_.partial) {
-      return input_failure(source_.file, "no " + list_names(missing) + " found in the skeleton",
+      return input_failure(source_.file, "no " + sentence_of(missing) + " found in the skeleton",
                            std::string("go on without with --partial, or ") + kMapHint);
     }
     accepted_ = *best;
     accepted_->partial = true;
-    accepted_->notes.push_back("partial: the source has no " + list_names(missing));
+    accepted_->notes.push_back("partial: the source has no " + sentence_of(missing));
     return finish();
   }
 
   Failure no_human(const std::vector<std::string>& missing) const {
     const int count = source_.skeleton.joint_count();
-    std::string message = "no human skeleton: no " + list_names(missing) + " found in its " +
+    std::string message = "no human skeleton: no " + sentence_of(missing) + " found in its " +
                           std::to_string(count) + (count == 1 ? " joint" : " joints");
     if (!faults_.empty()) message += "; " + faults_.front();
     return input_failure(source_.file, message,
