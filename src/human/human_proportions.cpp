@@ -51,31 +51,34 @@ double trunk_length(const BodySource& source, const BoneMap& map) {
 
 }  // namespace
 
-std::vector<std::string> signs_against_human(const BodySource& source, const BoneMap& map) {
-  std::vector<std::string> signs;
+HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
+  HumanDoubts doubts;
   for (const char* bone : {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "RightUpLeg", "RightLeg",
                            "RightFoot", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
-    if (map.joint(bone) < 0) return signs;
+    if (map.joint(bone) < 0) return doubts;
   }
   const double leg = limb_length(source, map, {"UpLeg", "Leg", "Foot"});
   if (leg < kLeastLegPerTrunk * trunk_length(source, map)) {
-    signs.emplace_back("the legs are shorter than the trunk");
+    doubts.signs.emplace_back("the legs are shorter than the trunk");
   }
   const bool has_hands = map.joint("LeftHand") >= 0 && map.joint("RightHand") >= 0;
   if (has_hands && limb_length(source, map, {"Arm", "ForeArm", "Hand"}) > kMostArmPerLeg * leg) {
-    signs.emplace_back("the arms are as long as the legs");
+    doubts.signs.emplace_back("the arms are as long as the legs");
   }
-  if (source.poses.from_motion && std::ranges::none_of(source.poses.poses, [&](const auto& pose) {
-        return uprightness(pose, map) > kLeastUprightness;
-      })) {
-    signs.emplace_back("the trunk never rises over the legs");
+  const bool stands = source.poses.from_motion &&
+                      std::ranges::any_of(source.poses.poses, [&](const BodyPoses::Pose& pose) {
+                        return uprightness(pose, map) > kLeastUprightness;
+                      });
+  if (source.poses.from_motion && !stands) {
+    doubts.signs.emplace_back("the trunk never rises over the legs");
   }
   for (int joint = 0; joint < source.skeleton.joint_count(); ++joint) {
     if (!is_animal_word(source.names[joint].base)) continue;
-    signs.push_back("it has a " + quoted_name(source.skeleton, joint));
+    doubts.signs.push_back("it has a " + quoted_name(source.skeleton, joint));
     break;
   }
-  return signs;
+  doubts.proven = doubts.signs.size() >= (stands ? 3U : 2U);
+  return doubts;
 }
 
 }  // namespace retarget

@@ -4,13 +4,15 @@
 
 namespace retarget {
 
-/// Why a body is no human's, such as `the legs are shorter than the trunk`; empty: it may be one.
-///
-/// Signs are a trunk longer than the legs, arms as long as the legs, names of animals' parts, and a
-/// trunk that is never in line with the legs in a motion. One sign is no proof; two are.
-[[nodiscard]] std::vector<std::string> signs_against_human(const BodySource& source,
-                                                           const BoneMap& map);
+/// What speaks against a body being a human's.
+struct HumanDoubts {
+  std::vector<std::string> signs;  ///< Such as `the legs are shorter than the trunk`.
+  bool proven = false;             ///< Enough signs that it is none.
+};
 
-inline constexpr std::size_t kSignsThatProve = 2;
+/// Signs are a trunk longer than the legs, arms as long as the legs, names of animals' parts, and a
+/// trunk that never rises over the legs in a motion. Two prove it; of a body that is seen to stand,
+/// which may be a cartoon's, three.
+[[nodiscard]] HumanDoubts doubt_human(const BodySource& source, const BoneMap& map);
 
 }  // namespace retarget

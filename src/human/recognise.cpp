@@ -103,12 +103,13 @@ class Recogniser {
 
   Result<BoneMap> finish() {
     if (auto doubled = find_doubled_name(source_, *accepted_)) return failure(*doubled);
-    const std::vector<std::string> signs = signs_against_human(source_, *accepted_);
-    if (signs.size() >= kSignsThatProve) {
-      return input_failure(source_.file, "the skeleton is not a human's: " + sentence_of(signs),
+    const HumanDoubts doubts = doubt_human(source_, *accepted_);
+    if (doubts.proven) {
+      return input_failure(source_.file,
+                           "the skeleton is not a human's: " + sentence_of(doubts.signs),
                            std::string("if it is one, ") + kMapHint);
     }
-    for (const std::string& sign : signs) {
+    for (const std::string& sign : doubts.signs) {
       accepted_->notes.push_back("odd for a human: " + sign);
       accepted_->confidence *= kOddity;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -7,6 +8,8 @@
 
 #include "retarget/human/bone_map.h"
 #include "retarget/human/dialect.h"
+#include "retarget/human/recognise.h"
+#include "retarget/motion/clip.h"
 #include "retarget/motion/skeleton.h"
 
 namespace retarget {
@@ -92,5 +95,61 @@ Hips 0 90 0
               RightHand -25 0 0
                 end -15 0 0
 )";
+
+/// LAFAN1's own tree and axes.
+inline constexpr const char* kLafan1 = R"(
+Hips 10 90 10
+  LeftUpLeg 0.1 1.9 10.5
+    LeftLeg 43.5 0 0
+      LeftFoot 42.4 0 0
+        LeftToe 17.3 0 0
+  RightUpLeg 0.1 1.9 -10.5
+    RightLeg 43.5 0 0
+      RightFoot 42.4 0 0
+        RightToe 17.3 0 0
+  Spine 6.9 -2.6 0
+    Spine1 12.6 0 0
+      Spine2 12.3 0 0
+        Neck 25.8 0 0
+          Head 11.8 0 0
+        LeftShoulder 19.7 -1.5 6
+          LeftArm 11.3 0 0
+            LeftForeArm 33 0 0
+              LeftHand 25.2 0 0
+        RightShoulder 19.7 -1.5 -6
+          RightArm 11.3 0 0
+            RightForeArm 33 0 0
+              RightHand 25.2 0 0
+)";
+
+/// The skeleton with other names, joint by joint in order.
+inline Skeleton with_names(const Skeleton& skeleton, const std::vector<std::string>& names) {
+  std::vector<Joint> joints = skeleton.joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) joints[i].name = names[i];
+  return Skeleton(std::move(joints));
+}
+
+/// Names that say nothing: j0, j1 and so on.
+inline std::vector<std::string> meaningless_names(const Skeleton& skeleton) {
+  std::vector<std::string> names;
+  for (int i = 0; i < skeleton.joint_count(); ++i) names.push_back("j" + std::to_string(i));
+  return names;
+}
+
+/// The motion on a skeleton whose names say nothing.
+inline Clip without_names(const Clip& clip) {
+  const Skeleton unnamed = with_names(clip.skeleton(), meaningless_names(clip.skeleton()));
+  Clip same(std::make_shared<const Skeleton>(unnamed), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), same.rotations(frame).begin());
+    std::ranges::copy(clip.translations(frame), same.translations(frame).begin());
+  }
+  return same;
+}
+
+/// recognise_skeleton with the shipped dialects.
+inline Result<BoneMap> recognise(const Skeleton& skeleton, bool partial = false) {
+  return recognise_skeleton(skeleton, shipped_dialects(), "clip.bvh", {.partial = partial});
+}
 
 }  // namespace retarget
