@@ -52,6 +52,7 @@ void forget_placing_joints(const Skeleton& skeleton, std::vector<double>& length
 
 BodyPoses poses_at(const Clip& clip, const std::vector<int>& frames) {
   BodyPoses result;
+  result.poses.reserve(frames.size());
   for (const int frame : frames) result.poses.push_back(pose_of(clip, frame));
   result.lengths = mean_lengths(clip, frames);
   forget_placing_joints(clip.skeleton(), result.lengths);
@@ -68,6 +69,7 @@ BodyPoses sample_poses(const Clip& clip) {
   if (clip.frame_count() == 0) return zero_pose(clip.skeleton());
   const int count = std::min(clip.frame_count(), kMostPoses);
   std::vector<int> frames;
+  frames.reserve(count);
   for (int i = 0; i < count; ++i) {
     frames.push_back(static_cast<int>(static_cast<long long>(clip.frame_count() - 1) * i /
                                       std::max(count - 1, 1)));

@@ -31,7 +31,7 @@ class PairSearch {
   }
 
   // the longest equal chains that begin with the steps from a to x and from b to y
-  // NOLINTNEXTLINE(misc-no-recursion): as deep as the tree, which the caller bounds
+  // recurses as deep as the tree, which the caller bounds
   ChainPair follow(int a, int x, int b, int y) const {
     const double left = reach_.edge(a, x), right = reach_.edge(b, y);
     if (std::abs(left - right) > std::max(kLengthTolerance * std::max(left, right), small_)) {

@@ -31,8 +31,7 @@ class DialectNames {
     }
     for (const auto& [joint, direction] : dialect.directions) all.push_back(joint);
     std::ranges::sort(all);
-    const auto doubled = std::ranges::unique(all);
-    all.erase(doubled.begin(), doubled.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
     written_ = std::move(all);
     normalised_ = normalise_joint_names(written_);
   }

@@ -67,7 +67,7 @@ class LimbSearch {
   }
 
  private:
-  // NOLINTNEXTLINE(misc-no-recursion): as deep as a limb has bones
+  // recurses as deep as a limb has bones
   void extend(const Choice& begun) {
     if (begun.joints.size() == slots_.size()) {
       compare(begun);
@@ -171,6 +171,7 @@ Result<double> map_limb(const BodySource& source, const std::array<LimbBone, 4>&
                         BoneMap& map) {
   const std::string side_name = side == Side::kLeft ? "Left" : "Right";
   std::vector<Slot> slots;
+  slots.reserve(limb.size());
   for (const LimbBone& bone : limb) {
     slots.push_back({side_name + std::string(bone.bone), bone.required,
                      joints_of_role(source, bone.role, side)});

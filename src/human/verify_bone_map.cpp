@@ -75,8 +75,10 @@ void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) 
     const auto shin = segment(source, map, side, "Leg", "Foot");
     if (!thigh || !shin) continue;
     if (*shin <= 0.0 || *thigh < kLeastLegRatio * *shin || *thigh > kMostLegRatio * *shin) {
-      verdict.faults.push_back("thigh and shin (" + side + "UpLeg, " + side +
-                               "Leg) are out of proportion");
+      std::string fault = side;
+      fault += "UpLeg and " + side;
+      fault += "Leg are out of proportion";
+      verdict.faults.push_back(std::move(fault));
     }
   }
 }
