@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "human/joint_names.h"
+
+namespace retarget {
+
+/// What part of a body a joint may stand for; of limbs on one side.
+enum class Role {
+  kHips,
+  kSpine,
+  kNeck,
+  kHead,
+  kThigh,
+  kShin,
+  kFoot,
+  kToe,
+  kClavicle,
+  kUpperArm,
+  kForearm,
+  kHand,
+};
+
+/// How well a word names a role: 1 for a word that means nothing else.
+struct RoleWeight {
+  Role role;
+  double weight;
+};
+
+/// Roles that a normalised name may mean: `shoulder` the clavicle or the upper arm, `leg` the thigh
+/// or the shin. Names of fingers, twist joints, ends and helpers mean none.
+[[nodiscard]] std::vector<RoleWeight> roles_of(const JointName& name);
+
+/// Whether a name may mean a canonical bone.
+[[nodiscard]] bool may_mean(const JointName& name, std::string_view bone);
+
+/// Whether a word names a part of a limb when a side stands in front of it.
+[[nodiscard]] bool is_limb_word(std::string_view base);
+
+/// Whether a name speaks of an animal: tail, paw, wing.
+[[nodiscard]] bool is_animal_word(std::string_view base);
+
+}  // namespace retarget

@@ -1,0 +1,118 @@
+#include "retarget/human/bone_map_file.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "base/faults.h"
+#include "base/json.h"
+#include "human/canonical_tree.h"
+#include "human/verify_bone_map.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string in_quotes(std::string_view text) {
+  return "\"" + std::string(text) + "\"";
+}
+
+// the joint that an entry names
+std::optional<int> read_joint(const std::string& bone, const Json& value, const Skeleton& skeleton,
+                              Faults& faults) {
+  if (value.is_null()) return -1;
+  if (!value.is_string()) {
+    faults.add(in_quotes(bone) + " must be the name of a joint or null, found " +
+               short_text(value));
+    return std::nullopt;
+  }
+  const std::string name = value.get<std::string>();
+  const std::vector<std::string> names = skeleton.names();
+  const auto count = std::ranges::count(names, name);
+  if (count == 1) return skeleton.find(name);
+  if (count == 0) {
+    faults.add(in_quotes(bone) + ": the skeleton has no joint " + in_quotes(name) +
+               did_you_mean(name, names));
+  } else {
+    faults.add(in_quotes(bone) + ": " + std::to_string(count) + " joints are called " +
+               in_quotes(name) + "; rename all but one of them");
+  }
+  return std::nullopt;
+}
+
+void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faults& faults) {
+  static const std::vector<std::string> kBones(bone_names().begin(),
+                                               bone_names().begin() + kMappedBoneCount);
+  std::map<int, std::string> bone_of_joint;
+  for (const auto& [key, value] : json.items()) {
+    const std::optional<int> bone = find_bone(key);
+    if (!bone || *bone >= kMappedBoneCount) {
+      faults.add("no bone " + in_quotes(key) + did_you_mean(key, kBones));
+      continue;
+    }
+    const std::optional<int> joint = read_joint(key, value, skeleton, faults);
+    if (!joint || *joint < 0) continue;
+    const auto [found, is_new] = bone_of_joint.try_emplace(*joint, key);
+    if (!is_new) {
+      faults.add(in_quotes(skeleton.joint(*joint).name) + " stands for two bones, " +
+                 in_quotes(found->second) + " and " + in_quotes(key));
+    }
+    map.joint_of_bone[*bone] = *joint;
+  }
+}
+
+// what makes the map as a whole unusable
+void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
+  if (map.joint("Hips") < 0) faults.add("\"Hips\" has no joint: without it there is no root");
+  const SkeletonTree tree(skeleton);
+  for (const auto& chain : bone_chains()) {
+    for (const std::string_view bone : bones_out_of_line(tree, map, chain)) {
+      faults.add(in_quotes(skeleton.joint(map.joint(bone)).name) + " as " + in_quotes(bone) +
+                 " does not hang from the bones before it");
+    }
+  }
+}
+
+}  // namespace
+
+std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton) {
+  Json json = Json::object();
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const int joint = map.joint_of_bone[bone];
+    Json& entry = json[std::string(kBoneNames[bone])];
+    if (joint >= 0) entry = skeleton.joint(joint).name;
+  }
+  // names are a file's bytes and need not be UTF-8
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
+                               const Skeleton& skeleton) {
+  const auto json = parse_json(text, file);
+  if (!json) return failure(json.error());
+  if (!json->is_object()) {
+    return config_failure(file, "a mapping file must be a JSON object {bone: joint or null}");
+  }
+  BoneMap map;
+  map.dialect = "map file";
+  map.confidence = 1.0;
+  Faults faults;
+  read_entries(*json, skeleton, map, faults);
+  if (faults.empty()) check_map(skeleton, map, faults);
+  if (!faults.empty()) return faults.failure_in(file, "the mapping file");
+  const std::vector<std::string> missing = missing_parts(map);
+  map.partial = !missing.empty();
+  if (map.partial) map.notes.push_back("partial: the file maps no " + list_names(missing));
+  return map;
+}
+
+Result<BoneMap> read_bone_map(const std::string& path, const Skeleton& skeleton) {
+  const auto text = read_file(path, ErrorKind::kConfig);
+  if (!text) return failure(text.error());
+  return parse_bone_map(*text, path, skeleton);
+}
+
+}  // namespace retarget

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "human/body_poses.h"
+#include "human/joint_names.h"
+#include "human/skeleton_tree.h"
+#include "retarget/base/result.h"
+#include "retarget/human/bone_map.h"
+#include "retarget/motion/skeleton.h"
+
+namespace retarget {
+
+/// All that the ways of recognising look at.
+struct BodySource {
+  const Skeleton& skeleton;
+  const std::string& file;
+  SkeletonTree tree;
+  std::vector<JointName> names;  ///< Of all joints, normalised together.
+  BodyPoses poses;
+};
+
+/// A map that is still to be verified, nothing, or the error that joints of equal merit are.
+using Candidate = Result<std::optional<BoneMap>>;
+
+/// `"name"` of a joint, for messages.
+[[nodiscard]] inline std::string quoted_name(const Skeleton& skeleton, int joint) {
+  return "\"" + skeleton.joint(joint).name + "\"";
+}
+
+/// The joint of a bone, to be set.
+[[nodiscard]] inline int& joint_of(BoneMap& map, std::string_view bone) {
+  return map.joint_of_bone[static_cast<std::size_t>(find_bone(bone).value())];
+}
+
+}  // namespace retarget

@@ -1,0 +1,200 @@
+#include "retarget/human/dialect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "base/faults.h"
+#include "base/json.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::string> kKeys = {"description",     "joints",  "others",     "required",
+                                        "marks",           "parents", "directions", "height_m",
+                                        "metres_per_unit", "up",      "rest_pose"};
+const std::vector<std::string> kRestPoses = {"canonical", "zero", "first"};
+
+std::string in_quotes(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+const std::vector<std::string>& mapped_bone_names() {
+  static const std::vector<std::string> kNames(bone_names().begin(),
+                                               bone_names().begin() + kMappedBoneCount);
+  return kNames;
+}
+
+// reads the parts of a dialect one by one and notes what is wrong with them
+class DialectReader {
+ public:
+  DialectReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+
+  Dialect read(const std::string& name) {
+    for (const auto& [key, value] : json_.items()) {
+      if (std::ranges::find(kKeys, key) == kKeys.end()) {
+        faults_.add("unknown key " + in_quotes(key) + did_you_mean(key, kKeys));
+      }
+    }
+    dialect_.name = name;
+    dialect_.description = text("description");
+    read_joints();
+    dialect_.others = texts("others");
+    dialect_.required = texts("required");
+    dialect_.marks = texts("marks");
+    read_parents();
+    read_directions();
+    dialect_.height = positive("height_m");
+    dialect_.metres_per_unit = positive("metres_per_unit");
+    if (const Json* up = find("up")) dialect_.up = direction(*up, "\"up\"");
+    dialect_.rest_pose = text("rest_pose");
+    if (!dialect_.rest_pose.empty() &&
+        std::ranges::find(kRestPoses, dialect_.rest_pose) == kRestPoses.end()) {
+      faults_.add("\"rest_pose\" is one of " + list_names(kRestPoses) + ", found " +
+                  in_quotes(dialect_.rest_pose) + did_you_mean(dialect_.rest_pose, kRestPoses));
+    }
+    return std::move(dialect_);
+  }
+
+ private:
+  const Json* find(const std::string& key) const {
+    const auto found = json_.find(key);
+    return found == json_.end() ? nullptr : &*found;
+  }
+
+  std::string text(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr) return {};
+    if (value->is_string()) return value->get<std::string>();
+    faults_.add(in_quotes(key) + " must be a text, found " + short_text(*value));
+    return {};
+  }
+
+  // a text, or a list of texts
+  std::vector<std::string> texts(const Json& value, const std::string& what) {
+    std::vector<std::string> result;
+    const auto is_text = [](const Json& v) {
+      return v.is_string() && !v.get_ref<const std::string&>().empty();
+    };
+    if (is_text(value)) return {value.get<std::string>()};
+    if (!value.is_array() || !std::ranges::all_of(value, is_text)) {
+      faults_.add(what + " must be a text or a list of texts, found " + short_text(value));
+      return {};
+    }
+    for (const Json& entry : value) result.push_back(entry.get<std::string>());
+    return result;
+  }
+  std::vector<std::string> texts(const std::string& key) {
+    const Json* value = find(key);
+    return value == nullptr ? std::vector<std::string>() : texts(*value, in_quotes(key));
+  }
+
+  const Json* object(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr || value->is_object()) return value;
+    faults_.add(in_quotes(key) + " must be an object, found " + short_text(*value));
+    return nullptr;
+  }
+
+  std::optional<double> positive(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    if (value->is_number() && value->get<double>() > 0.0) return value->get<double>();
+    faults_.add(in_quotes(key) + " must be a number greater than 0, found " + short_text(*value));
+    return std::nullopt;
+  }
+
+  std::optional<Eigen::Vector3d> direction(const Json& value, const std::string& what) {
+    const auto is_number = [](const Json& v) { return v.is_number(); };
+    if (value.is_array() && value.size() == 3 && std::ranges::all_of(value, is_number)) {
+      const Eigen::Vector3d vector(value[0].get<double>(), value[1].get<double>(),
+                                   value[2].get<double>());
+      if (vector.norm() > 0.0 && std::isfinite(vector.norm())) return vector.normalized();
+    }
+    faults_.add(what + " must be a direction [x, y, z], found " + short_text(value));
+    return std::nullopt;
+  }
+
+  void read_joints() {
+    if (!json_.contains("joints")) faults_.add("\"joints\" is missing");
+    const Json* joints = object("joints");
+    if (joints == nullptr) return;
+    for (const auto& [bone, value] : joints->items()) {
+      const auto& known = mapped_bone_names();
+      const auto found = std::ranges::find(known, bone);
+      if (found == known.end()) {
+        faults_.add("\"joints\": no bone " + in_quotes(bone) + did_you_mean(bone, known));
+      } else {
+        dialect_.names[static_cast<std::size_t>(found - known.begin())] =
+            texts(value, "\"joints\", " + in_quotes(bone));
+      }
+    }
+  }
+
+  void read_parents() {
+    const Json* parents = object("parents");
+    if (parents == nullptr) return;
+    for (const auto& [joint, parent] : parents->items()) {
+      if (parent.is_string()) {
+        dialect_.parents.emplace_back(joint, parent.get<std::string>());
+      } else {
+        faults_.add("\"parents\", " + in_quotes(joint) + " must be a text, found " +
+                    short_text(parent));
+      }
+    }
+  }
+
+  void read_directions() {
+    const Json* directions = object("directions");
+    if (directions == nullptr) return;
+    for (const auto& [joint, value] : directions->items()) {
+      const auto vector = direction(value, "\"directions\", " + in_quotes(joint));
+      if (vector) dialect_.directions.emplace_back(joint, *vector);
+    }
+  }
+
+  const Json& json_;
+  Faults& faults_;
+  Dialect dialect_;
+};
+
+}  // namespace
+
+Result<Dialect> parse_dialect(std::string_view text, const std::string& name,
+                              const std::string& file) {
+  const auto json = parse_json(text, file);
+  if (!json) return failure(json.error());
+  if (!json->is_object()) return config_failure(file, "a dialect must be a JSON object");
+  Faults faults;
+  Dialect dialect = DialectReader(*json, faults).read(name);
+  if (!faults.empty()) return faults.failure_in(file, "the dialect");
+  return dialect;
+}
+
+Result<std::vector<Dialect>> load_dialects(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == ".json") files.push_back(entry->path());
+  }
+  if (error) return config_failure(folder.string(), "cannot read the folder: " + error.message());
+  if (files.empty()) return config_failure(folder.string(), "the folder holds no dialect (*.json)");
+  std::ranges::sort(files);
+
+  std::vector<Dialect> dialects;
+  for (const std::filesystem::path& path : files) {
+    const auto text = read_file(path.string(), ErrorKind::kConfig);
+    if (!text) return failure(text.error());
+    auto dialect = parse_dialect(*text, path.stem().string(), path.string());
+    if (!dialect) return failure(dialect.error());
+    dialects.push_back(std::move(*dialect));
+  }
+  return dialects;
+}
+
+}  // namespace retarget

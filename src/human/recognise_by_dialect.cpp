@@ -1,0 +1,213 @@
+#include "human/recognise_by_dialect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "human/canonical_tree.h"
+#include "human/trunk.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLeastScore = 0.9;
+// scores nearer to each other than this are equal
+constexpr double kEqualScore = 0.02;
+constexpr double kDirectionCosine = 0.94;  // 20 degrees
+
+// a dialect's names, normalised together so that they compare with a skeleton's
+class DialectNames {
+ public:
+  explicit DialectNames(const Dialect& dialect) {
+    std::vector<std::string> all = dialect.others;
+    for (const auto& spellings : dialect.names) {
+      all.insert(all.end(), spellings.begin(), spellings.end());
+    }
+    all.insert(all.end(), dialect.required.begin(), dialect.required.end());
+    for (const auto& [joint, parent] : dialect.parents) {
+      all.push_back(joint);
+      all.push_back(parent);
+    }
+    for (const auto& [joint, direction] : dialect.directions) all.push_back(joint);
+    std::ranges::sort(all);
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    written_ = std::move(all);
+    normalised_ = normalise_joint_names(written_);
+  }
+
+  const JointName& operator[](const std::string& written) const {
+    const auto found = std::ranges::lower_bound(written_, written);
+    return normalised_[static_cast<std::size_t>(found - written_.begin())];
+  }
+  bool contains(const JointName& name) const {
+    return std::ranges::find(normalised_, name) != normalised_.end();
+  }
+
+ private:
+  std::vector<std::string> written_;  // sorted
+  std::vector<JointName> normalised_;
+};
+
+// holds a dialect against a skeleton
+class Matcher {
+ public:
+  Matcher(const BodySource& source, const Dialect& dialect)
+      : source_(source), dialect_(dialect), names_(dialect) {}
+
+  std::optional<DialectMatch> run() {
+    if (!has_required() || !has_mark() || !has_parents() || !has_directions()) return std::nullopt;
+    DialectMatch match;
+    match.dialect = &dialect_;
+    if (!map_bones(match.map)) return std::nullopt;
+    match.map.dialect = dialect_.name;
+    match.score = body_overlap(match.map) * share_in_line(source_.tree, match.map);
+    match.hints = (dialect_.marks.empty() ? 0 : 1) + (dialect_.directions.empty() ? 0 : 1);
+    match.overlap = full_overlap();
+    match.map.confidence = match.score;
+    return match;
+  }
+
+ private:
+  // joints of that name: the one written so, else all of the same normalised name
+  std::vector<int> joints_named(const std::string& written) const {
+    const JointName& wanted = names_[written];
+    std::vector<int> found, exact;
+    for (int joint = 0; joint < source_.skeleton.joint_count(); ++joint) {
+      if (source_.names[joint] != wanted) continue;
+      found.push_back(joint);
+      if (source_.skeleton.joint(joint).name == written) exact.push_back(joint);
+    }
+    return exact.size() == 1 ? exact : found;
+  }
+
+  bool has_required() const {
+    return std::ranges::all_of(
+        dialect_.required, [&](const std::string& name) { return !joints_named(name).empty(); });
+  }
+
+  bool has_mark() const {
+    if (dialect_.marks.empty()) return true;
+    return std::ranges::any_of(source_.skeleton.joints(), [&](const Joint& joint) {
+      return std::ranges::any_of(dialect_.marks, [&](const std::string& mark) {
+        return joint.name.find(mark) != std::string::npos;
+      });
+    });
+  }
+
+  bool has_parents() const {
+    return std::ranges::all_of(dialect_.parents, [&](const auto& pair) {
+      const std::vector<int> joints = joints_named(pair.first);
+      if (joints.empty()) return true;
+      const int parent = source_.tree.parent(joints[0]);
+      return parent >= 0 && source_.names[parent] == names_[pair.second];
+    });
+  }
+
+  bool has_directions() const {
+    return std::ranges::all_of(dialect_.directions, [&](const auto& pair) {
+      const std::vector<int> joints = joints_named(pair.first);
+      if (joints.empty()) return true;
+      const Eigen::Vector3d& offset = source_.skeleton.joint(joints[0]).offset;
+      return offset.dot(pair.second) > kDirectionCosine * offset.norm();
+    });
+  }
+
+  // false: a name that two joints have, or a joint that two bones want
+  bool map_bones(BoneMap& map) const {
+    std::set<int> taken;
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      for (const std::string& spelling : dialect_.names[bone]) {
+        const std::vector<int> joints = joints_named(spelling);
+        if (joints.empty()) continue;
+        if (joints.size() > 1 || !taken.insert(joints[0]).second) return false;
+        map.joint_of_bone[bone] = joints[0];
+        break;
+      }
+    }
+    return !taken.empty();
+  }
+
+  // joints that are mapped or lie between mapped ones
+  std::set<int> body_of(const BoneMap& map) const {
+    std::set<int> body;
+    int first = -1;
+    for (const int joint : map.joint_of_bone) {
+      if (joint < 0) continue;
+      if (first < 0) first = joint;
+      const std::vector<int> path = source_.tree.path(first, joint);
+      body.insert(path.begin(), path.end());
+    }
+    return body;
+  }
+
+  double body_overlap(const BoneMap& map) const {
+    const std::set<int> body = body_of(map);
+    int known = 0, missing = 0;
+    for (const int joint : body) known += names_.contains(source_.names[joint]) ? 1 : 0;
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      missing += !dialect_.names[bone].empty() && map.joint_of_bone[bone] < 0 ? 1 : 0;
+    }
+    return static_cast<double>(known) / static_cast<double>(body.size() + missing);
+  }
+
+  double full_overlap() const {
+    int common = 0;
+    for (const JointName& name : source_.names) common += names_.contains(name) ? 1 : 0;
+    int expected = static_cast<int>(dialect_.others.size());
+    for (const auto& spellings : dialect_.names) expected += spellings.empty() ? 0 : 1;
+    return static_cast<double>(common) /
+           static_cast<double>(source_.skeleton.joint_count() + std::max(expected - common, 0));
+  }
+
+  const BodySource& source_;
+  const Dialect& dialect_;
+  DialectNames names_;
+};
+
+bool is_better(const DialectMatch& a, const DialectMatch& b) {
+  if (std::abs(a.score - b.score) > kEqualScore) return a.score > b.score;
+  if (a.hints != b.hints) return a.hints > b.hints;
+  if (a.overlap != b.overlap) return a.overlap > b.overlap;
+  return a.dialect->name < b.dialect->name;
+}
+
+}  // namespace
+
+std::vector<DialectMatch> match_dialects(const BodySource& source,
+                                         const std::vector<Dialect>& dialects) {
+  std::vector<DialectMatch> matches;
+  for (const Dialect& dialect : dialects) {
+    std::optional<DialectMatch> match = Matcher(source, dialect).run();
+    if (!match || match->score < kLeastScore) continue;
+    complete_trunk(source, match->map);
+    matches.push_back(std::move(*match));
+  }
+  // by selection, as equality of scores is no equivalence
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    for (std::size_t j = i + 1; j < matches.size(); ++j) {
+      if (is_better(matches[j], matches[i])) std::swap(matches[i], matches[j]);
+    }
+  }
+  return matches;
+}
+
+std::optional<BoneMap> recognise_by_dialect(const BodySource& source,
+                                            const std::vector<Dialect>& dialects) {
+  std::vector<DialectMatch> matches = match_dialects(source, dialects);
+  if (matches.empty()) return std::nullopt;
+  BoneMap map = std::move(matches[0].map);
+  std::vector<std::string> alike;
+  for (std::size_t i = 1; i < matches.size(); ++i) {
+    if (matches[i].score < matches[0].score - kEqualScore) continue;
+    if (matches[i].map.joint_of_bone != map.joint_of_bone) {
+      if (matches[i].hints == matches[0].hints) return std::nullopt;
+      continue;
+    }
+    alike.push_back(matches[i].dialect->name);
+  }
+  if (!alike.empty()) map.notes.push_back("the same joints as in " + list_names(alike));
+  return map;
+}
+
+}  // namespace retarget

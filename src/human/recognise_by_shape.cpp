@@ -1,0 +1,331 @@
+#include "human/recognise_by_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "human/facing.h"
+#include "human/mirrored_chains.h"
+#include "human/trunk.h"
+
+namespace retarget {
+namespace {
+
+// larger trees are no human's; bounds time and recursion
+constexpr int kMostJoints = 1000;
+// hips and torso have three ways out longer than this share of the tree's longest path
+constexpr double kLeastReach = 0.12;
+constexpr std::size_t kMostHubs = 16;
+constexpr double kShapeConfidence = 0.7;
+// joints nearer to each other than this share of a chain stand at one place
+constexpr double kSamePlace = 0.02;
+
+// the part of a chain that is a limb: three joints in proportion
+struct Limb {
+  std::size_t upper = 0, lower = 0, end = 0;
+  double merit = 0.0;
+};
+
+// joints from which a limb of a body hangs
+struct Hub {
+  int joint = -1;
+  double reach = 0.0;
+};
+
+// two hubs and the pairs of chains that hang from them
+struct Shape {
+  int hips = -1, torso = -1;
+  ChainPair legs, arms;
+  double reach = 0.0;
+};
+
+std::vector<Hub> find_hubs(const BodySource& source, const TreeReach& reach) {
+  std::vector<Hub> hubs;
+  const double least = kLeastReach * reach.diameter();
+  for (int joint = 0; joint < source.tree.joint_count(); ++joint) {
+    std::vector<double> ways;
+    for (const int next : source.tree.neighbours(joint)) ways.push_back(reach.reach(joint, next));
+    if (ways.size() < 3) continue;
+    std::ranges::sort(ways, std::greater<>{});
+    if (ways[2] >= least) hubs.push_back({joint, ways[2]});
+  }
+  std::ranges::stable_sort(hubs, std::greater<>{}, &Hub::reach);
+  if (hubs.size() > kMostHubs) hubs.resize(kMostHubs);
+  return hubs;
+}
+
+// how many joints of a chain belong to the limb
+struct LimbEnd {
+  std::size_t size = 0;
+  bool spreads = false;  // the last of them carries fingers, or several toes
+};
+
+// a limb ends where fingers spread, else before segments much shorter than what came before
+LimbEnd end_of_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair) {
+  constexpr double kSpread = 0.5, kShortSegment = 0.6;
+  for (std::size_t i = 1; i + 1 < pair.left.size(); ++i) {
+    std::vector<double> ways;
+    for (const int next : source.tree.neighbours(pair.left[i])) {
+      if (next != pair.left[i - 1]) ways.push_back(reach.reach(pair.left[i], next));
+    }
+    std::ranges::sort(ways, std::greater<>{});
+    if (ways.size() > 1 && ways[0] > 0.0 && ways[1] > kSpread * ways[0]) return {i + 1, true};
+  }
+  std::size_t size = pair.left.size();
+  const double longest = *std::max_element(pair.lengths.begin() + 1, pair.lengths.end());
+  while (size > 3 && pair.lengths[size - 1] < kShortSegment * longest) --size;
+  return {size, false};
+}
+
+// how a kind of limb looks
+struct LimbShape {
+  double lower_per_upper;  // shin per thigh, forearm per upper arm
+  double most_before;      // a helper or clavicle is at most this share of itself and what follows
+  bool ends_in_spread;     // joints spread from the hand, but from foot or toe
+};
+constexpr LimbShape kLegShape = {1.0, 0.2, false};
+constexpr LimbShape kArmShape = {0.85, 0.46, true};
+
+// the three joints of a chain that are most like a limb
+Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& shape) {
+  const std::size_t size = limb_end.size;
+  constexpr double kRatioSpread = 0.2;
+  std::vector<double> along(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
+  // left and right limbs do not begin at one place
+  std::size_t first = 0;
+  const double least = kSamePlace * pair.reach;
+  while (first < size && pair.lengths[0] + along[first] < least) ++first;
+  Limb best;
+  for (std::size_t i = first; i < size; ++i) {
+    for (std::size_t j = i + 1; j < size; ++j) {
+      for (std::size_t k = j + 1; k < size; ++k) {
+        const double upper = along[j] - along[i], lower = along[k] - along[j];
+        if (upper <= 0.0 || lower <= 0.0) continue;
+        if (limb_end.spreads && shape.ends_in_spread && k + 1 < size) continue;
+        const double deviation = std::log(lower / upper / shape.lower_per_upper) / kRatioSpread;
+        const double merit = upper * lower * std::exp(-0.5 * deviation * deviation);
+        if (merit > best.merit) best = {i, j, k, merit};
+      }
+    }
+  }
+  // helpers and clavicles come before the joint that turns the limb
+  while (best.merit > 0.0 && best.upper + 1 < best.lower &&
+         along[best.upper + 1] - along[best.upper] <
+             shape.most_before * (along[best.lower] - along[best.upper])) {
+    ++best.upper;
+  }
+  return best;
+}
+
+// the joint before a limb or after it that is not at the same place
+int neighbour_at(const ChainPair& pair, const std::vector<int>& side, std::size_t from, int step) {
+  const double least = kSamePlace * pair.reach;
+  for (auto i = static_cast<long>(from) + step; i >= 0 && i < static_cast<long>(side.size());
+       i += step) {
+    const double length = pair.lengths[static_cast<std::size_t>(step > 0 ? i : i + 1)];
+    if (length > least) return side[static_cast<std::size_t>(i)];
+  }
+  return -1;
+}
+
+// joints one after the other from `joint` on, away from `before`, up to where they branch
+std::vector<int> chain_from(const BodySource& source, int before, int joint) {
+  std::vector<int> chain;
+  while (true) {
+    chain.push_back(joint);
+    std::vector<int> next = source.tree.neighbours(joint);
+    std::erase(next, before);
+    if (next.size() != 1) return chain;  // the head carries eyes and jaw, or nothing
+    before = joint;
+    joint = next[0];
+  }
+}
+
+// how far above the torso a joint is in all poses together, along the body's own up
+double height_above_torso(const BodySource& source, const Shape& shape, int joint) {
+  double height = 0.0;
+  for (const BodyPoses::Pose& pose : source.poses.poses) {
+    const Eigen::Vector3d torso = pose.joints[shape.torso];
+    height += (pose.joints[joint] - torso).dot((torso - pose.joints[shape.hips]).normalized());
+  }
+  return height;
+}
+
+// whether the last joint of torso, neck and head is but the top of the head: it carries nothing,
+// or is farther from the head than that is from the neck
+bool ends_in_top(const BodySource& source, const std::vector<int>& chain) {
+  constexpr double kLongerThanNeck = 1.25;
+  if (chain.size() < 3) return false;
+  const int last = chain.back(), before = chain[chain.size() - 2];
+  if (source.tree.neighbours(last).size() != 1) return false;
+  const auto& ends = source.skeleton.joint(last).end_sites;
+  if (std::ranges::all_of(ends, [](const Eigen::Vector3d& end) { return end.norm() < 1e-9; })) {
+    return true;
+  }
+  const std::vector<double>& lengths = source.poses.lengths;
+  return lengths[before] > 0.0 && lengths[last] > kLongerThanNeck * lengths[before];
+}
+
+// the way to the head: of what else hangs from the torso or below it, what reaches highest
+std::vector<int> find_head_chain(const BodySource& source, const Shape& shape) {
+  const std::vector<int> trunk = source.tree.path(shape.torso, shape.hips);
+  std::vector<int> best;
+  double best_height = 0.0;
+  for (std::size_t i = 0; i + 1 < trunk.size(); ++i) {
+    for (const int way : source.tree.neighbours(trunk[i])) {
+      const bool is_arm = way == shape.arms.left[0] || way == shape.arms.right[0];
+      if (is_arm || std::ranges::find(trunk, way) != trunk.end()) continue;
+      std::vector<int> chain = chain_from(source, trunk[i], way);
+      const double height = height_above_torso(source, shape, chain.back());
+      if (height <= best_height) continue;
+      best = std::move(chain);
+      best_height = height;
+    }
+  }
+  if (ends_in_top(source, best)) best.pop_back();
+  return best;
+}
+
+// positive if the pairs are legs and arms in this order
+double order_merit(const BodySource& source, const TreeReach& reach, const Shape& shape) {
+  double merit = 0.0;
+  // a third way out beside the link between hips and torso: neck and head, or a tail
+  merit += source.tree.neighbours(shape.torso).size() > 3 ? 1.0 : 0.0;
+  merit -= source.tree.neighbours(shape.hips).size() > 3 ? 0.5 : 0.0;
+  // legs are longer than arms, and thigh and shin nearer to equal length
+  const LimbEnd leg_end = end_of_limb(source, reach, shape.legs);
+  const LimbEnd arm_end = end_of_limb(source, reach, shape.arms);
+  const Limb leg = find_limb(shape.legs, leg_end, kLegShape),
+             arm = find_limb(shape.arms, arm_end, kArmShape);
+  merit += leg.merit > arm.merit ? 0.6 : -0.6;
+  // clavicles come before the arm, and fingers spread from the hand
+  merit += arm.upper > leg.upper ? 0.4 : arm.upper < leg.upper ? -0.4 : 0.0;
+  merit += source.tree.depth(shape.hips) < source.tree.depth(shape.torso) ? 0.3 : -0.3;
+  return merit;
+}
+
+constexpr double kEqualReach = 0.02;
+
+// the two hubs whose chains reach farthest
+Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReach& reach) {
+  const std::vector<Hub> hubs = find_hubs(source, reach);
+  std::optional<Shape> best;
+  bool rivalled = false;
+  for (std::size_t i = 0; i < hubs.size(); ++i) {
+    for (std::size_t j = i + 1; j < hubs.size(); ++j) {
+      const std::vector<int> link = source.tree.path(hubs[i].joint, hubs[j].joint);
+      const BestPair a = longest_mirrored_pair(source, reach, hubs[i].joint, link[1]);
+      const BestPair b = longest_mirrored_pair(source, reach, hubs[j].joint, link[link.size() - 2]);
+      if (a.pair.left.size() < 3 || b.pair.left.size() < 3) continue;
+      const double sum = a.pair.reach + b.pair.reach;
+      const double rival =
+          std::max(sum - a.pair.reach + a.rival_reach, sum - b.pair.reach + b.rival_reach);
+      if (best && sum <= best->reach) {
+        rivalled = rivalled || sum > (1.0 - kEqualReach) * best->reach;
+        continue;
+      }
+      rivalled =
+          (best && best->reach > (1.0 - kEqualReach) * sum) || rival > (1.0 - kEqualReach) * sum;
+      best = Shape{hubs[i].joint, hubs[j].joint, a.pair, b.pair, sum};
+    }
+  }
+  if (best && rivalled) {
+    return input_failure(source.file,
+                         "the skeleton has several pairs of equal limbs, and its names do not "
+                         "tell which are arms and legs",
+                         "give a mapping file with --map");
+  }
+  if (best) {
+    Shape swapped = *best;
+    std::swap(swapped.hips, swapped.torso);
+    std::swap(swapped.legs, swapped.arms);
+    if (order_merit(source, reach, swapped) > order_merit(source, reach, *best)) best = swapped;
+  }
+  return best;
+}
+
+// whether both pairs hold a limb, which is then mapped
+bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& shape, BoneMap& map) {
+  const Limb leg = find_limb(shape.legs, end_of_limb(source, reach, shape.legs), kLegShape);
+  const Limb arm = find_limb(shape.arms, end_of_limb(source, reach, shape.arms), kArmShape);
+  if (leg.merit <= 0.0 || arm.merit <= 0.0) return false;
+  for (const std::string side : {"Left", "Right"}) {
+    const bool left = side == "Left";
+    const std::vector<int>& legs = left ? shape.legs.left : shape.legs.right;
+    joint_of(map, side + "UpLeg") = legs[leg.upper];
+    joint_of(map, side + "Leg") = legs[leg.lower];
+    joint_of(map, side + "Foot") = legs[leg.end];
+    joint_of(map, side + "Toe") = neighbour_at(shape.legs, legs, leg.end, 1);
+    const std::vector<int>& arms = left ? shape.arms.left : shape.arms.right;
+    if (arm.upper > 0) {
+      joint_of(map, side + "Shoulder") = neighbour_at(shape.arms, arms, arm.upper, -1);
+    }
+    joint_of(map, side + "Arm") = arms[arm.upper];
+    joint_of(map, side + "ForeArm") = arms[arm.lower];
+    joint_of(map, side + "Hand") = arms[arm.end];
+  }
+  return true;
+}
+
+void swap_sides(BoneMap& map, bool legs) {
+  using Bones = std::array<std::string_view, 4>;
+  static constexpr Bones kLeg = {"UpLeg", "Leg", "Foot", "Toe"};
+  static constexpr Bones kArm = {"Shoulder", "Arm", "ForeArm", "Hand"};
+  for (const std::string_view bone : legs ? kLeg : kArm) {
+    std::swap(joint_of(map, "Left" + std::string(bone)),
+              joint_of(map, "Right" + std::string(bone)));
+  }
+}
+
+// how much the arms lie on the sides of the legs: negative if they are crossed
+double arms_agree(const BodySource& source, const BoneMap& map) {
+  double sum = 0.0;
+  for (const BodyPoses::Pose& pose : source.poses.poses) {
+    const auto across = [&](const char* left, const char* right) -> Eigen::Vector3d {
+      return (pose.joints[map.joint(left)] - pose.joints[map.joint(right)]).normalized();
+    };
+    sum += across("LeftUpLeg", "RightUpLeg").dot(across("LeftArm", "RightArm"));
+  }
+  return sum / static_cast<double>(source.poses.poses.size());
+}
+
+constexpr double kLeastEvidence = 0.1;
+
+Result<void> tell_sides(const BodySource& source, BoneMap& map) {
+  const double agree = arms_agree(source, map);
+  if (agree < 0.0) swap_sides(map, false);
+  const double left = left_is_left(source, map);
+  if (left < 0.0) {
+    swap_sides(map, true);
+    swap_sides(map, false);
+  }
+  if (std::abs(left) >= kLeastEvidence && std::abs(agree) >= kLeastEvidence) return {};
+  return input_failure(source.file,
+                       "neither the joint names nor the poses tell the left side of the body "
+                       "from the right",
+                       "give a mapping file with --map");
+}
+
+}  // namespace
+
+Candidate recognise_by_shape(const BodySource& source) {
+  if (source.tree.joint_count() > kMostJoints) return std::nullopt;
+  const TreeReach reach(source);
+  const Result<std::optional<Shape>> shape = find_shape(source, reach);
+  if (!shape) return failure(shape.error());
+  if (!*shape) return std::nullopt;
+  BoneMap map;
+  map.dialect = "topology";
+  if (!map_limbs(source, reach, **shape, map)) return std::nullopt;
+  const std::vector<int> head = find_head_chain(source, **shape);
+  if (!head.empty()) joint_of(map, "Head") = head.back();
+  complete_trunk(source, map);
+  if (map.joint("Hips") < 0 || map.joint("Spine2") < 0) return std::nullopt;
+  if (const Result<void> sides = tell_sides(source, map); !sides) return failure(sides.error());
+  map.confidence = kShapeConfidence;
+  map.notes.emplace_back("found by the shape of the tree: the joint names say nothing reliable");
+  return map;
+}
+
+}  // namespace retarget

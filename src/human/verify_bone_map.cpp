@@ -1,0 +1,172 @@
+#include "human/verify_bone_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "human/canonical_tree.h"
+#include "human/facing.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLeastLegRatio = 0.7, kMostLegRatio = 1.4;  // thigh per shin
+// lengths of left and right, as share of the longer
+constexpr double kUnequal = 0.15, kNoPair = 0.5;
+// what a doubt takes from the confidence
+constexpr double kDoubt = 0.85;
+constexpr double kLeastEvidence = 0.1;
+
+void doubt(Verdict& verdict, std::string text) {
+  verdict.doubts.push_back(std::move(text));
+  verdict.confidence *= kDoubt;
+}
+
+void check_distinct(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  std::map<int, std::string_view> bone_of_joint;
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const int joint = map.joint_of_bone[bone];
+    if (joint < 0) continue;
+    const auto [found, is_new] = bone_of_joint.try_emplace(joint, kBoneNames[bone]);
+    if (is_new) continue;
+    verdict.faults.push_back(quoted_name(source.skeleton, joint) + " would be both " +
+                             std::string(found->second) + " and " + std::string(kBoneNames[bone]));
+  }
+}
+
+void check_in_line(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  for (const auto& chain : bone_chains()) {
+    for (const std::string_view bone : bones_out_of_line(source.tree, map, chain)) {
+      verdict.faults.push_back(quoted_name(source.skeleton, map.joint(bone)) + " as " +
+                               std::string(bone) + " does not hang where that bone must");
+    }
+  }
+  const int left = map.joint("LeftUpLeg"), right = map.joint("RightUpLeg");
+  const int hips = map.joint("Hips");
+  if (left >= 0 && right >= 0 && hips >= 0 && !source.tree.between(hips, left, right)) {
+    verdict.faults.push_back(quoted_name(source.skeleton, hips) +
+                             " as Hips does not lie between the legs");
+  }
+}
+
+double distance(const BodySource& source, int a, int b) {
+  double length = 0.0;
+  const std::vector<int> path = source.tree.path(a, b);
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    length +=
+        source.poses.lengths[source.tree.parent(path[i]) == path[i + 1] ? path[i] : path[i + 1]];
+  }
+  return length;
+}
+
+// length of a segment of a limb, nothing if an end is missing
+std::optional<double> segment(const BodySource& source, const BoneMap& map, const std::string& side,
+                              const char* from, const char* to) {
+  const int a = map.joint(side + from), b = map.joint(side + to);
+  if (a < 0 || b < 0) return std::nullopt;
+  return distance(source, a, b);
+}
+
+void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  for (const std::string side : {"Left", "Right"}) {
+    const auto thigh = segment(source, map, side, "UpLeg", "Leg");
+    const auto shin = segment(source, map, side, "Leg", "Foot");
+    if (!thigh || !shin) continue;
+    if (*shin <= 0.0 || *thigh < kLeastLegRatio * *shin || *thigh > kMostLegRatio * *shin) {
+      std::string fault = side;
+      fault += "UpLeg and " + side;
+      fault += "Leg are out of proportion";
+      verdict.faults.push_back(std::move(fault));
+    }
+  }
+}
+
+void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  static constexpr std::array<std::pair<const char*, const char*>, 4> kSegments = {
+      {{"UpLeg", "Leg"}, {"Leg", "Foot"}, {"Arm", "ForeArm"}, {"ForeArm", "Hand"}}};
+  for (const auto& [from, to] : kSegments) {
+    const auto left = segment(source, map, "Left", from, to);
+    const auto right = segment(source, map, "Right", from, to);
+    if (!left || !right) continue;
+    const double difference = std::abs(*left - *right);
+    const double longer = std::max(*left, *right);
+    const std::string what = "left and right " + std::string(from) + " differ in length";
+    if (difference > kNoPair * longer) {
+      verdict.faults.push_back(what);
+    } else if (difference > kUnequal * longer) {
+      doubt(verdict, what);
+    }
+  }
+}
+
+// whether some pose has head over torso over hips over feet, along the trunk
+void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  std::vector<int> order;
+  for (const char* bone : {"Head", "Spine2", "Hips"}) {
+    if (map.joint(bone) >= 0) order.push_back(map.joint(bone));
+  }
+  const int left = map.joint("LeftFoot"), right = map.joint("RightFoot");
+  if (order.size() < 2 || map.joint("Hips") < 0) return;
+  const auto is_upright = [&](const BodyPoses::Pose& pose) {
+    const Eigen::Vector3d up = pose.joints[order.front()] - pose.joints[order.back()];
+    const auto height = [&](int joint) { return pose.joints[joint].dot(up); };
+    for (std::size_t i = 0; i + 1 < order.size(); ++i) {
+      if (height(order[i]) <= height(order[i + 1])) return false;
+    }
+    return left < 0 || right < 0 || std::max(height(left), height(right)) < height(order.back());
+  };
+  if (std::ranges::any_of(source.poses.poses, is_upright)) return;
+  // the zero pose of many skeletons is no pose of a human
+  if (source.poses.from_motion) {
+    doubt(verdict,
+          "in no frame is the head over the torso, that over the hips, and those over "
+          "the feet");
+  }
+}
+
+void check_sides(const BodySource& source, const BoneMap& map, Verdict& verdict) {
+  if (!source.poses.from_motion) return;
+  if (left_is_left(source, map) > -kLeastEvidence) return;
+  doubt(verdict, "toes and knees point backwards: left and right may be exchanged in the source");
+}
+
+bool has_all(const BoneMap& map, const std::string& side,
+             std::initializer_list<const char*> bones) {
+  return std::ranges::all_of(bones, [&](const char* bone) { return map.joint(side + bone) >= 0; });
+}
+
+}  // namespace
+
+Verdict verify_bone_map(const BodySource& source, const BoneMap& map) {
+  Verdict verdict;
+  check_distinct(source, map, verdict);
+  check_in_line(source, map, verdict);
+  if (!verdict.faults.empty()) return verdict;
+  check_legs(source, map, verdict);
+  check_mirrored(source, map, verdict);
+  check_upright(source, map, verdict);
+  check_sides(source, map, verdict);
+  return verdict;
+}
+
+std::vector<std::string> missing_parts(const BoneMap& map) {
+  std::vector<std::string> missing;
+  if (map.joint("Hips") < 0) missing.emplace_back("hips");
+  const auto check = [&](std::initializer_list<const char*> bones, const std::string& limb) {
+    const bool left = has_all(map, "Left", bones), right = has_all(map, "Right", bones);
+    if (!left && !right) {
+      missing.push_back(limb + "s");
+    } else if (!left || !right) {
+      missing.push_back((left ? "right " : "left ") + limb);
+    }
+  };
+  check({"UpLeg", "Leg", "Foot"}, "leg");
+  check({"Arm", "ForeArm"}, "arm");
+  const bool has_arms = has_all(map, "Left", {"Arm"}) && has_all(map, "Right", {"Arm"});
+  if (has_arms && map.joint("Spine2") < 0) missing.emplace_back("torso");
+  return missing;
+}
+
+}  // namespace retarget

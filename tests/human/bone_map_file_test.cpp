@@ -1,0 +1,90 @@
+#include "retarget/human/bone_map_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "human/tiny_skeleton.h"
+#include "retarget/human/recognise.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(BoneMapFile, WhatIsWrittenIsReadAgain) {
+  const Skeleton skeleton = tiny_skeleton(replaced(kBody, "Spine1", "Chest"));
+  const BoneMap map = recognise_skeleton(skeleton, {}, "clip.bvh").value();
+  const TemporaryFolder folder;
+  const std::string path = folder.write("map.json", format_bone_map(map, skeleton));
+  const auto read = read_bone_map(path, skeleton);
+  ASSERT_TRUE(read) << describe(read.error());
+  EXPECT_EQ(read->joint_of_bone, map.joint_of_bone);
+  EXPECT_EQ(read->dialect, "map file");
+  EXPECT_EQ(read->confidence, 1.0);
+  EXPECT_FALSE(read->partial);
+}
+
+TEST(BoneMapFile, BonesWithoutAJointAreNull) {
+  const Skeleton skeleton = tiny_skeleton("Hips 0 0 0\n  Spine 0 1 0\n");
+  BoneMap map;
+  map.joint_of_bone[0] = 0;
+  const std::string text = format_bone_map(map, skeleton);
+  EXPECT_THAT(text, HasSubstr("\"Hips\": \"Hips\""));
+  EXPECT_THAT(text, HasSubstr("\"LeftUpLeg\": null"));
+  const auto read = parse_bone_map(text, "map.json", skeleton);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->joint_of_bone, map.joint_of_bone);
+  EXPECT_TRUE(read->partial);
+}
+
+TEST(BoneMapFile, FaultsAreNamedTogether) {
+  const Skeleton skeleton = tiny_skeleton(replaced(kBody, "RightToeBase", "LeftToeBase"));
+  const auto read = parse_bone_map(R"({
+    "Hips": "Hipz", "LeftUpleg": "LeftUpLeg", "Spine": "Spine", "Spine1": "Spine",
+    "LeftToe": "LeftToeBase", "Head": 3
+  })",
+                                   "map.json", skeleton);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::kConfig);
+  for (const char* part :
+       {"no joint \"Hipz\" (did you mean \"Hips\"?)", "no bone \"LeftUpleg\" (did you mean",
+        "\"Spine\" stands for two bones", "2 joints are called \"LeftToeBase\"",
+        "\"Head\" must be the name of a joint or null"}) {
+    EXPECT_THAT(read.error().message, HasSubstr(part));
+  }
+}
+
+TEST(BoneMapFile, BonesOutOfLineAreRefused) {
+  const Skeleton skeleton = tiny_skeleton(kBody);
+  const auto read = parse_bone_map(
+      R"({"Hips": "Hips", "LeftUpLeg": "LeftUpLeg", "LeftLeg": "LeftFoot", "LeftFoot": "LeftLeg"})",
+      "map.json", skeleton);
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("\"LeftLeg\" as \"LeftFoot\" does not hang"));
+  EXPECT_THAT(parse_bone_map("{}", "map.json", skeleton).error().message,
+              HasSubstr("\"Hips\" has no joint"));
+}
+
+TEST(BoneMap, JointsAboveTheHipsAreTurnedFromBeyond) {
+  const Skeleton skeleton = tiny_skeleton(R"(
+HMD 0 0 0
+  Neck 0 -10 0
+    Chest 0 -30 0
+      Hip 0 -20 0
+        LeftHip -10 0 0
+)");
+  BoneMap map;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("Hips").value())] = 3;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("Spine2").value())] = 2;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("Head").value())] = 0;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftUpLeg").value())] = 4;
+  EXPECT_EQ(rotation_joint(map, skeleton, "Hips"), 3);
+  EXPECT_EQ(rotation_joint(map, skeleton, "Spine2"), 1);
+  EXPECT_EQ(rotation_joint(map, skeleton, "Head"), 0);
+  EXPECT_EQ(rotation_joint(map, skeleton, "LeftUpLeg"), 4);
+  EXPECT_EQ(rotation_joint(map, skeleton, "Neck"), -1);
+}
+
+}  // namespace
+}  // namespace retarget

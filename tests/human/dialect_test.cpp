@@ -1,0 +1,116 @@
+#include "retarget/human/dialect.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "human/tiny_skeleton.h"
+#include "retarget/human/recognise.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Dialect, ReadsWhatAFileSays) {
+  const auto dialect = parse_dialect(R"({
+    "description": "a kind",
+    "joints": {"Hips": "Pelvis", "LeftToe": ["LToe", "LBall"]},
+    "required": ["Pelvis"], "others": ["Tip"], "marks": ["kind:"],
+    "parents": {"LToe": "LFoot"}, "directions": {"LToe": [0, 0, 2]},
+    "height_m": 1.7, "metres_per_unit": 0.0254, "up": [0, 0, 1], "rest_pose": "zero"
+  })",
+                                     "kind", "kind.json");
+  ASSERT_TRUE(dialect) << describe(dialect.error());
+  EXPECT_EQ(dialect->name, "kind");
+  EXPECT_EQ(dialect->names[0], std::vector<std::string>{"Pelvis"});
+  EXPECT_EQ(dialect->names[4], (std::vector<std::string>{"LToe", "LBall"}));
+  EXPECT_EQ(dialect->directions[0].second, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(dialect->height, 1.7);
+  EXPECT_EQ(dialect->metres_per_unit, 0.0254);
+  EXPECT_EQ(dialect->up, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(dialect->rest_pose, "zero");
+}
+
+TEST(Dialect, NamesEveryFault) {
+  const auto dialect = parse_dialect(R"({
+    "joints": {"LeftUpleg": "Thigh", "Hips": 3}, "requird": [], "height_m": -1,
+    "up": [0, 0, 0], "rest_pose": "zerro"
+  })",
+                                     "kind", "kind.json");
+  ASSERT_FALSE(dialect);
+  EXPECT_EQ(dialect.error().kind, ErrorKind::kConfig);
+  for (const char* part :
+       {"did you mean \"LeftUpLeg\"", "did you mean \"required\"", "\"height_m\" must be",
+        "\"up\" must be", "did you mean \"zero\"", "\"joints\", \"Hips\" must be"}) {
+    EXPECT_THAT(dialect.error().message, HasSubstr(part));
+  }
+  EXPECT_FALSE(parse_dialect("[]", "kind", "kind.json"));
+  EXPECT_THAT(parse_dialect("{}", "kind", "kind.json").error().message, HasSubstr("\"joints\""));
+}
+
+TEST(Dialect, FoldersMustHoldSome) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(load_dialects(folder.path()));
+  EXPECT_FALSE(load_dialects(folder.path() / "none"));
+  std::ignore = folder.write("b.json", R"({"joints": {"Hips": "B"}})");
+  std::ignore = folder.write("a.json", R"({"joints": {"Hips": "A"}})");
+  std::ignore = folder.write("notes.txt", "no dialect");
+  const auto dialects = load_dialects(folder.path());
+  ASSERT_TRUE(dialects);
+  ASSERT_EQ(dialects->size(), 2U);
+  EXPECT_EQ(dialects->at(0).name, "a");
+}
+
+// a body whose joints have a dialect's names and no others; empty for kinds of other trees
+Skeleton body_of(const Dialect& dialect) {
+  const Skeleton body = tiny_skeleton(kBody);
+  std::vector<Joint> joints;
+  std::vector<int> new_index(body.joint_count(), -1);
+  for (int i = 0; i < body.joint_count(); ++i) {
+    Joint joint = body.joint(i);
+    const auto& names = dialect.names[static_cast<std::size_t>(find_bone(joint.name).value())];
+    int parent = joint.parent;
+    // a bone that the kind has not is passed over
+    while (parent >= 0 && new_index[parent] < 0) {
+      joint.offset += body.joint(parent).offset;
+      parent = body.joint(parent).parent;
+    }
+    if (names.empty()) continue;
+    joint.name = names[0];
+    joint.parent = parent < 0 ? -1 : new_index[parent];
+    new_index[i] = static_cast<int>(joints.size());
+    joints.push_back(std::move(joint));
+  }
+  for (const std::string& name : dialect.required) {
+    if (std::ranges::find(joints, name, &Joint::name) != joints.end()) continue;
+    Joint further;
+    further.name = name;
+    further.parent = 0;
+    joints.push_back(std::move(further));
+  }
+  return Skeleton(std::move(joints));
+}
+
+// every shipped file must be found again by its own names, or be one that maps to the same joints
+TEST(Dialect, ShippedOnesRecogniseTheirOwnNames) {
+  for (const Dialect& dialect : shipped_dialects()) {
+    SCOPED_TRACE(dialect.name);
+    EXPECT_FALSE(dialect.description.empty());
+    if (dialect.name == "slimevr" || !dialect.parents.empty() || !dialect.directions.empty()) {
+      continue;
+    }
+    const Skeleton skeleton = body_of(dialect);
+    const auto map = recognise_skeleton(skeleton, shipped_dialects(), "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (dialect.names[bone].empty()) continue;
+      EXPECT_EQ(joint_name(*map, skeleton, std::string(kBoneNames[bone]).c_str()),
+                dialect.names[bone][0])
+          << "as " << map->dialect;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget

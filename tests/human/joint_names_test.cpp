@@ -1,0 +1,71 @@
+#include "human/joint_names.h"
+
+#include <gtest/gtest.h>
+
+#include "human/body_words.h"
+
+namespace retarget {
+namespace {
+
+JointName normalised(const std::string& name) {
+  return normalise_joint_names({name})[0];
+}
+
+TEST(JointNames, SidesAreFoundWhereverTheyStand) {
+  const JointName thigh{Side::kLeft, "thigh"};
+  for (const char* name : {"LeftThigh", "left_thigh", "thigh_l", "L_Thigh", "Thigh.L", "lThigh",
+                           "Bip01 L Thigh", "Left Thigh", "ValveBiped.Bip01_L_Thigh", "lthigh",
+                           "CC_Base_L_Thigh", "Rig:LeftThigh", "Armature|Left-Thigh", "LThigh"}) {
+    EXPECT_EQ(normalised(name), thigh) << name;
+  }
+  EXPECT_EQ(normalised("RUArm"), (JointName{Side::kRight, "uarm"}));
+  EXPECT_EQ(normalised("rradius"), (JointName{Side::kRight, "radius"}));
+  EXPECT_EQ(normalised("\xE5\xB7\xA6\xE8\xB6\xB3"), (JointName{Side::kLeft, "\xE8\xB6\xB3"}));
+}
+
+TEST(JointNames, WordsThatBeginLikeASideHaveNone) {
+  for (const char* name : {"root", "lowerback", "L5", "Reference", "LowerNeck", "ribs"}) {
+    EXPECT_EQ(normalised(name).side, Side::kNone) << name;
+  }
+}
+
+TEST(JointNames, NumbersAndSeparatorsAreSpelledAlike) {
+  for (const char* name : {"Spine1", "spine_01", "Spine-1", "SPINE 1", "mixamorig1:Spine1"}) {
+    EXPECT_EQ(normalised(name), (JointName{Side::kNone, "spine1"})) << name;
+  }
+}
+
+TEST(JointNames, WordsThatNearlyAllNamesShareAreDropped) {
+  const auto names =
+      normalise_joint_names({"Actor_Hips.L-x", "Actor_Spine.L-x", "Actor_LeftArm.L-x",
+                             "Actor_RightArm.L-x", "Actor_Head.L-x", "Actor_Neck.L-x"});
+  EXPECT_EQ(names[0], (JointName{Side::kNone, "hips"}));
+  EXPECT_EQ(names[3], (JointName{Side::kRight, "arm"}));
+  // a few names prove nothing
+  EXPECT_EQ(normalise_joint_names({"Actor_Hips", "Actor_Head"})[0].base, "actorhips");
+}
+
+TEST(BodyWords, AmbiguousWordsMeanBothParts) {
+  EXPECT_EQ(roles_of(normalised("LeftShoulder")).size(), 2U);
+  EXPECT_EQ(roles_of(normalised("LeftLeg")).size(), 2U);
+  EXPECT_EQ(roles_of(normalised("LeftUpLeg")).size(), 1U);
+}
+
+TEST(BodyWords, FingersTwistsAndEndsMeanNothing) {
+  for (const char* name : {"LeftHandIndex1", "LeftInHandIndex", "RightlnHandMiddle", "LHipJoint",
+                           "LeftForeArmRoll", "upperarm_twist_01_l", "HeadTop_End", "LeftToe_End",
+                           "LeftFingerBase", "LeftEye", "lButtock"}) {
+    EXPECT_TRUE(roles_of(normalised(name)).empty()) << name;
+  }
+}
+
+TEST(BodyWords, CanonicalNamesMeanTheirBones) {
+  EXPECT_TRUE(may_mean(normalised("lShin"), "LeftLeg"));
+  EXPECT_FALSE(may_mean(normalised("rShin"), "LeftLeg"));
+  EXPECT_FALSE(may_mean(normalised("LeftThigh"), "LeftLeg"));
+  EXPECT_TRUE(may_mean(normalised("Chest"), "Spine2"));
+  EXPECT_TRUE(may_mean(normalised("LeftCollar"), "LeftShoulder"));
+}
+
+}  // namespace
+}  // namespace retarget

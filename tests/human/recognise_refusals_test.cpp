@@ -1,0 +1,101 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "human/tiny_skeleton.h"
+#include "retarget/human/recognise.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TEST(RecogniseRefuses, BodiesWithoutLegsOrArmsNeedConsent) {
+  const Skeleton upper = tiny_skeleton(R"(
+Hips 0 90 0
+  Spine 0 20 0
+    Head 0 35 0
+    LeftArm 17 18 0
+      LeftForeArm 29 0 0
+        LeftHand 25 0 0
+    RightArm -17 18 0
+      RightForeArm -29 0 0
+        RightHand -25 0 0
+)");
+  const auto refused = recognise(upper);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
+  EXPECT_EQ(refused.error().message, "no legs found in the skeleton");
+  EXPECT_THAT(refused.error().hint, HasSubstr("--partial"));
+  const auto map = recognise(upper, true);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_TRUE(map->partial);
+  EXPECT_EQ(joint_name(*map, upper, "Hips"), "Hips");
+  EXPECT_EQ(joint_name(*map, upper, "Spine2"), "Spine");
+}
+
+TEST(RecogniseRefuses, WhatIsNoBodyIsRefusedEvenInPart) {
+  const Skeleton toy =
+      tiny_skeleton("Hips 0 0 0\n  Spine 0 10 0\n    Head 0 8 0\n  LeftLeg 2 -8 0\n");
+  for (const bool partial : {false, true}) {
+    const auto map = recognise(toy, partial);
+    ASSERT_FALSE(map);
+    EXPECT_EQ(map.error().message, "no human skeleton: no legs and arms found in its 4 joints");
+  }
+}
+
+TEST(RecogniseRefuses, OfTwoJointsOfOneNameNoneIsChosen) {
+  const auto map = recognise(tiny_skeleton(replaced(kBody, "RightArm", "LeftArm")));
+  ASSERT_FALSE(map);
+  EXPECT_EQ(map.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(map.error().message, HasSubstr("2 joints are called \"LeftArm\""));
+  // a finger's name says nothing of the body
+  EXPECT_TRUE(recognise(
+      tiny_skeleton(replaced(kBody, "                end 15 0 0\n",
+                             "                Finger 5 0 1\n                Finger 5 0 -1\n"))));
+}
+
+TEST(RecogniseRefuses, JointsOfEqualMeritAreNamed) {
+  const auto map = recognise(
+      tiny_skeleton(replaced(kBody, "              LeftHand 25 0 0\n",
+                             "              LeftHand 25 0 0\n              LeftWrist 25 0 0\n")));
+  // the dialect knows of no wrist, and the names alone cannot tell
+  const auto by_names = recognise_skeleton(
+      tiny_skeleton(replaced(kBody, "              LeftHand 25 0 0\n                end 15 0 0\n",
+                             "              LeftHand 25 0 0\n              LeftWrist 25 0 0\n")),
+      {}, "clip.bvh");
+  ASSERT_FALSE(by_names);
+  EXPECT_THAT(by_names.error().message, HasSubstr("\"LeftHand\" and \"LeftWrist\" may both be"));
+  EXPECT_TRUE(map);
+}
+
+TEST(RecogniseRefuses, NonHumanBodiesWithHumanNamesAreRefused) {
+  std::string dog = kBody;
+  for (const char* length : {"-42 0.5", "-41 -0.5"}) dog = replaced(dog, length, "-17 0");
+  dog += "  Tail 0 0 -10\n";
+  const auto map = recognise(tiny_skeleton(dog));
+  ASSERT_FALSE(map);
+  EXPECT_THAT(map.error().message,
+              HasSubstr("the skeleton is not a human's: the legs are shorter"));
+}
+
+TEST(RecogniseRefuses, SidesThatNothingTellsAreRefused) {
+  // LAFAN1's zero pose is no pose of a human: without names it does not tell left from right
+  const Skeleton skeleton = tiny_skeleton(kLafan1);
+  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
+  ASSERT_FALSE(map);
+  EXPECT_THAT(map.error().message, HasSubstr("left side"));
+}
+
+TEST(RecogniseRefuses, VeryDeepTreesAreRefused) {
+  std::vector<Joint> joints(3000);
+  for (int i = 0; i < 3000; ++i) {
+    joints[i].name = "j" + std::to_string(i);
+    joints[i].parent = i - 1;
+    joints[i].offset = Eigen::Vector3d(0, 1, 0);
+  }
+  EXPECT_FALSE(recognise(Skeleton(std::move(joints))));
+}
+
+}  // namespace
+}  // namespace retarget

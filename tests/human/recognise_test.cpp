@@ -1,0 +1,545 @@
+#include "retarget/human/recognise.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "human/tiny_skeleton.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/human_clip.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// what each bone's joint is expected to be; all must hold
+void expect_bones(const std::string& body,
+                  const std::vector<std::pair<const char*, const char*>>& expected) {
+  const Skeleton skeleton = tiny_skeleton(body);
+  // with the dialects and by names alone
+  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
+    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    for (const auto& [bone, joint] : expected) {
+      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->dialect;
+    }
+  }
+}
+
+// a body under other names: pairs of old and new words, applied in order
+std::string renamed(const std::vector<std::pair<const char*, const char*>>& words) {
+  std::string body = kBody;
+  for (const auto& [from, to] : words) body = replaced(body, from, to);
+  return body;
+}
+
+TEST(Recognise, LegIsTheShinBelowAnUpLeg) {
+  expect_bones(kBody, {{"LeftUpLeg", "LeftUpLeg"},
+                       {"LeftLeg", "LeftLeg"},
+                       {"LeftFoot", "LeftFoot"},
+                       {"LeftShoulder", "LeftShoulder"},
+                       {"LeftArm", "LeftArm"},
+                       {"LeftForeArm", "LeftForeArm"}});
+}
+
+TEST(Recognise, LegIsTheThighAboveAShin) {
+  const std::string body = renamed({{"LeftLeg", "LeftShin"},
+                                    {"RightLeg", "RightShin"},
+                                    {"UpLeg", "Leg"},
+                                    {"Spine2", "Chest"},
+                                    {"Spine1", "Spine2"},
+                                    {"Spine ", "Spine1 "}});
+  expect_bones(body, {{"LeftUpLeg", "LeftLeg"}, {"LeftLeg", "LeftShin"}, {"Spine2", "Chest"}});
+}
+
+TEST(Recognise, ShoulderIsTheUpperArmBelowACollar) {
+  const std::string body = renamed({{"Shoulder", "Collar"},
+                                    {"LeftArm", "LeftShoulder"},
+                                    {"RightArm", "RightShoulder"},
+                                    {"ForeArm", "Elbow"},
+                                    {"Hand", "Wrist"},
+                                    {"UpLeg", "Hip"},
+                                    {"Leg", "Knee"},
+                                    {"Foot", "Ankle"},
+                                    {"ToeBase", "Toe"}});
+  expect_bones(body, {{"LeftShoulder", "LeftCollar"},
+                      {"LeftArm", "LeftShoulder"},
+                      {"LeftForeArm", "LeftElbow"},
+                      {"LeftHand", "LeftWrist"},
+                      {"LeftUpLeg", "LeftHip"},
+                      {"LeftFoot", "LeftAnkle"},
+                      {"LeftToe", "LeftToe"}});
+}
+
+TEST(Recognise, ShoulderIsTheUpperArmWhereThereIsNoOther) {
+  const Skeleton skeleton = tiny_skeleton(R"(
+Hips 0 90 0
+  LeftHip 10 -2 0
+    LeftKnee 0 -42 0
+      LeftAnkle 0 -41 0
+  RightHip -10 -2 0
+    RightKnee 0 -42 0
+      RightAnkle 0 -41 0
+  Chest 0 20 0
+    Head 0 35 0
+    LeftShoulder 17 18 0
+      LeftElbow 29 0 0
+        LeftWrist 25 0 0
+    RightShoulder -17 18 0
+      RightElbow -29 0 0
+        RightWrist -25 0 0
+)");
+  const auto map = recognise(skeleton);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), "LeftShoulder");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftShoulder"), "");
+  EXPECT_EQ(joint_name(*map, skeleton, "Neck"), "");
+  EXPECT_EQ(joint_name(*map, skeleton, "Head"), "Head");
+  EXPECT_THAT(map->notes,
+              Contains(HasSubstr("not in the source: LeftToe, RightToe, Spine, Spine1, Neck, "
+                                 "LeftShoulder, RightShoulder")));
+}
+
+TEST(Recognise, HelperJointsWithoutLengthAreNotLimbs) {
+  const std::string body = R"(
+Hips 0 0 0
+  LHipJoint 0 0 0
+    LeftUpLeg 2.1 -1.6 1.1
+      LeftLeg 2.0 -5.6 0
+        LeftFoot 2.7 -7.5 0
+          LeftToeBase 0.1 -0.25 2
+            end 0 0 1
+  RHipJoint 0 0 0
+    RightUpLeg -2.1 -1.6 1.1
+      RightLeg -2.0 -5.6 0
+        RightFoot -2.7 -7.5 0
+          RightToeBase -0.1 -0.25 2
+            end 0 0 1
+  LowerBack 0 0 0
+    Spine 0 1.8 -0.3
+      Spine1 0 1.9 0.15
+        Neck 0 0 0
+          Neck1 0 1.8 0.1
+            Head 0 1.8 -0.3
+              end 0 1.8 0
+        LeftShoulder 0 0 0
+          LeftArm 3.6 0.8 -0.4
+            LeftForeArm 4.9 0 0
+              LeftHand 2.7 0 0
+                LeftFingerBase 0 0 0
+                  LeftHandIndex1 0.7 0 0
+                LThumb 0 0 0
+        RightShoulder 0 0 0
+          RightArm -3.6 0.8 -0.4
+            RightForeArm -4.9 0 0
+              RightHand -2.7 0 0
+                RightFingerBase 0 0 0
+                  RightHandIndex1 -0.7 0 0
+                RThumb 0 0 0
+)";
+  expect_bones(body, {{"Hips", "Hips"},
+                      {"LeftUpLeg", "LeftUpLeg"},
+                      {"RightUpLeg", "RightUpLeg"},
+                      {"Spine", "LowerBack"},
+                      {"Spine1", "Spine"},
+                      {"Spine2", "Spine1"},
+                      {"Neck", "Neck1"},
+                      {"LeftHand", "LeftHand"}});
+}
+
+TEST(Recognise, FingersAreNoHands) {
+  std::string body = kBody;
+  for (const std::string side : {"Left", "Right"}) {
+    const std::string x = side == "Left" ? "15" : "-15";
+    body = replaced(body, "                end " + x + " 0 0\n",
+                    "                " + side + "InHandIndex 3 0 1\n                  " + side +
+                        "HandIndex1 5 0 0\n                " + side +
+                        "HandThumb1 2 0 3\n                " + side + "lnHandMiddle 3 0 0\n");
+  }
+  expect_bones(body, {{"LeftHand", "LeftHand"}, {"RightHand", "RightHand"}});
+}
+
+TEST(Recognise, HipsAreWhereTheLegsHangBelowARoot) {
+  std::string body = "\nRoot 0 0 0";
+  std::istringstream lines(kBody);
+  for (std::string line; std::getline(lines, line);) body += "  " + line + "\n";
+  expect_bones(body, {{"Hips", "Hips"}, {"Spine", "Spine"}});
+}
+
+TEST(Recognise, OfTwoNecksTheLowerOneCounts) {
+  const std::string body = R"(
+Hips 0 90 0
+  LeftUpLeg 10 -2 0
+    LeftLeg 0 -42 0
+      LeftFoot 0 -41 0
+  RightUpLeg -10 -2 0
+    RightLeg 0 -42 0
+      RightFoot 0 -41 0
+  Spine 0 8 0
+    Spine1 0 12 0
+      Neck 0 37 0
+        Neck1 0 5 0
+          Head 0 5 0
+      LeftArm 17 31 0
+        LeftForeArm 29 0 0
+          LeftHand 25 0 0
+      RightArm -17 31 0
+        RightForeArm -29 0 0
+          RightHand -25 0 0
+)";
+  expect_bones(body, {{"Neck", "Neck"}, {"Head", "Head"}, {"Spine2", "Spine1"}});
+}
+
+TEST(Recognise, PrefixesAreNoPartOfAName) {
+  for (const std::string prefix :
+       {"mixamorig:", "mixamorig1:", "Character1_", "Take 001:", "Skeleton 001_", "Actor_Body_"}) {
+    SCOPED_TRACE(prefix);
+    std::string body;
+    std::istringstream lines(kBody);
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t at = line.find_first_not_of(' ');
+      if (at != std::string::npos && line.compare(at, 4, "end ") != 0) line.insert(at, prefix);
+      body += line + "\n";
+    }
+    const Skeleton skeleton = tiny_skeleton(body);
+    const auto map = recognise(skeleton);
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), prefix + "LeftArm");
+    EXPECT_NE(map->dialect, "topology");
+    EXPECT_EQ(map->dialect == "mixamo", prefix.starts_with("mixamo"));
+  }
+}
+
+TEST(Recognise, SidesAreSpelledInManyWays) {
+  struct Spelling {
+    const char *left_before, *left_after, *right_before, *right_after;
+  };
+  for (const Spelling& spelling : std::vector<Spelling>{{"L_", "", "R_", ""},
+                                                        {"", "_l", "", "_r"},
+                                                        {"", ".L", "", ".R"},
+                                                        {"l", "", "r", ""},
+                                                        {"Bip01 L ", "", "Bip01 R ", ""},
+                                                        {"Left ", "", "Right ", ""},
+                                                        {"left_", "", "right_", ""}}) {
+    SCOPED_TRACE(std::string(spelling.left_before) + "*" + spelling.left_after);
+    std::string body = kBody;
+    std::string left_arm;
+    for (const char* bone :
+         {"UpLeg", "Leg", "Foot", "ToeBase", "Shoulder", "Arm", "ForeArm", "Hand"}) {
+      const std::string left = std::string(spelling.left_before) + bone + spelling.left_after;
+      const std::string right = std::string(spelling.right_before) + bone + spelling.right_after;
+      body = replaced(body, std::string("Left") + bone + " ", left + " ");
+      body = replaced(body, std::string("Right") + bone + " ", right + " ");
+      if (std::string(bone) == "Arm") left_arm = left;
+    }
+    expect_bones(body, {{"LeftArm", left_arm.c_str()}, {"Hips", "Hips"}});
+  }
+}
+
+TEST(Recognise, NamesOfSegmentsWithNumbersHaveNoSide) {
+  const std::string body = renamed({{"Hips", "Pelvis"},
+                                    {"Spine2", "T8"},
+                                    {"Spine1", "L3"},
+                                    {"Spine ", "L5 "},
+                                    {"LeftLeg", "LeftLowerLeg"},
+                                    {"RightLeg", "RightLowerLeg"},
+                                    {"UpLeg", "UpperLeg"},
+                                    {"LeftArm", "LeftUpperArm"},
+                                    {"RightArm", "RightUpperArm"},
+                                    {"ToeBase", "Toe"}});
+  expect_bones(body, {{"Hips", "Pelvis"}, {"Spine", "L5"}, {"Spine1", "L3"}, {"Spine2", "T8"}});
+  EXPECT_EQ(recognise(tiny_skeleton(body))->dialect, "xsens_mvn");
+}
+
+TEST(Recognise, TheShapeTellsWhatMeaninglessNamesDoNot) {
+  const Skeleton body = tiny_skeleton(kBody);
+  const auto map = recognise(with_names(body, meaningless_names(body)));
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(map->dialect, "topology");
+  EXPECT_EQ(map->joint_of_bone, recognise(body)->joint_of_bone);
+}
+
+TEST(Recognise, TheShapeStandsAgainstNamesThatWereMixedUp) {
+  const Skeleton body = tiny_skeleton(kBody);
+  const auto expected = recognise(body)->joint_of_bone;
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::string> names = body.names();
+    std::ranges::shuffle(names, random);
+    const auto map = recognise(with_names(body, names));
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->joint_of_bone, expected);
+  }
+}
+
+TEST(Recognise, TheOrderOfChildrenDoesNotMatter) {
+  const std::string body = R"(
+Hips 0 90 0
+  Spine 0 8 0
+    Spine1 0 12 0
+      Spine2 0 13 0
+        RightShoulder -5 18 0
+          RightArm -12 0 0
+            RightForeArm -29 0 0
+              RightHand -25 0 0
+        LeftShoulder 5 18 0
+          LeftArm 12 0 0
+            LeftForeArm 29 0 0
+              LeftHand 25 0 0
+        Neck 0 24 0
+          Head 0 11 0
+            end 0 18 0
+  RightUpLeg -10 -2 0
+    RightLeg 0 -42 0.5
+      RightFoot 0 -41 -0.5
+        RightToeBase 0 -6 13
+  LeftUpLeg 10 -2 0
+    LeftLeg 0 -42 0.5
+      LeftFoot 0 -41 -0.5
+        LeftToeBase 0 -6 13
+)";
+  expect_bones(body, {{"LeftUpLeg", "LeftUpLeg"}, {"LeftArm", "LeftArm"}, {"Spine2", "Spine2"}});
+  const Skeleton skeleton = tiny_skeleton(body);
+  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftUpLeg"), "LeftUpLeg");
+  EXPECT_EQ(joint_name(*map, skeleton, "RightArm"), "RightArm");
+}
+
+TEST(Recognise, TwistJointsInLimbsAreLeftOut) {
+  std::string body = R"(
+pelvis 0 90 0
+  thigh_l 10 -2 0
+    thigh_twist_01_l 0 -20 0
+    calf_l 0 -42 0.5
+      foot_l 0 -41 -0.5
+        ball_l 0 -6 13
+  thigh_r -10 -2 0
+    thigh_twist_01_r 0 -20 0
+    calf_r 0 -42 0.5
+      foot_r 0 -41 -0.5
+        ball_r 0 -6 13
+  spine_01 0 10 0
+    spine_02 0 20 0
+      neck_01 0 26 0
+        head 0 11 0
+      clavicle_l 5 18 0
+        upperarm_l 12 0 0
+          upperarm_twist_01_l 10 0 0
+          roll_l 14 0 0
+            lowerarm_l 15 0 0
+              hand_l 25 0 0
+      clavicle_r -5 18 0
+        upperarm_r -12 0 0
+          upperarm_twist_01_r -10 0 0
+          roll_r -14 0 0
+            lowerarm_r -15 0 0
+              hand_r -25 0 0
+)";
+  expect_bones(body, {{"LeftUpLeg", "thigh_l"},
+                      {"LeftLeg", "calf_l"},
+                      {"LeftArm", "upperarm_l"},
+                      {"LeftForeArm", "lowerarm_l"},
+                      {"RightHand", "hand_r"}});
+  // also where nothing but the shape tells
+  const Skeleton skeleton = tiny_skeleton(body);
+  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftLeg"), "calf_l");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftForeArm"), "lowerarm_l");
+}
+
+TEST(Recognise, PropsArePartOfNoBody) {
+  std::string body =
+      replaced(kBody, "                end -15 0 0\n", R"(                Sword -5 0 10
+                  SwordTip 0 0 95
+)");
+  body += "  Holster -15 0 0\n    Pistol 0 -20 0\n  Cape 0 20 -10\n    Cape1 0 -40 0\n";
+  expect_bones(body, {{"LeftHand", "LeftHand"}, {"RightHand", "RightHand"}, {"Hips", "Hips"}});
+  const Skeleton skeleton = tiny_skeleton(body);
+  const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(map->joint_of_bone, recognise(skeleton)->joint_of_bone);
+}
+
+// a body whose spine has so many joints, 42 long in all, the arms hanging from the last one
+std::string body_with_spine(int count) {
+  std::string body = kBody;
+  const std::size_t from = body.find("  Spine "), to = body.find("        Neck");
+  std::string spine;
+  for (int i = 0; i < count; ++i) {
+    spine += std::string(2 * (i + 1), ' ') + "Spine" + (i == 0 ? "" : std::to_string(i)) + " 0 " +
+             std::to_string(33.0 / count) + " 0\n";
+  }
+  std::istringstream rest(body.substr(to));
+  std::string upper;
+  for (std::string line; std::getline(rest, line);) {
+    upper +=
+        (count >= 3 ? std::string(2 * (count - 3), ' ') + line : line.substr(2 * (3 - count))) +
+        "\n";
+  }
+  return body.substr(0, from) + spine + upper;
+}
+
+TEST(Recognise, SpinesOfAnyLengthEndInTheTorso) {
+  struct Case {
+    int count;
+    const char *spine, *spine1, *torso;
+  };
+  for (const Case& c : std::vector<Case>{{1, "", "", "Spine"},
+                                         {2, "Spine", "", "Spine1"},
+                                         {3, "Spine", "Spine1", "Spine2"},
+                                         {4, "Spine", "Spine1", "Spine3"},
+                                         {7, "Spine", "Spine3", "Spine6"}}) {
+    SCOPED_TRACE(c.count);
+    expect_bones(body_with_spine(c.count),
+                 {{"Spine", c.spine}, {"Spine1", c.spine1}, {"Spine2", c.torso}});
+  }
+  const auto long_spine = recognise(tiny_skeleton(body_with_spine(7)));
+  EXPECT_THAT(long_spine->notes, Contains(HasSubstr("folded into Spine2: \"Spine1\", \"Spine2\", "
+                                                    "\"Spine4\", \"Spine5\"")));
+}
+
+TEST(Recognise, ArmsThatHangFromTheNeckHaveTheirTorsoBelowIt) {
+  const std::string body = R"(
+Bip01 Pelvis 0 90 0
+  Bip01 Spine 0 8 0
+    Bip01 Spine1 0 12 0
+      Bip01 Neck 0 30 0
+        Bip01 Head 0 11 0
+        Bip01 L Clavicle 5 0 0
+          Bip01 L UpperArm 12 0 0
+            Bip01 L Forearm 29 0 0
+              Bip01 L Hand 25 0 0
+        Bip01 R Clavicle -5 0 0
+          Bip01 R UpperArm -12 0 0
+            Bip01 R Forearm -29 0 0
+              Bip01 R Hand -25 0 0
+  Bip01 L Thigh 10 -2 0
+    Bip01 L Calf 0 -42 0.5
+      Bip01 L Foot 0 -41 -0.5
+        Bip01 L Toe0 0 -6 13
+  Bip01 R Thigh -10 -2 0
+    Bip01 R Calf 0 -42 0.5
+      Bip01 R Foot 0 -41 -0.5
+        Bip01 R Toe0 0 -6 13
+)";
+  expect_bones(body, {{"Spine2", "Bip01 Spine1"},
+                      {"Spine", "Bip01 Spine"},
+                      {"Neck", "Bip01 Neck"},
+                      {"LeftShoulder", "Bip01 L Clavicle"},
+                      {"LeftUpLeg", "Bip01 L Thigh"}});
+}
+
+TEST(Recognise, HipsAreWhereTheLegsHangEvenInTheSpine) {
+  const Skeleton skeleton = tiny_skeleton(R"(
+Bip01 0 90 0
+  Bip01 Pelvis 0 0 0
+    Bip01 Spine 0 2 0
+      Bip01 Spine1 0 12 0
+        Bip01 Neck 0 30 0
+          Bip01 Head 0 11 0
+          Bip01 L Clavicle 5 0 0
+            Bip01 L UpperArm 12 0 0
+              Bip01 L Forearm 29 0 0
+          Bip01 R Clavicle -5 0 0
+            Bip01 R UpperArm -12 0 0
+              Bip01 R Forearm -29 0 0
+      Bip01 L Thigh 10 -2 0
+        Bip01 L Calf 0 -42 0.5
+          Bip01 L Foot 0 -41 -0.5
+      Bip01 R Thigh -10 -2 0
+        Bip01 R Calf 0 -42 0.5
+          Bip01 R Foot 0 -41 -0.5
+)");
+  const auto map = recognise(skeleton);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, skeleton, "Hips"), "Bip01 Spine");
+  EXPECT_EQ(joint_name(*map, skeleton, "Spine2"), "Bip01 Spine1");
+}
+
+TEST(Recognise, ClipsWhoseToesPointBackwardsAreDoubted) {
+  const auto clip_of = [](const std::string& body) {
+    return Clip(std::make_shared<const Skeleton>(tiny_skeleton(body)), FrameRate{30, 1}, 2);
+  };
+  const auto sane = recognise_skeleton(clip_of(kBody), shipped_dialects(), "clip.bvh");
+  const auto odd = recognise_skeleton(
+      clip_of(renamed({{"Left", "Middle"}, {"Right", "Left"}, {"Middle", "Right"}})),
+      shipped_dialects(), "clip.bvh");
+  ASSERT_TRUE(sane && odd);
+  EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("exchanged"))));
+  EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be exchanged")));
+  EXPECT_LT(odd->confidence, sane->confidence);
+}
+
+TEST(Recognise, ShippedSamplesAreLafan1) {
+  for (const char* name : {"walk", "squat", "wave", "get_up", "turn_in_place"}) {
+    SCOPED_TRACE(name);
+    const auto path = std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name;
+    const Clip clip = load_bvh(path.string() + ".bvh").value().clip;
+    const auto map = recognise_skeleton(clip, shipped_dialects(), "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->dialect, "lafan1");
+    EXPECT_EQ(map->notes, std::vector<std::string>());
+    // the motion tells the sides where the names do not, and the zero pose does not either
+    const auto by_shape = recognise_skeleton(without_names(clip), shipped_dialects(), "clip.bvh");
+    ASSERT_TRUE(by_shape) << describe(by_shape.error());
+    EXPECT_EQ(by_shape->joint_of_bone, map->joint_of_bone);
+  }
+}
+
+TEST(Recognise, MissingToesCollarsNeckAndHandsAreTold) {
+  const Skeleton skeleton = tiny_skeleton(R"(
+Hips 0 90 0
+  LeftUpLeg 10 -2 0
+    LeftLeg 0 -42 0
+      LeftFoot 0 -41 0
+  RightUpLeg -10 -2 0
+    RightLeg 0 -42 0
+      RightFoot 0 -41 0
+  Spine 0 20 0
+    Head 0 35 0
+    LeftArm 17 18 0
+      LeftForeArm 29 0 0
+    RightArm -17 18 0
+      RightForeArm -29 0 0
+)");
+  const auto map = recognise(skeleton);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_FALSE(map->partial);
+  EXPECT_THAT(map->notes, Contains("not in the source: LeftToe, RightToe, Spine, Spine1, Neck, "
+                                   "LeftShoulder, LeftHand, RightShoulder, RightHand"));
+}
+
+TEST(Recognise, Lafan1GivesTheJointsOfThePublishedMethod) {
+  const std::string further = replaced(
+      std::string("Reference 0 0 0\n  Prop 5 5 5\n") +
+          replaced(replaced(std::string(kLafan1).substr(1), "\n", "\n  "), "Hips", "  Hips"),
+      "        LeftHand", "        Sleeve 0 3 0\n                LeftHand");
+  for (const std::string& body :
+       {std::string(kLafan1), replaced(kLafan1, "Toe", "ToeBase"), further}) {
+    const Skeleton skeleton = tiny_skeleton(body);
+    const auto map = recognise(skeleton);
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->dialect, "lafan1");
+    const auto published = lafan1_mapping(skeleton, "clip.bvh");
+    ASSERT_TRUE(published);
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      EXPECT_EQ(map->joint_of_bone[bone], published->bones[bone].position_joint)
+          << kBoneNames[bone];
+    }
+  }
+}
+
+TEST(Recognise, Lafan1NamesOnOtherAxesAreAnotherDialect) {
+  EXPECT_NE(recognise(tiny_skeleton(kBody))->dialect, "lafan1");
+  EXPECT_NE(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")))->dialect, "lafan1");
+}
+
+}  // namespace
+}  // namespace retarget
