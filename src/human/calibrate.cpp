@@ -136,7 +136,9 @@ std::optional<Candidate> Calibrator::zero_candidate(const Body& body) const {
   JointPoses pose = zero_pose(body.skeleton());
   const auto trunk = trunk_direction(body, pose);
   if (!trunk) return std::nullopt;
-  return candidate(std::move(pose), nearest_axis(*trunk).direction());
+  auto found = candidate(std::move(pose), nearest_axis(*trunk).direction());
+  if (found) found->is_built = true;
+  return found;
 }
 
 std::optional<std::pair<int, Candidate>> Calibrator::best_frame() const {

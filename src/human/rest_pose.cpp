@@ -34,12 +34,13 @@ std::optional<Eigen::Vector3d> heading(const Body& body, const Candidate& candid
   return (candidate.axes * *way).normalized();
 }
 
-// the foot's direction on the floor; nothing when it hardly has one
+// the foot's direction on the floor after a turn; nothing when it hardly has one
 std::optional<Eigen::Vector3d> foot_heading(const Body& body, const Candidate& candidate,
-                                            const std::string& side) {
+                                            const std::string& side, const Eigen::Matrix3d& turn) {
   for (const char* part : {"Foot", "Toe"}) {
     auto way = heading(body, candidate, side + part);
     if (!way) continue;
+    *way = turn * *way;
     way->z() = 0.0;
     if (way->norm() > 0.3) return way->normalized();
   }
@@ -65,7 +66,7 @@ bool leg_is_well_formed(const Body& body, const Candidate& candidate, const std:
     const auto way = heading(body, candidate, side + part);
     if (way && angle_between(*way, -up()) > kMostSplayed) return false;
   }
-  const auto foot = foot_heading(body, candidate, side);
+  const auto foot = foot_heading(body, candidate, side, Eigen::Matrix3d::Identity());
   return !foot || foot->dot(ahead()) > 0.5;
 }
 
@@ -112,14 +113,20 @@ class Straightening {
     const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
     of(side + "UpLeg") = turned_on(way(side + "UpLeg"), -up(), none);
     of(side + "Leg") = turned_on(way(side + "Leg"), -up(), of(side + "UpLeg"));
-    const auto toes = foot_heading(body_, candidate_, side);
-    const Eigen::Matrix3d yaw = toes ? least_rotation(*toes, ahead(), up()) : none;
+    straighten_foot(side, candidate_.is_built ? of(side + "Leg") : none);
+  }
+
+  void straighten_foot(const std::string& side, const Eigen::Matrix3d& carried) {
+    of(side + "Toe") = carried;
+    of(side + "Foot") = carried;
+    const auto toes = foot_heading(body_, candidate_, side, carried);
+    if (!toes) return;
+    const Eigen::Matrix3d yaw = least_rotation(*toes, ahead(), up()) * carried;
     of(side + "Toe") = yaw;
     of(side + "Foot") = yaw;
-    const auto foot = way(side + "Foot");
-    if (foot && toes && body_.has(side + "Toe")) {
+    if (body_.has(side + "Toe")) {
       const int bone = find_bone(side + "Foot").value();
-      of(side + "Foot") = turned_on(foot, canonical_t_pose(bone).col(0), yaw);
+      of(side + "Foot") = turned_on(way(side + "Foot"), canonical_t_pose(bone).col(0), yaw);
     }
   }
 

@@ -12,6 +12,9 @@ namespace retarget {
 struct Candidate {
   JointPoses pose;
   BodyFromFile axes = BodyFromFile::Identity();
+  /// Built with the skeleton rather than taken by a person: the soles of legs that stand astride
+  /// are square to the shins then, and not on a floor.
+  bool is_built = false;
 };
 
 /// How far a candidate is from a T-pose, as angles in degrees of upper arms and forearms to the
@@ -37,7 +40,8 @@ using JointFromBone = std::array<std::optional<Eigen::Matrix3d>, kMappedBoneCoun
 /// Trunk, neck and head are taken as they are. Each collar bone, upper arm, thigh and shin is
 /// turned by the least rotation that takes it to its canonical direction, the upper arm's turn
 /// carrying the forearm along and this one's the hand, so an A-pose's arms go up about the body's
-/// forward axis and keep their twist. Feet are turned about the vertical until they point ahead.
+/// forward axis and keep their twist. Feet are turned about the vertical until they point
+/// ahead, in a built pose after the shin's turn.
 [[nodiscard]] JointFromBone bring_to_t(const Body& body, const Candidate& candidate);
 
 }  // namespace retarget
