@@ -40,17 +40,18 @@ Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vect
   return 0.5 * sum;
 }
 
-// how far the lowest joint of the body wanders along a direction: standard deviation
+// how far the lowest joint of the body wanders along a direction: from the tenth to the fiftieth
+// percentile, so that jumps do not count
 double wander(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
-  double sum = 0.0, squares = 0.0;
+  std::vector<double> lowest;
   for (const JointPoses& pose : poses) {
-    double lowest = std::numeric_limits<double>::infinity();
-    for (const Pose& joint : pose) lowest = std::min(lowest, up.dot(joint.translation));
-    sum += lowest;
-    squares += lowest * lowest;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Pose& joint : pose) least = std::min(least, up.dot(joint.translation));
+    lowest.push_back(least);
   }
-  const auto count = static_cast<double>(poses.size());
-  return std::sqrt(std::max(0.0, squares / count - (sum / count) * (sum / count)));
+  if (lowest.empty()) return 0.0;
+  std::ranges::sort(lowest);
+  return lowest[lowest.size() / 2] - lowest[lowest.size() / 10];
 }
 
 double size_of(const Body& body) {
@@ -115,9 +116,11 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
 
   // a floor that wanders by a whole leg counts as much as a trunk that leans by 60 degrees
   const double leg = size_of(body);
+  const auto floor = [&](const SignedAxis& axis) {
+    return leg <= 0.0 ? 0.0 : std::min(wander(poses, axis.direction()) / leg, 1.0);
+  };
   const auto score = [&](const SignedAxis& axis) {
-    const double floor = poses.empty() || leg <= 0.0 ? 0.0 : wander(poses, axis.direction()) / leg;
-    return mean.dot(axis.direction()) - 0.5 * std::min(floor, 1.0);
+    return mean.dot(axis.direction()) - 0.5 * floor(axis);
   };
   SignedAxis best;
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,7 +129,11 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
     }
   }
   const SignedAxis custom;
-  if (score(custom) > 0.0 && score(custom) >= kCustomShare * score(best)) best = custom;
+  const bool is_near = score(custom) > 0.0 && score(custom) >= kCustomShare * score(best);
+  // a body that lies: nothing stands along y, but the floor keeps still there
+  const bool lies = mean.dot(custom.direction()) > -0.3 && floor(best) > 0.02 &&
+                    floor(custom) < 0.4 * floor(best);
+  if (is_near || lies) best = custom;
   return {best, mean.dot(best.direction())};
 }
 

@@ -30,7 +30,8 @@ using BodyFromFile = Eigen::Matrix3d;
 
 /// The file's up axis by what the movement shows: the axis along which, over the poses, the head
 /// stays above the hips and these above the feet, on average, and above which the lowest joint
-/// wanders least. y, BVH's custom, is taken when it does nearly as well as the best.
+/// wanders least. y, BVH's custom, is taken when it does nearly as well as the best, and when the
+/// body lies: the lowest joint keeps much stiller along y than along the best.
 struct UpGuess {
   SignedAxis axis;
   double certainty = 0.0;  ///< Mean cosine of the trunk and the legs to the axis.

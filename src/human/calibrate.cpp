@@ -108,7 +108,9 @@ void Calibrator::look() {
     return;
   }
   if (view_.poses.empty()) {
-    view_.up = guess_up(body_, {zero_pose(clip_.skeleton())}).axis;
+    // y by custom, unless there is a zero pose that stands
+    const auto zero = zero_candidate(body_);
+    if (zero && is_well_formed(body_, *zero)) view_.up = nearest_axis(zero->axes.row(2));
     return;
   }
   const UpGuess guess = guess_up(body_, view_.poses);

@@ -211,6 +211,16 @@ TEST(Calibrate, HasEveryUpAxisWithoutAMirror) {
   }
 }
 
+TEST(Calibrate, KnowsUpOfABodyThatLies) {
+  // the start of getting up, most of it on the floor
+  const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
+  EXPECT_EQ(calibrated(clip).up, SignedAxis{});
+  const Clip lafan1 = cut(sample("get_up"), 0, 60);
+  const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {}, "clip");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->rest_pose, "lafan1");
+}
+
 TEST(Calibrate, FollowsWhatItIsTold) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   CalibrationOptions options;
