@@ -137,10 +137,14 @@ void HumanPoser::pose(int frame, std::span<Pose> world_from_bone) {
       world_from_bone[bone] = Pose{};
       continue;
     }
+    const Pose& stand = world_from_joint_[source.position_joint];
+    const Eigen::Vector3d origin =
+        source.position_in_joint ? stand * *source.position_in_joint : stand.translation;
     world_from_bone[bone] = {turn_ * world_from_joint_[source.rotation_joint].rotation,
-                             mapping_.human_from_source *
-                                 world_from_joint_[source.position_joint].translation *
-                                 mapping_.metres_per_unit};
+                             mapping_.human_from_source * origin * mapping_.metres_per_unit};
+    if (source.joint_from_bone) {
+      world_from_bone[bone].rotation = world_from_bone[bone].rotation * *source.joint_from_bone;
+    }
   }
 }
 

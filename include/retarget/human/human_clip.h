@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,13 @@ namespace retarget {
 struct BoneSource {
   int position_joint = -1;  ///< Joint whose origin is the bone's; -1: the bone is missing.
   int rotation_joint = -1;  ///< Joint whose rotation is the bone's; -1: the bone is missing.
+  /// The bone's canonical axes seen from the rotation joint, a constant: with rotations in the
+  /// T-pose, facing x with z up, it is R_joint(T)^-1 * R_canonical(T), so that the bone turns by
+  /// R_joint(t) * R_joint(T)^-1 from its canonical T-pose. Without: the joint's own axes.
+  std::optional<Eigen::Quaterniond> joint_from_bone = std::nullopt;
+  /// Where the bone begins, in the position joint's frame and the source's unit. Without: at the
+  /// joint's origin.
+  std::optional<Eigen::Vector3d> position_in_joint = std::nullopt;
 };
 
 /// How a source skeleton becomes the canonical human: metres, Z up, right-handed, LAFAN1's bones.

@@ -1,0 +1,145 @@
+#include "human/bone_sources.h"
+
+#include <cmath>
+#include <cstdio>
+#include <initializer_list>
+
+#include "retarget/human/canonical_pose.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kForearmPerUpperArm = 0.8;
+
+int index_of(const std::string& bone) {
+  return find_bone(bone).value();
+}
+
+class Sources {
+ public:
+  Sources(const Body& body, const JointFromBone& axes) : body_(body), axes_(axes) {
+    sources_.resize(kBoneCount);
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (const int joint = body.joint(bone); joint >= 0 && axes[bone]) {
+        place(bone, joint, joint, *axes[bone]);
+      }
+    }
+    fill_trunk();
+    for (const std::string side : {"Left", "Right"}) {
+      fill_arm(side);
+      fill_foot(side);
+    }
+  }
+
+  std::vector<BoneSource> take() { return std::move(sources_); }
+
+ private:
+  BoneSource& of(const std::string& bone) {
+    return sources_[static_cast<std::size_t>(index_of(bone))];
+  }
+  [[nodiscard]] bool is_mapped(const std::string& bone) const {
+    const int index = index_of(bone);
+    return body_.joint(index) >= 0 && axes_[static_cast<std::size_t>(index)].has_value();
+  }
+
+  void place(int bone, int position_joint, int rotation_joint, const Eigen::Matrix3d& axes) {
+    BoneSource& source = sources_[static_cast<std::size_t>(bone)];
+    source.position_joint = position_joint;
+    source.rotation_joint = rotation_joint;
+    source.joint_from_bone = Eigen::Quaterniond(axes).normalized();
+  }
+
+  // turned like `like`, stiffly, as both are in the T-pose
+  void turn_with(const std::string& bone, const std::string& like, int position_joint) {
+    const int index = index_of(bone), model = index_of(like);
+    place(index, position_joint, body_.joint(model),
+          *axes_[static_cast<std::size_t>(model)] * canonical_t_pose(model).transpose() *
+              canonical_t_pose(index));
+  }
+
+  void fill_from_first(const std::string& bone, std::initializer_list<const char*> neighbours) {
+    if (is_mapped(bone)) return;
+    for (const char* neighbour : neighbours) {
+      if (!is_mapped(neighbour)) continue;
+      turn_with(bone, neighbour, body_.joint(neighbour));
+      return;
+    }
+  }
+
+  void fill_trunk() {
+    fill_from_first("Spine2", {"Spine1", "Spine", "Hips"});
+    fill_from_first("Spine1", {"Spine2", "Spine", "Hips"});
+    fill_from_first("Spine", {"Spine1", "Spine2", "Hips"});
+    if (!is_mapped("Neck") && is_mapped("Head")) turn_with("Neck", "Head", body_.joint("Head"));
+    if (is_mapped("Head") || !is_mapped("Neck")) return;
+    const Segment& neck = body_.segment("Neck");
+    if (!neck.known()) return;
+    turn_with("Head", "Neck", neck.end_joint);
+    of("Head").position_in_joint = neck.offset;
+  }
+
+  void fill_arm(const std::string& side) {
+    if (!is_mapped(side + "Shoulder") && is_mapped("Spine2") && is_mapped(side + "Arm")) {
+      turn_with(side + "Shoulder", "Spine2", body_.joint(side + "Arm"));
+    }
+    if (is_mapped(side + "Hand") || !is_mapped(side + "ForeArm")) return;
+    const int forearm = body_.joint(side + "ForeArm");
+    turn_with(side + "Hand", side + "ForeArm", forearm);
+    const Segment& end = body_.segment(side + "ForeArm");
+    if (end.known()) {
+      of(side + "Hand").position_in_joint = end.offset;
+      return;
+    }
+    const double length = kForearmPerUpperArm * body_.skeleton().joint(forearm).offset.norm();
+    of(side + "Hand").position_in_joint =
+        length * axes_[static_cast<std::size_t>(index_of(side + "ForeArm"))]->col(0);
+  }
+
+  void fill_foot(const std::string& side) {
+    if (!is_mapped(side + "Foot")) return;
+    const int foot = body_.joint(side + "Foot");
+    if (is_mapped(side + "Toe")) {
+      turn_with(side + "FootMod", side + "Toe", foot);
+      return;
+    }
+    turn_with(side + "FootMod", side + "Foot", foot);
+    const Segment& end = body_.segment(side + "Foot");
+    if (!end.known()) return;
+    turn_with(side + "Toe", side + "Foot", foot);
+    of(side + "Toe").position_in_joint = end.offset;
+  }
+
+  const Body& body_;
+  const JointFromBone& axes_;
+  std::vector<BoneSource> sources_;
+};
+
+std::string rounded(double value, const char* format) {
+  char text[64];
+  // no locale is set by the library, but the program's may have decimal commas
+  std::snprintf(text, sizeof text, format, value);
+  for (char& letter : text) {
+    if (letter == ',') letter = '.';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes) {
+  return Sources(body, axes).take();
+}
+
+std::string describe_calibration(const Calibration& calibration) {
+  const std::string height = rounded(calibration.mapping.height, "%.2f m");
+  if (calibration.rest_pose == "lafan1") {
+    return "LAFAN1 skeleton, centimetres, Y up, body height " + height;
+  }
+  return calibration.mapping.dialect + " skeleton, unit " + calibration.unit + " (" +
+         rounded(calibration.mapping.metres_per_unit, "%g m") + "), up " + to_text(calibration.up) +
+         ", facing " + to_text(calibration.forward) + ", body height " + height + ", T-pose from " +
+         calibration.rest_pose + " (" + rounded(calibration.rest_deviation, "%.0f") +
+         " degrees off)";
+}
+
+}  // namespace retarget

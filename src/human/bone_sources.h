@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "human/rest_pose.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/human_clip.h"
+
+namespace retarget {
+
+/// Sources of all canonical bones: those that are mapped, and those that are not from their
+/// neighbours, stiffly:
+///
+/// * Spine, Spine1, Spine2: the next mapped joint up the trunk, of Spine2 the next down;
+/// * Neck and Head: each other, a head at the neck's end; else the torso turns a head that has
+///   no place, which is left out;
+/// * collar bones: turned with the torso, at the upper arm's joint;
+/// * hands: turned with the forearm, at its end site, or 0.8 upper arms along it;
+/// * toes: turned with the foot, at its end site; without one they have no place and are left out;
+/// * the synthetic feet: at the ankle, turned like the toes.
+///
+/// @param axes  of the mapped bones.
+[[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes);
+
+/// What was found out, one line for people.
+[[nodiscard]] std::string describe_calibration(const Calibration& calibration);
+
+}  // namespace retarget

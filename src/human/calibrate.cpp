@@ -1,0 +1,309 @@
+#include "retarget/human/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "human/body_axes.h"
+#include "human/bone_sources.h"
+#include "human/learned_axes.h"
+#include "human/posed_body.h"
+#include "human/rest_pose.h"
+#include "human/units.h"
+
+namespace retarget {
+namespace {
+
+// a frame within these is a T-pose that was meant as one
+constexpr double kExactMean = 5.0;      // degrees
+constexpr double kExactLargest = 12.0;  // degrees
+
+// the pose that is brought to T, and the axes it gives
+struct Rest {
+  Candidate candidate;
+  JointFromBone axes;
+  std::string name;
+};
+
+// what is seen of a movement
+struct View {
+  std::vector<int> frames;
+  std::vector<JointPoses> poses;
+  SignedAxis up;
+  std::vector<Warning> doubts;
+};
+
+class Calibrator {
+ public:
+  Calibrator(const Clip& clip, const BoneMap& map, const CalibrationOptions& options,
+             const std::string& file)
+      : clip_(clip), map_(map), options_(options), file_(file), body_(clip.skeleton(), map) {}
+
+  Result<Calibration> run();
+
+ private:
+  [[nodiscard]] Result<void> check() const;
+  void look();
+  [[nodiscard]] bool is_plain_lafan1(const HumanMapping& fixed) const;
+  [[nodiscard]] std::optional<Candidate> candidate(JointPoses pose,
+                                                   const Eigen::Vector3d& up) const;
+  [[nodiscard]] std::optional<Candidate> zero_candidate(const Body& body) const;
+  [[nodiscard]] std::optional<std::pair<int, Candidate>> best_frame() const;
+  [[nodiscard]] Result<Rest> find_rest() const;
+  [[nodiscard]] Result<Rest> told_rest() const;
+  [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
+  [[nodiscard]] Result<Rest> taken(std::optional<Candidate> candidate, std::string name) const;
+  [[nodiscard]] Result<Unit> find_unit(const Rest& rest) const;
+  void doubt_sides();
+
+  const Clip& clip_;
+  const BoneMap& map_;
+  const CalibrationOptions& options_;
+  const std::string& file_;
+  Body body_;
+  View view_;
+};
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+Result<void> Calibrator::check() const {
+  if (!body_.has("Hips")) {
+    return input_failure(file_, "no joint stands for the hips", "name it in a mapping file");
+  }
+  std::vector<std::string> missing;
+  for (const std::string side : {"Left", "Right"}) {
+    for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm"}) {
+      if (!body_.has(side + part)) missing.push_back(side + part);
+    }
+  }
+  if (!missing.empty() && !map_.partial) {
+    return input_failure(file_, "no joints stand for " + joined(missing),
+                         "legs and arms are needed, unless --partial is given");
+  }
+  const auto is_positive = [](const std::optional<double>& value) {
+    return !value || (std::isfinite(*value) && *value > 0.0);
+  };
+  if (!is_positive(options_.metres_per_unit)) return usage_failure("the unit must be positive");
+  if (!is_positive(options_.height)) return usage_failure("the height must be positive");
+  if (options_.tpose && options_.rest != RestPose::kAuto) {
+    return usage_failure("a T-pose file and a rest pose exclude each other");
+  }
+  if (options_.up && options_.forward && options_.up->axis == options_.forward->axis) {
+    return usage_failure("forward cannot be along the up axis");
+  }
+  return {};
+}
+
+void Calibrator::look() {
+  view_.frames = sampled_frames(clip_);
+  for (const int frame : view_.frames) view_.poses.push_back(frame_pose(clip_, frame));
+  if (options_.up) {
+    view_.up = *options_.up;
+    return;
+  }
+  if (view_.poses.empty()) {
+    // y by custom, unless there is a zero pose that stands
+    const auto zero = zero_candidate(body_);
+    if (zero && is_well_formed(body_, *zero)) view_.up = nearest_axis(zero->axes.row(2));
+    return;
+  }
+  const UpGuess guess = guess_up(body_, view_.poses);
+  view_.up = guess.axis;
+  if (guess.certainty < 0.3) {
+    view_.doubts.push_back({0, 0,
+                            "the body hardly ever stands: " + to_text(guess.axis) +
+                                " was taken as the up axis; give --up if that is wrong"});
+  }
+}
+
+std::optional<Candidate> Calibrator::candidate(JointPoses pose, const Eigen::Vector3d& up) const {
+  std::optional<BodyFromFile> axes;
+  if (!options_.forward) {
+    axes = body_axes(body_, pose, up);
+  } else if (up.cross(options_.forward->direction()).norm() > 0.5) {
+    axes = told_axes(options_.forward->direction(), up);
+  }
+  if (!axes) return std::nullopt;
+  return Candidate{std::move(pose), *axes};
+}
+
+// a zero pose is built along its own axes, which need not be those of the movement
+std::optional<Candidate> Calibrator::zero_candidate(const Body& body) const {
+  JointPoses pose = zero_pose(body.skeleton());
+  const auto trunk = trunk_direction(body, pose);
+  if (!trunk) return std::nullopt;
+  auto found = candidate(std::move(pose), nearest_axis(*trunk).direction());
+  if (found) found->is_built = true;
+  return found;
+}
+
+std::optional<std::pair<int, Candidate>> Calibrator::best_frame() const {
+  std::optional<std::pair<int, Candidate>> best;
+  double least = 0.0;
+  for (std::size_t i = 0; i < view_.poses.size(); ++i) {
+    auto found = candidate(view_.poses[i], view_.up.direction());
+    if (!found) continue;
+    const double mean = deviation_from_t(body_, *found).mean;
+    // poses that are equal but for rounding count as one, the first
+    if (best && mean > least - 1e-6) continue;
+    least = mean;
+    best = std::pair(view_.frames[i], *std::move(found));
+  }
+  return best;
+}
+
+Result<Rest> Calibrator::taken(std::optional<Candidate> found, std::string name) const {
+  if (!found) {
+    return input_failure(file_, "the " + name + " shows no facing: hips and shoulders lie along up",
+                         "choose another rest pose, or give --forward");
+  }
+  JointFromBone axes = bring_to_t(body_, *found);
+  return Rest{*std::move(found), std::move(axes), std::move(name)};
+}
+
+Result<Rest> Calibrator::rest_of_tpose_file() const {
+  const Skeleton& own = clip_.skeleton();
+  const Clip& tpose = *options_.tpose;
+  const JointPoses given =
+      tpose.frame_count() > 0 ? frame_pose(tpose, 0) : zero_pose(tpose.skeleton());
+  // only the mapped joints and the ends of their bones are looked at
+  JointPoses pose = zero_pose(own);
+  for (int joint = 0; joint < own.joint_count(); ++joint) {
+    const auto same = tpose.skeleton().find(own.joint(joint).name);
+    if (same) pose[joint] = given[*same];
+    if (!same && std::ranges::count(map_.joint_of_bone, joint) > 0) {
+      return input_failure(file_, "the T-pose file has no joint \"" + own.joint(joint).name + "\"",
+                           "give a T-pose of the same skeleton");
+    }
+  }
+  const auto trunk = trunk_direction(body_, pose);
+  if (!trunk) return taken(std::nullopt, "T-pose file");
+  return taken(candidate(std::move(pose), nearest_axis(*trunk).direction()), "T-pose file");
+}
+
+Result<Rest> Calibrator::told_rest() const {
+  if (options_.rest == RestPose::kZero) return taken(zero_candidate(body_), "zero pose");
+  if (clip_.frame_count() == 0) return input_failure(file_, "no frames: no frame is a rest pose");
+  const auto best = best_frame();
+  if (options_.rest == RestPose::kBest || options_.rest == RestPose::kLearned) {
+    if (!best) return taken(std::nullopt, "movement");
+    if (options_.rest == RestPose::kBest) {
+      return taken(best->second, "frame " + std::to_string(best->first));
+    }
+    return Rest{best->second, learned_axes(body_, view_.poses, view_.up.direction(), best->second),
+                "learned"};
+  }
+  const int frame = options_.rest == RestPose::kFirst ? 0 : options_.rest_frame;
+  if (frame < 0 || frame >= clip_.frame_count()) {
+    return usage_failure("no frame " + std::to_string(frame) + ": the clip has " +
+                         std::to_string(clip_.frame_count()));
+  }
+  return taken(candidate(frame_pose(clip_, frame), view_.up.direction()),
+               "frame " + std::to_string(frame));
+}
+
+Result<Rest> Calibrator::find_rest() const {
+  if (options_.tpose) return rest_of_tpose_file();
+  if (options_.rest != RestPose::kAuto) return told_rest();
+  const auto zero = zero_candidate(body_);
+  if (zero && is_well_formed(body_, *zero)) return taken(zero, "zero pose");
+  const auto best = best_frame();
+  if (!best) return taken(std::nullopt, "movement");
+  const Deviation deviation = deviation_from_t(body_, best->second);
+  if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
+    return taken(best->second, "frame " + std::to_string(best->first));
+  }
+  return Rest{best->second, learned_axes(body_, view_.poses, view_.up.direction(), best->second),
+              "learned"};
+}
+
+Result<Unit> Calibrator::find_unit(const Rest& rest) const {
+  if (options_.metres_per_unit) return Unit{"given", *options_.metres_per_unit};
+  const double height = standing_hip_height(body_, rest.candidate.pose, rest.candidate.axes);
+  if (const auto unit = guess_unit(height)) return *unit;
+  return input_failure(file_,
+                       height > 0.0 ? "hips " + std::to_string(height) +
+                                          " units above the floor are a person's in no known unit"
+                                    : "without a leg the unit cannot be told",
+                       "give the unit's length in metres with --unit");
+}
+
+bool Calibrator::is_plain_lafan1(const HumanMapping& fixed) const {
+  if (map_.dialect != "lafan1" || !fixed.doubts.empty()) return false;
+  if (options_.rest != RestPose::kAuto || options_.tpose || options_.forward) return false;
+  if (options_.metres_per_unit && *options_.metres_per_unit != fixed.metres_per_unit) return false;
+  if (view_.up != SignedAxis{}) return false;
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    if (fixed.bones[static_cast<std::size_t>(bone)].position_joint != body_.joint(bone)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Calibrator::doubt_sides() {
+  if (facing_evidence(body_, view_.poses, view_.up.direction()) < -0.2) {
+    view_.doubts.push_back({0, 0,
+                            "feet point and knees bend the wrong way: left and right are swapped "
+                            "or the body is mirrored"});
+  }
+}
+
+Result<Calibration> Calibrator::run() {
+  if (const auto checked = check(); !checked) return failure(checked.error());
+  look();
+  doubt_sides();
+  Calibration result;
+  result.up = view_.up;
+  auto fixed = lafan1_mapping(clip_.skeleton(), file_);
+  if (fixed && is_plain_lafan1(*fixed)) {
+    const auto best = best_frame();
+    result.mapping = *std::move(fixed);
+    result.unit = "cm";
+    result.rest_pose = "lafan1";
+    if (best) {
+      result.forward = nearest_axis(best->second.axes.row(0));
+      result.rest_deviation = deviation_from_t(body_, best->second).mean;
+    }
+  } else {
+    const auto rest = find_rest();
+    if (!rest) return failure(rest.error());
+    const auto unit = find_unit(*rest);
+    if (!unit) return failure(unit.error());
+    result.unit = unit->name;
+    result.rest_pose = rest->name;
+    result.rest_deviation = deviation_from_t(body_, rest->candidate).mean;
+    result.forward = nearest_axis(rest->candidate.axes.row(0));
+    result.mapping.dialect = map_.dialect;
+    result.mapping.metres_per_unit = unit->metres;
+    result.mapping.human_from_source = z_up_from_file(view_.up);
+    result.mapping.bones = bone_sources(body_, rest->axes);
+    const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
+    result.mapping.height = height > 0.0 ? height : 1.75;
+  }
+  const bool keeps_text = result.rest_pose == "lafan1" && !options_.height;
+  if (options_.height) result.mapping.height = *options_.height;
+  result.mapping.doubts.insert(result.mapping.doubts.end(), view_.doubts.begin(),
+                               view_.doubts.end());
+  if (!keeps_text) result.mapping.description = describe_calibration(result);
+  return result;
+}
+
+}  // namespace
+
+std::string to_text(const SignedAxis& axis) {
+  return std::string(axis.negative ? "-" : "+") + "xyz"[axis.axis];
+}
+
+Result<Calibration> calibrate(const Clip& clip, const BoneMap& map,
+                              const CalibrationOptions& options, const std::string& file) {
+  return Calibrator(clip, map, options, file).run();
+}
+
+}  // namespace retarget

@@ -1,0 +1,235 @@
+#include "human/learned_axes.h"
+
+#include <algorithm>
+#include <string>
+
+#include "retarget/human/canonical_pose.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kUpright = 0.90630778703664996;  // cosine of 25 degrees
+// mean sine of the bend below which a hinge is not known
+constexpr double kLeastBend = 0.1;
+
+// how far the bending normal stands off -Z, cosine and sine
+struct Bias {
+  double cosine = 1.0;
+  double sine = 0.0;
+};
+constexpr Bias kUpperArmBias = {0.97437006478523525, 0.22495105434386500};  // 13 degrees
+constexpr Bias kForearmBias = {0.98480775301220802, 0.17364817766693033};   // 10 degrees
+constexpr Bias kHandBias = {0.78801075360672201, 0.61566147532565829};      // 38 degrees
+
+// axes from an exact first direction and one to be made square to it; nothing when they agree
+Eigen::Matrix3d square(const Eigen::Vector3d& first, const Eigen::Vector3d& second, int first_axis,
+                       int second_axis) {
+  Eigen::Matrix3d axes;
+  const Eigen::Vector3d a = first.normalized();
+  const Eigen::Vector3d b = (second - second.dot(a) * a).normalized();
+  const int third = 3 - first_axis - second_axis;
+  axes.col(first_axis) = a;
+  axes.col(second_axis) = b;
+  const bool cyclic = (first_axis + 1) % 3 == second_axis;
+  axes.col(third) = cyclic ? a.cross(b) : b.cross(a);
+  return axes;
+}
+
+bool are_apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return a.cross(b).norm() > 0.1 * a.norm() * b.norm() && a.norm() > 0.0;
+}
+
+class Learner {
+ public:
+  Learner(const Body& body, const std::vector<JointPoses>& poses, const Eigen::Vector3d& up,
+          JointFromBone start)
+      : body_(body), poses_(poses), up_(up), axes_(std::move(start)) {
+    for (const JointPoses& pose : poses) {
+      const auto trunk = trunk_direction(body, pose);
+      if (trunk && trunk->dot(up) > kUpright) upright_.push_back(&pose);
+    }
+  }
+
+  JointFromBone learn() {
+    learn_trunk();
+    for (const std::string side : {"Left", "Right"}) {
+      const double sign = side == "Left" ? 1.0 : -1.0;
+      learn_collar(side, sign);
+      learn_hinge(side + "Arm", side + "ForeArm", side + "Arm", kUpperArmBias, sign);
+      learn_hinge(side + "Arm", side + "ForeArm", side + "ForeArm", kForearmBias, sign);
+      learn_hinge(side + "Arm", side + "ForeArm", side + "Hand", kHandBias, sign);
+      learn_hinge(side + "UpLeg", side + "Leg", side + "UpLeg", {}, sign);
+      learn_hinge(side + "UpLeg", side + "Leg", side + "Leg", {}, sign);
+      learn_foot(side);
+    }
+    return axes_;
+  }
+
+ private:
+  std::optional<Eigen::Matrix3d>& axes_of(const std::string& bone) {
+    return axes_[static_cast<std::size_t>(find_bone(bone).value())];
+  }
+
+  // mean of a direction of the world as the joint sees it
+  template <typename Direction>
+  [[nodiscard]] Eigen::Vector3d mean(int joint, const Direction& direction) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const JointPoses& pose : poses_) {
+      sum += pose[joint].rotation.conjugate() * Eigen::Vector3d(direction(pose));
+    }
+    return sum / static_cast<double>(poses_.size());
+  }
+  [[nodiscard]] Eigen::Vector3d mean_vertical_upright(int joint) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const JointPoses* pose : upright_) sum += (*pose)[joint].rotation.conjugate() * up_;
+    return sum;
+  }
+  [[nodiscard]] Eigen::Vector3d mean_course(int joint, const Segment& segment) const {
+    return mean(joint, [&](const JointPoses& pose) {
+      const auto way = along(segment, pose);
+      return way ? Eigen::Vector3d(way->normalized()) : Eigen::Vector3d(0, 0, 0);
+    });
+  }
+  // from the right to the left one of a pair
+  [[nodiscard]] Eigen::Vector3d mean_line(int joint, const std::string& part) const {
+    const int left = body_.joint("Left" + part), right = body_.joint("Right" + part);
+    if (left < 0 || right < 0) return Eigen::Vector3d::Zero();
+    return mean(joint, [&](const JointPoses& pose) {
+      return (pose[left].translation - pose[right].translation).normalized();
+    });
+  }
+
+  void set(const std::string& bone, const Eigen::Vector3d& first, const Eigen::Vector3d& second,
+           int first_axis, int second_axis) {
+    if (!are_apart(first, second)) return;
+    axes_of(bone) = square(first, second, first_axis, second_axis);
+  }
+
+  void learn_trunk() {
+    const int hips = body_.joint("Hips");
+    set("Hips", mean_line(hips, "UpLeg"), mean_vertical_upright(hips), 2, 0);
+    for (const char* bone : {"Spine", "Spine1", "Spine2", "Neck"}) {
+      const int joint = body_.joint(bone);
+      const Segment& segment = body_.segment(bone);
+      // a spine that ends at a joint's child of unknown meaning has no known course
+      if (joint < 0 || !segment.known() || segment.end_joint == joint) continue;
+      set(bone, mean_course(joint, segment), mean_line(joint, "Arm"), 0, 2);
+    }
+    if (const int head = body_.joint("Head"); head >= 0) {
+      set("Head", mean_vertical_upright(head), mean_line(head, "Arm"), 0, 2);
+    }
+  }
+
+  void learn_collar(const std::string& side, double sign) {
+    const int joint = body_.joint(side + "Shoulder");
+    if (joint < 0 || !body_.has("Spine2")) return;
+    set(side + "Shoulder", mean_course(joint, body_.segment(side + "Shoulder")),
+        sign * mean_course(joint, body_.segment("Spine2")), 0, 2);
+  }
+
+  // Z of `bone` from the bend between the bones `upper` and `lower`
+  void learn_hinge(const std::string& upper, const std::string& lower, const std::string& bone,
+                   const Bias& bias, double sign) {
+    const int joint = body_.joint(bone);
+    if (joint < 0 || !body_.has(upper) || !body_.has(lower)) return;
+    const bool is_hand = bone.ends_with("Hand");
+    const Eigen::Vector3d normal = mean(joint, [&](const JointPoses& pose) {
+      const auto a = along(body_.segment(upper), pose), b = along(body_.segment(lower), pose);
+      return a && b ? Eigen::Vector3d(a->normalized().cross(b->normalized()))
+                    : Eigen::Vector3d(0, 0, 0);
+    });
+    // a hand's neutral direction is the forearm's
+    const Eigen::Vector3d course = mean_course(joint, body_.segment(is_hand ? lower : bone));
+    if (normal.norm() < kLeastBend || !are_apart(course, normal)) return;
+    const Eigen::Matrix3d hinge = square(course, normal, 0, 2);
+    const Eigen::Vector3d x = hinge.col(0), n = hinge.col(2);
+    const Eigen::Vector3d z = -bias.cosine * n - sign * bias.sine * x.cross(n);
+    axes_of(bone) = square(x, z, 0, 2);
+  }
+
+  void learn_foot(const std::string& side) {
+    const int foot = body_.joint(side + "Foot");
+    if (foot < 0) return;
+    const bool has_toe = body_.has(side + "Toe");
+    const int toe = has_toe ? body_.joint(side + "Toe") : foot;
+    Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
+    for (const JointPoses* pose : flat_frames(side)) {
+      const auto way = along(body_.segment(side + "Foot"), *pose);
+      if (!way) continue;
+      vertical += (*pose)[toe].rotation.conjugate() * up_;
+      heading += (*pose)[toe].rotation.conjugate() * way->normalized();
+    }
+    if (!are_apart(vertical, heading)) return;
+    const Eigen::Matrix3d level = square(vertical, heading, 1, 0);
+    if (!has_toe) {
+      // the foot's joint in the pose in which a toe would be level
+      axes_of(side + "Foot") = level *
+                               canonical_t_pose(find_bone(side + "Toe").value()).transpose() *
+                               canonical_t_pose(find_bone(side + "Foot").value());
+      return;
+    }
+    axes_of(side + "Toe") = level;
+    const Eigen::Vector3d lateral =
+        mean(foot, [&](const JointPoses& pose) { return pose[toe].rotation * level.col(2); });
+    set(side + "Foot", mean_course(foot, body_.segment(side + "Foot")), lateral, 0, 2);
+  }
+
+  // poses in which the ankle is as low as ankles on the floor, under an upright shin
+  [[nodiscard]] std::vector<const JointPoses*> flat_frames(const std::string& side) const {
+    const int ankle = body_.joint(side + "Foot");
+    std::vector<double> heights;
+    for (const JointPoses& pose : poses_) heights.push_back(up_.dot(pose[ankle].translation));
+    std::vector<double> sorted = heights;
+    const auto tenth = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
+    std::ranges::nth_element(sorted, tenth);
+    std::vector<const JointPoses*> flat;
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      const auto shin = along(body_.segment(side + "Leg"), poses_[i]);
+      // 3 cm on an adult
+      const double limit = *tenth + 0.07 * (shin ? shin->norm() : 0.0);
+      const bool stands = !shin || shin->normalized().dot(-up_) > kUpright;
+      if (stands && heights[i] <= limit) flat.push_back(&poses_[i]);
+    }
+    return flat;
+  }
+
+  const Body& body_;
+  const std::vector<JointPoses>& poses_;
+  Eigen::Vector3d up_;
+  std::vector<const JointPoses*> upright_;
+  JointFromBone axes_;
+};
+
+}  // namespace
+
+JointFromBone learned_axes(const Body& body, const std::vector<JointPoses>& poses,
+                           const Eigen::Vector3d& up, const Candidate& best) {
+  return Learner(body, poses, up, bring_to_t(body, best)).learn();
+}
+
+double facing_evidence(const Body& body, const std::vector<JointPoses>& poses,
+                       const Eigen::Vector3d& up) {
+  double sum = 0.0, weight = 0.0;
+  for (const JointPoses& pose : poses) {
+    const auto axes = body_axes(body, pose, up);
+    if (!axes) continue;
+    for (const std::string side : {"Left", "Right"}) {
+      const auto thigh = along(body.segment(side + "UpLeg"), pose);
+      const auto shin = along(body.segment(side + "Leg"), pose);
+      const auto foot = along(body.segment(side + "Foot"), pose);
+      if (thigh && shin) {
+        const Eigen::Vector3d normal = *axes * thigh->normalized().cross(shin->normalized());
+        sum += normal.y();
+        weight += normal.norm();
+      }
+      if (foot) {
+        const Eigen::Vector3d heading = *axes * foot->normalized();
+        sum += heading.x();
+        weight += heading.head<2>().norm();
+      }
+    }
+  }
+  return weight > 0.0 ? sum / weight : 0.0;
+}
+
+}  // namespace retarget

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "retarget/human/bone_map.h"
+#include "retarget/math/pose.h"
+#include "retarget/motion/clip.h"
+
+namespace retarget {
+
+/// World poses of all joints, file units and axes.
+using JointPoses = std::vector<Pose>;
+
+/// All rotations zero.
+[[nodiscard]] JointPoses zero_pose(const Skeleton& skeleton);
+
+/// One frame of a clip.
+[[nodiscard]] JointPoses frame_pose(const Clip& clip, int frame);
+
+/// Frames at which a movement is looked at: ten times a second from the first on, so that copies
+/// at other rates are seen at the same times; every frame when the clip is slower than that; at
+/// most about 3000.
+[[nodiscard]] std::vector<int> sampled_frames(const Clip& clip);
+
+/// From where to where a bone runs.
+struct Segment {
+  int joint = -1;                                    ///< The bone's joint; -1: unknown.
+  int end_joint = -1;                                ///< The joint of the far end.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Of the far end, in end_joint's frame.
+
+  [[nodiscard]] bool known() const { return joint >= 0 && end_joint >= 0; }
+};
+
+/// The mapped joints of a skeleton and where their bones run.
+class Body {
+ public:
+  Body(const Skeleton& skeleton, const BoneMap& map);
+
+  [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
+  [[nodiscard]] int joint(int bone) const { return joints_[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] int joint(std::string_view bone) const;
+  [[nodiscard]] bool has(std::string_view bone) const { return joint(bone) >= 0; }
+  /// To the next mapped bone; of the last ones to the farthest child or end site.
+  [[nodiscard]] const Segment& segment(int bone) const {
+    return segments_[static_cast<std::size_t>(bone)];
+  }
+  [[nodiscard]] const Segment& segment(std::string_view bone) const;
+
+ private:
+  [[nodiscard]] Segment find_segment(int bone) const;
+
+  const Skeleton* skeleton_;
+  std::array<int, kMappedBoneCount> joints_;
+  std::array<Segment, kMappedBoneCount> segments_;
+};
+
+/// From the bone's joint to its far end, world axes; nothing when unknown or of no length.
+[[nodiscard]] std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose);
+
+/// The rotation of least angle that takes unit vector a to unit vector b; of opposite vectors half
+/// a turn about `fallback`, which must be across them.
+[[nodiscard]] Eigen::Matrix3d least_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                             const Eigen::Vector3d& fallback);
+
+}  // namespace retarget

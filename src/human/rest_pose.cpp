@@ -1,0 +1,184 @@
+#include "human/rest_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "retarget/human/canonical_pose.h"
+
+namespace retarget {
+namespace {
+
+// the body's axes: x forward, y left, z up
+Eigen::Vector3d ahead() {
+  return Eigen::Vector3d::UnitX();
+}
+Eigen::Vector3d up() {
+  return Eigen::Vector3d::UnitZ();
+}
+Eigen::Vector3d outward(const std::string& side) {
+  return side == "Left" ? Eigen::Vector3d::UnitY() : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
+}
+
+constexpr double kDegree = 57.295779513082321;
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return kDegree * std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// unit direction of a bone in the body's axes
+std::optional<Eigen::Vector3d> heading(const Body& body, const Candidate& candidate,
+                                       const std::string& bone) {
+  const auto way = along(body.segment(bone), candidate.pose);
+  if (!way) return std::nullopt;
+  return (candidate.axes * *way).normalized();
+}
+
+// the foot's direction on the floor after a turn; nothing when it hardly has one
+std::optional<Eigen::Vector3d> foot_heading(const Body& body, const Candidate& candidate,
+                                            const std::string& side, const Eigen::Matrix3d& turn) {
+  for (const char* part : {"Foot", "Toe"}) {
+    auto way = heading(body, candidate, side + part);
+    if (!way) continue;
+    *way = turn * *way;
+    way->z() = 0.0;
+    if (way->norm() > 0.3) return way->normalized();
+  }
+  return std::nullopt;
+}
+
+bool arm_is_well_formed(const Body& body, const Candidate& candidate, const std::string& side) {
+  const auto upper = heading(body, candidate, side + "Arm");
+  const auto lower = heading(body, candidate, side + "ForeArm");
+  if (!upper) return true;
+  constexpr double kMostAhead = 0.5;     // sine of 30 degrees out of the frontal plane
+  constexpr double kMostRaised = 0.5;    // of 30 degrees above the shoulder
+  constexpr double kMostInward = -0.35;  // of 20 degrees across the body
+  constexpr double kMostBent = 35.0;     // degrees at the elbow
+  return std::abs(upper->x()) < kMostAhead && upper->z() < kMostRaised &&
+         upper->dot(outward(side)) > kMostInward &&
+         (!lower || angle_between(*upper, *lower) < kMostBent);
+}
+
+bool leg_is_well_formed(const Body& body, const Candidate& candidate, const std::string& side) {
+  constexpr double kMostSplayed = 35.0;  // degrees
+  for (const char* part : {"UpLeg", "Leg"}) {
+    const auto way = heading(body, candidate, side + part);
+    if (way && angle_between(*way, -up()) > kMostSplayed) return false;
+  }
+  const auto foot = foot_heading(body, candidate, side, Eigen::Matrix3d::Identity());
+  return !foot || foot->dot(ahead()) > 0.5;
+}
+
+// rotation of a chain's next bone that takes it to `target`, after `carried` by the one above
+Eigen::Matrix3d turned_on(const std::optional<Eigen::Vector3d>& way, const Eigen::Vector3d& target,
+                          const Eigen::Matrix3d& carried) {
+  if (!way) return carried;
+  return least_rotation(carried * *way, target, ahead()) * carried;
+}
+
+// rotations in the body's axes that bring the joints of a pose to the T-pose
+class Straightening {
+ public:
+  Straightening(const Body& body, const Candidate& candidate) : body_(body), candidate_(candidate) {
+    turns_.fill(Eigen::Matrix3d::Identity());
+    for (const std::string side : {"Left", "Right"}) {
+      straighten_arm(side);
+      straighten_leg(side);
+    }
+  }
+
+  [[nodiscard]] const Eigen::Matrix3d& turn(int bone) const {
+    return turns_[static_cast<std::size_t>(bone)];
+  }
+
+ private:
+  Eigen::Matrix3d& of(const std::string& bone) {
+    return turns_[static_cast<std::size_t>(find_bone(bone).value())];
+  }
+  [[nodiscard]] std::optional<Eigen::Vector3d> way(const std::string& bone) const {
+    return heading(body_, candidate_, bone);
+  }
+
+  void straighten_arm(const std::string& side) {
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d out = outward(side);
+    of(side + "Shoulder") = turned_on(way(side + "Shoulder"), out, none);
+    of(side + "Arm") = turned_on(way(side + "Arm"), out, none);
+    of(side + "ForeArm") = turned_on(way(side + "ForeArm"), out, of(side + "Arm"));
+    of(side + "Hand") = of(side + "ForeArm");
+  }
+
+  void straighten_leg(const std::string& side) {
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+    of(side + "UpLeg") = turned_on(way(side + "UpLeg"), -up(), none);
+    of(side + "Leg") = turned_on(way(side + "Leg"), -up(), of(side + "UpLeg"));
+    straighten_foot(side, candidate_.is_built ? of(side + "Leg") : none);
+  }
+
+  void straighten_foot(const std::string& side, const Eigen::Matrix3d& carried) {
+    of(side + "Toe") = carried;
+    of(side + "Foot") = carried;
+    const auto toes = foot_heading(body_, candidate_, side, carried);
+    if (!toes) return;
+    const Eigen::Matrix3d yaw = least_rotation(*toes, ahead(), up()) * carried;
+    of(side + "Toe") = yaw;
+    of(side + "Foot") = yaw;
+    if (body_.has(side + "Toe")) {
+      const int bone = find_bone(side + "Foot").value();
+      of(side + "Foot") = turned_on(way(side + "Foot"), canonical_t_pose(bone).col(0), yaw);
+    }
+  }
+
+  const Body& body_;
+  const Candidate& candidate_;
+  std::array<Eigen::Matrix3d, kMappedBoneCount> turns_;
+};
+
+}  // namespace
+
+Deviation deviation_from_t(const Body& body, const Candidate& candidate) {
+  std::vector<double> angles;
+  const auto hold = [&](const std::optional<Eigen::Vector3d>& way, const Eigen::Vector3d& target) {
+    if (way) angles.push_back(angle_between(*way, target));
+  };
+  for (const std::string side : {"Left", "Right"}) {
+    hold(heading(body, candidate, side + "Arm"), outward(side));
+    hold(heading(body, candidate, side + "ForeArm"), outward(side));
+    hold(heading(body, candidate, side + "UpLeg"), -up());
+    hold(heading(body, candidate, side + "Leg"), -up());
+  }
+  if (const auto trunk = trunk_direction(body, candidate.pose)) {
+    hold(candidate.axes * *trunk, up());
+  }
+  if (angles.empty()) return {};
+  double sum = 0.0;
+  for (const double angle : angles) sum += angle;
+  return {sum / static_cast<double>(angles.size()), *std::ranges::max_element(angles)};
+}
+
+bool is_well_formed(const Body& body, const Candidate& candidate) {
+  constexpr double kMostLeaning = 20.0;  // degrees
+  const auto trunk = trunk_direction(body, candidate.pose);
+  if (trunk && angle_between(candidate.axes * *trunk, up()) > kMostLeaning) return false;
+  for (const std::string side : {"Left", "Right"}) {
+    if (!arm_is_well_formed(body, candidate, side)) return false;
+    if (!leg_is_well_formed(body, candidate, side)) return false;
+  }
+  return true;
+}
+
+JointFromBone bring_to_t(const Body& body, const Candidate& candidate) {
+  const Straightening straightening(body, candidate);
+  JointFromBone joint_from_bone;
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const int joint = body.joint(bone);
+    if (joint < 0) continue;
+    const Eigen::Matrix3d t_from_joint = straightening.turn(bone) * candidate.axes *
+                                         candidate.pose[joint].rotation.toRotationMatrix();
+    joint_from_bone[bone] = t_from_joint.transpose() * canonical_t_pose(bone);
+  }
+  return joint_from_bone;
+}
+
+}  // namespace retarget

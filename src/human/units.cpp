@@ -1,0 +1,84 @@
+#include "human/units.h"
+
+#include <array>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+constexpr double kFootDrop = 0.42261826174069944;  // sine of 25 degrees
+constexpr double kLegShare = 0.491;                // thigh .245 and shank .246 of body height
+constexpr double kLegAndTrunkShare = 0.894;
+
+// mean over the sides of the lengths of these bones, 0 when a side lacks one of them
+double mean_length(const Body& body, const JointPoses& rest,
+                   const std::vector<std::string>& parts) {
+  double sum = 0.0;
+  int sides = 0;
+  for (const std::string side : {"Left", "Right"}) {
+    double length = 0.0;
+    bool whole = true;
+    for (const std::string& part : parts) {
+      const auto way = along(body.segment(side + part), rest);
+      whole = whole && way.has_value() && (part != "Foot" || body.has(side + "Toe"));
+      if (way) length += way->norm();
+    }
+    if (!whole) continue;
+    sum += length;
+    ++sides;
+  }
+  return sides == 0 ? 0.0 : sum / sides;
+}
+
+std::optional<Eigen::Vector3d> between_thighs(const Body& body, const JointPoses& rest) {
+  if (!body.has("LeftUpLeg") || !body.has("RightUpLeg")) return std::nullopt;
+  return 0.5 *
+         (rest[body.joint("LeftUpLeg")].translation + rest[body.joint("RightUpLeg")].translation);
+}
+
+}  // namespace
+
+double standing_hip_height(const Body& body, const JointPoses& rest, const BodyFromFile& axes) {
+  const double leg = mean_length(body, rest, {"UpLeg", "Leg"});
+  if (leg <= 0.0) return 0.0;
+  double rise = 0.0;
+  if (const auto thighs = between_thighs(body, rest)) {
+    rise = axes.row(2).dot(rest[body.joint("Hips")].translation - *thighs);
+  }
+  return leg + kFootDrop * mean_length(body, rest, {"Foot"}) + rise;
+}
+
+std::optional<Unit> guess_unit(double hip_height) {
+  struct Range {
+    const char* name;
+    double metres, low, high;
+  };
+  constexpr std::array<Range, 6> kRanges = {{{"m", 1.0, 0.5, 1.4},
+                                             {"dm", 0.1, 5.5, 13.0},
+                                             {"CMU unit", 0.056444, 13.0, 20.5},
+                                             {"inch", 0.0254, 21.0, 51.5},
+                                             {"cm", 0.01, 53.0, 140.0},
+                                             {"mm", 0.001, 530.0, 1400.0}}};
+  for (const Range& range : kRanges) {
+    if (hip_height >= range.low && hip_height < range.high) return Unit{range.name, range.metres};
+  }
+  return std::nullopt;
+}
+
+double estimated_height(const Body& body, const JointPoses& rest) {
+  const double leg = mean_length(body, rest, {"UpLeg", "Leg"});
+  if (leg <= 0.0) return 0.0;
+  const auto start = between_thighs(body, rest);
+  if (!start || !body.has("Head")) return leg / kLegShare;
+  double trunk = 0.0;
+  Eigen::Vector3d at = *start;
+  for (const char* bone : {"Spine", "Spine1", "Spine2", "Neck", "Head"}) {
+    if (!body.has(bone)) continue;
+    const Eigen::Vector3d& next = rest[body.joint(bone)].translation;
+    trunk += (next - at).norm();
+    at = next;
+  }
+  return (leg + trunk) / kLegAndTrunkShare;
+}
+
+}  // namespace retarget

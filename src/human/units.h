@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "human/body_axes.h"
+#include "human/posed_body.h"
+
+namespace retarget {
+
+/// Height of the hips' joint over the ball of the foot of a body that stands upright, in the
+/// file's unit, from bone lengths: thigh, shin, the foot's drop (sin 25 deg of its length) and
+/// how far the hips' joint lies above those of the thighs in `rest`. 0 without a leg.
+[[nodiscard]] double standing_hip_height(const Body& body, const JointPoses& rest,
+                                         const BodyFromFile& axes);
+
+struct Unit {
+  std::string name;
+  double metres = 0.0;
+};
+
+/// The unit in which a hip height is that of a person, child to giant:
+/// m 0.5-1.4, dm 5.5-13, CMU's 0.056444 m 13-20.5, inch 21-51.5, cm 53-140, mm 530-1400.
+/// Nothing in between.
+[[nodiscard]] std::optional<Unit> guess_unit(double hip_height);
+
+/// Body height in the file's unit from bone lengths: thigh and shin (the mean of both legs) and the
+/// way from between the thighs' joints along the spine to the head joint are 89.4 % of it; what
+/// remains is the ankle's height over the sole and the head above its joint (3.9 % and 6.7 %; the
+/// former and the legs' 49.1 %, which serve alone where there is no head, from Drillis and Contini
+/// 1966 as in D. A. Winter, Biomechanics and Motor Control of Human Movement, table 4.1; the
+/// sum holds LAFAN1's skeleton at its 1.75 m). 0 without a leg.
+[[nodiscard]] double estimated_height(const Body& body, const JointPoses& rest);
+
+}  // namespace retarget

@@ -1,0 +1,138 @@
+// Calibration held against real files, where they are there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "human/dialects.h"
+#include "human/hand_made_maps.h"
+#include "human/limb_angles.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/canonical_pose.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kDegree = 180.0 / M_PI;
+
+Clip load(const std::string& folder, const std::string& name) {
+  return load_bvh((*shared_folder() / "data" / folder / name).string()).value().clip;
+}
+
+// LAFAN1's own axes in frames in which its people stand nearly in a T-pose
+TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  struct Frame {
+    const char* file;
+    int frame;
+  };
+  std::vector<double> sums(kBoneCount, 0.0);
+  const std::vector<Frame> frames = {{"obstacles1_subject1.bvh", 51},
+                                     {"walk4_subject1.bvh", 4917},
+                                     {"multipleActions1_subject1.bvh", 4518}};
+  for (const auto& [file, number] : frames) {
+    const Clip clip = load("lafan1", file);
+    const HumanClip human =
+        to_human(cut(clip, number, number + 1), lafan1_mapping(clip.skeleton(), file).value());
+    const auto pose = human.frame(0);
+    const auto at = [&](const char* bone) { return pose[*find_bone(bone)].translation; };
+    Eigen::Vector3d left = at("LeftUpLeg") - at("RightUpLeg") + at("LeftArm") - at("RightArm");
+    left.z() = 0.0;
+    const auto body_from_world =
+        Eigen::Quaterniond::FromTwoVectors(left.normalized(), Eigen::Vector3d::UnitY());
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      const Eigen::Quaterniond axes(canonical_t_pose(bone));
+      sums[bone] += (body_from_world * pose[bone].rotation).angularDistance(axes) * kDegree;
+    }
+  }
+  for (int bone = 0; bone < kBoneCount; ++bone) {
+    // people turn their feet out and let their hands hang
+    const bool is_end = kBoneNames[bone].find("Hand") != std::string_view::npos ||
+                        kBoneNames[bone].find("ForeArm") != std::string_view::npos;
+    EXPECT_LT(sums[bone] / 3.0, is_end ? 32.0 : 20.0) << kBoneNames[bone];
+  }
+}
+
+TEST(CalibrateReal, Lafan1StaysAsItIs) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  for (const char* file : {"dance1_subject2.bvh", "ground1_subject1.bvh"}) {
+    const Clip clip = load("lafan1", file);
+    const auto found =
+        calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}, file).value().mapping;
+    const HumanClip a = to_human(clip, found);
+    const HumanClip b = to_human(clip, lafan1_mapping(clip.skeleton(), file).value());
+    ASSERT_EQ(a.world_from_bone.size(), b.world_from_bone.size());
+    EXPECT_EQ(std::memcmp(a.world_from_bone.data(), b.world_from_bone.data(),
+                          a.world_from_bone.size() * sizeof(Pose)),
+              0);
+  }
+}
+
+// The axes are known here: those of LAFAN1's joints themselves, which are not looked at.
+TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  double sum = 0.0;
+  int count = 0;
+  const std::vector<std::pair<const char*, const char*>> clips = {
+      {"lafan1", "dance1_subject2.bvh"},          {"lafan1", "fallAndGetUp2_subject2.bvh"},
+      {"lafan1", "obstacles1_subject1.bvh"},      {"lafan1", "walk4_subject1.bvh"},
+      {"lafan1_cuts", "walk1_subject1_walk.bvh"}, {"lafan1_cuts", "run2_subject4_run.bvh"}};
+  for (const auto& [folder, file] : clips) {
+    const Clip clip = load(folder, file);
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "unknown"), {}, file).value();
+    EXPECT_EQ(found.rest_pose, "learned");
+    EXPECT_EQ(found.unit, "cm");
+    EXPECT_EQ(found.up, SignedAxis{});
+    EXPECT_NEAR(found.mapping.height, 1.75, 0.01);
+    EXPECT_TRUE(found.mapping.doubts.empty()) << file;
+    // bones that the published tables give weight
+    for (const char* bone :
+         {"Hips", "Spine2", "LeftUpLeg", "LeftLeg", "LeftFootMod", "RightUpLeg", "RightLeg",
+          "RightFootMod", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
+      const double degrees =
+          Eigen::AngleAxisd(*found.mapping.bones[*find_bone(bone)].joint_from_bone).angle() *
+          kDegree;
+      const double turn = std::min(degrees, 360.0 - degrees);
+      EXPECT_LT(turn, 15.0) << file << " " << bone;
+      sum += turn;
+      ++count;
+    }
+  }
+  EXPECT_LT(sum / count, 5.0);
+}
+
+TEST(CalibrateReal, LimbsOfEveryDialectLieWhereTheirBonesClaim) {
+  if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
+  for (const DialectFile& dialect : dialect_files()) {
+    SCOPED_TRACE(dialect.file);
+    const Clip clip = load("dialects", dialect.file);
+    const auto found = calibrate(clip, bone_map(clip.skeleton(), dialect.names), {}, dialect.file);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->unit, dialect.unit);
+    EXPECT_TRUE(found->mapping.doubts.empty());
+    EXPECT_GT(found->mapping.height, 1.1);
+    EXPECT_LT(found->mapping.height, 1.9);
+    const HumanClip human = to_human(clip, found->mapping);
+    double sum = 0.0;
+    const auto angles = limb_angles(human);
+    for (const LimbAngle& angle : angles) {
+      EXPECT_LT(angle.mean, 10.0) << angle.limb;
+      sum += angle.mean;
+    }
+    EXPECT_LT(sum / static_cast<double>(angles.size()), 2.0);
+    // no lying or sunken body: hips at a person's height over the lower foot
+    for (int frame = 0; frame < human.frame_count; frame += 10) {
+      const auto pose = human.frame(frame);
+      const double foot = std::min(pose[*find_bone("LeftFoot")].translation.z(),
+                                   pose[*find_bone("RightFoot")].translation.z());
+      const double hips = pose[*find_bone("Hips")].translation.z() - foot;
+      EXPECT_GT(hips, 0.2 * human.height) << frame;
+      EXPECT_LT(hips, 1.2) << frame;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget

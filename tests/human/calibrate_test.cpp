@@ -1,0 +1,330 @@
+#include "retarget/human/calibrate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "human/hand_made_maps.h"
+#include "human/limb_angles.h"
+#include "human/twins.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/bvh/write_bvh.h"
+#include "retarget/motion/forward_kinematics.h"
+#include "retarget/motion/resample.h"
+
+namespace retarget {
+namespace {
+
+const std::vector<std::string> kSamples = {"get_up", "squat", "turn_in_place", "walk", "wave"};
+
+Clip sample(const std::string& name) {
+  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+}
+
+HumanClip fixed_human(const Clip& clip) {
+  return to_human(clip, lafan1_mapping(clip.skeleton(), "clip").value());
+}
+
+Calibration calibrated(const Clip& clip, const CalibrationOptions& options = {}) {
+  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options, "clip");
+  EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
+  return found.value_or(Calibration{});
+}
+
+HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
+  return to_human(clip, calibrated(clip, options).mapping);
+}
+
+TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
+  for (const std::string& name : kSamples) {
+    const Clip clip = sample(name);
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}, "clip").value();
+    const HumanClip human = to_human(clip, found.mapping);
+    EXPECT_EQ(found.rest_pose, "lafan1");
+    EXPECT_EQ(human.height, 1.75);
+    // the published formula, written out
+    Eigen::Matrix3d turn;
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    const Eigen::Quaterniond quarter(turn);
+    std::vector<Pose> joints(clip.skeleton().joint_count());
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      forward_kinematics(clip, frame, joints);
+      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+        const Pose& joint = joints[clip.skeleton().find(kBoneNames[bone]).value()];
+        const Eigen::Vector3d place = turn * joint.translation * 0.01;
+        const Eigen::Quaterniond rotation = quarter * joint.rotation;
+        const Pose& pose = human.frame(frame)[bone];
+        ASSERT_EQ(std::memcmp(place.data(), pose.translation.data(), sizeof(double) * 3), 0);
+        ASSERT_EQ(std::memcmp(rotation.coeffs().data(), pose.rotation.coeffs().data(),
+                              sizeof(double) * 4),
+                  0);
+      }
+    }
+  }
+}
+
+TEST(Calibrate, Lafan1NamesWithOtherUnitsOrAxesGoTheGeneralWay) {
+  const Clip metres = scaled_and_turned(sample("walk"), 0.01, Eigen::Quaterniond::Identity());
+  const auto map = lafan1_map(metres.skeleton(), "lafan1");
+  const auto found = calibrate(metres, map, {}, "clip").value();
+  EXPECT_EQ(found.unit, "m");
+  EXPECT_EQ(found.rest_pose, "learned");
+}
+
+// A zero pose in T: the general way must find LAFAN1's axes, which the twin no longer has.
+TEST(Calibrate, FindsLafan1AxesInSkeletonsWhoseZeroPoseIsAT) {
+  for (const std::string& name : kSamples) {
+    const Clip clip = sample(name);
+    HumanClip expected = fixed_human(clip);
+    const Calibration found = calibrated(with_t_pose_as_zero(clip));
+    EXPECT_EQ(found.rest_pose, "zero pose");
+    EXPECT_LT(found.rest_deviation, 10.0);
+    expected.height = found.mapping.height;
+    EXPECT_LT(largest_difference(to_human(with_t_pose_as_zero(clip), found.mapping), expected),
+              1e-9)
+        << name;
+  }
+}
+
+TEST(Calibrate, RaisesTheArmsOfAAndIPoses) {
+  const Clip clip = sample("wave");
+  const HumanClip expected = human_of(with_t_pose_as_zero(clip));
+  for (const double lowered : {0.6, 0.8, 1.0, M_PI / 2}) {
+    const Clip twin = with_t_pose_as_zero(clip, lowered);
+    const Calibration found = calibrated(twin);
+    EXPECT_EQ(found.rest_pose, "zero pose");
+    EXPECT_LT(largest_difference(to_human(twin, found.mapping), expected), 1e-9) << lowered;
+  }
+}
+
+std::vector<Eigen::Quaterniond> random_turns(const Clip& clip) {
+  std::srand(7);
+  std::vector<Eigen::Quaterniond> turns;
+  for (int i = 0; i < clip.skeleton().joint_count(); ++i) {
+    turns.push_back(Eigen::Quaterniond::UnitRandom());
+  }
+  return turns;
+}
+
+TEST(Calibrate, TheSameMovementStoredOtherwiseGivesTheSameHuman) {
+  const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond y_up = Eigen::Quaterniond::Identity();
+  for (const std::string& name : kSamples) {
+    for (const bool has_rest : {false, true}) {
+      const Clip clip = has_rest ? with_t_pose_as_zero(sample(name)) : sample(name);
+      const HumanClip expected = human_of(clip);
+      SCOPED_TRACE(name + (has_rest ? " with a T-pose" : " without a rest pose"));
+      EXPECT_LT(largest_difference(human_of(scaled_and_turned(clip, 0.01, y_up)), expected), 1e-9);
+      EXPECT_LT(largest_difference(human_of(scaled_and_turned(clip, 10, z_up)), expected), 1e-9);
+      EXPECT_LT(largest_difference(human_of(scaled_and_turned(clip, 1 / 2.54, y_up)), expected),
+                1e-9);
+      EXPECT_LT(largest_difference(human_of(with_extra_joints(clip)), expected), 1e-9);
+      const HumanClip half = human_of(every_nth(clip, 2));
+      HumanClip picked = expected;
+      picked.frame_count = half.frame_count;
+      picked.world_from_bone.clear();
+      for (int frame = 0; frame < half.frame_count; ++frame) {
+        const auto poses = expected.frame(2 * frame);
+        picked.world_from_bone.insert(picked.world_from_bone.end(), poses.begin(), poses.end());
+      }
+      // at 30 and 15 frames a second the movement is looked at every third frame and every other
+      if (has_rest) {
+        EXPECT_LT(largest_difference(half, picked), 1e-9);
+      }
+    }
+    const Clip clip = sample(name);
+    EXPECT_LT(
+        largest_difference(human_of(with_other_axes(clip, random_turns(clip))), human_of(clip)),
+        1e-9);
+  }
+}
+
+TEST(Calibrate, DoesNotDependOnTheFrameRateEvenWithoutARestPose) {
+  Clip clip = sample("walk");
+  const Clip fast = resample(clip, {60, 1}).value();
+  const HumanClip at_60 = human_of(fast), at_30 = human_of(clip);
+  for (int frame = 0; frame < at_30.frame_count; ++frame) {
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      const Pose &a = at_30.frame(frame)[bone], &b = at_60.frame(2 * frame)[bone];
+      ASSERT_LT((a.translation - b.translation).norm(), 1e-9);
+      ASSERT_LT(a.rotation.angularDistance(b.rotation), 1e-6);
+    }
+  }
+}
+
+TEST(Calibrate, ReadsTheSameFromOtherChannelOrders) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    auto& channels = joints[i].channels;
+    std::rotate(channels.end() - 3, channels.end() - 3 + static_cast<int>(i % 3), channels.end());
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), twin.rotations(frame).begin());
+    std::ranges::copy(clip.translations(frame), twin.translations(frame).begin());
+  }
+  const auto text = format_bvh(twin);
+  ASSERT_TRUE(text) << describe(text.error());
+  EXPECT_LT(largest_difference(human_of(read_bvh(*text, "twin").value().clip), human_of(clip)),
+            1e-8);
+}
+
+TEST(Calibrate, LearnsAxesFromTheMovementNearToTheRealOnes) {
+  // hips, torso and legs of the synthetic person; its elbows bend straight about -Z, unlike those
+  // of people, whose mean of 13 degrees is taken off
+  const Clip clip = sample("walk");
+  const Calibration found = calibrated(clip);
+  EXPECT_EQ(found.rest_pose, "learned");
+  const HumanClip human = to_human(clip, found.mapping), expected = fixed_human(clip);
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const double degrees =
+        human.frame(0)[bone].rotation.angularDistance(expected.frame(0)[bone].rotation) * 180.0 /
+        M_PI;
+    EXPECT_LT(degrees, kBoneNames[bone].find("Arm") != std::string_view::npos ||
+                               kBoneNames[bone].ends_with("Hand")
+                           ? 14.5
+                           : 6.0)
+        << kBoneNames[bone];
+  }
+}
+
+TEST(Calibrate, HasEveryUpAxisWithoutAMirror) {
+  const Clip clip = with_t_pose_as_zero(sample("wave"));
+  const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool negative : {false, true}) {
+      const SignedAxis up{axis, negative};
+      const auto turn = Eigen::Quaterniond::FromTwoVectors(y, up.direction());
+      const Clip twin = scaled_and_turned(clip, 1, turn);
+      const Calibration found = calibrated(twin);
+      EXPECT_EQ(found.up, up) << to_text(found.up);
+      EXPECT_NEAR(found.mapping.human_from_source.determinant(), 1.0, 1e-15);
+      EXPECT_TRUE(found.mapping.doubts.empty());
+      const HumanClip human = to_human(twin, found.mapping);
+      const auto head = human.frame(0)[*find_bone("Head")].translation;
+      const auto hips = human.frame(0)[*find_bone("Hips")].translation;
+      EXPECT_GT(head.z() - hips.z(), 0.4);
+    }
+  }
+}
+
+TEST(Calibrate, KnowsUpOfABodyThatLies) {
+  // the start of getting up, most of it on the floor
+  const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
+  EXPECT_EQ(calibrated(clip).up, SignedAxis{});
+  const Clip lafan1 = cut(sample("get_up"), 0, 60);
+  const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {}, "clip");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->rest_pose, "lafan1");
+}
+
+TEST(Calibrate, FollowsWhatItIsTold) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  CalibrationOptions options;
+  options.metres_per_unit = 0.02;
+  options.up = SignedAxis{1, false};
+  options.height = 1.9;
+  options.rest = RestPose::kFrame;
+  options.rest_frame = 3;
+  const Calibration found = calibrated(clip, options);
+  EXPECT_EQ(found.mapping.metres_per_unit, 0.02);
+  EXPECT_EQ(found.mapping.height, 1.9);
+  EXPECT_EQ(found.rest_pose, "frame 3");
+  options.rest_frame = 100000;
+  const auto map = lafan1_map(clip.skeleton(), "test");
+  EXPECT_EQ(calibrate(clip, map, options, "clip").error().kind, ErrorKind::kUsage);
+}
+
+TEST(Calibrate, TakesTheTPoseOfAnotherFile) {
+  const Clip clip = sample("squat");
+  // the T-pose, in the axes that the clip's joints have
+  Clip tpose(clip.shared_skeleton(), clip.rate(), 1);
+  const Eigen::Quaterniond file_from_human(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
+  std::vector<Eigen::Quaterniond> world;
+  for (const Joint& joint : clip.skeleton().joints()) {
+    const Eigen::Quaterniond axes(canonical_t_pose(find_bone(joint.name).value()));
+    world.push_back(file_from_human * axes);
+    tpose.rotations(0)[world.size() - 1] =
+        joint.parent < 0 ? world.back() : world[joint.parent].inverse() * world.back();
+  }
+  CalibrationOptions options;
+  options.tpose = tpose;
+  const Calibration found = calibrated(clip, options);
+  EXPECT_EQ(found.rest_pose, "T-pose file");
+  HumanClip expected = fixed_human(clip);
+  expected.height = found.mapping.height;
+  EXPECT_LT(largest_difference(to_human(clip, found.mapping), expected), 1e-9);
+}
+
+TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  BoneMap map = lafan1_map(clip.skeleton(), "test");
+  const auto drop = [&](const char* bone) { map.joint_of_bone[*find_bone(bone)] = -1; };
+  for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "LeftShoulder",
+                           "RightShoulder", "Spine", "Spine1", "Neck"}) {
+    drop(bone);
+  }
+  const auto found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  const HumanClip human = to_human(clip, found->mapping), whole = fixed_human(sample("walk"));
+  for (int bone = 0; bone < kBoneCount; ++bone) EXPECT_TRUE(human.has(bone)) << kBoneNames[bone];
+  // the wrist and the toes are where they were, and the foot without toes is turned as before
+  for (const char* bone : {"LeftHand", "RightToe"}) {
+    const Eigen::Vector3d apart =
+        human.frame(5)[*find_bone(bone)].translation - whole.frame(5)[*find_bone(bone)].translation;
+    EXPECT_LT(apart.norm(), 1e-9) << bone;
+  }
+  const Eigen::Quaterniond foot(canonical_t_pose(*find_bone("LeftFoot")));
+  const Eigen::Quaterniond toe(canonical_t_pose(*find_bone("LeftToe")));
+  const Eigen::Quaterniond expected =
+      whole.frame(5)[*find_bone("LeftFoot")].rotation * foot.inverse() * toe;
+  EXPECT_LT(human.frame(5)[*find_bone("LeftFootMod")].rotation.angularDistance(expected), 1e-6);
+}
+
+TEST(Calibrate, RefusesWhatIsNotSafe) {
+  const Clip clip = sample("walk");
+  BoneMap map = lafan1_map(clip.skeleton(), "test");
+  const auto unit =
+      calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {}, "clip");
+  ASSERT_FALSE(unit);
+  EXPECT_EQ(unit.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(unit.error().hint, testing::HasSubstr("--unit"));
+  map.joint_of_bone[*find_bone("LeftForeArm")] = -1;
+  const auto arm = calibrate(clip, map, {}, "clip");
+  ASSERT_FALSE(arm);
+  EXPECT_THAT(arm.error().message, testing::HasSubstr("LeftForeArm"));
+  map.partial = true;
+  const auto partial = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(partial);
+  EXPECT_FALSE(to_human(clip, partial->mapping).has(*find_bone("LeftForeArm")));
+  BoneMap none;
+  EXPECT_FALSE(calibrate(clip, none, {}, "clip"));
+}
+
+TEST(Calibrate, DoubtsSwappedSides) {
+  const Clip clip = sample("walk");
+  BoneMap map = lafan1_map(clip.skeleton(), "test");
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+    if (!name.starts_with("Left")) continue;
+    std::swap(map.joint_of_bone[bone], map.joint_of_bone[*find_bone("Right" + name.substr(4))]);
+  }
+  const auto found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found);
+  ASSERT_FALSE(found->mapping.doubts.empty());
+  EXPECT_THAT(found->mapping.doubts.back().message, testing::HasSubstr("swapped"));
+}
+
+TEST(Calibrate, WorksOnAClipWithoutFrames) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  const Clip none(clip.shared_skeleton(), clip.rate(), 0);
+  EXPECT_EQ(calibrated(none).rest_pose, "zero pose");
+  const Clip lost(sample("walk").shared_skeleton(), {30, 1}, 0);
+  EXPECT_FALSE(calibrate(lost, lafan1_map(lost.skeleton(), "test"), {}, "clip"));
+}
+
+}  // namespace
+}  // namespace retarget

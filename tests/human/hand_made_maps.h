@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/human/bone_map.h"
+#include "retarget/motion/skeleton.h"
+
+namespace retarget {
+
+/// A bone map from joint names in the order of kBoneNames; `-` for a bone that is not there.
+inline BoneMap bone_map(const Skeleton& skeleton, const std::vector<std::string>& names,
+                        const std::string& dialect = "test") {
+  BoneMap map;
+  map.dialect = dialect;
+  map.confidence = 1.0;
+  for (std::size_t bone = 0; bone < names.size(); ++bone) {
+    map.joint_of_bone[bone] = skeleton.find(names[bone]).value_or(-1);
+  }
+  return map;
+}
+
+/// Names of both sides from patterns in which `#` stands for the side: thigh, shin, foot, toe,
+/// then the trunk Hips, Spine, Spine1, Spine2, Neck, Head, then collar, arm, forearm, hand.
+inline std::vector<std::string> two_sided(const std::vector<std::string>& leg,
+                                          const std::vector<std::string>& trunk,
+                                          const std::vector<std::string>& arm,
+                                          const std::string& left, const std::string& right) {
+  const auto sided = [](std::string pattern, const std::string& side) {
+    if (const auto at = pattern.find('#'); at != std::string::npos) pattern.replace(at, 1, side);
+    return pattern;
+  };
+  std::vector<std::string> names = {trunk[0]};
+  for (const std::string& side : {left, right}) {
+    for (const std::string& part : leg) names.push_back(sided(part, side));
+  }
+  names.insert(names.end(), trunk.begin() + 1, trunk.end());
+  for (const std::string& side : {left, right}) {
+    for (const std::string& part : arm) names.push_back(sided(part, side));
+  }
+  return names;
+}
+
+/// LAFAN1's names; the toes may be called ToeBase.
+inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) {
+  BoneMap map;
+  map.dialect = dialect;
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+    auto joint = skeleton.find(name);
+    if (!joint && name.ends_with("Toe")) joint = skeleton.find(name + "Base");
+    map.joint_of_bone[static_cast<std::size_t>(bone)] = joint.value_or(-1);
+  }
+  return map;
+}
+
+}  // namespace retarget
