@@ -61,12 +61,12 @@ BodyPoses poses_at(const Clip& clip, const std::vector<int>& frames) {
 
 }  // namespace
 
-BodyPoses zero_pose(const Skeleton& skeleton) {
+BodyPoses sample_zero_pose(const Skeleton& skeleton) {
   return poses_at(Clip(std::make_shared<const Skeleton>(skeleton), FrameRate{30, 1}, 1), {0});
 }
 
 BodyPoses sample_poses(const Clip& clip) {
-  if (clip.frame_count() == 0) return zero_pose(clip.skeleton());
+  if (clip.frame_count() == 0) return sample_zero_pose(clip.skeleton());
   const int count = std::min(clip.frame_count(), kMostPoses);
   std::vector<int> frames;
   frames.reserve(count);

@@ -19,7 +19,7 @@ struct BodyPoses {
 };
 
 /// The skeleton with all rotations zero, which need not be a pose of a human.
-[[nodiscard]] BodyPoses zero_pose(const Skeleton& skeleton);
+[[nodiscard]] BodyPoses sample_zero_pose(const Skeleton& skeleton);
 
 /// Frames spread evenly over a clip; the zero pose of a clip without frames.
 [[nodiscard]] BodyPoses sample_poses(const Clip& clip);

@@ -112,7 +112,7 @@ Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
 Result<BoneMap> read_bone_map(const std::string& path, const Skeleton& skeleton) {
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
-  return parse_bone_map(*text, path, skeleton);
+  return parse_bone_map(text->view(), path, skeleton);
 }
 
 }  // namespace retarget

@@ -133,7 +133,8 @@ std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes
 std::string describe_calibration(const Calibration& calibration) {
   const std::string height = rounded(calibration.mapping.height, "%.2f m");
   if (calibration.rest_pose == "lafan1") {
-    return "LAFAN1 skeleton, centimetres, Y up, body height " + height;
+    return "LAFAN1 skeleton, unit " + calibration.unit + ", up " + to_text(calibration.up) +
+           ", body height " + height;
   }
   return calibration.mapping.dialect + " skeleton, unit " + calibration.unit + " (" +
          rounded(calibration.mapping.metres_per_unit, "%g m") + "), up " + to_text(calibration.up) +

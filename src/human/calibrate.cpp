@@ -8,6 +8,7 @@
 
 #include "human/body_axes.h"
 #include "human/bone_sources.h"
+#include "human/lafan1_shape.h"
 #include "human/learned_axes.h"
 #include "human/posed_body.h"
 #include "human/rest_pose.h"
@@ -46,7 +47,10 @@ class Calibrator {
  private:
   [[nodiscard]] Result<void> check() const;
   void look();
-  [[nodiscard]] bool is_plain_lafan1(const HumanMapping& fixed) const;
+  [[nodiscard]] bool stands_otherwise() const;
+  [[nodiscard]] bool has_lafan1_axes(const HumanMapping& fixed) const;
+  [[nodiscard]] Result<void> keep_lafan1_axes(HumanMapping fixed, Calibration& result) const;
+  [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result) const;
   [[nodiscard]] std::optional<Candidate> candidate(JointPoses pose,
                                                    const Eigen::Vector3d& up) const;
   [[nodiscard]] std::optional<Candidate> zero_candidate(const Body& body) const;
@@ -107,6 +111,7 @@ void Calibrator::look() {
     view_.up = *options_.up;
     return;
   }
+  if (map_.dialect == "lafan1" && !stands_otherwise()) return;
   if (view_.poses.empty()) {
     // y by custom, unless there is a zero pose that stands
     const auto zero = zero_candidate(body_);
@@ -120,6 +125,16 @@ void Calibrator::look() {
                             "the body hardly ever stands: " + to_text(guess.axis) +
                                 " was taken as the up axis; give --up if that is wrong"});
   }
+}
+
+// whether a skeleton of LAFAN1, whose zero pose tells nothing and whose files have y up, plainly
+// stands along another axis; people who lie may seem to for a moment
+bool Calibrator::stands_otherwise() const {
+  constexpr std::size_t kFewest = 10;  // a second
+  constexpr double kPlainly = 0.85;
+  if (view_.poses.size() < kFewest) return false;
+  const UpGuess guess = guess_up(body_, view_.poses);
+  return guess.axis != SignedAxis{} && guess.certainty > kPlainly;
 }
 
 std::optional<Candidate> Calibrator::candidate(JointPoses pose, const Eigen::Vector3d& up) const {
@@ -234,17 +249,62 @@ Result<Unit> Calibrator::find_unit(const Rest& rest) const {
                        "give the unit's length in metres with --unit");
 }
 
-bool Calibrator::is_plain_lafan1(const HumanMapping& fixed) const {
-  if (map_.dialect != "lafan1" || !fixed.doubts.empty()) return false;
+bool Calibrator::has_lafan1_axes(const HumanMapping& fixed) const {
+  if (map_.dialect != "lafan1" || !joints_off_lafan1_axes(clip_.skeleton()).empty()) return false;
   if (options_.rest != RestPose::kAuto || options_.tpose || options_.forward) return false;
-  if (options_.metres_per_unit && *options_.metres_per_unit != fixed.metres_per_unit) return false;
-  if (view_.up != SignedAxis{}) return false;
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {
     if (fixed.bones[static_cast<std::size_t>(bone)].position_joint != body_.joint(bone)) {
       return false;
     }
   }
   return true;
+}
+
+// the published method's mapping; copies in other units or with another axis up keep its axes too
+Result<void> Calibrator::keep_lafan1_axes(HumanMapping fixed, Calibration& result) const {
+  constexpr double kHipHeightPerLeg = 1.12;
+  const double leg = lafan1_leg_length(clip_.skeleton());
+  Unit unit{"cm", fixed.metres_per_unit};
+  if (options_.metres_per_unit) {
+    if (*options_.metres_per_unit != unit.metres) unit = {"given", *options_.metres_per_unit};
+  } else if (!is_leg_in_centimetres(leg)) {
+    const auto found = guess_unit(kHipHeightPerLeg * leg);
+    if (!found) {
+      return input_failure(
+          file_, "a leg of " + std::to_string(leg) + " units is a person's in no known unit",
+          "give the unit's length in metres with --unit");
+    }
+    unit = *found;
+  }
+  result.mapping = std::move(fixed);
+  result.mapping.doubts.clear();
+  result.unit = unit.name;
+  result.rest_pose = "lafan1";
+  result.mapping.metres_per_unit = unit.metres;
+  result.mapping.human_from_source = z_up_from_file(view_.up);
+  if (const auto best = best_frame()) {
+    result.forward = nearest_axis(best->second.axes.row(0));
+    result.rest_deviation = deviation_from_t(body_, best->second).mean;
+  }
+  return {};
+}
+
+Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) const {
+  const auto rest = find_rest();
+  if (!rest) return failure(rest.error());
+  const auto unit = find_unit(*rest);
+  if (!unit) return failure(unit.error());
+  result.unit = unit->name;
+  result.rest_pose = rest->name;
+  result.rest_deviation = deviation_from_t(body_, rest->candidate).mean;
+  result.forward = nearest_axis(rest->candidate.axes.row(0));
+  result.mapping.dialect = map_.dialect;
+  result.mapping.metres_per_unit = unit->metres;
+  result.mapping.human_from_source = z_up_from_file(view_.up);
+  result.mapping.bones = bone_sources(body_, rest->axes);
+  const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
+  result.mapping.height = height > 0.0 ? height : 1.75;
+  return {};
 }
 
 void Calibrator::doubt_sides() {
@@ -262,36 +322,15 @@ Result<Calibration> Calibrator::run() {
   Calibration result;
   result.up = view_.up;
   auto fixed = lafan1_mapping(clip_.skeleton(), file_);
-  if (fixed && is_plain_lafan1(*fixed)) {
-    const auto best = best_frame();
-    result.mapping = *std::move(fixed);
-    result.unit = "cm";
-    result.rest_pose = "lafan1";
-    if (best) {
-      result.forward = nearest_axis(best->second.axes.row(0));
-      result.rest_deviation = deviation_from_t(body_, best->second).mean;
-    }
-  } else {
-    const auto rest = find_rest();
-    if (!rest) return failure(rest.error());
-    const auto unit = find_unit(*rest);
-    if (!unit) return failure(unit.error());
-    result.unit = unit->name;
-    result.rest_pose = rest->name;
-    result.rest_deviation = deviation_from_t(body_, rest->candidate).mean;
-    result.forward = nearest_axis(rest->candidate.axes.row(0));
-    result.mapping.dialect = map_.dialect;
-    result.mapping.metres_per_unit = unit->metres;
-    result.mapping.human_from_source = z_up_from_file(view_.up);
-    result.mapping.bones = bone_sources(body_, rest->axes);
-    const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
-    result.mapping.height = height > 0.0 ? height : 1.75;
-  }
-  const bool keeps_text = result.rest_pose == "lafan1" && !options_.height;
+  const auto done = fixed && has_lafan1_axes(*fixed) ? keep_lafan1_axes(*std::move(fixed), result)
+                                                     : bring_to_canonical_axes(result);
+  if (!done) return failure(done.error());
+  const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
+                            result.up == SignedAxis{} && !options_.height;
   if (options_.height) result.mapping.height = *options_.height;
   result.mapping.doubts.insert(result.mapping.doubts.end(), view_.doubts.begin(),
                                view_.doubts.end());
-  if (!keeps_text) result.mapping.description = describe_calibration(result);
+  if (!is_published) result.mapping.description = describe_calibration(result);
   return result;
 }
 

@@ -190,7 +190,7 @@ Result<std::vector<Dialect>> load_dialects(const std::filesystem::path& folder) 
   for (const std::filesystem::path& path : files) {
     const auto text = read_file(path.string(), ErrorKind::kConfig);
     if (!text) return failure(text.error());
-    auto dialect = parse_dialect(*text, path.stem().string(), path.string());
+    auto dialect = parse_dialect(text->view(), path.stem().string(), path.string());
     if (!dialect) return failure(dialect.error());
     dialects.push_back(std::move(*dialect));
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "human/lafan1_shape.h"
 #include "retarget/base/suggest.h"
 #include "retarget/motion/forward_kinematics.h"
 
@@ -33,16 +34,13 @@ BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
 
 // offsets that leave their axis by more than 20 degrees are not LAFAN1's
 constexpr double kLeastAxisShare = 0.93969262078590838;  // cosine of that angle
-// thigh and shin together, centimetres: from a child to a giant
-constexpr double kShortestLeg = 45.0;
-constexpr double kLongestLeg = 130.0;
-
 bool runs_along(const Eigen::Vector3d& offset, int axis) {
   return offset[axis] > kLeastAxisShare * offset.norm();
 }
 
-// joints whose offsets are not as LAFAN1's: limbs along x, left and right apart along z
-std::vector<std::string> joints_off_axis(const Skeleton& skeleton) {
+}  // namespace
+
+std::vector<std::string> joints_off_lafan1_axes(const Skeleton& skeleton) {
   std::vector<std::string> off_axis;
   for (const char* name : {"LeftLeg", "LeftFoot", "RightLeg", "RightFoot", "LeftForeArm",
                            "LeftHand", "RightForeArm", "RightHand"}) {
@@ -59,9 +57,22 @@ std::vector<std::string> joints_off_axis(const Skeleton& skeleton) {
   return off_axis;
 }
 
+double lafan1_leg_length(const Skeleton& skeleton) {
+  const std::optional<int> knee = skeleton.find("LeftLeg"), ankle = skeleton.find("LeftFoot");
+  if (!knee || !ankle) return 0.0;
+  return skeleton.joint(*knee).offset.norm() + skeleton.joint(*ankle).offset.norm();
+}
+
+bool is_leg_in_centimetres(double length) {
+  constexpr double kShortest = 45.0, kLongest = 130.0;
+  return length >= kShortest && length <= kLongest;
+}
+
+namespace {
+
 // what the offsets say against a skeleton being LAFAN1's: names alone prove little
 std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
-  const std::vector<std::string> off_axis = joints_off_axis(skeleton);
+  const std::vector<std::string> off_axis = joints_off_lafan1_axes(skeleton);
   std::vector<Warning> doubts;
   if (!off_axis.empty()) {
     doubts.push_back({0, 0,
@@ -69,15 +80,12 @@ std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
                       "apart along z): " +
                           list_names(off_axis) + "; expect twisted limbs"});
   }
-  const std::optional<int> knee = skeleton.find("LeftLeg"), ankle = skeleton.find("LeftFoot");
-  if (knee && ankle) {
-    const double leg = skeleton.joint(*knee).offset.norm() + skeleton.joint(*ankle).offset.norm();
-    if (leg < kShortestLeg || leg > kLongestLeg) {
-      doubts.push_back({0, 0,
-                        "a leg of " + std::to_string(leg) +
-                            " units is no human leg in centimetres: the file has another "
-                            "unit, and positions will be wrong"});
-    }
+  const double leg = lafan1_leg_length(skeleton);
+  if (leg > 0.0 && !is_leg_in_centimetres(leg)) {
+    doubts.push_back({0, 0,
+                      "a leg of " + std::to_string(leg) +
+                          " units is no human leg in centimetres: the file has another "
+                          "unit, and positions will be wrong"});
   }
   return doubts;
 }

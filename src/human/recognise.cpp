@@ -174,7 +174,7 @@ Result<BoneMap> recognise(const Skeleton& skeleton, BodyPoses poses,
 
 Result<BoneMap> recognise_skeleton(const Skeleton& skeleton, const std::vector<Dialect>& dialects,
                                    const std::string& file, const RecogniseOptions& options) {
-  return recognise(skeleton, zero_pose(skeleton), dialects, file, options);
+  return recognise(skeleton, sample_zero_pose(skeleton), dialects, file, options);
 }
 
 Result<BoneMap> recognise_skeleton(const Clip& clip, const std::vector<Dialect>& dialects,

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "retarget/human/canonical_pose.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -23,7 +24,7 @@ Eigen::Vector3d outward(const std::string& side) {
 constexpr double kDegree = 57.295779513082321;
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return kDegree * std::atan2(a.cross(b).norm(), a.dot(b));
+  return kDegree * portable::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 // unit direction of a bone in the body's axes

@@ -244,6 +244,16 @@ Result<IkTables> load_ik_tables(const std::string& path, const Robot* robot) {
   return tables_from(text->view(), path, robot);
 }
 
+int leave_out_bones(IkTables& tables, std::span<const std::string> bones) {
+  std::size_t dropped = 0;
+  for (IkTable& table : tables.tables) {
+    dropped += std::erase_if(table.rows, [&](const IkRow& row) {
+      return std::ranges::find(bones, row.bone) != bones.end();
+    });
+  }
+  return static_cast<int>(dropped);
+}
+
 Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {
   Faults faults;
   check_tables(tables, robot, faults);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "human_source.h"
+#include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/motion/forward_kinematics.h"
 #include "retarget/motion/skeleton_points.h"
@@ -41,7 +43,38 @@ Json joint_json(const Skeleton& skeleton, const Joint& joint) {
   return json;
 }
 
-std::string report_json(const BvhFile& file, const std::string& name) {
+// what was understood of the human, or why nothing was
+void add_human(Json& json, const Clip& clip, const Result<HumanSource>& human) {
+  if (!human) {
+    for (const char* key :
+         {"dialect", "confidence", "mapping", "unit", "up", "forward", "height_m", "rest_pose"}) {
+      json[key] = nullptr;
+    }
+    json["not_understood"] = human.error().message;
+    return;
+  }
+  const auto& [map, calibration] = *human;
+  json["dialect"] = map.dialect;
+  json["confidence"] = map.confidence;
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
+    json["mapping"][std::string(kBoneNames[static_cast<std::size_t>(bone)])] =
+        joint < 0 ? Json() : Json(clip.skeleton().joint(joint).name);
+  }
+  json["unit"] = calibration.unit;
+  json["metres_per_unit"] = calibration.mapping.metres_per_unit;
+  json["up"] = to_text(calibration.up);
+  json["forward"] = to_text(calibration.forward);
+  json["height_m"] = calibration.mapping.height;
+  json["rest_pose"] = calibration.rest_pose;
+  json["rest_pose_degrees_off"] = calibration.rest_deviation;
+  json["notes"] = map.notes;
+  json["doubts"] = Json::array();
+  for (const Warning& doubt : calibration.mapping.doubts) json["doubts"].push_back(doubt.message);
+}
+
+std::string report_json(const SourceMotion& file, const Result<HumanSource>& human,
+                        const std::string& name) {
   const Clip& clip = file.clip;
   const Eigen::AlignedBox3d box = extents(clip);
   Json json;
@@ -60,6 +93,7 @@ std::string report_json(const BvhFile& file, const std::string& name) {
     json["warnings"].push_back(
         {{"line", warning.line}, {"column", warning.column}, {"message", warning.message}});
   }
+  add_human(json, clip, human);
   // names are the file's bytes; what is no UTF-8 must not end the program
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -68,7 +102,27 @@ std::string vector_text(const Eigen::Vector3d& v) {
   return number_text(v.x(), 4) + " " + number_text(v.y(), 4) + " " + number_text(v.z(), 4);
 }
 
-std::string report_text(const BvhFile& file, const std::string& name) {
+std::string human_text(const Clip& clip, const Result<HumanSource>& human) {
+  if (!human) return "  human     not understood: " + human.error().message + "\n\n";
+  const auto& [map, calibration] = *human;
+  std::string text = "  human     " + calibration.mapping.description + "; " + map.dialect +
+                     ", confidence " + number_text(map.confidence, 2) + "\n";
+  for (const std::string& note : map.notes) text += "            " + note + "\n";
+  for (const Warning& doubt : calibration.mapping.doubts) {
+    text += "            doubtful: " + doubt.message + "\n";
+  }
+  text += "\n";
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
+    std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+    name.resize(14, ' ');
+    text += "  " + name + (joint < 0 ? "-" : clip.skeleton().joint(joint).name) + "\n";
+  }
+  return text + "\n";
+}
+
+std::string report_text(const SourceMotion& file, const Result<HumanSource>& human,
+                        const std::string& name) {
   const Clip& clip = file.clip;
   const Skeleton& skeleton = clip.skeleton();
   const Eigen::AlignedBox3d box = extents(clip);
@@ -79,7 +133,8 @@ std::string report_text(const BvhFile& file, const std::string& name) {
   text += "  joints    " + std::to_string(skeleton.joint_count()) + ", " +
           count_text(skeleton.channel_count(), "channel") + "\n";
   text += "  extents   " + vector_text(box.min()) + "  to  " + vector_text(box.max()) +
-          "  (file units and axes)\n\n";
+          "  (file units and axes)\n";
+  text += human_text(clip, human);
   std::vector<int> depth(skeleton.joint_count(), 0);
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joint(j);
@@ -138,6 +193,14 @@ std::string positions_csv(const Clip& clip) {
   return text;
 }
 
+Result<HumanSource> understand(const SourceMotion& motion, const InspectOptions& options) {
+  const auto& chosen = options.common.data_dir;
+  const auto data =
+      find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
+  if (!data) return failure(data.error());
+  return find_human(motion, options.source, options.human, *data / "configs" / "skeletons");
+}
+
 }  // namespace
 
 ExitCode inspect(const InspectOptions& options, Console& console) {
@@ -148,6 +211,9 @@ ExitCode inspect(const InspectOptions& options, Console& console) {
   }
   const auto file = read_source(options.source, options.skeleton_only, console);
   if (!file) return console.fail(file.error());
+  const auto human = understand(*file, options);
+  // what the user asked for must be possible; what was only looked at need not be a human
+  if (!human && human.error().kind != ErrorKind::kInput) return console.fail(human.error());
 
   if (!options.positions.empty()) {
     const auto written = write_file(options.positions, positions_csv(file->clip));
@@ -155,8 +221,8 @@ ExitCode inspect(const InspectOptions& options, Console& console) {
     if (options.positions == "-") return kDone;
   }
   const std::string name = source_name(options.source);
-  const auto printed =
-      write_file("-", options.json ? report_json(*file, name) : report_text(*file, name));
+  const auto printed = write_file(
+      "-", options.json ? report_json(*file, human, name) : report_text(*file, human, name));
   if (!printed) return console.fail(printed.error());
   return kDone;
 }

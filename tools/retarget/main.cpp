@@ -17,6 +17,7 @@ namespace retarget::cli {
 namespace {
 
 constexpr const char* kInput = "Input";
+constexpr const char* kHuman = "Human (all of it is found and printed; this overrides)";
 constexpr const char* kRobot = "Robot and method";
 constexpr const char* kTime = "Time";
 constexpr const char* kOutput = "Output";
@@ -77,10 +78,73 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->group(kInput);
 }
 
-void add_run_options(CLI::App& app, RunOptions& options) {
-  app.add_option("--bvh", options.source.file, "Motion to retarget; - reads standard input")
+void add_human_options(CLI::App& app, HumanOptions& options) {
+  app.add_option("--map", options.map,
+                 "Which joint is which bone: a mapping file in place of\nrecognition")
+      ->type_name("FILE")
+      ->group(kHuman);
+  app.add_option("--write-map", options.write_map, "Write the mapping that was used, to be edited")
+      ->type_name("FILE")
+      ->group(kHuman);
+  app.add_flag("--partial", options.partial, "Accept a body without arms or without legs")
+      ->group(kHuman);
+  app.add_option(
+         "--rest", options.rest,
+         "The pose that is a T-pose, or is brought to one: the zero\npose, the first frame, "
+         "the best frame, or none (learned\nfrom the movement)")
+      ->type_name("auto|zero|first|best|learned")
+      ->check(silent(CLI::IsMember({"auto", "zero", "first", "best", "learned"})))
+      ->capture_default_str()
+      ->group(kHuman);
+  app.add_option("--tpose-frame", options.tpose_frame, "Frame of the source that is the T-pose")
+      ->type_name("N")
+      ->check(silent(CLI::NonNegativeNumber))
+      ->group(kHuman);
+  app.add_option("--tpose-file", options.tpose_file,
+                 "BVH of the same skeleton whose first frame is the T-pose")
+      ->type_name("FILE")
+      ->group(kHuman);
+  app.add_option("--unit", options.unit, "Unit of length: m, dm, cm, mm, inch, cmu, or metres")
+      ->type_name("UNIT")
+      ->group(kHuman);
+  app.add_option("--up", options.up, "Up axis of the source: y, z, -y, ...")
+      ->type_name("AXIS")
+      ->group(kHuman);
+  app.add_option("--forward", options.forward, "Where the source's rest pose faces")
+      ->type_name("AXIS")
+      ->group(kHuman);
+  app.add_option("--height", options.height,
+                 "Height of the body, metres (default: estimated; 1.75 for\nLAFAN1)")
+      ->type_name("M")
+      ->check(number_from(0.1, 10.0))
+      ->group(kHuman);
+}
+
+// a motion is one or the other
+void add_motion_options(CLI::App& app, SourceOptions& options) {
+  CLI::Option* bvh =
+      app.add_option("--bvh", options.file, "Motion to retarget; - reads standard input")
+          ->type_name("FILE")
+          ->group(kInput);
+  app.add_option_function<std::string>(
+         "--smpl",
+         [&options](const std::string& file) {
+           options.file = file;
+           options.smpl = true;
+         },
+         "SMPL or SMPL-X motion to retarget, NPZ as in AMASS")
+      ->type_name("FILE")
+      ->excludes(bvh)
+      ->group(kInput);
+  app.add_option("--smpl-model", options.smpl_model,
+                 "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths\n(default: a generic "
+                 "body of the same height)")
       ->type_name("FILE")
       ->group(kInput);
+}
+
+void add_run_options(CLI::App& app, RunOptions& options) {
+  add_motion_options(app, options.source);
   add_source_options(app, options.source);
   app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
       ->type_name("S")
@@ -94,6 +158,8 @@ void add_run_options(CLI::App& app, RunOptions& options) {
                  "Source frames from A up to, not including, B; either may be left out")
       ->type_name("A:B")
       ->group(kInput);
+
+  add_human_options(app, options.human);
 
   app.add_option("--robot", options.robot, "Robot by name, or a robot folder")
       ->type_name("NAME")
@@ -171,7 +237,7 @@ void add_run_options(CLI::App& app, RunOptions& options) {
 
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a motion file holds");
-  command->add_option("file", options.source.file, "BVH file; - reads standard input")
+  command->add_option("file", options.source.file, "BVH or SMPL NPZ; - reads standard input")
       ->required()
       ->type_name("FILE");
   add_source_options(*command, options.source);
@@ -179,6 +245,7 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
       ->add_flag("--skeleton", options.skeleton_only,
                  "The skeleton is enough: accept a file without MOTION")
       ->group(kInput);
+  add_human_options(*command, options.human);
   command->add_flag("--json", options.json, "Print JSON on standard output")->group(kOutput);
   command
       ->add_option("--positions", options.positions,

@@ -13,16 +13,33 @@ struct CommonOptions {
 
 /// How a source clip is read.
 struct SourceOptions {
-  std::string file;  ///< `-` for standard input.
+  std::string file;        ///< `-` for standard input.
+  bool smpl = false;       ///< An SMPL or SMPL-X motion instead of BVH.
+  std::string smpl_model;  ///< The user's body model; empty: a generic body.
   bool lenient = false;
   std::string root;         ///< Which of several ROOTs.
   double source_fps = 0.0;  ///< 0: as the file says.
+};
+
+/// How the human in a clip is found and measured.
+struct HumanOptions {
+  std::string map;        ///< Mapping file in place of recognition.
+  std::string write_map;  ///< Where to write the mapping that was used.
+  bool partial = false;   ///< Arms or legs may be missing.
+  std::string rest = "auto";
+  int tpose_frame = -1;    ///< Negative: not given.
+  std::string tpose_file;  ///< A clip whose first frame is the T-pose.
+  std::string unit;        ///< A name or metres; empty: found.
+  std::string up;          ///< `y`, `-z`, ...; empty: found.
+  std::string forward;
+  double height = 0.0;  ///< Metres; 0: estimated.
 };
 
 /// The default command: one clip to one robot CSV.
 struct RunOptions {
   CommonOptions common;
   SourceOptions source;
+  HumanOptions human;
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;
   std::string frames;  ///< `a:b`; empty: not given.
@@ -51,6 +68,7 @@ struct RunOptions {
 struct InspectOptions {
   CommonOptions common;
   SourceOptions source;
+  HumanOptions human;
   bool skeleton_only = false;
   bool json = false;
   std::string positions;  ///< CSV to write; empty: none.

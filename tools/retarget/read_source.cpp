@@ -1,20 +1,61 @@
-#include "commands.h"
+#include "read_source.h"
+
 #include "retarget/base/file.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/smpl/read_smpl.h"
 
 namespace retarget::cli {
+namespace {
 
-Result<BvhFile> read_source(const SourceOptions& options, bool skeleton_only, Console& console) {
+std::optional<double> given_rate(const SourceOptions& options) {
+  return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
+}
+
+Result<SourceMotion> read_bvh_source(std::string_view bytes, const SourceOptions& options,
+                                     bool skeleton_only) {
   BvhReadOptions read_options;
   read_options.lenient = options.lenient;
   read_options.motion_optional = skeleton_only;
   read_options.root = options.root;
-  if (options.source_fps > 0.0) read_options.source_fps = options.source_fps;
-  const std::string name = source_name(options);
+  read_options.source_fps = given_rate(options);
+  auto file = read_bvh(bytes, source_name(options), read_options);
+  if (!file) return failure(file.error());
+  return SourceMotion{std::move(file->clip), std::move(file->warnings), std::nullopt};
+}
+
+Result<SourceMotion> read_smpl_source(std::string_view bytes, const SourceOptions& options) {
+  SmplReadOptions read_options;
+  read_options.source_fps = given_rate(options);
+  std::optional<SmplBody> body;
+  if (!options.smpl_model.empty()) {
+    auto loaded = load_smpl_body(options.smpl_model);
+    if (!loaded) return failure(loaded.error());
+    body = std::move(*loaded);
+    read_options.body = &*body;
+  }
+  auto motion = read_smpl(bytes, source_name(options), read_options);
+  if (!motion) return failure(motion.error());
+  SourceMotion result{std::move(motion->clip), std::move(motion->warnings), motion->height};
+  if (motion->approximate_body) {
+    result.warnings.push_back({0, 0,
+                               "bone lengths are those of a generic body, approximately; "
+                               "--smpl-model FILE takes them from your body model"});
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
+                                 Console& console) {
   const auto bytes = read_file(options.file);
   if (!bytes) return failure(bytes.error());
-  auto file = read_bvh(bytes->view(), name, read_options);
-  if (file) console.warn(file->warnings, name);
-  return file;
+  // archives hold NPZ, and no BVH file begins like one
+  const bool is_archive = bytes->view().starts_with("PK\x03\x04");
+  auto motion = options.smpl || is_archive ? read_smpl_source(bytes->view(), options)
+                                           : read_bvh_source(bytes->view(), options, skeleton_only);
+  if (motion) console.warn(motion->warnings, source_name(options));
+  return motion;
 }
 
 std::string source_name(const SourceOptions& options) {

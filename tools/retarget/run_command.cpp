@@ -9,10 +9,11 @@
 
 #include "commands.h"
 #include "csv_sink.h"
+#include "human_source.h"
 #include "interrupt.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
-#include "retarget/human/human_clip.h"
+#include "retarget/base/suggest.h"
 #include "retarget/motion/clip_range.h"
 #include "retarget/motion/resample.h"
 #include "retarget/pipeline/retarget.h"
@@ -29,6 +30,12 @@ struct Setup {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
   IkTables tables;
+};
+
+// the motion as it is solved
+struct Source {
+  Clip clip;  // cut and at the output rate
+  HumanSource human;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -103,22 +110,11 @@ Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
   return cut(clip, range->begin, range->end);
 }
 
-// the source clip, cut and at the output rate
-Result<Clip> load_clip(const RunOptions& options, Console& console) {
+// the clip, cut and at the output rate
+Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
   const auto rate = output_rate(options.fps);
   if (!rate) return failure(rate.error());
-  auto file = read_source(options.source, false, console);
-  if (!file) return failure(file.error());
-  const Clip& clip = file->clip;
-  console.line("read", source_name(options.source) + ": " +
-                           count_text(clip.skeleton().joint_count(), "joint") + ", " +
-                           count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
-                           " fps, " + number_text(clip.duration(), 2) + " s");
-  if (clip.frame_count() == 0) {
-    return input_failure(source_name(options.source), "the clip has no frames to retarget",
-                         "retarget inspect shows its skeleton");
-  }
-  auto chosen = choose_frames(std::move(file->clip), options);
+  auto chosen = choose_frames(std::move(clip), options);
   if (!chosen || !*rate) return chosen;
   ResampleOptions resample_options;
   resample_options.interpolation =
@@ -127,6 +123,32 @@ Result<Clip> load_clip(const RunOptions& options, Console& console) {
   auto resampled = resample(std::move(*chosen), **rate, resample_options);
   if (!resampled) resampled.error().file = source_name(options.source);
   return resampled;
+}
+
+// the motion file and the human in it
+Result<Source> load_source(const RunOptions& options, const fs::path& data_folder,
+                           Console& console) {
+  auto motion = read_source(options.source, false, console);
+  if (!motion) return failure(motion.error());
+  const Clip& clip = motion->clip;
+  console.line("read", source_name(options.source) + ": " +
+                           count_text(clip.skeleton().joint_count(), "joint") + ", " +
+                           count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
+                           " fps, " + number_text(clip.duration(), 2) + " s");
+  if (clip.frame_count() == 0) {
+    return input_failure(source_name(options.source), "the clip has no frames to retarget",
+                         "retarget inspect shows its skeleton");
+  }
+  // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
+  auto human =
+      find_human(*motion, options.source, options.human, data_folder / "configs" / "skeletons");
+  if (!human) return failure(human.error());
+  console.line("taken as", human->calibration.mapping.description);
+  for (const std::string& note : human->map.notes) console.line("", note);
+  console.warn(human->calibration.mapping.doubts, source_name(options.source));
+  auto prepared = prepare_clip(std::move(motion->clip), options);
+  if (!prepared) return failure(prepared.error());
+  return Source{std::move(*prepared), std::move(*human)};
 }
 
 // the mapping that comes with a robot: in its folder, or among the mappings by its name
@@ -144,17 +166,16 @@ Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& c
                         "add --ik-config FILE");
 }
 
-Result<Setup> load_setup(const RunOptions& options, Console& console) {
+Result<fs::path> data_folder_of(const RunOptions& options) {
+  const auto& chosen = options.common.data_dir;
+  return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
+}
+
+Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder, Console& console) {
   Setup setup;
   std::string model = options.robot_xml, profile = options.robot_profile;
   std::string mapping = options.ik_config;
-  fs::path data_folder;
   if (model.empty()) {
-    const auto& chosen = options.common.data_dir;
-    const auto data =
-        find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
-    if (!data) return failure(data.error());
-    data_folder = *data;
     const auto found = find_robot(options.robot, data_folder / "robots");
     if (!found) return failure(found.error());
     model = found->model.string();
@@ -210,18 +231,32 @@ void print_limits(const RobotClip& clip, const LimitSet& limits, Console& consol
                              number_text(100.0 * nearest->frames_at_limit, 1) + " % of frames");
 }
 
-Result<RetargetResult> solve(const Clip& clip, const HumanMapping& mapping, const Setup& setup,
-                             const RunOptions& options, CsvSink& sink, Console& console) {
+// of a partial body: rows of bones that it lacks
+void leave_out_missing(const HumanSource& human, IkTables& tables, Console& console) {
+  std::vector<std::string> missing;
+  for (int bone = 0; bone < kBoneCount; ++bone) {
+    const auto& source = human.calibration.mapping.bones[static_cast<std::size_t>(bone)];
+    if (source.position_joint < 0) missing.emplace_back(kBoneNames[bone]);
+  }
+  const int dropped = leave_out_bones(tables, missing);
+  if (dropped == 0) return;
+  console.line("partial", count_text(dropped, "row") +
+                              " of the mapping left out, for there is no " + list_names(missing));
+}
+
+Result<RetargetResult> solve(const Source& source, const Setup& setup, const RunOptions& options,
+                             CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
   retarget_options.keep_going = [&](int frame) {
-    console.progress("solving frame", frame, clip.frame_count());
+    console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
   };
   retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
-  auto result = retarget::retarget(clip, mapping, source_name(options.source), setup.robot,
-                                   setup.tables, setup.limits, retarget_options);
+  auto result =
+      retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),
+                         setup.robot, setup.tables, setup.limits, retarget_options);
   console.end_progress();
   return result;
 }
@@ -229,14 +264,13 @@ Result<RetargetResult> solve(const Clip& clip, const HumanMapping& mapping, cons
 Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto start = std::chrono::steady_clock::now();
   if (auto usage = check_usage(options); !usage) return usage;
-  const auto setup = load_setup(options, console);
+  const auto data_folder = data_folder_of(options);
+  if (!data_folder) return failure(data_folder.error());
+  auto setup = load_setup(options, *data_folder, console);
   if (!setup) return failure(setup.error());
-  const auto clip = load_clip(options, console);
-  if (!clip) return failure(clip.error());
-  const auto mapping = lafan1_mapping(clip->skeleton(), source_name(options.source));
-  if (!mapping) return failure(mapping.error());
-  console.line("taken as", mapping->description);
-  console.warn(mapping->doubts, source_name(options.source));
+  const auto source = load_source(options, *data_folder, console);
+  if (!source) return failure(source.error());
+  if (source->human.map.partial) leave_out_missing(source->human, setup->tables, console);
   console.line("robot", setup->robot->name() + ", " +
                             count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
                             ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
@@ -246,7 +280,7 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   auto sink =
       CsvSink::open(options.output, setup->robot, {csv_options(options), options.normalize_start});
   if (!sink) return failure(sink.error());
-  const auto result = solve(*clip, *mapping, *setup, options, **sink, console);
+  const auto result = solve(*source, *setup, options, **sink, console);
   if (!result) return failure(result.error());
   const RobotClip& motion = result->clip;
   console.line("solved",

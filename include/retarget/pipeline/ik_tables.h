@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,6 +60,10 @@ struct IkTables {
 /// @param robot  if given, check_ik_tables runs as well, so that all faults are named together.
 [[nodiscard]] Result<IkTables> load_ik_tables(const std::string& path,
                                               const Robot* robot = nullptr);
+
+/// Takes the rows of these bones out of both tables: for bodies that lack an arm or a leg.
+/// @return how many rows that were.
+int leave_out_bones(IkTables& tables, std::span<const std::string> bones);
 
 /// Checks a mapping against a robot and the canonical human's bones and names every fault at
 /// once: unknown bodies and bones (with the nearest name), bones without a scale, two rows on one

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+#include "console.h"
+#include "options.h"
+#include "read_source.h"
+#include "retarget/human/bone_map.h"
+#include "retarget/human/calibrate.h"
+
+namespace retarget::cli {
+
+/// The human in a clip: which joints are its bones, and how it becomes the canonical human.
+struct HumanSource {
+  BoneMap map;
+  Calibration calibration;
+};
+
+/// Recognises and measures the human of a whole clip, before any part of it is cut out.
+/// @param dialects  folder of the dialect files.
+[[nodiscard]] Result<HumanSource> find_human(const SourceMotion& motion,
+                                             const SourceOptions& source,
+                                             const HumanOptions& options,
+                                             const std::filesystem::path& dialects);
+
+}  // namespace retarget::cli

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "options.h"
+#include "retarget/motion/clip.h"
+
+namespace retarget::cli {
+
+/// A motion file as it was read.
+struct SourceMotion {
+  Clip clip;
+  std::vector<Warning> warnings;  ///< Printed already.
+  std::optional<double> height;   ///< Of the body, metres, where the file tells.
+};
+
+/// Reads the source clip and prints its warnings.
+[[nodiscard]] Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
+                                               Console& console);
+
+/// The source as it is named to people.
+[[nodiscard]] std::string source_name(const SourceOptions& options);
+
+}  // namespace retarget::cli
