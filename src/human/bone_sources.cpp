@@ -138,9 +138,11 @@ std::string describe_calibration(const Calibration& calibration) {
   }
   return calibration.mapping.dialect + " skeleton, unit " + calibration.unit + " (" +
          rounded(calibration.mapping.metres_per_unit, "%g m") + "), up " + to_text(calibration.up) +
-         ", facing " + to_text(calibration.forward) + ", body height " + height + ", T-pose from " +
-         calibration.rest_pose + " (" + rounded(calibration.rest_deviation, "%.0f") +
-         " degrees off)";
+         ", facing " + to_text(calibration.forward) + ", body height " + height + ", T-pose " +
+         (calibration.rest_pose == "learned"
+              ? "learned from the movement"
+              : "from " + calibration.rest_pose + " (" +
+                    rounded(calibration.rest_deviation, "%.0f") + " degrees off)");
 }
 
 }  // namespace retarget

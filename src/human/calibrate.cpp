@@ -130,8 +130,8 @@ void Calibrator::look() {
 // whether a skeleton of LAFAN1, whose zero pose tells nothing and whose files have y up, plainly
 // stands along another axis; people who lie may seem to for a moment
 bool Calibrator::stands_otherwise() const {
-  constexpr std::size_t kFewest = 10;  // a second
-  constexpr double kPlainly = 0.85;
+  constexpr std::size_t kFewest = 15;  // one and a half seconds
+  constexpr double kPlainly = 0.5;
   if (view_.poses.size() < kFewest) return false;
   const UpGuess guess = guess_up(body_, view_.poses);
   return guess.axis != SignedAxis{} && guess.certainty > kPlainly;
@@ -227,7 +227,13 @@ Result<Rest> Calibrator::find_rest() const {
   if (options_.tpose) return rest_of_tpose_file();
   if (options_.rest != RestPose::kAuto) return told_rest();
   const auto zero = zero_candidate(body_);
-  if (zero && is_well_formed(body_, *zero)) return taken(zero, "zero pose");
+  if (zero && is_well_formed(body_, *zero)) {
+    auto rest = taken(zero, "zero pose");
+    if (rest && !view_.poses.empty()) {
+      rest->axes = with_corrected_arms(body_, view_.poses, view_.up.direction(), rest->axes);
+    }
+    return rest;
+  }
   const auto best = best_frame();
   if (!best) return taken(std::nullopt, "movement");
   const Deviation deviation = deviation_from_t(body_, best->second);
@@ -304,6 +310,8 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) const {
   result.mapping.bones = bone_sources(body_, rest->axes);
   const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
   result.mapping.height = height > 0.0 ? height : 1.75;
+  const double by_legs = height_of_legs(body_, rest->candidate.pose) * unit->metres;
+  result.mapping.size = by_legs > 0.0 ? by_legs : result.mapping.height;
   return {};
 }
 
@@ -327,7 +335,7 @@ Result<Calibration> Calibrator::run() {
   if (!done) return failure(done.error());
   const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                             result.up == SignedAxis{} && !options_.height;
-  if (options_.height) result.mapping.height = *options_.height;
+  if (options_.height) result.mapping.height = result.mapping.size = *options_.height;
   result.mapping.doubts.insert(result.mapping.doubts.end(), view_.doubts.begin(),
                                view_.doubts.end());
   if (!is_published) result.mapping.description = describe_calibration(result);

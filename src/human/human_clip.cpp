@@ -129,6 +129,7 @@ HumanClipInfo HumanPoser::info() const {
   info.rate = clip_.rate();
   info.frame_count = clip_.frame_count();
   info.height = mapping_.height;
+  info.size = mapping_.size;
   info.source_joints = skeleton.names();
   for (const BoneSource& source : mapping_.bones) {
     const bool known = source.position_joint >= 0 && source.rotation_joint >= 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "retarget/human/canonical_pose.h"
 
@@ -11,6 +12,9 @@ namespace {
 constexpr double kUpright = 0.90630778703664996;  // cosine of 25 degrees
 // mean sine of the bend below which a hinge is not known
 constexpr double kLeastBend = 0.1;
+
+// cosine of 20 degrees: people's habits account for less
+constexpr double kPlainlyOff = 0.93969262078590838;
 
 // how far the bending normal stands off -Z, cosine and sine
 struct Bias {
@@ -55,9 +59,7 @@ class Learner {
     for (const std::string side : {"Left", "Right"}) {
       const double sign = side == "Left" ? 1.0 : -1.0;
       learn_collar(side, sign);
-      learn_hinge(side + "Arm", side + "ForeArm", side + "Arm", kUpperArmBias, sign);
-      learn_hinge(side + "Arm", side + "ForeArm", side + "ForeArm", kForearmBias, sign);
-      learn_hinge(side + "Arm", side + "ForeArm", side + "Hand", kHandBias, sign);
+      learn_arm(side, sign);
       learn_hinge(side + "UpLeg", side + "Leg", side + "UpLeg", {}, sign);
       learn_hinge(side + "UpLeg", side + "Leg", side + "Leg", {}, sign);
       learn_foot(side);
@@ -65,10 +67,26 @@ class Learner {
     return axes_;
   }
 
- private:
-  std::optional<Eigen::Matrix3d>& axes_of(const std::string& bone) {
-    return axes_[static_cast<std::size_t>(find_bone(bone).value())];
+  // arms that the movement plainly bends another way than the start has it
+  JointFromBone correct_arms() {
+    const JointFromBone start = axes_;
+    for (const std::string side : {"Left", "Right"}) {
+      learn_arm(side, side == "Left" ? 1.0 : -1.0);
+      const auto& before = start[index_of(side + "Arm")];
+      const auto& after = axes_[index_of(side + "Arm")];
+      if (before && after && before->col(2).dot(after->col(2)) < kPlainlyOff) continue;
+      for (const char* part : {"Arm", "ForeArm", "Hand"}) {
+        axes_[index_of(side + part)] = start[index_of(side + part)];
+      }
+    }
+    return axes_;
   }
+
+ private:
+  static std::size_t index_of(const std::string& bone) {
+    return static_cast<std::size_t>(find_bone(bone).value());
+  }
+  std::optional<Eigen::Matrix3d>& axes_of(const std::string& bone) { return axes_[index_of(bone)]; }
 
   // mean of a direction of the world as the joint sees it
   template <typename Direction>
@@ -125,6 +143,12 @@ class Learner {
     if (joint < 0 || !body_.has("Spine2")) return;
     set(side + "Shoulder", mean_course(joint, body_.segment(side + "Shoulder")),
         sign * mean_course(joint, body_.segment("Spine2")), 0, 2);
+  }
+
+  void learn_arm(const std::string& side, double sign) {
+    learn_hinge(side + "Arm", side + "ForeArm", side + "Arm", kUpperArmBias, sign);
+    learn_hinge(side + "Arm", side + "ForeArm", side + "ForeArm", kForearmBias, sign);
+    learn_hinge(side + "Arm", side + "ForeArm", side + "Hand", kHandBias, sign);
   }
 
   // Z of `bone` from the bend between the bones `upper` and `lower`
@@ -205,6 +229,11 @@ class Learner {
 JointFromBone learned_axes(const Body& body, const std::vector<JointPoses>& poses,
                            const Eigen::Vector3d& up, const Candidate& best) {
   return Learner(body, poses, up, bring_to_t(body, best)).learn();
+}
+
+JointFromBone with_corrected_arms(const Body& body, const std::vector<JointPoses>& poses,
+                                  const Eigen::Vector3d& up, JointFromBone axes) {
+  return Learner(body, poses, up, std::move(axes)).correct_arms();
 }
 
 double facing_evidence(const Body& body, const std::vector<JointPoses>& poses,

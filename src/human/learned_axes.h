@@ -28,6 +28,13 @@ namespace retarget {
 [[nodiscard]] JointFromBone learned_axes(const Body& body, const std::vector<JointPoses>& poses,
                                          const Eigen::Vector3d& up, const Candidate& best);
 
+/// Axes of a rest pose, with those of upper arm, forearm and hand learned where the movement bends
+/// the elbow more than 20 degrees off: arms of a rest pose may be turned any way about themselves.
+/// @param poses  may be empty.
+[[nodiscard]] JointFromBone with_corrected_arms(const Body& body,
+                                                const std::vector<JointPoses>& poses,
+                                                const Eigen::Vector3d& up, JointFromBone axes);
+
 /// Whether feet point ahead and knees bend backwards, as seen from hips and shoulders: mean
 /// cosine, near 1 for a person, near -1 where left and right are swapped or the body is mirrored;
 /// 0 where nothing tells.

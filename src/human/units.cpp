@@ -65,6 +65,10 @@ std::optional<Unit> guess_unit(double hip_height) {
   return std::nullopt;
 }
 
+double height_of_legs(const Body& body, const JointPoses& rest) {
+  return mean_length(body, rest, {"UpLeg", "Leg"}) / kLegShare;
+}
+
 double estimated_height(const Body& body, const JointPoses& rest) {
   const double leg = mean_length(body, rest, {"UpLeg", "Leg"});
   if (leg <= 0.0) return 0.0;

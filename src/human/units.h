@@ -24,6 +24,10 @@ struct Unit {
 /// Nothing in between.
 [[nodiscard]] std::optional<Unit> guess_unit(double hip_height);
 
+/// Height of a body of average proportions that has these legs (thigh and shin), file units; 0
+/// without legs.
+[[nodiscard]] double height_of_legs(const Body& body, const JointPoses& rest);
+
 /// Body height in the file's unit from bone lengths: thigh and shin (the mean of both legs) and the
 /// way from between the thighs' joints along the spine to the head joint are 89.4 % of it; what
 /// remains is the ankle's height over the sole and the head above its joint (3.9 % and 6.7 %; the

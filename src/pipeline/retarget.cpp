@@ -71,7 +71,9 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
     return failure(checked.error());
   }
-  const TargetBuilder targets(tables_, human.height);
+  const bool published = options_.height_scale == HeightScale::kPublished;
+  const TargetBuilder targets(tables_, published ? human.height : human.size,
+                              options_.height_scale);
   if (auto checked = check_bones(human, targets, clip_name_, tables_.file); !checked) {
     return failure(checked.error());
   }

@@ -18,8 +18,12 @@ const IkRow* offsets_of(const IkTables& tables, int bone) {
 
 }  // namespace
 
-TargetBuilder::TargetBuilder(const IkTables& tables, double height) {
-  const double ratio = height / tables.human_height_assumption;
+TargetBuilder::TargetBuilder(const IkTables& tables, double height, HeightScale scale) {
+  constexpr double kPublishedHeight = 1.75;
+  const double ratio =
+      scale == HeightScale::kPublished
+          ? height / tables.human_height_assumption
+          : kPublishedHeight / tables.human_height_assumption * (kPublishedHeight / height);
   const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
   const auto add = [&](const std::string& name) {
     const int bone = find_bone(name).value();

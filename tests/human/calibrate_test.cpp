@@ -65,12 +65,23 @@ TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
   }
 }
 
-TEST(Calibrate, Lafan1NamesWithOtherUnitsOrAxesGoTheGeneralWay) {
-  const Clip metres = scaled_and_turned(sample("walk"), 0.01, Eigen::Quaterniond::Identity());
-  const auto map = lafan1_map(metres.skeleton(), "lafan1");
-  const auto found = calibrate(metres, map, {}, "clip").value();
-  EXPECT_EQ(found.unit, "m");
-  EXPECT_EQ(found.rest_pose, "learned");
+TEST(Calibrate, Lafan1InOtherUnitsAndAxesIsTheSameHuman) {
+  const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  for (const std::string& name : kSamples) {
+    const Clip clip = sample(name);
+    const HumanClip expected = fixed_human(clip);
+    for (const bool turned : {false, true}) {
+      const Clip metres = scaled_and_turned(
+          clip, 0.01, turned ? z_up : Eigen::Quaterniond(Eigen::Quaterniond::Identity()));
+      const auto map = lafan1_map(metres.skeleton(), "lafan1");
+      const auto found = calibrate(metres, map, {}, "clip").value();
+      EXPECT_EQ(found.unit, "m");
+      EXPECT_EQ(found.rest_pose, "lafan1");
+      EXPECT_EQ(found.mapping.height, 1.75);
+      EXPECT_EQ(to_text(found.up), turned ? "+z" : "+y") << name;
+      EXPECT_LT(largest_difference(to_human(metres, found.mapping), expected), 1e-12) << name;
+    }
+  }
 }
 
 // A zero pose in T: the general way must find LAFAN1's axes, which the twin no longer has.

@@ -189,6 +189,13 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->capture_default_str()
       ->group(kRobot);
 
+  app.add_option("--scale", options.scale,
+                 "How the body's size scales the motion: table as published\n(LAFAN1's default), "
+                 "height brings every body to one size\nfirst (the default of all others)")
+      ->type_name("auto|table|height")
+      ->check(silent(CLI::IsMember({"auto", "table", "height"})))
+      ->capture_default_str()
+      ->group(kRobot);
   app.add_option("--engine", options.engine,
                  "Implementation of the inverse kinematics; both take the\nsame steps")
       ->type_name("fast|reference")

@@ -51,6 +51,7 @@ struct RunOptions {
   std::string ik_config;  ///< Empty: the robot's own.
   std::string method = "gmr";
   std::string engine = "fast";
+  std::string scale = "auto";
 
   std::string fps = "30";  ///< A number or `source`.
   std::string interpolation = "cubic";

@@ -249,6 +249,11 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
+  // the published method takes every body of LAFAN1 for one
+  const bool published = source.human.calibration.rest_pose == "lafan1";
+  if (options.scale == "height" || (options.scale == "auto" && !published)) {
+    retarget_options.height_scale = HeightScale::kNormalised;
+  }
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();

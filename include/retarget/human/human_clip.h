@@ -32,7 +32,10 @@ struct HumanMapping {
   double metres_per_unit = 0.01;  ///< Of the source's lengths.
   /// Turns the source's axes into canonical ones; a rotation (determinant +1).
   Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
-  double height = 1.75;         ///< Of the body, metres; what scales are relative to.
+  double height = 1.75;  ///< Of the body, metres.
+  /// Height of a body of average proportions with legs like these, metres: what bodies of
+  /// different sizes are compared by, since feet and hips must fit the robot's legs.
+  double size = 1.75;
   std::string description;      ///< What was taken for granted, for people.
   std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: nothing speaks against it.
 };
@@ -42,6 +45,7 @@ struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
   double height = 1.75;                    ///< Of the body, metres.
+  double size = 1.75;                      ///< As in HumanMapping.
   std::vector<std::string> sources;        ///< Per bone, the joint it came from; empty: missing.
   std::vector<std::string> source_joints;  ///< All joints of the source, for messages.
 

@@ -9,6 +9,7 @@
 #include "retarget/human/human_clip.h"
 #include "retarget/ik/ik_solver.h"
 #include "retarget/pipeline/ik_tables.h"
+#include "retarget/pipeline/targets.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot_clip.h"
 
@@ -20,6 +21,7 @@ enum class IkEngine { kFast, kReference };
 /// How a human clip becomes a robot clip.
 struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
+  HeightScale height_scale = HeightScale::kPublished;
   IkOptions ik;
   /// Make the targets ahead of the solver on a second thread; the result is the same.
   bool targets_ahead = false;

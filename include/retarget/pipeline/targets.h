@@ -11,10 +11,21 @@
 
 namespace retarget {
 
+/// How the height of the body scales a human to a robot.
+enum class HeightScale : unsigned char {
+  /// As the published method: in proportion to the height, which it takes to be 1.75 m whoever is
+  /// recorded.
+  kPublished,
+  /// Inversely: every body is brought to the size of the published one first, so that a child and
+  /// a giant who move alike give one robot motion.
+  kNormalised,
+};
+
 /// Where the robot's bodies should be: human bones, scaled about the root and offset.
 ///
 /// With the bones of a frame (world poses, metres, Z up) and s_b the scale of a bone in the mapping
-/// times height / human_height_assumption:
+/// times height / human_height_assumption (kNormalised: 1.75 m / human_height_assumption times
+/// 1.75 m / height):
 ///   root:    p' = s_root p              (about the origin of the world)
 ///   others:  p' = s_root p_root + s_b (p - p_root)
 ///   all:     q' = q r_b,  p'' = p' + q' (o_b - [0, 0, ground_height])
@@ -24,7 +35,7 @@ class TargetBuilder {
  public:
   /// @param tables  checked by check_ik_tables.
   /// @param height  of the human body, metres.
-  TargetBuilder(const IkTables& tables, double height);
+  TargetBuilder(const IkTables& tables, double height, HeightScale scale = HeightScale::kPublished);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
   /// Bone of each target, an index into kBoneNames; the root first.
