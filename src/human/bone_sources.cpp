@@ -1,7 +1,7 @@
 #include "human/bone_sources.h"
 
-#include <cmath>
-#include <cstdio>
+#include <array>
+#include <charconv>
 #include <initializer_list>
 
 #include "retarget/human/canonical_pose.h"
@@ -114,14 +114,18 @@ class Sources {
   std::vector<BoneSource> sources_;
 };
 
-std::string rounded(double value, const char* format) {
-  char text[64];
-  // no locale is set by the library, but the program's may have decimal commas
-  std::snprintf(text, sizeof text, format, value);
-  for (char& letter : text) {
-    if (letter == ',') letter = '.';
-  }
-  return text;
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::fixed, decimals);
+  return {text.data(), end};
+}
+
+// as few digits as tell it from others
+std::string shortest(double value) {
+  std::array<char, 40> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end};
 }
 
 }  // namespace
@@ -131,18 +135,18 @@ std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes
 }
 
 std::string describe_calibration(const Calibration& calibration) {
-  const std::string height = rounded(calibration.mapping.height, "%.2f m");
+  const std::string height = fixed(calibration.mapping.height, 2) + " m";
   if (calibration.rest_pose == "lafan1") {
     return "LAFAN1 skeleton, unit " + calibration.unit + ", up " + to_text(calibration.up) +
            ", body height " + height;
   }
   return calibration.mapping.dialect + " skeleton, unit " + calibration.unit + " (" +
-         rounded(calibration.mapping.metres_per_unit, "%g m") + "), up " + to_text(calibration.up) +
+         shortest(calibration.mapping.metres_per_unit) + " m), up " + to_text(calibration.up) +
          ", facing " + to_text(calibration.forward) + ", body height " + height + ", T-pose " +
          (calibration.rest_pose == "learned"
               ? "learned from the movement"
-              : "from " + calibration.rest_pose + " (" +
-                    rounded(calibration.rest_deviation, "%.0f") + " degrees off)");
+              : "from " + calibration.rest_pose + " (" + fixed(calibration.rest_deviation, 0) +
+                    " degrees off)");
 }
 
 }  // namespace retarget

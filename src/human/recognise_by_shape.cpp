@@ -11,6 +11,17 @@
 namespace retarget {
 namespace {
 
+// the first term of its series in (x - 1) / (x + 1): unlike std::log the same on every machine
+double log_of_near_one(double x) {
+  return 2.0 * (x - 1.0) / (x + 1.0);
+}
+
+// exp(-x^2 / 2) by the reciprocal of the first terms of exp(x^2 / 2)
+double bell(double x) {
+  const double y = 0.5 * x * x;
+  return 1.0 / (1.0 + y * (1.0 + y / 2.0 * (1.0 + y / 3.0 * (1.0 + y / 4.0))));
+}
+
 // larger trees are no human's; bounds time and recursion
 constexpr int kMostJoints = 1000;
 // hips and torso have three ways out longer than this share of the tree's longest path
@@ -103,8 +114,9 @@ Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& 
         const double upper = along[j] - along[i], lower = along[k] - along[j];
         if (upper <= 0.0 || lower <= 0.0) continue;
         if (limb_end.spreads && shape.ends_in_spread && k + 1 < size) continue;
-        const double deviation = std::log(lower / upper / shape.lower_per_upper) / kRatioSpread;
-        const double merit = upper * lower * std::exp(-0.5 * deviation * deviation);
+        const double deviation =
+            log_of_near_one(lower / upper / shape.lower_per_upper) / kRatioSpread;
+        const double merit = upper * lower * bell(deviation);
         if (merit > best.merit) best = {i, j, k, merit};
       }
     }
