@@ -10,7 +10,7 @@ namespace retarget {
 namespace {
 
 constexpr double kSamplesPerSecond = 10.0;
-constexpr int kMostSamples = 3000;
+constexpr int kMostSamples = 1000;
 
 // shorter than this, relatively to nothing but rounding, a bone has no direction
 constexpr double kNoLength = 1e-9;

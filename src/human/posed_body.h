@@ -23,7 +23,7 @@ using JointPoses = std::vector<Pose>;
 
 /// Frames at which a movement is looked at: ten times a second from the first on, so that copies
 /// at other rates are seen at the same times; every frame when the clip is slower than that; at
-/// most about 3000.
+/// most about 1000.
 [[nodiscard]] std::vector<int> sampled_frames(const Clip& clip);
 
 /// From where to where a bone runs.
