@@ -48,8 +48,8 @@ class Calibrator {
   [[nodiscard]] Result<void> check() const;
   void look();
   [[nodiscard]] bool stands_otherwise() const;
-  [[nodiscard]] bool has_lafan1_axes(const HumanMapping& fixed) const;
-  [[nodiscard]] Result<void> keep_lafan1_axes(HumanMapping fixed, Calibration& result) const;
+  [[nodiscard]] bool has_lafan1_axes() const;
+  [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result) const;
   [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result) const;
   [[nodiscard]] std::optional<Candidate> candidate(JointPoses pose,
                                                    const Eigen::Vector3d& up) const;
@@ -68,6 +68,10 @@ class Calibrator {
   const std::string& file_;
   Body body_;
   View view_;
+  JointOfBone joint_of_ = [this](std::string_view bone) {
+    const int joint = body_.joint(bone);
+    return joint < 0 ? std::nullopt : std::optional<int>(joint);
+  };
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -255,22 +259,16 @@ Result<Unit> Calibrator::find_unit(const Rest& rest) const {
                        "give the unit's length in metres with --unit");
 }
 
-bool Calibrator::has_lafan1_axes(const HumanMapping& fixed) const {
-  if (map_.dialect != "lafan1" || !joints_off_lafan1_axes(clip_.skeleton()).empty()) return false;
-  if (options_.rest != RestPose::kAuto || options_.tpose || options_.forward) return false;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    if (fixed.bones[static_cast<std::size_t>(bone)].position_joint != body_.joint(bone)) {
-      return false;
-    }
-  }
-  return true;
+bool Calibrator::has_lafan1_axes() const {
+  return map_.dialect == "lafan1" && options_.rest == RestPose::kAuto && !options_.tpose &&
+         !options_.forward && bones_off_lafan1_axes(clip_.skeleton(), joint_of_).empty();
 }
 
 // the published method's mapping; copies in other units or with another axis up keep its axes too
-Result<void> Calibrator::keep_lafan1_axes(HumanMapping fixed, Calibration& result) const {
+Result<void> Calibrator::keep_lafan1_axes(Calibration& result) const {
   constexpr double kHipHeightPerLeg = 1.12;
-  const double leg = lafan1_leg_length(clip_.skeleton());
-  Unit unit{"cm", fixed.metres_per_unit};
+  const double leg = lafan1_leg_length(clip_.skeleton(), joint_of_);
+  Unit unit{"cm", 0.01};
   if (options_.metres_per_unit) {
     if (*options_.metres_per_unit != unit.metres) unit = {"given", *options_.metres_per_unit};
   } else if (!is_leg_in_centimetres(leg)) {
@@ -282,8 +280,7 @@ Result<void> Calibrator::keep_lafan1_axes(HumanMapping fixed, Calibration& resul
     }
     unit = *found;
   }
-  result.mapping = std::move(fixed);
-  result.mapping.doubts.clear();
+  result.mapping = lafan1_mapping(map_);
   result.unit = unit.name;
   result.rest_pose = "lafan1";
   result.mapping.metres_per_unit = unit.metres;
@@ -329,9 +326,7 @@ Result<Calibration> Calibrator::run() {
   doubt_sides();
   Calibration result;
   result.up = view_.up;
-  auto fixed = lafan1_mapping(clip_.skeleton(), file_);
-  const auto done = fixed && has_lafan1_axes(*fixed) ? keep_lafan1_axes(*std::move(fixed), result)
-                                                     : bring_to_canonical_axes(result);
+  const auto done = has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result);
   if (!done) return failure(done.error());
   const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                             result.up == SignedAxis{} && !options_.height;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "human/lafan1_shape.h"
 #include "retarget/base/suggest.h"
@@ -40,16 +41,17 @@ bool runs_along(const Eigen::Vector3d& offset, int axis) {
 
 }  // namespace
 
-std::vector<std::string> joints_off_lafan1_axes(const Skeleton& skeleton) {
+std::vector<std::string> bones_off_lafan1_axes(const Skeleton& skeleton,
+                                               const JointOfBone& joint_of) {
   std::vector<std::string> off_axis;
   for (const char* name : {"LeftLeg", "LeftFoot", "RightLeg", "RightFoot", "LeftForeArm",
                            "LeftHand", "RightForeArm", "RightHand"}) {
-    const std::optional<int> joint = skeleton.find(name);
+    const std::optional<int> joint = joint_of(name);
     if (joint && !runs_along(skeleton.joint(*joint).offset, 0)) off_axis.emplace_back(name);
   }
   for (const char* name : {"UpLeg", "Shoulder"}) {
-    const std::optional<int> left = skeleton.find(std::string("Left") + name);
-    const std::optional<int> right = skeleton.find(std::string("Right") + name);
+    const std::optional<int> left = joint_of(std::string("Left") + name);
+    const std::optional<int> right = joint_of(std::string("Right") + name);
     if (!left || !right) continue;
     const Eigen::Vector3d across = skeleton.joint(*left).offset - skeleton.joint(*right).offset;
     if (!runs_along(across, 2)) off_axis.push_back(std::string("Left/Right") + name);
@@ -57,8 +59,8 @@ std::vector<std::string> joints_off_lafan1_axes(const Skeleton& skeleton) {
   return off_axis;
 }
 
-double lafan1_leg_length(const Skeleton& skeleton) {
-  const std::optional<int> knee = skeleton.find("LeftLeg"), ankle = skeleton.find("LeftFoot");
+double lafan1_leg_length(const Skeleton& skeleton, const JointOfBone& joint_of) {
+  const std::optional<int> knee = joint_of("LeftLeg"), ankle = joint_of("LeftFoot");
   if (!knee || !ankle) return 0.0;
   return skeleton.joint(*knee).offset.norm() + skeleton.joint(*ankle).offset.norm();
 }
@@ -72,7 +74,8 @@ namespace {
 
 // what the offsets say against a skeleton being LAFAN1's: names alone prove little
 std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
-  const std::vector<std::string> off_axis = joints_off_lafan1_axes(skeleton);
+  const JointOfBone by_name = [&](std::string_view bone) { return skeleton.find(bone); };
+  const std::vector<std::string> off_axis = bones_off_lafan1_axes(skeleton, by_name);
   std::vector<Warning> doubts;
   if (!off_axis.empty()) {
     doubts.push_back({0, 0,
@@ -80,7 +83,7 @@ std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
                       "apart along z): " +
                           list_names(off_axis) + "; expect twisted limbs"});
   }
-  const double leg = lafan1_leg_length(skeleton);
+  const double leg = lafan1_leg_length(skeleton, by_name);
   if (leg > 0.0 && !is_leg_in_centimetres(leg)) {
     doubts.push_back({0, 0,
                       "a leg of " + std::to_string(leg) +
@@ -88,6 +91,19 @@ std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
                           "unit, and positions will be wrong"});
   }
   return doubts;
+}
+
+HumanMapping published_mapping(std::vector<BoneSource> bones) {
+  HumanMapping mapping;
+  mapping.dialect = "lafan1";
+  mapping.bones = std::move(bones);
+  mapping.metres_per_unit = 0.01;
+  // a quarter turn about x takes y (up) to z
+  mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  mapping.height = 1.75;
+  mapping.description =
+      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
+  return mapping;
 }
 
 }  // namespace
@@ -101,20 +117,22 @@ Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string&
                            "rename all but one of them");
     }
   }
-  HumanMapping mapping;
-  mapping.dialect = "lafan1";
-  mapping.bones.reserve(kBoneCount);
-  for (const std::string_view bone : kBoneNames) {
-    mapping.bones.push_back(lafan1_source(skeleton, bone));
-  }
-  mapping.metres_per_unit = 0.01;
-  // a quarter turn about x takes y (up) to z
-  mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  mapping.height = 1.75;
-  mapping.description =
-      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
+  std::vector<BoneSource> bones;
+  bones.reserve(kBoneCount);
+  for (const std::string_view bone : kBoneNames) bones.push_back(lafan1_source(skeleton, bone));
+  HumanMapping mapping = published_mapping(std::move(bones));
   mapping.doubts = lafan1_doubts(skeleton);
   return mapping;
+}
+
+HumanMapping lafan1_mapping(const BoneMap& map) {
+  std::vector<BoneSource> bones;
+  for (const int joint : map.joint_of_bone) bones.push_back({joint, joint});
+  for (const std::string side : {"Left", "Right"}) {
+    const int foot = map.joint(side + "Foot"), toe = map.joint(side + "Toe");
+    bones.push_back(foot < 0 || toe < 0 ? BoneSource{} : BoneSource{foot, toe});
+  }
+  return published_mapping(std::move(bones));
 }
 
 HumanPoser::HumanPoser(const Clip& clip, const HumanMapping& mapping)

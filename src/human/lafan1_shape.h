@@ -1,18 +1,24 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "retarget/motion/skeleton.h"
 
 namespace retarget {
 
-/// Joints of LAFAN1's names whose offsets are not as LAFAN1's: limbs along x, left and right apart
-/// along z.
-[[nodiscard]] std::vector<std::string> joints_off_lafan1_axes(const Skeleton& skeleton);
+/// The joint of a canonical bone, if there is one.
+using JointOfBone = std::function<std::optional<int>(std::string_view bone)>;
 
-/// Thigh and shin of LAFAN1's left leg, file units; 0 without.
-[[nodiscard]] double lafan1_leg_length(const Skeleton& skeleton);
+/// Bones whose joints' offsets are not as LAFAN1's: limbs along x, left and right apart along z.
+[[nodiscard]] std::vector<std::string> bones_off_lafan1_axes(const Skeleton& skeleton,
+                                                             const JointOfBone& joint_of);
+
+/// Thigh and shin of the left leg by its joints' offsets, file units; 0 without.
+[[nodiscard]] double lafan1_leg_length(const Skeleton& skeleton, const JointOfBone& joint_of);
 
 /// Whether that is a leg in centimetres: from a child's to a giant's.
 [[nodiscard]] bool is_leg_in_centimetres(double length);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "retarget/base/result.h"
+#include "retarget/human/bone_map.h"
 #include "retarget/human/bones.h"
 #include "retarget/math/pose.h"
 #include "retarget/motion/clip.h"
@@ -69,6 +70,9 @@ struct HumanClip : HumanClipInfo {
 /// @param file  where the skeleton comes from, for messages.
 [[nodiscard]] Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton,
                                                   const std::string& file);
+
+/// The same for bones that were found by recognition, whatever their names.
+[[nodiscard]] HumanMapping lafan1_mapping(const BoneMap& map);
 
 /// Poses of a clip's frames under a mapping, one at a time: long clips need not be held as human
 /// poses, which take more memory than what they come from. Refers to its clip and mapping.
