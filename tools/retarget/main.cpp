@@ -264,6 +264,40 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   return command;
 }
 
+// one kind of edit: `retarget edit NAME IN ... -o OUT`
+void add_edit(CLI::App& edits, EditOptions& options, Edit edit, const char* name,
+              const char* description, const char* like_option) {
+  CLI::App* command = edits.add_subcommand(name, description);
+  command->parse_complete_callback([&options, edit] { options.edit = edit; });
+  command->add_option("file", options.source.file, "Motion to edit, BVH; - reads standard input")
+      ->required()
+      ->type_name("FILE");
+  if (like_option[0] != '\0') {
+    command->add_option(like_option, options.like, "BVH of the skeleton that is wanted")
+        ->required()
+        ->type_name("FILE")
+        ->group(kInput);
+  }
+  add_source_options(*command, options.source);
+  if (edit != Edit::kRest) add_human_options(*command, options.human);
+  command->add_option("-o,--output", options.output, "BVH to write; - writes standard output")
+      ->required()
+      ->type_name("FILE")
+      ->group(kOutput);
+  add_common_options(*command, options.common);
+}
+
+CLI::App* add_edit_command(CLI::App& app, EditOptions& options) {
+  CLI::App* command = app.add_subcommand("edit", "Change a motion: BVH in, BVH out");
+  command->require_subcommand(1);
+  add_edit(*command, options, Edit::kRest, "rest",
+           "The same movement on a skeleton of the same joints with another rest pose", "--like");
+  add_edit(*command, options, Edit::kTransfer, "transfer",
+           "Another skeleton, moved through the T-pose", "--to");
+  add_edit(*command, options, Edit::kLafan1, "lafan", "A clip in the shape of LAFAN1", "");
+  return command;
+}
+
 // names what the command line holds beyond its options, with the option that may be meant
 Failure unknown_words(const CLI::App& app) {
   std::vector<std::string> known;
@@ -292,6 +326,8 @@ int main_with(int argc, char** argv) {
   add_run_options(app, run_options);
   InspectOptions inspect_options;
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
+  EditOptions edit_options;
+  const CLI::App* edit_command = add_edit_command(app, edit_options);
 
   try {
     app.parse(argc, argv);
@@ -308,6 +344,10 @@ int main_with(int argc, char** argv) {
   if (inspect_command->parsed()) {
     Console console(inspect_options.common.quiet);
     return inspect(inspect_options, console);
+  }
+  if (edit_command->parsed()) {
+    Console console(edit_options.common.quiet);
+    return edit(edit_options, console);
   }
   Console console(run_options.common.quiet);
   return run(run_options, console);

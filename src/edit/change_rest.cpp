@@ -1,0 +1,170 @@
+#include "retarget/edit/change_rest.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <vector>
+
+#include "retarget/base/suggest.h"
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget {
+namespace {
+
+// shorter than this a bone has no direction
+constexpr double kNoLength = 1e-12;
+
+// what leaves a joint: rest directions in both skeletons, pairwise
+struct Leaving {
+  std::vector<Eigen::Vector3d> source, target;
+
+  void add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& from_target) {
+    if (from_source.norm() < kNoLength || from_target.norm() < kNoLength) return;
+    source.push_back(from_source.normalized());
+    target.push_back(from_target.normalized());
+  }
+};
+
+// the rotation that takes the source's directions to the target's
+Eigen::Quaterniond rest_turn(const Leaving& leaving) {
+  if (leaving.source.empty()) return Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < leaving.source.size(); ++i) {
+    covariance += leaving.target[i] * leaving.source[i].transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // directions along one line leave the turn about it open: the least rotation closes it
+  constexpr double kOneLine = 1e-9;
+  if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
+    return Eigen::Quaterniond::FromTwoVectors(leaving.source[0], leaving.target[0]);
+  }
+  Eigen::Vector3d signs(1.0, 1.0, 1.0);
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;
+  const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return Eigen::Quaterniond(turn).normalized();
+}
+
+// index of each target joint's twin in the source
+Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& target,
+                                      const std::string& file, const std::string& target_file) {
+  std::vector<int> twins;
+  for (const Joint& joint : target.joints()) {
+    for (const auto& [skeleton, name] :
+         {std::pair(&source, &file), std::pair(&target, &target_file)}) {
+      if (std::ranges::count(skeleton->joints(), joint.name, &Joint::name) > 1) {
+        return input_failure(*name, "several joints are called \"" + joint.name + "\"",
+                             "rename all but one of them");
+      }
+    }
+    const auto twin = source.find(joint.name);
+    if (!twin) {
+      return input_failure(file, "there is no joint \"" + joint.name + "\" as in " + target_file +
+                                     did_you_mean(joint.name, source.names()));
+    }
+    const int parent = source.joint(*twin).parent;
+    const std::string above = parent < 0 ? "" : source.joint(parent).name;
+    if (above != (joint.parent < 0 ? "" : target.joint(joint.parent).name)) {
+      return input_failure(
+          file, "the joint \"" + joint.name + "\" hangs elsewhere than in " + target_file,
+          "retarget edit transfer is for other trees");
+    }
+    twins.push_back(*twin);
+  }
+  if (source.joint_count() != target.joint_count()) {
+    for (const Joint& joint : source.joints()) {
+      if (target.find(joint.name)) continue;
+      return input_failure(target_file, "there is no joint \"" + joint.name + "\" as in " + file);
+    }
+  }
+  return twins;
+}
+
+class RestChanger {
+ public:
+  RestChanger(const Clip& clip, const std::shared_ptr<const Skeleton>& target,
+              std::vector<int> twins)
+      : clip_(clip), target_(target), twins_(std::move(twins)) {
+    for (int joint = 0; joint < target_->joint_count(); ++joint) {
+      turns_.push_back(rest_turn(leaving(joint)));
+    }
+  }
+
+  RestChange run() const;
+
+ private:
+  [[nodiscard]] Leaving leaving(int joint) const;
+  [[nodiscard]] Eigen::Quaterniond turn_above(int joint) const {
+    const int parent = target_->joint(joint).parent;
+    return parent < 0 ? Eigen::Quaterniond::Identity() : turns_[parent];
+  }
+  [[nodiscard]] double distance(const Clip& changed, int frame) const;
+
+  const Clip& clip_;
+  const std::shared_ptr<const Skeleton>& target_;
+  const std::vector<int> twins_;           // of target joints, in the source
+  std::vector<Eigen::Quaterniond> turns_;  // Q of target joints
+};
+
+Leaving RestChanger::leaving(int joint) const {
+  const Skeleton& source = clip_.skeleton();
+  Leaving result;
+  for (int child = joint + 1; child < target_->joint_count(); ++child) {
+    if (target_->joint(child).parent != joint) continue;
+    result.add(source.joint(twins_[child]).offset, target_->joint(child).offset);
+  }
+  const auto& sites = source.joint(twins_[joint]).end_sites;
+  const auto& target_sites = target_->joint(joint).end_sites;
+  for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
+    result.add(sites[i], target_sites[i]);
+  }
+  return result;
+}
+
+RestChange RestChanger::run() const {
+  RestChange result{Clip(target_, clip_.rate(), clip_.frame_count())};
+  for (int frame = 0; frame < clip_.frame_count(); ++frame) {
+    const auto source = clip_.rotations(frame);
+    const auto rotations = result.clip.rotations(frame);
+    const auto translations = result.clip.translations(frame);
+    for (int joint = 0; joint < target_->joint_count(); ++joint) {
+      const int twin = twins_[joint];
+      rotations[joint] = turn_above(joint) * source[twin] * turns_[joint].conjugate();
+      const int slot = target_->translation_slot(joint);
+      if (slot < 0) continue;
+      const bool moves = clip_.skeleton().translation_slot(twin) >= 0;
+      translations[slot] = moves
+                               ? Eigen::Vector3d(turn_above(joint) * clip_.translation(frame, twin))
+                               : target_->joint(joint).offset;
+    }
+    result.largest_distance = std::max(result.largest_distance, distance(result.clip, frame));
+  }
+  return result;
+}
+
+double RestChanger::distance(const Clip& changed, int frame) const {
+  std::vector<Pose> before(clip_.skeleton().joint_count()), after(target_->joint_count());
+  forward_kinematics(clip_, frame, before);
+  forward_kinematics(changed, frame, after);
+  double largest = 0.0;
+  for (int joint = 0; joint < target_->joint_count(); ++joint) {
+    const Pose& was = before[twins_[joint]];
+    largest = std::max(largest, (was.translation - after[joint].translation).norm());
+    const auto& sites = clip_.skeleton().joint(twins_[joint]).end_sites;
+    const auto& target_sites = target_->joint(joint).end_sites;
+    for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
+      largest = std::max(largest, (was * sites[i] - after[joint] * target_sites[i]).norm());
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+Result<RestChange> change_rest(const Clip& clip, const std::shared_ptr<const Skeleton>& target,
+                               const std::string& file, const std::string& target_file) {
+  auto twins = match_joints(clip.skeleton(), *target, file, target_file);
+  if (!twins) return failure(twins.error());
+  return RestChanger(clip, target, std::move(*twins)).run();
+}
+
+}  // namespace retarget

@@ -1,0 +1,94 @@
+#include "retarget/edit/transfer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/recognise.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+std::string source_folder() {
+  return RETARGET_SOURCE_DIR;
+}
+
+const std::vector<Dialect>& dialects() {
+  static const std::vector<Dialect> kDialects =
+      load_dialects(source_folder() + "/configs/skeletons").value();
+  return kDialects;
+}
+
+TransferTarget understood(const Clip& clip) {
+  const BoneMap map = recognise_skeleton(clip, dialects(), "clip").value();
+  return {clip.shared_skeleton(), map, calibrate(clip, map, {}, "clip").value().mapping};
+}
+
+HumanClip human_of(const Clip& clip, const TransferTarget& target) {
+  return to_human(clip, target.mapping);
+}
+
+Clip sample(const std::string& name) {
+  return load_bvh(source_folder() + "/data/" + name + ".bvh").value().clip;
+}
+
+TEST(Transfer, ToItselfChangesNothing) {
+  for (const char* name : {"walk", "get_up"}) {
+    const Clip clip = sample(name);
+    const TransferTarget target = understood(clip);
+    const Clip same = transfer(human_of(clip, target), target);
+    ASSERT_EQ(same.frame_count(), clip.frame_count());
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      EXPECT_LT((same.translation(frame, 0) - clip.translation(frame, 0)).norm(), 1e-9);
+      for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+        ASSERT_GT(std::abs(same.rotations(frame)[joint].dot(clip.rotations(frame)[joint])),
+                  1.0 - 1e-12);
+      }
+    }
+  }
+}
+
+// a body of half the size walks half the way, turned alike
+TEST(Transfer, ScalesThePathBySize) {
+  const Clip clip = sample("walk");
+  TransferTarget target = understood(clip);
+  const HumanClip human = human_of(clip, target);
+  target.mapping.size *= 0.5;
+  const Clip half = transfer(human, target);
+  EXPECT_LT((half.translation(100, 0) - 0.5 * clip.translation(100, 0)).norm(), 1e-9);
+  EXPECT_LT(half.rotations(100)[3].angularDistance(clip.rotations(100)[3]), 1e-7);
+}
+
+// real skeletons of other makes: what arrives is recognised as the same human
+TEST(Transfer, TheHumanSurvivesEveryDialect) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  const Clip walk = sample("walk");
+  const HumanClip human = human_of(walk, understood(walk));
+  for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
+                           "xsens_boxing_120fps", "vicon_mixed_orders_zup_inch_1"}) {
+    const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
+    const Clip clip = load_bvh(path.string()).value().clip;
+    const TransferTarget target = understood(clip);
+    const Clip moved = transfer(human, target);
+    EXPECT_EQ(moved.skeleton().names(), clip.skeleton().names());
+    const HumanClip again = to_human(moved, target.mapping);
+    for (int frame = 0; frame < human.frame_count; frame += 10) {
+      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+        if (target.map.joint_of_bone[static_cast<std::size_t>(bone)] < 0) continue;
+        const auto& before = human.frame(frame)[bone].rotation;
+        const auto& after = again.frame(frame)[bone].rotation;
+        ASSERT_GT(std::abs(before.dot(after)), 1.0 - 1e-9) << file << " " << kBoneNames[bone];
+      }
+      const Eigen::Vector3d hips =
+          human.frame(frame)[0].translation * (target.mapping.size / human.size);
+      ASSERT_LT((again.frame(frame)[0].translation - hips).norm(), 1e-9) << file;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget
