@@ -130,7 +130,9 @@ class Output(ToolTest):
         self.assertRegex(version.stdout, r"Eigen \d+\.\d+\.\d+")
         help_text = self.run_tool("--help")
         self.assert_done(help_text)
-        offered = help_text.stdout + self.run_tool("inspect", "--help").stdout
+        offered = help_text.stdout
+        for command in (["inspect"], ["edit", "rest"], ["edit", "transfer"], ["edit", "lafan"]):
+            offered += self.run_tool(*command, "--help").stdout
         for line in (SOURCE / "README.md").read_text().splitlines():
             if re.match(r" +retarget ", line):
                 for option in re.findall(r" (-[a-z]|--[a-z-]+)\b", line):

@@ -120,21 +120,13 @@ void add_human_options(CLI::App& app, HumanOptions& options) {
       ->group(kHuman);
 }
 
-// a motion is one or the other
-void add_motion_options(CLI::App& app, SourceOptions& options) {
-  CLI::Option* bvh =
-      app.add_option("--bvh", options.file, "Motion to retarget; - reads standard input")
-          ->type_name("FILE")
-          ->group(kInput);
-  app.add_option_function<std::string>(
-         "--smpl",
-         [&options](const std::string& file) {
-           options.file = file;
-           options.smpl = true;
-         },
-         "SMPL or SMPL-X motion to retarget, NPZ as in AMASS")
+void add_motion_options(CLI::App& app, RunOptions& run) {
+  SourceOptions& options = run.source;
+  app.add_option("--bvh", options.file, "Motion to retarget; - reads standard input")
       ->type_name("FILE")
-      ->excludes(bvh)
+      ->group(kInput);
+  app.add_option("--smpl", run.smpl_file, "SMPL or SMPL-X motion to retarget, NPZ as in AMASS")
+      ->type_name("FILE")
       ->group(kInput);
   app.add_option("--smpl-model", options.smpl_model,
                  "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths\n(default: a generic "
@@ -144,7 +136,7 @@ void add_motion_options(CLI::App& app, SourceOptions& options) {
 }
 
 void add_run_options(CLI::App& app, RunOptions& options) {
-  add_motion_options(app, options.source);
+  add_motion_options(app, options);
   add_source_options(app, options.source);
   app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
       ->type_name("S")
@@ -350,6 +342,14 @@ int main_with(int argc, char** argv) {
     return edit(edit_options, console);
   }
   Console console(run_options.common.quiet);
+  if (!run_options.smpl_file.empty()) {
+    if (!run_options.source.file.empty()) {
+      return console.fail(
+          usage_failure("--bvh and --smpl both name a motion", "give one of them").value());
+    }
+    run_options.source.file = run_options.smpl_file;
+    run_options.source.smpl = true;
+  }
   return run(run_options, console);
 }
 

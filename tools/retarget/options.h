@@ -39,6 +39,7 @@ struct HumanOptions {
 struct RunOptions {
   CommonOptions common;
   SourceOptions source;
+  std::string smpl_file;  ///< In place of the source's file.
   HumanOptions human;
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;
