@@ -14,21 +14,6 @@ namespace {
 // metres; squares of such numbers are still far from the end of a double
 constexpr double kLargestPosition = 1e100;
 
-// names the mapped bones that the source lacks, and what it has instead
-Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
-                         const std::string& clip_name, const std::string& mapping) {
-  std::vector<std::string> missing, present;
-  for (const int bone : targets.bones()) {
-    if (!human.has(bone)) missing.emplace_back(kBoneNames[bone]);
-  }
-  if (missing.empty()) return {};
-  return input_failure(clip_name,
-                       "the skeleton has no joint for " +
-                           std::string(missing.size() == 1 ? "the bone " : "the bones ") +
-                           list_names(missing) + ", which the mapping " + mapping + " uses",
-                       "the file has " + list_names(human.source_joints));
-}
-
 bool all_finite(std::span<const Pose> poses) {
   return std::ranges::all_of(poses, [](const Pose& pose) {
     return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
@@ -54,8 +39,6 @@ class ClipSolver {
   Result<RetargetResult> solve(const HumanClipInfo& human, HumanPoseSource poses);
 
  private:
-  [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
-                                                   const HumanPoseSource& poses) const;
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
 
@@ -73,7 +56,7 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
     return failure(checked.error());
   }
-  const auto made = make_targets(human, poses);
+  const auto made = make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto problem = make_problem(robot_, tables_, targets, limits_);
@@ -93,33 +76,6 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   }
   if (human.frame_count > 0) result.mean_error /= human.frame_count;
   return result;
-}
-
-Result<TargetBuilder> ClipSolver::make_targets(const HumanClipInfo& human,
-                                               const HumanPoseSource& poses) const {
-  const bool published = options_.height_scale == HeightScale::kPublished;
-  TargetBuilder targets(tables_, published ? human.height : human.size, options_.height_scale);
-  if (auto checked = check_bones(human, targets, clip_name_, tables_.file); !checked) {
-    return failure(checked.error());
-  }
-  if (options_.height_scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
-  for (const int bone : limb_bones()) {
-    if (human.has(bone)) continue;
-    return input_failure(
-        clip_name_,
-        "limbs cannot be measured: no joint stands for " + std::string(kBoneNames[bone]),
-        "scale with --scale table or height");
-  }
-  const auto robot = robot_limbs(*robot_, tables_);
-  if (!robot) return failure(robot.error());
-  std::vector<Pose> world_from_bone(kBoneCount);
-  poses(0, world_from_bone);
-  const LimbLengths body = human_limb_lengths(world_from_bone);
-  if (!(body.leg > 0.0 && body.arm > 0.0 && body.trunk > 0.0)) {
-    return input_failure(clip_name_, "a limb of the body has no length",
-                         "scale with --scale table or height");
-  }
-  return TargetBuilder(tables_, *robot, body);
 }
 
 Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,

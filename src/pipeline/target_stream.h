@@ -13,9 +13,6 @@
 
 namespace retarget {
 
-/// Fills the human's kBoneCount world poses of a frame; called with 0, 1, 2, ...
-using HumanPoseSource = std::function<void(int frame, std::span<Pose> world_from_bone)>;
-
 /// The targets of a clip's frames, one frame after the other.
 ///
 /// With a second thread they are made ahead of the solver, some hundred frames at most, so that

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "retarget/human/bones.h"
+#include "retarget/human/human_clip.h"
 #include "retarget/ik/ik_solver.h"
 #include "retarget/math/pose.h"
 #include "retarget/pipeline/ik_tables.h"
@@ -79,6 +82,21 @@ class TargetBuilder {
   double leg_scale_ = 1.0, trunk_scale_ = 1.0;
   double lift_ = 0.0;  // metres
 };
+
+/// Fills the human's kBoneCount world poses of a frame; most callers ask for 0, 1, 2, ...
+using HumanPoseSource = std::function<void(int frame, std::span<Pose> world_from_bone)>;
+
+/// The targets of a human's clip under a way of scaling.
+///
+/// Errors: a mapped bone that the clip lacks, for kLimbs also bones without which its limbs cannot
+/// be measured (kInput); a robot whose limbs cannot be (kConfig).
+/// @param poses      asked for frame 0 when limbs are measured.
+/// @param clip_name  the clip's file, for messages.
+/// @param tables     checked by check_ik_tables.
+[[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
+                                                 const HumanPoseSource& poses,
+                                                 const std::string& clip_name, const Robot& robot,
+                                                 const IkTables& tables, HeightScale scale);
 
 /// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
 /// tables that are not used are left out.

@@ -1,0 +1,61 @@
+#include <string>
+#include <vector>
+
+#include "retarget/base/suggest.h"
+#include "retarget/pipeline/limb_lengths.h"
+#include "retarget/pipeline/targets.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kHint = "scale with --scale table or height";
+
+// names the mapped bones that the source lacks, and what it has instead
+Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
+                         const std::string& clip_name, const std::string& mapping) {
+  std::vector<std::string> missing, present;
+  for (const int bone : targets.bones()) {
+    if (!human.has(bone)) missing.emplace_back(kBoneNames[bone]);
+  }
+  if (missing.empty()) return {};
+  return input_failure(clip_name,
+                       "the skeleton has no joint for " +
+                           std::string(missing.size() == 1 ? "the bone " : "the bones ") +
+                           list_names(missing) + ", which the mapping " + mapping + " uses",
+                       "the file has " + list_names(human.source_joints));
+}
+
+Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                   const std::string& clip_name) {
+  for (const int bone : limb_bones()) {
+    if (human.has(bone)) continue;
+    return input_failure(
+        clip_name, "limbs cannot be measured: no joint stands for " + std::string(kBoneNames[bone]),
+        kHint);
+  }
+  std::vector<Pose> world_from_bone(kBoneCount);
+  poses(0, world_from_bone);
+  const LimbLengths lengths = human_limb_lengths(world_from_bone);
+  if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
+  return input_failure(clip_name, "a limb of the body has no length", kHint);
+}
+
+}  // namespace
+
+Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                   const std::string& clip_name, const Robot& robot,
+                                   const IkTables& tables, HeightScale scale) {
+  const double height = scale == HeightScale::kPublished ? human.height : human.size;
+  TargetBuilder targets(tables, height, scale);
+  if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
+    return failure(checked.error());
+  }
+  if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
+  const auto limbs = robot_limbs(robot, tables);
+  if (!limbs) return failure(limbs.error());
+  const auto body = measured_human(human, poses, clip_name);
+  if (!body) return failure(body.error());
+  return TargetBuilder(tables, *limbs, *body);
+}
+
+}  // namespace retarget
