@@ -19,6 +19,7 @@
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
 #include "retarget/robot/load_robot.h"
+#include "retarget/robot/variant.h"
 
 namespace retarget::cli {
 namespace {
@@ -183,6 +184,8 @@ Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder,
   }
   auto robot = load_robot(model, profile);
   if (!robot) return failure(robot.error());
+  if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
+  if (!robot) return failure(robot.error());
   setup.robot = *robot;
   for (const std::string& warning : setup.robot->warnings()) {
     console.warn({{0, 0, warning}}, model);
@@ -276,9 +279,10 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto source = load_source(options, *data_folder, console);
   if (!source) return failure(source.error());
   if (source->human.map.partial) leave_out_missing(source->human, setup->tables, console);
-  console.line("robot", setup->robot->name() + ", " +
-                            count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
-                            ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
+  console.line("robot",
+               setup->robot->name() + ", " +
+                   count_text(static_cast<long>(setup->robot->output_joints().size()), "joint") +
+                   ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
