@@ -11,6 +11,7 @@
 #include "csv_sink.h"
 #include "human_source.h"
 #include "interrupt.h"
+#include "limit_lines.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
@@ -247,16 +248,19 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
+HeightScale height_scale_of(const Source& source, const RunOptions& options) {
+  // the published method takes every body of LAFAN1 for one
+  const bool published = source.human.calibration.rest_pose == "lafan1";
+  const bool normalised = options.scale == "height" || (options.scale == "auto" && !published);
+  return normalised ? HeightScale::kNormalised : HeightScale::kPublished;
+}
+
 Result<RetargetResult> solve(const Source& source, const Setup& setup, const RunOptions& options,
                              CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
-  // the published method takes every body of LAFAN1 for one
-  const bool published = source.human.calibration.rest_pose == "lafan1";
-  if (options.scale == "height" || (options.scale == "auto" && !published)) {
-    retarget_options.height_scale = HeightScale::kNormalised;
-  }
+  retarget_options.height_scale = height_scale_of(source, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
@@ -298,6 +302,10 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, setup->limits, console);
+  const auto at_limits =
+      joints_at_limits(motion, source->clip, source->human.calibration.mapping, setup->tables,
+                       height_scale_of(*source, options), setup->limits, kNamedAtLimit);
+  print_joints_at_limits(at_limits, *setup->robot, setup->limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   if (auto written = (*sink)->finish(); !written) return written;
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
