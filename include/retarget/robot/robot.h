@@ -63,6 +63,16 @@ struct CollisionShape {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
 };
 
+/// rad/s; for joints whose speed nobody published.
+inline constexpr double kDefaultSpeedLimit = 20.0;
+
+/// A robot with some of its joints held, as its maker or a training framework has it.
+struct RobotVariant {
+  std::string name;
+  std::string description;               ///< For people; may be empty.
+  std::map<std::string, double> locked;  ///< Held joints and where, rad or m.
+};
+
 /// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
 struct RobotProfile {
   std::string name;
@@ -72,8 +82,12 @@ struct RobotProfile {
   std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
   std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
   std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
+  std::string speed_limits_source;                   ///< For people.
+  double default_speed_limit = kDefaultSpeedLimit;   ///< Of hinges not in speed_limits, rad/s.
+  std::map<std::string, double> t_pose;              ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
+  std::vector<RobotVariant> variants;
 };
 
 /// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
@@ -89,12 +103,18 @@ class Robot {
 
   /// Takes another profile and with it another output order; before the robot is shared.
   void set_profile(RobotProfile profile);
+  /// Holds the joints of a variant: they leave the output columns, every limit set has their one
+  /// position as range, and the zero configuration has them there. Before the robot is shared, and
+  /// once; robot_variant does it by name.
+  void set_variant(const RobotVariant& variant);
 
   [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
   /// What MuJoCo found odd in the model, one line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  /// The variant that this robot is; without a name: the whole robot.
+  [[nodiscard]] const RobotVariant& variant() const { return variant_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
@@ -108,12 +128,16 @@ class Robot {
   /// The body of the free joint.
   [[nodiscard]] int root_body() const { return root_body_; }
   [[nodiscard]] int configuration_size() const;
-  /// The model's qpos0.
+  /// The model's qpos0; joints that the variant holds are where it holds them.
   [[nodiscard]] std::vector<double> zero_configuration() const;
   /// The ranges of the model itself, as a set called `model`.
   [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
   /// Name of the limit set that a method takes when the user names none.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
+  /// Speed limit of a joint, rad/s or m/s: the profile's, else its default for hinges and infinity
+  /// for slides.
+  /// @param joint  index into joints().
+  [[nodiscard]] double speed_limit(int joint) const;
 
   /// By name; nothing for an empty one, also where the model has elements without a name.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
@@ -128,6 +152,7 @@ class Robot {
 
   ModelPtr model_;
   RobotProfile profile_;
+  RobotVariant variant_;
   std::vector<std::string> warnings_;
   std::vector<RobotBody> bodies_;
   std::vector<RobotJoint> joints_;
