@@ -5,6 +5,12 @@
 
 namespace retarget {
 
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
 double percentile(std::vector<double> values, double p) {
   const double rank = p / 100.0 * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(rank);

@@ -20,6 +20,7 @@ TEST(Statistics, TheMedianIsTheMiddle) {
   EXPECT_DOUBLE_EQ(median({3, 1, 2}), 2);
   EXPECT_DOUBLE_EQ(median({4, 1, 2, 3}), 2.5);
   EXPECT_DOUBLE_EQ(median({9}), 9);
+  EXPECT_DOUBLE_EQ(mean({1, 2, 6}), 3);
 }
 
 }  // namespace

@@ -19,6 +19,8 @@
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
 #include "retarget/robot/load_robot.h"
+#include "run_report.h"
+#include "run_setup.h"
 
 namespace retarget::cli {
 namespace {
@@ -30,12 +32,6 @@ struct Setup {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
   IkTables tables;
-};
-
-// the motion as it is solved
-struct Source {
-  Clip clip;  // cut and at the output rate
-  HumanSource human;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -79,10 +75,17 @@ Result<void> check_usage(const RunOptions& options) {
     return usage_failure("the output would overwrite the input \"" + options.source.file + "\"",
                          "give another name with -o");
   }
+  if (options.report == "-") {
+    return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
+  }
+  if (!options.report.empty()) {
+    if (auto folder = check_output_folder(options.report); !folder) return folder;
+  }
   return check_output_folder(options.output);
 }
 
-// the output rate; nothing: the source's own
+}  // namespace
+
 Result<std::optional<FrameRate>> output_rate(const std::string& text) {
   if (text == "source") return std::optional<FrameRate>();
   double fps = 0.0;
@@ -95,6 +98,8 @@ Result<std::optional<FrameRate>> output_rate(const std::string& text) {
   }
   return frame_rate_from_fps(fps);
 }
+
+namespace {
 
 // the part of the clip that the user asked for
 Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
@@ -125,7 +130,8 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
   return resampled;
 }
 
-// the motion file and the human in it
+}  // namespace
+
 Result<Source> load_source(const RunOptions& options, const fs::path& data_folder,
                            Console& console) {
   auto motion = read_source(options.source, false, console);
@@ -151,6 +157,8 @@ Result<Source> load_source(const RunOptions& options, const fs::path& data_folde
   return Source{std::move(*prepared), std::move(*human)};
 }
 
+namespace {
+
 // the mapping that comes with a robot: in its folder, or among the mappings by its name
 Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
                                  const std::string& robot) {
@@ -166,15 +174,16 @@ Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& c
                         "add --ik-config FILE");
 }
 
-Result<fs::path> data_folder_of(const RunOptions& options) {
-  const auto& chosen = options.common.data_dir;
+}  // namespace
+
+Result<fs::path> data_folder_of(const CommonOptions& options) {
+  const auto& chosen = options.data_dir;
   return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
 }
 
-Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder, Console& console) {
-  Setup setup;
+Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path& data_folder,
+                                      Console& console) {
   std::string model = options.robot_xml, profile = options.robot_profile;
-  std::string mapping = options.ik_config;
   if (model.empty()) {
     const auto found = find_robot(options.robot, data_folder / "robots");
     if (!found) return failure(found.error());
@@ -183,25 +192,46 @@ Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder,
   }
   auto robot = load_robot(model, profile);
   if (!robot) return failure(robot.error());
-  setup.robot = *robot;
-  for (const std::string& warning : setup.robot->warnings()) {
-    console.warn({{0, 0, warning}}, model);
-  }
+  for (const std::string& warning : (*robot)->warnings()) console.warn({{0, 0, warning}}, model);
+  return ChosenRobot{std::move(*robot), model};
+}
+
+Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
+                              const fs::path& data_folder) {
+  std::string mapping = options.ik_config;
   if (mapping.empty()) {
-    const auto found = find_mapping(fs::path(model).parent_path(), data_folder / "configs",
-                                    fs::path(setup.robot->name()).filename().string());
+    const auto found = find_mapping(fs::path(robot.model).parent_path(), data_folder / "configs",
+                                    fs::path(robot.robot->name()).filename().string());
     if (!found) return failure(found.error());
     mapping = *found;
   }
+  return load_ik_tables(mapping, robot.robot.get());
+}
+
+HeightScale height_scale(const RunOptions& options, const Source& source) {
+  // the published method takes every body of LAFAN1 for one
+  const bool published = source.human.calibration.rest_pose == "lafan1";
+  return options.scale == "height" || (options.scale == "auto" && !published)
+             ? HeightScale::kNormalised
+             : HeightScale::kPublished;
+}
+
+namespace {
+
+Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder, Console& console) {
+  const auto chosen = load_chosen_robot(options, data_folder, console);
+  if (!chosen) return failure(chosen.error());
+  Setup setup;
+  setup.robot = chosen->robot;
+  auto tables = load_mapping(options, *chosen, data_folder);
+  if (!tables) return failure(tables.error());
+  setup.tables = std::move(*tables);
   // the published method judges by its own, tighter set where the robot has one
   auto limits =
       load_limits(*setup.robot, options.limits.empty() ? setup.robot->limits_for(options.method)
                                                        : options.limits);
   if (!limits) return failure(limits.error());
   setup.limits = std::move(*limits);
-  auto tables = load_ik_tables(mapping, setup.robot.get());
-  if (!tables) return failure(tables.error());
-  setup.tables = std::move(*tables);
   return setup;
 }
 
@@ -249,11 +279,7 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
-  // the published method takes every body of LAFAN1 for one
-  const bool published = source.human.calibration.rest_pose == "lafan1";
-  if (options.scale == "height" || (options.scale == "auto" && !published)) {
-    retarget_options.height_scale = HeightScale::kNormalised;
-  }
+  retarget_options.height_scale = height_scale(options, source);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
@@ -269,7 +295,7 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
 Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto start = std::chrono::steady_clock::now();
   if (auto usage = check_usage(options); !usage) return usage;
-  const auto data_folder = data_folder_of(options);
+  const auto data_folder = data_folder_of(options.common);
   if (!data_folder) return failure(data_folder.error());
   auto setup = load_setup(options, *data_folder, console);
   if (!setup) return failure(setup.error());
@@ -296,6 +322,13 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   print_limits(motion, setup->limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   if (auto written = (*sink)->finish(); !written) return written;
+  if (!options.report.empty()) {
+    const RunReportInputs inputs{motion, *source, setup->tables, setup->limits,
+                                 csv_options(options)};
+    if (auto written = write_run_report(options, inputs, *data_folder, console); !written) {
+      return written;
+    }
+  }
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return {};

@@ -4,6 +4,9 @@
 
 namespace retarget {
 
+/// @pre there are values
+[[nodiscard]] double mean(const std::vector<double>& values);
+
 /// The p-th percentile of the values, 0 <= p <= 100, with linear interpolation between the two
 /// nearest ranks p / 100 * (n - 1), as NumPy's percentile does by default.
 /// @pre there are values, none of them NaN
