@@ -14,6 +14,7 @@ namespace {
 
 // rad or m: what a number printed with six digits may be beyond
 constexpr double kTolerance = 1e-6;
+constexpr double kMilliradian = 1e-3;
 constexpr double kJump = 0.5;
 constexpr double kFast = 3.0 * std::numbers::pi;
 
@@ -25,9 +26,9 @@ LimitSetResult hold_against(const LimitSet& limits, const RobotClip& clip, Fault
   const Robot& robot = clip.robot();
   LimitSetResult result;
   result.name = limits.name;
-  int frames = 0;
+  int frames = 0, frames_1mrad = 0;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    bool beyond = false;
+    bool beyond = false, beyond_1mrad = false;
     for (const int j : robot.output_joints()) {
       const RobotJoint& joint = robot.joints()[j];
       const double excess = excess_of(limits, j, clip.qpos(frame)[joint.qpos_address]);
@@ -39,11 +40,14 @@ LimitSetResult hold_against(const LimitSet& limits, const RobotClip& clip, Fault
       }
       if (excess <= kTolerance) continue;
       beyond = true;
+      beyond_1mrad = beyond_1mrad || excess > kMilliradian;
       if (faults != nullptr) faults->add(joint.name, frame, excess);
     }
     if (beyond) ++frames;
+    if (beyond_1mrad) ++frames_1mrad;
   }
   result.frames_pct = percent(frames, clip.frame_count());
+  result.frames_1mrad_pct = percent(frames_1mrad, clip.frame_count());
   return result;
 }
 

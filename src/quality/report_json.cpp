@@ -16,6 +16,7 @@ void add_lists(Json& json, const QualityReport& report) {
   for (const LimitSetResult& set : report.limit_sets) {
     Json& entry = json["limit_sets"][set.name];
     entry["frames_pct"] = set.frames_pct;
+    entry["frames_1mrad_pct"] = set.frames_1mrad_pct;
     entry["max_rad"] = set.worst_excess;
     entry["joint"] = set.joint.empty() ? Json() : Json(set.joint);
     entry["frame"] = set.joint.empty() ? Json() : Json(set.frame);

@@ -20,9 +20,10 @@ struct MetricValue {
 /// How a motion keeps to one set of joint limits.
 struct LimitSetResult {
   std::string name;
-  double frames_pct = 0.0;    ///< Frames with a joint beyond its range by more than 1e-6.
-  double worst_excess = 0.0;  ///< Largest amount beyond a limit, rad or m; 0: none.
-  std::string joint;          ///< Whose it is; empty: none is beyond.
+  double frames_pct = 0.0;        ///< Frames with a joint beyond its range by more than 1e-6,
+  double frames_1mrad_pct = 0.0;  ///< and by more than 1e-3 (rad or m).
+  double worst_excess = 0.0;      ///< Largest amount beyond a limit, rad or m; 0: none.
+  std::string joint;              ///< Whose it is; empty: none is beyond.
   int frame = 0;
 };
 
