@@ -30,6 +30,15 @@ def judge_python():
     return None
 
 
+def cut_bvh(clip, start, stop):
+    """A BVH's frames from start up to stop, as text."""
+    lines = (LAFAN1 / f"{clip}.bvh").read_text().splitlines(keepends=True)
+    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
+    header = [f"Frames: {stop - start}\n" if line.startswith("Frames:") else line
+              for line in lines[:first]]
+    return "".join(header + lines[first + start:first + stop])
+
+
 class AgainstTheJudge(ToolTest):
     """The same figures as a judge that has none of our code."""
 
@@ -74,18 +83,18 @@ class AgainstTheJudge(ToolTest):
         for clip, start in zip(CLIPS, (500, 1500, 3000)):
             with self.subTest(clip):
                 lines = (PUBLISHED / f"{clip}.csv").read_text().splitlines(keepends=True)
-                csv = self.write(f"{clip}.csv", "".join(lines[start:start + 300]))
-                bvh = LAFAN1 / f"{clip}.bvh"
-                motion, = self.evaluate(csv, "--bvh", bvh, "--start", start / 30)
-                self.assert_agree(motion, self.judged(csv, bvh, "--start", start))
+                csv = self.write(f"{clip}.csv", "".join(lines[start:start + 250]))
+                bvh = self.write("source.bvh", cut_bvh(clip, start - 60, start + 300))
+                motion, = self.evaluate(csv, "--bvh", bvh, "--start", "2")
+                self.assert_agree(motion, self.judged(csv, bvh, "--start", 60))
 
     def test_own_motion_with_its_report(self):
-        bvh = LAFAN1 / "dance1_subject2.bvh"
-        self.assert_done(self.retarget("--frames", "300:500", "--ik-config", IK_CONFIG, "--limits",
+        bvh = self.write("source.bvh", cut_bvh("dance1_subject2", 270, 450))
+        self.assert_done(self.retarget("--frames", "30:180", "--ik-config", IK_CONFIG, "--limits",
                                        REFERENCE / "g1_29dof_rev_1_0.xml", "--report", "run.json",
                                        bvh=bvh))
-        judged = self.judged("out.csv", bvh, "--start", 300)
-        motion, = self.evaluate("out.csv", "--bvh", bvh, "--start", "10")
+        judged = self.judged("out.csv", bvh, "--start", 30)
+        motion, = self.evaluate("out.csv", "--bvh", bvh, "--start", "1")
         self.assert_agree(motion, judged)
         reported, = json.loads((self.folder / "run.json").read_text())["motions"]
         self.assert_agree(reported, judged)
@@ -160,7 +169,7 @@ class EvaluateCommand(ToolTest):
 
     def test_with_a_source_at_another_rate(self):
         clip = tool.sample("wave")
-        for fps in ("30", "source", "60"):
+        for fps in ("source", "12"):
             with self.subTest(fps):
                 self.assert_done(self.retarget("--fps", fps, "--report", "run.json", bvh=clip))
                 result = self.evaluate("out.csv", "--bvh", clip, "--fps", fps, "--json", "e.json",
