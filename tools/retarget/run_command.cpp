@@ -208,12 +208,11 @@ Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robo
   return load_ik_tables(mapping, robot.robot.get());
 }
 
-HeightScale height_scale(const RunOptions& options, const Source& source) {
-  // the published method takes every body of LAFAN1 for one
+HeightScale tracking_scale(const RunOptions& options, const Source& source) {
   const bool published = source.human.calibration.rest_pose == "lafan1";
-  return options.scale == "height" || (options.scale == "auto" && !published)
-             ? HeightScale::kNormalised
-             : HeightScale::kPublished;
+  return options.scale == "table" || (options.scale == "auto" && published)
+             ? HeightScale::kPublished
+             : HeightScale::kNormalised;
 }
 
 namespace {
@@ -223,15 +222,15 @@ Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder,
   if (!chosen) return failure(chosen.error());
   Setup setup;
   setup.robot = chosen->robot;
-  auto tables = load_mapping(options, *chosen, data_folder);
-  if (!tables) return failure(tables.error());
-  setup.tables = std::move(*tables);
   // the published method judges by its own, tighter set where the robot has one
   auto limits =
       load_limits(*setup.robot, options.limits.empty() ? setup.robot->limits_for(options.method)
                                                        : options.limits);
   if (!limits) return failure(limits.error());
   setup.limits = std::move(*limits);
+  auto tables = load_mapping(options, *chosen, data_folder);
+  if (!tables) return failure(tables.error());
+  setup.tables = std::move(*tables);
   return setup;
 }
 
@@ -274,12 +273,27 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
+// how the body's size scales the motion, where the user did not say
+HeightScale choose_scale(const HumanSource& human, const Setup& setup, const RunOptions& options) {
+  if (options.scale == "table") return HeightScale::kPublished;
+  if (options.scale == "height") return HeightScale::kNormalised;
+  if (options.scale == "limbs") return HeightScale::kLimbs;
+  // the published method takes every body of LAFAN1 for one
+  if (human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
+  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
+    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  });
+  const bool by_limbs =
+      options.human.height <= 0.0 && measurable && robot_limbs(*setup.robot, setup.tables);
+  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
+}
+
 Result<RetargetResult> solve(const Source& source, const Setup& setup, const RunOptions& options,
                              CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
-  retarget_options.height_scale = height_scale(options, source);
+  retarget_options.height_scale = choose_scale(source.human, setup, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();

@@ -45,8 +45,9 @@ struct ChosenRobot {
 [[nodiscard]] Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
                                             const std::filesystem::path& data_folder);
 
-/// How the body's size counts, by --scale and the kind of source.
-[[nodiscard]] HeightScale height_scale(const RunOptions& options, const Source& source);
+/// How the body's size counts in the targets that tracking is measured against, by --scale and the
+/// kind of source: the table's scales as published, or with every body brought to one size.
+[[nodiscard]] HeightScale tracking_scale(const RunOptions& options, const Source& source);
 
 /// The rate that --fps names; nothing: the source's own.
 [[nodiscard]] Result<std::optional<FrameRate>> output_rate(const std::string& text);
