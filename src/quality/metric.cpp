@@ -88,8 +88,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Mean and 95th percentile.",
      kOwn},
     {"limb_angle_deg", "deg",
-     "Angle between the robot's limbs (from mapped body to mapped body) and the human's: thighs, "
-     "shins, upper arms, forearms, trunk, hip and shoulder line. Mean and 95th percentile.",
+     "Angle between the robot's limbs (from joint to joint, a constant yaw removed) and the "
+     "human's: "
+     "thighs, shins, upper arms, forearms, trunk, hip and shoulder line. Mean and 95th percentile.",
      kOwn},
 });
 

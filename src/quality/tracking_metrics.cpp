@@ -9,6 +9,7 @@
 
 #include "retarget/math/statistics.h"
 #include "retarget/math/trigonometry.h"
+#include "retarget/pipeline/limb_lengths.h"
 
 namespace retarget {
 namespace {
@@ -84,7 +85,7 @@ class TrackingMeasure {
   }
   [[nodiscard]] std::vector<double> position_errors(const Row& row) const;
   [[nodiscard]] std::vector<double> rotation_errors(const Row& row) const;
-  [[nodiscard]] std::optional<int> body_of(const std::vector<const char*>& bones) const;
+  [[nodiscard]] const Row* row_of(std::string_view bone) const;
 
   const Draft& draft_;
   const BodyTracks& tracks_;
@@ -186,14 +187,12 @@ void TrackingMeasure::measure_rows() const {
   }
 }
 
-// the kept body of the first of these bones that the tables map
-std::optional<int> TrackingMeasure::body_of(const std::vector<const char*>& bones) const {
-  for (const char* bone : bones) {
-    for (const Row& row : rows_) {
-      if (row.row->bone == bone) return row.body;
-    }
-  }
-  return std::nullopt;
+// the first row of a bone; of feet, which are mapped by either of two bones, of one of them
+const Row* TrackingMeasure::row_of(std::string_view bone) const {
+  const auto found =
+      std::ranges::find_if(rows_, [bone](const Row& row) { return row.row->bone == bone; });
+  if (found != rows_.end()) return &*found;
+  return bone.ends_with("Foot") ? row_of(std::string(bone) + "Mod") : nullptr;
 }
 
 // a part of the body between two joints, or between the middles of two pairs of joints
@@ -217,20 +216,21 @@ constexpr std::array<Segment, 11> kSegments = {{
 }};
 
 void TrackingMeasure::measure_limbs() const {
+  // between the joints' centres where the robot's tree tells them, else between the bodies' origins
+  const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
   std::vector<double> all;
   for (const Segment& segment : kSegments) {
-    std::array<int, 4> bones{}, bodies{};
-    bool complete = true;
+    std::array<int, 4> bones{};
+    std::array<const Row*, 4> rows{};
+    std::array<Vector3d, 4> body_from_joint;
     for (std::size_t i = 0; i < 4; ++i) {
-      const std::string name = i < 2 ? segment.from[i] : segment.to[i - 2];
-      // feet are mapped by either of their bones
-      const auto body = name.ends_with("Foot") ? body_of({name.c_str(), (name + "Mod").c_str()})
-                                               : body_of({name.c_str()});
+      const std::string_view name = i < 2 ? segment.from[i] : segment.to[i - 2];
       bones[i] = find_bone(name).value_or(0);
-      bodies[i] = body.value_or(0);
-      complete = complete && body && human_.has(bones[i]);
+      rows[i] = human_.has(bones[i]) ? row_of(name) : nullptr;
+      const bool known = limbs && rows[i] != nullptr;
+      body_from_joint[i] = known ? limbs->body_from_joint[rows[i]->bone] : Vector3d::Zero();
     }
-    if (!complete) continue;
+    if (std::ranges::find(rows, nullptr) != rows.end()) continue;
     std::vector<double> angles;
     angles.reserve(frames_);
     for (int frame = 0; frame < frames_; ++frame) {
@@ -238,7 +238,7 @@ void TrackingMeasure::measure_limbs() const {
       for (std::size_t i = 0; i < 4; ++i) {
         const double sign = i < 2 ? -1.0 : 1.0;
         of_human += sign * bone_pose(frame, bones[i]).translation;
-        of_robot += sign * tracks_.kept(frame, bodies[i]).translation;
+        of_robot += sign * (tracks_.kept(frame, rows[i]->body) * body_from_joint[i]);
       }
       angles.push_back(kDegrees * angle_between(robot_from_human_ * of_human, of_robot));
     }

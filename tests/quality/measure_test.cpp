@@ -9,6 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "retarget/base/file.h"
 #include "retarget/quality/gates.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
@@ -333,6 +334,17 @@ TEST(Metrics, KeysAreDistinctAndFound) {
     EXPECT_FALSE(metric.unit.empty() || metric.definition.empty() || metric.source.empty());
   }
   EXPECT_EQ(find_metric("no_metric"), nullptr);
+}
+
+TEST(Metrics, AreDefinedInTheDocumentationInTheSameWords) {
+  const auto page = read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md");
+  ASSERT_TRUE(page) << describe(page.error());
+  for (const Metric& metric : quality_metrics()) {
+    std::string row = "| `";
+    row.append(metric.key).append("` | ").append(metric.unit).append(" | ");
+    row.append(metric.definition).append(" | ").append(metric.source).append(" |");
+    EXPECT_NE(page->view().find(row), std::string_view::npos) << row;
+  }
 }
 
 TEST(GatesTest, AreReadReplacedAndRemoved) {
