@@ -110,6 +110,7 @@ void Robot::read_collision_shapes() {
     if (!touches || !of_robot) continue;
     CollisionShape shape;
     shape.body = model_->geom_bodyid[g];
+    shape.geom = g;
     shape.body_from_shape = {quaternion_of(model_->geom_quat + 4 * g),
                              vector_of(model_->geom_pos + 3 * g)};
     const mjtNum* size = model_->geom_size + 3 * g;

@@ -21,7 +21,7 @@ MAY_INCLUDE = {
     "io": ["robot"],
     "pipeline": ["human", "ik"],
     "refine": ["pipeline"],
-    "quality": ["robot", "human"],
+    "quality": ["pipeline"],
     "batch": ["refine", "quality", "io"],
     "view": ["refine", "quality", "io"],
 }

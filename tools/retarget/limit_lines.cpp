@@ -1,6 +1,5 @@
 #include "limit_lines.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -30,11 +29,14 @@ std::string wider_text(const JointAtLimit& found, const RobotJoint& joint, const
 
 void print_joints_at_limits(std::span<const JointAtLimit> joints, const Robot& robot,
                             const LimitSet& limits, Console& console) {
-  for (const JointAtLimit& found : joints.first(std::min(joints.size(), kMostLines))) {
+  std::size_t lines = 0;
+  for (const JointAtLimit& found : joints) {
+    // where a joint merely rests at a limit, as fingers do, nothing is missed
+    if (!found.push || lines++ == kMostLines) continue;
     const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
     std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
                        " limit in " + number_text(100.0 * found.share, 0) + " % of frames";
-    text += "; " + (found.push ? push_text(*found.push) : std::string("no task pushes it there"));
+    text += "; " + push_text(*found.push);
     if (!found.wider_set.empty()) text += "; " + wider_text(found, joint, limits);
     console.line("", text);
   }

@@ -35,7 +35,8 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
 Examples:
   retarget --bvh walk.bvh --robot unitree_g1 -o walk.csv
   retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
-  retarget inspect walk.bvh)";
+  retarget inspect walk.bvh
+  retarget evaluate walk.csv --robot unitree_g1 --bvh walk.bvh)";
 
 // the option's own words say what it takes; CLI11's would stand beside them
 CLI::Validator silent(CLI::Validator validator) {
@@ -237,6 +238,10 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   app.add_flag("--normalize-start", options.normalize_start,
                "Move and turn the motion so that it starts at x = y = 0,\nfacing +x")
       ->group(kOutput);
+  app.add_option("--report", options.report,
+                 "Write how good the motion is, JSON as of retarget evaluate")
+      ->type_name("FILE")
+      ->group(kOutput);
   add_common_options(app, options.common);
 }
 
@@ -296,6 +301,79 @@ CLI::App* add_edit_command(CLI::App& app, EditOptions& options) {
   return command;
 }
 
+CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");
+  RunOptions& run = options.run;
+  command->add_option("motions", options.motions, "Robot CSVs; - reads standard input")
+      ->required()
+      ->type_name("CSV...");
+  add_motion_options(*command, run);
+  command->get_option("--bvh")->description("The movement that the motions came from");
+  command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
+  add_source_options(*command, run.source);
+  command->add_option("--start", run.start_s, "Where in the source the motions begin, seconds")
+      ->type_name("S")
+      ->check(number_from(0.0, kLongestTime))
+      ->group(kInput);
+  command
+      ->add_option("--csv-quat", run.quaternion,
+                   "Order of the root quaternion where no header tells")
+      ->type_name("xyzw|wxyz")
+      ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
+      ->capture_default_str()
+      ->group(kInput);
+  add_human_options(*command, run.human);
+  command->add_option("--robot", run.robot, "Robot by name, or a robot folder")
+      ->type_name("NAME")
+      ->group(kRobot);
+  command->add_option("--robot-xml", run.robot_xml, "Any other robot: its MJCF model")
+      ->type_name("FILE")
+      ->group(kRobot);
+  command->add_option("--robot-profile", run.robot_profile, "Profile of --robot-xml, JSON")
+      ->type_name("FILE")
+      ->group(kRobot);
+  command
+      ->add_option("--ik-config", run.ik_config,
+                   "Mapping whose targets are tracked (default: the robot's\nown)")
+      ->type_name("FILE")
+      ->group(kRobot);
+  command
+      ->add_option("--limits", run.limits,
+                   "Joint limits: a set of the robot, or a JSON or MJCF file\n"
+                   "(default: the robot's own)")
+      ->type_name("SET|FILE")
+      ->group(kRobot);
+  command
+      ->add_option("--scale", run.scale, "How the body's size scales the targets that are tracked")
+      ->type_name("auto|table|height")
+      ->check(silent(CLI::IsMember({"auto", "table", "height"})))
+      ->capture_default_str()
+      ->group(kRobot);
+  command
+      ->add_option("--fps", run.fps,
+                   "Rate of the motions in frames per second, or `source`;\nthe source is "
+                   "resampled to it")
+      ->type_name("N|source")
+      ->capture_default_str()
+      ->group(kTime);
+  command
+      ->add_option("--json", options.json,
+                   "Write the report as JSON; - writes standard output, in\nplace of the table")
+      ->type_name("FILE")
+      ->group(kOutput);
+  command
+      ->add_option("--gate", options.gates,
+                   "What to ask for beyond configs/quality/default.json, or\ninstead: a file like "
+                   "it, METRIC=MOST, METRIC=none, or none\nfor no gates at all; repeatable")
+      ->type_name("FILE|METRIC=N")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->group(kOutput);
+  add_common_options(*command, run.common);
+  return command;
+}
+
 // names what the command line holds beyond its options, with the option that may be meant
 Failure unknown_words(const CLI::App& app) {
   std::vector<std::string> known;
@@ -326,6 +404,8 @@ int main_with(int argc, char** argv) {
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
   EditOptions edit_options;
   const CLI::App* edit_command = add_edit_command(app, edit_options);
+  EvaluateOptions evaluate_options;
+  const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_options);
 
   try {
     app.parse(argc, argv);
@@ -346,6 +426,10 @@ int main_with(int argc, char** argv) {
   if (edit_command->parsed()) {
     Console console(edit_options.common.quiet);
     return edit(edit_options, console);
+  }
+  if (evaluate_command->parsed()) {
+    Console console(evaluate_options.run.common.quiet);
+    return evaluate(evaluate_options, console);
   }
   Console console(run_options.common.quiet);
   if (!run_options.smpl_file.empty()) {

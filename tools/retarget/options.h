@@ -65,6 +65,15 @@ struct RunOptions {
   bool header = false;
   std::string quaternion = "xyzw";
   bool normalize_start = false;
+  std::string report;  ///< JSON of the motion's quality; empty: none.
+};
+
+/// `retarget evaluate`: how good robot motions are.
+struct EvaluateOptions {
+  RunOptions run;                    ///< Robot, limits, source and its start; the rate.
+  std::vector<std::string> motions;  ///< Robot CSVs.
+  std::string json;                  ///< Report to write; empty: none, `-`: standard output.
+  std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
 };
 
 /// `retarget inspect`: what a motion file holds.

@@ -1,26 +1,20 @@
 // The default command: one motion file to one robot CSV.
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 
 #include "commands.h"
 #include "csv_sink.h"
-#include "human_source.h"
 #include "interrupt.h"
 #include "limit_lines.h"
-#include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/motion/resample.h"
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
-#include "retarget/robot/load_robot.h"
-#include "retarget/robot/variant.h"
+#include "run_report.h"
+#include "run_setup.h"
 
 namespace retarget::cli {
 namespace {
@@ -32,12 +26,6 @@ struct Setup {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
   IkTables tables;
-};
-
-// the motion as it is solved
-struct Source {
-  Clip clip;  // cut and at the output rate
-  HumanSource human;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -81,129 +69,27 @@ Result<void> check_usage(const RunOptions& options) {
     return usage_failure("the output would overwrite the input \"" + options.source.file + "\"",
                          "give another name with -o");
   }
+  if (options.report == "-") {
+    return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
+  }
+  if (!options.report.empty()) {
+    if (auto folder = check_output_folder(options.report); !folder) return folder;
+  }
   return check_output_folder(options.output);
 }
 
-// the output rate; nothing: the source's own
-Result<std::optional<FrameRate>> output_rate(const std::string& text) {
-  if (text == "source") return std::optional<FrameRate>();
-  double fps = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fps);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  // wider than any motion, narrower than any slip
-  if (!whole || !(fps >= 0.001 && fps <= 1e6)) {
-    return usage_failure("--fps must be a number from 0.001 to 1000000 or `source`, found \"" +
-                         text + "\"");
-  }
-  return frame_rate_from_fps(fps);
-}
-
-// the part of the clip that the user asked for
-Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
-  if (options.frames.empty() && options.start_s < 0.0 && options.end_s < 0.0) return clip;
-  const auto given = [](double seconds) {
-    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
-  };
-  const auto range = options.frames.empty()
-                         ? frame_range_from_seconds(given(options.start_s), given(options.end_s),
-                                                    clip.rate(), clip.frame_count())
-                         : frame_range_from_text(options.frames, clip.frame_count());
-  if (!range) return failure(range.error());
-  return cut(clip, range->begin, range->end);
-}
-
-// the clip, cut and at the output rate
-Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
-  const auto rate = output_rate(options.fps);
-  if (!rate) return failure(rate.error());
-  auto chosen = choose_frames(std::move(clip), options);
-  if (!chosen || !*rate) return chosen;
-  ResampleOptions resample_options;
-  resample_options.interpolation =
-      options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
-  resample_options.antialias = !options.no_antialias;
-  auto resampled = resample(std::move(*chosen), **rate, resample_options);
-  if (!resampled) resampled.error().file = source_name(options.source);
-  return resampled;
-}
-
-// the motion file and the human in it
-Result<Source> load_source(const RunOptions& options, const fs::path& data_folder,
-                           Console& console) {
-  auto motion = read_source(options.source, false, console);
-  if (!motion) return failure(motion.error());
-  const Clip& clip = motion->clip;
-  console.line("read", source_name(options.source) + ": " +
-                           count_text(clip.skeleton().joint_count(), "joint") + ", " +
-                           count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
-                           " fps, " + number_text(clip.duration(), 2) + " s");
-  if (clip.frame_count() == 0) {
-    return input_failure(source_name(options.source), "the clip has no frames to retarget",
-                         "retarget inspect shows its skeleton");
-  }
-  // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
-  auto human =
-      find_human(*motion, options.source, options.human, data_folder / "configs" / "skeletons");
-  if (!human) return failure(human.error());
-  console.line("taken as", human->calibration.mapping.description);
-  for (const std::string& note : human->map.notes) console.line("", note);
-  console.warn(human->calibration.mapping.doubts, source_name(options.source));
-  auto prepared = prepare_clip(std::move(motion->clip), options);
-  if (!prepared) return failure(prepared.error());
-  return Source{std::move(*prepared), std::move(*human)};
-}
-
-// the mapping that comes with a robot: in its folder, or among the mappings by its name
-Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
-                                 const std::string& robot) {
-  const fs::path own = robot_folder / "ik.json";
-  const fs::path shared = configs / ("lafan1_to_" + robot + ".json");
-  std::error_code ignored;
-  for (const fs::path& path : {own, shared}) {
-    if (fs::is_regular_file(path, ignored)) return path.string();
-  }
-  return config_failure("",
-                        "there is no mapping for the robot \"" + robot + "\": neither " +
-                            own.string() + " nor " + shared.string(),
-                        "add --ik-config FILE");
-}
-
-Result<fs::path> data_folder_of(const RunOptions& options) {
-  const auto& chosen = options.common.data_dir;
-  return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
-}
-
 Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder, Console& console) {
+  const auto chosen = load_chosen_robot(options, data_folder, console);
+  if (!chosen) return failure(chosen.error());
   Setup setup;
-  std::string model = options.robot_xml, profile = options.robot_profile;
-  std::string mapping = options.ik_config;
-  if (model.empty()) {
-    const auto found = find_robot(options.robot, data_folder / "robots");
-    if (!found) return failure(found.error());
-    model = found->model.string();
-    profile = found->profile.string();
-  }
-  auto robot = load_robot(model, profile);
-  if (!robot) return failure(robot.error());
-  if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
-  if (!robot) return failure(robot.error());
-  setup.robot = *robot;
-  for (const std::string& warning : setup.robot->warnings()) {
-    console.warn({{0, 0, warning}}, model);
-  }
-  if (mapping.empty()) {
-    const auto found = find_mapping(fs::path(model).parent_path(), data_folder / "configs",
-                                    fs::path(setup.robot->name()).filename().string());
-    if (!found) return failure(found.error());
-    mapping = *found;
-  }
+  setup.robot = chosen->robot;
   // the published method judges by its own, tighter set where the robot has one
   auto limits =
       load_limits(*setup.robot, options.limits.empty() ? setup.robot->limits_for(options.method)
                                                        : options.limits);
   if (!limits) return failure(limits.error());
   setup.limits = std::move(*limits);
-  auto tables = load_ik_tables(mapping, setup.robot.get());
+  auto tables = load_mapping(options, *chosen, data_folder);
   if (!tables) return failure(tables.error());
   setup.tables = std::move(*tables);
   return setup;
@@ -248,27 +134,12 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
-// how the body's size scales the motion, where the user did not say
-HeightScale choose_scale(const HumanSource& human, const Setup& setup, const RunOptions& options) {
-  if (options.scale == "table") return HeightScale::kPublished;
-  if (options.scale == "height") return HeightScale::kNormalised;
-  if (options.scale == "limbs") return HeightScale::kLimbs;
-  // the published method takes every body of LAFAN1 for one
-  if (human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
-  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
-    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
-  });
-  const bool by_limbs =
-      options.human.height <= 0.0 && measurable && robot_limbs(*setup.robot, setup.tables);
-  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
-}
-
 Result<RetargetResult> solve(const Source& source, const Setup& setup, const RunOptions& options,
                              CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
-  retarget_options.height_scale = choose_scale(source.human, setup, options);
+  retarget_options.height_scale = choose_scale(source.human, *setup.robot, setup.tables, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
@@ -284,7 +155,7 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
 Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto start = std::chrono::steady_clock::now();
   if (auto usage = check_usage(options); !usage) return usage;
-  const auto data_folder = data_folder_of(options);
+  const auto data_folder = data_folder_of(options.common);
   if (!data_folder) return failure(data_folder.error());
   auto setup = load_setup(options, *data_folder, console);
   if (!setup) return failure(setup.error());
@@ -312,10 +183,18 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   print_limits(motion, setup->limits, console);
   const auto at_limits =
       joints_at_limits(motion, source->clip, source->human.calibration.mapping, setup->tables,
-                       choose_scale(source->human, *setup, options), setup->limits, kNamedAtLimit);
+                       choose_scale(source->human, *setup->robot, setup->tables, options),
+                       setup->limits, kNamedAtLimit);
   print_joints_at_limits(at_limits, *setup->robot, setup->limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   if (auto written = (*sink)->finish(); !written) return written;
+  if (!options.report.empty()) {
+    const RunReportInputs inputs{motion, *source, setup->tables, setup->limits,
+                                 csv_options(options)};
+    if (auto written = write_run_report(options, inputs, *data_folder, console); !written) {
+      return written;
+    }
+  }
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return {};

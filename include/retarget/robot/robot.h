@@ -57,6 +57,7 @@ struct CollisionShape {
   enum class Type { kSphere, kCapsule, kBox };
   Type type = Type::kSphere;
   int body = 0;
+  int geom = 0;              ///< The model's geom that it is.
   Pose body_from_shape;      ///< The centre; a capsule's axis is z, a box's sides are the axes.
   double radius = 0.0;       ///< Sphere and capsule, metres.
   double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, caps not counted.

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/quality/metric.h"
+
+namespace retarget {
+
+/// A metric's figure for one motion.
+struct MetricValue {
+  const Metric* metric = nullptr;
+  double value = 0.0;
+  std::optional<double> p95;  ///< Of metrics that give mean and 95th percentile.
+};
+
+/// How a motion keeps to one set of joint limits.
+struct LimitSetResult {
+  std::string name;
+  double frames_pct = 0.0;        ///< Frames with a joint beyond its range by more than 1e-6,
+  double frames_1mrad_pct = 0.0;  ///< and by more than 1e-3 (rad or m).
+  double worst_excess = 0.0;      ///< Largest amount beyond a limit, rad or m; 0: none.
+  std::string joint;              ///< Whose it is; empty: none is beyond.
+  int frame = 0;
+};
+
+/// How a body follows its bone.
+struct TrackingRow {
+  int table = 2;  ///< Of the mapping, 1 or 2.
+  std::string body, bone;
+  /// Distance of the body, as seen from the root, from the scaled bone; mean and 95th percentile,
+  /// centimetres. Nothing for rows without position weight.
+  std::optional<double> position_cm, position_p95_cm;
+  /// Angle from the bone's offset axes, degrees. Nothing for rows without rotation weight.
+  std::optional<double> rotation_deg, rotation_p95_deg;
+};
+
+/// Angle between a limb of the robot and the human's.
+struct SegmentAngle {
+  std::string name;  ///< `left thigh`, `trunk`, ...
+  double mean_deg = 0.0, p95_deg = 0.0;
+};
+
+/// A run of frames in which something is wrong.
+struct Fault {
+  std::string metric;  ///< The key of the metric it counts for.
+  std::string where;   ///< Joint, body or pair of bodies.
+  int begin = 0;       ///< First frame,
+  int end = 0;         ///< and the one after the last.
+  int worst_frame = 0;
+  double amount = 0.0;  ///< In the worst frame.
+  std::string unit;     ///< Of the amount.
+};
+
+/// What a gate asks of a metric, and whether it got it.
+struct GateResult {
+  std::string metric;
+  std::optional<double> least, most;  ///< Bounds that the figure must keep, inclusive.
+  std::optional<double> value;        ///< Nothing: the metric was not measured.
+  bool passed = true;                 ///< True where nothing was measured.
+};
+
+/// A motion's figures. Metrics that need what was not given (a source clip, soles, collision
+/// shapes, enough frames) are left out.
+struct QualityReport {
+  std::string file;  ///< The motion's, without folder.
+  std::string robot;
+  int frames = 0;
+  double fps = 30.0;
+  std::string limits;            ///< Name of the limit set that limit_pct is about.
+  std::string source;            ///< The source clip's file, without folder; empty: none was given.
+  int source_frames = 0;         ///< Frames of the motion that the source covers.
+  int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
+  int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.
+  double assumed_speed_limit = 0.0;  ///< rad/s
+  std::vector<MetricValue> values;   ///< In the order of quality_metrics().
+  std::vector<LimitSetResult> limit_sets;
+  std::vector<TrackingRow> tracking;
+  std::vector<SegmentAngle> segments;
+  std::vector<Fault> faults;  ///< By metric; the worst first.
+  std::vector<GateResult> gates;
+
+  [[nodiscard]] const MetricValue* find(std::string_view key) const;
+  [[nodiscard]] bool passed() const;
+};
+
+/// The reports as JSON (docs/quality.md has the schema). Floating point numbers have as many
+/// digits as it takes to read them back unchanged.
+[[nodiscard]] std::string report_json(std::span<const QualityReport> reports);
+
+/// For people: a row per metric, a column per motion, and what missed its gate or is worst.
+[[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
+
+}  // namespace retarget

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "retarget/quality/measure.h"
+
+namespace retarget {
+
+/// A report while it is being made. Each group of metrics adds its figures under their keys.
+struct Draft {
+  const RobotClip& clip;
+  const QualityOptions& options;
+  QualityReport& report;
+
+  void set(std::string_view key, double value, std::optional<double> p95 = std::nullopt) const {
+    report.values.push_back({find_metric(key), value, p95});
+  }
+};
+
+/// A share in percent; 0 of nothing.
+[[nodiscard]] inline double percent(double part, double whole) {
+  return whole > 0.0 ? 100.0 * part / whole : 0.0;
+}
+
+}  // namespace retarget

@@ -1,0 +1,193 @@
+#include "quality/floor_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "quality/fault_list.h"
+#include "retarget/math/statistics.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kDeep = 0.01;   // metres in the floor, or in itself
+constexpr double kHigh = 0.02;   // metres above the floor
+constexpr double kInCm = 100.0;  // of a metre
+
+const std::string& name_of(const Draft& draft, int body) {
+  return draft.clip.robot().bodies()[body].name;
+}
+
+// shares of frames, figures and faults of one list of lowest heights
+void measure_depth(const Draft& draft, const std::vector<Lowest>& lowest, std::string_view share,
+                   std::string_view deepest) {
+  FaultList faults(share, "m");
+  int deep = 0;
+  double least = HUGE_VAL;
+  for (std::size_t i = 0; i < lowest.size(); ++i) {
+    least = std::min(least, lowest[i].height);
+    if (lowest[i].height >= -kDeep) continue;
+    ++deep;
+    faults.add(name_of(draft, lowest[i].body), static_cast<int>(i), -lowest[i].height);
+  }
+  draft.set(share, percent(deep, static_cast<double>(lowest.size())));
+  draft.set(deepest, -kInCm * least);
+  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
+void measure_flat_slip(const Draft& draft, const BodyTracks& tracks) {
+  std::vector<double> slips;
+  for (const SoleTrack& track : tracks.soles) {
+    for (int frame = 0; frame + 1 < draft.clip.frame_count(); ++frame) {
+      if (track.highest(frame) >= kHigh || track.highest(frame + 1) >= kHigh) continue;
+      const Eigen::Vector3d step = track.middle(frame + 1) - track.middle(frame);
+      slips.push_back(step.head<2>().norm() * draft.clip.rate().fps());
+    }
+  }
+  if (slips.empty()) return;
+  draft.set("flat_slip_p50", median(slips));
+  draft.set("flat_slip_p95", percentile(std::move(slips), 95.0));
+}
+
+void measure_self_contact(const Draft& draft, const BodyTracks& tracks) {
+  if (tracks.self_contact.empty()) return;
+  int deep = 0;
+  double deepest = 0.0;
+  for (const double depth : tracks.sampled_depth) {
+    if (depth > kDeep) ++deep;
+    deepest = std::max(deepest, depth);
+  }
+  draft.set("self_1cm_pct", percent(deep, static_cast<double>(tracks.sampled_depth.size())));
+  draft.set("self_max_cm", kInCm * deepest);
+
+  FaultList faults("self_all_1cm_pct", "m");
+  deep = 0;
+  deepest = 0.0;
+  for (std::size_t i = 0; i < tracks.self_contact.size(); ++i) {
+    const SelfContact& contact = tracks.self_contact[i];
+    deepest = std::max(deepest, contact.depth);
+    if (contact.depth <= kDeep) continue;
+    ++deep;
+    faults.add(name_of(draft, contact.body_a) + " in " + name_of(draft, contact.body_b),
+               static_cast<int>(i), contact.depth);
+  }
+  draft.set("self_all_1cm_pct", percent(deep, static_cast<double>(tracks.self_contact.size())));
+  draft.set("self_all_max_cm", kInCm * deepest);
+  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
+// what the soles do in all contacts of a clip
+struct ContactFigures {
+  std::vector<double> slips, drifts, heights;        // m/s per step, m per phase, m per frame
+  int planted = 0, kept = 0, agreed = 0, asked = 0;  // feet and frames
+  std::vector<char> floating;                        // by frame
+};
+
+void add_phase(const Draft& draft, const SoleTrack& track, const ContactPhase& phase,
+               ContactFigures& figures, FaultList& slipping) {
+  std::vector<double> x, y;
+  for (int frame = phase.begin; frame < phase.end; ++frame) {
+    const Eigen::Vector3d middle = track.middle(frame);
+    x.push_back(middle.x());
+    y.push_back(middle.y());
+    figures.heights.push_back(track.lowest(frame));
+    if (frame == phase.begin) continue;
+    const std::size_t last = x.size() - 1;
+    const double slip = std::sqrt((x[last] - x[last - 1]) * (x[last] - x[last - 1]) +
+                                  (y[last] - y[last - 1]) * (y[last] - y[last - 1])) *
+                        draft.clip.rate().fps();
+    figures.slips.push_back(slip);
+    constexpr double kSlipping = 0.1;
+    if (slip > kSlipping) slipping.add(name_of(draft, track.sole->body), frame - 1, slip);
+  }
+  const double x0 = median(x), y0 = median(y);
+  double drift2 = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    drift2 = std::max(drift2, (x[i] - x0) * (x[i] - x0) + (y[i] - y0) * (y[i] - y0));
+  }
+  figures.drifts.push_back(std::sqrt(drift2));
+}
+
+// whether the robot's foot stands, by its sole alone
+bool stands(const SoleTrack& track, int frame, int frames, double fps) {
+  constexpr double kStill = 0.25;  // m/s
+  if (track.lowest(frame) >= kHigh) return false;
+  const int before = std::max(frame - 1, 0), after = std::min(frame + 1, frames - 1);
+  if (before == after) return true;
+  return (track.middle(after) - track.middle(before)).norm() * fps / (after - before) < kStill;
+}
+
+void add_foot(const Draft& draft, const BodyTracks& tracks, const SoleTrack& track,
+              const std::vector<ContactPhase>& phases, ContactFigures& figures,
+              FaultList& slipping) {
+  const int frames = static_cast<int>(figures.floating.size());
+  std::vector<char> planted(frames, 0);
+  for (const ContactPhase& phase : phases) {
+    add_phase(draft, track, phase, figures, slipping);
+    for (int frame = phase.begin; frame < phase.end; ++frame) {
+      planted[frame] = 1;
+      if (tracks.lowest[frame].height > kHigh) figures.floating[frame] = 1;
+    }
+  }
+  for (int frame = 0; frame < frames; ++frame) {
+    const bool stood = stands(track, frame, draft.clip.frame_count(), draft.clip.rate().fps());
+    ++figures.asked;
+    if (planted[frame] != 0) ++figures.planted;
+    if (planted[frame] != 0 && stood) ++figures.kept;
+    if ((planted[frame] != 0) == stood) ++figures.agreed;
+  }
+}
+
+}  // namespace
+
+void measure_bodies(const Draft& draft, const BodyTracks& tracks) {
+  const bool soles = !tracks.soles.empty();
+  if (soles) {
+    measure_depth(draft, tracks.lowest_sole, "foot_pen_1cm_pct", "foot_pen_max_cm");
+  }
+  if (soles || !tracks.self_contact.empty()) {
+    measure_depth(draft, tracks.lowest, "body_pen_1cm_pct", "body_pen_max_cm");
+    const auto high =
+        std::ranges::count_if(tracks.lowest, [](const Lowest& low) { return low.height > kHigh; });
+    draft.set("float_2cm_pct",
+              percent(static_cast<double>(high), static_cast<double>(tracks.lowest.size())));
+  }
+  if (soles) {
+    std::vector<double> heights;
+    for (const Lowest& low : tracks.lowest_sole) heights.push_back(kInCm * low.height);
+    draft.set("sole_height_p50_cm", median(std::move(heights)));
+    measure_flat_slip(draft, tracks);
+  }
+  measure_self_contact(draft, tracks);
+}
+
+void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootContacts& contacts,
+                      int frames) {
+  ContactFigures figures;
+  figures.floating.assign(frames, 0);
+  FaultList slipping("contact_slip_mean", "m/s"), floating("float_planted_pct", "m");
+  for (const SoleTrack& track : tracks.soles) {
+    const auto& phases = contacts.phases[track.sole->side == "left" ? 0 : 1];
+    add_foot(draft, tracks, track, phases, figures, slipping);
+  }
+  if (figures.asked == 0) return;
+  int afloat = 0;
+  for (int frame = 0; frame < frames; ++frame) {
+    if (figures.floating[frame] == 0) continue;
+    ++afloat;
+    floating.add(name_of(draft, tracks.lowest[frame].body), frame, tracks.lowest[frame].height);
+  }
+  draft.set("float_planted_pct", percent(afloat, draft.clip.frame_count()));
+  draft.set("contact_agreement_pct", percent(figures.agreed, figures.asked));
+  floating.move_to(draft.report.faults, draft.options.faults_per_metric);
+  if (figures.slips.empty()) return;
+  draft.set("contact_pct", percent(figures.planted, 2.0 * draft.clip.frame_count()));
+  draft.set("contact_kept_pct", percent(figures.kept, figures.planted));
+  draft.set("contact_slip_mean", mean(figures.slips));
+  draft.set("contact_slip_p95", percentile(std::move(figures.slips), 95.0));
+  draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
+  draft.set("contact_height_p50_cm", kInCm * median(std::move(figures.heights)));
+  slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
+}  // namespace retarget

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "quality/body_tracks.h"
+#include "quality/draft.h"
+#include "retarget/motion/contact_phases.h"
+
+namespace retarget {
+
+/// Penetration of the floor, floating, slip of flat feet, self-collision: what needs no source.
+void measure_bodies(const Draft& draft, const BodyTracks& tracks);
+
+/// What the robot's feet do while the source's are planted.
+/// @param frames  of both.
+void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootContacts& contacts,
+                      int frames);
+
+}  // namespace retarget

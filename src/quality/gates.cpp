@@ -1,0 +1,95 @@
+#include "retarget/quality/gates.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/faults.h"
+#include "base/json.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// what one member of `gates` says, or why it says nothing
+Result<Gate> gate_from(const std::string& key, const Json& json) {
+  if (find_metric(key) == nullptr) {
+    return config_failure("", "unknown metric \"" + key + "\"" + did_you_mean(key, metric_keys()));
+  }
+  Gate gate{key, std::nullopt, std::nullopt};
+  if (json.is_null()) return gate;
+  if (json.is_number()) {
+    gate.most = json.get<double>();
+    return gate;
+  }
+  const bool bounds =
+      json.is_object() && !json.empty() &&
+      std::ranges::all_of(json.items(), [](const auto& member) {
+        return (member.key() == "min" || member.key() == "max") && member.value().is_number();
+      });
+  if (!bounds) {
+    return config_failure("", "the gate on " + key +
+                                  " must be a number, null or {\"min\": number, \"max\": number}, "
+                                  "found " +
+                                  short_text(json));
+  }
+  if (json.contains("min")) gate.least = json["min"].get<double>();
+  if (json.contains("max")) gate.most = json["max"].get<double>();
+  return gate;
+}
+
+}  // namespace
+
+void Gates::set(Gate gate) {
+  std::erase_if(gates_, [&gate](const Gate& old) { return old.metric == gate.metric; });
+  if (gate.least || gate.most) gates_.push_back(std::move(gate));
+}
+
+Result<void> Gates::add_json(std::string_view text, const std::string& file) {
+  const auto json = parse_json(text, file);
+  if (!json) return failure(json.error());
+  if (!json->is_object() || !json->contains("gates") || !(*json)["gates"].is_object()) {
+    return config_failure(file, "the file must hold an object with the member \"gates\"",
+                          R"(such as {"gates": {"jumps": 0}})");
+  }
+  Faults faults;
+  std::vector<Gate> found;
+  for (const auto& [key, value] : (*json)["gates"].items()) {
+    auto gate = gate_from(key, value);
+    if (gate) {
+      found.push_back(std::move(*gate));
+    } else {
+      faults.add(gate.error().message);
+    }
+  }
+  if (!faults.empty()) return faults.failure_in(file, "the gates");
+  for (Gate& gate : found) set(std::move(gate));
+  return {};
+}
+
+Result<void> Gates::add_file(const std::string& path) {
+  const auto content = read_file(path, ErrorKind::kConfig);
+  if (!content) return failure(content.error());
+  return add_json(content->view(), path);
+}
+
+void Gates::judge(QualityReport& report) const {
+  report.gates.clear();
+  for (const Metric& metric : quality_metrics()) {
+    const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
+    if (gate == gates_.end()) continue;
+    GateResult result{gate->metric, gate->least, gate->most, std::nullopt, true};
+    if (const MetricValue* found = report.find(metric.key)) {
+      result.value = found->value;
+      // written so that a figure that is no number misses
+      result.passed = (!gate->least || found->value >= *gate->least) &&
+                      (!gate->most || found->value <= *gate->most);
+    }
+    report.gates.push_back(result);
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "quality/draft.h"
+#include "retarget/robot/limits.h"
+
+namespace retarget {
+
+/// Limits, speeds, jumps and accelerations of the output joints, and the root's jerk.
+void measure_joints(const Draft& draft, const LimitSet& limits);
+
+}  // namespace retarget

@@ -1,0 +1,114 @@
+#include "retarget/quality/metric.h"
+
+#include <algorithm>
+#include <array>
+
+namespace retarget {
+namespace {
+
+constexpr std::string_view kOwn = "own";
+constexpr std::string_view kNotes = "measurements of the published G1 data";
+constexpr std::string_view kHolosoma = "holosoma evaluation, 1 cm";
+constexpr std::string_view kContacts = "contacts of the source foot: contact_phases.h";
+
+// steps are between consecutive frames, speeds are steps times the rate
+constexpr auto kMetrics = std::to_array<Metric>({
+    {"limit_pct", "%", "Frames with a joint beyond its limits by more than 1e-6 rad or m.", kOwn},
+    {"limit_max_rad", "rad", "Largest amount by which a joint is beyond its limits; 0 within.",
+     kOwn},
+    {"speed_limit_pct", "%",
+     "Steps in which a joint is faster than its speed limit (by more than 1e-6 rad a step).",
+     kNotes},
+    {"speed_limit_max_ratio", "1", "Largest speed of a joint over its limit.", kNotes},
+    {"peak_speed", "rad/s", "Largest speed of a joint.", kNotes},
+    {"fast_3pi_pct", "%", "Steps in which a joint is faster than 3 pi rad/s.",
+     "nominal joint speed of the published method"},
+    {"jumps", "count", "Steps of single joints over 0.5 rad.", kNotes},
+    {"jump_frames", "count", "Steps between frames in which some joint goes over 0.5 rad.", kNotes},
+    {"max_step_rad", "rad", "Largest step of a joint.", kOwn},
+    {"acc_rms", "rad/s^2", "Root mean square of all joints' accelerations (second differences).",
+     kNotes},
+    {"acc_p99", "rad/s^2",
+     "99th percentile over frames of the largest joint acceleration in a frame.", kNotes},
+    {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
+     "PHUMA, under 50"},
+    {"root_jerk_p99", "m/s^3", "Its 99th percentile.", "PHUMA"},
+    {"foot_pen_1cm_pct", "%", "Frames with a sole point more than 1 cm below the floor.",
+     kHolosoma},
+    {"foot_pen_max_cm", "cm", "Depth of the deepest sole point; negative: its least height.",
+     kHolosoma},
+    {"body_pen_1cm_pct", "%",
+     "Frames with a sole point or collision primitive more than 1 cm below the floor.", kHolosoma},
+    {"body_pen_max_cm", "cm", "Depth of the deepest of them; negative: their least height.",
+     kHolosoma},
+    {"float_2cm_pct", "%",
+     "Frames with every sole point and primitive more than 2 cm above the floor, flight included.",
+     kNotes},
+    {"sole_height_p50_cm", "cm", "Median over frames of the lowest sole point's height.", kNotes},
+    {"flat_slip_p50", "m/s",
+     "Median horizontal speed of the middle of a sole whose points are all under 2 cm at both ends "
+     "of the step.",
+     kNotes},
+    {"flat_slip_p95", "m/s", "Its 95th percentile.", kNotes},
+    {"self_1cm_pct", "%",
+     "Of every fifth frame: those with primitives of two bodies deeper than 1 cm in each other, by "
+     "MuJoCo's contact depth, pairs that are allowed left out.",
+     kOwn},
+    {"self_max_cm", "cm", "Depth of the deepest of these contacts; 0 without.", kOwn},
+    {"self_all_1cm_pct", "%",
+     "The same of every frame, by exact depth: the least way that parts the two.", kOwn},
+    {"self_all_max_cm", "cm", "Depth of the deepest of these.", kOwn},
+    {"float_planted_pct", "%",
+     "Frames in which a source foot is planted and every sole point and primitive is more than "
+     "2 cm above the floor.",
+     kContacts},
+    {"contact_pct", "%", "Feet and frames in which the source foot is planted.", kContacts},
+    {"contact_slip_mean", "m/s",
+     "Mean horizontal speed of the middle of the sole while the source foot is planted.",
+     "GMD foot skating, with contacts from the source as in OmniRetarget"},
+    {"contact_slip_p95", "m/s", "Its 95th percentile.", kOwn},
+    {"contact_drift_p95_cm", "cm",
+     "Largest horizontal distance of the middle of the sole from its median place within a "
+     "contact; 95th percentile over contacts.",
+     kOwn},
+    {"contact_height_p50_cm", "cm",
+     "Median height of the lowest sole point while the source foot is planted.", kOwn},
+    {"contact_agreement_pct", "%",
+     "Feet and frames in which source and robot agree on whether the foot stands: the robot's does "
+     "while its lowest sole point is under 2 cm and the middle of its sole slower than 0.25 m/s.",
+     "PHUMA and OmniRetarget, contact preservation"},
+    {"contact_kept_pct", "%", "Of those in which the source foot is planted: the robot's stands.",
+     "OmniRetarget, contact preservation"},
+    {"track_pos_cm", "cm",
+     "Distance of mapped bodies from their scaled bones, both from the root, a constant yaw "
+     "removed: rows of table 2 with position weight, the root left out. Mean and 95th percentile.",
+     "MPJPE, root-relative"},
+    {"track_rot_deg", "deg",
+     "Angle of mapped bodies from their bones' offset axes: rows of table 2 with rotation weight. "
+     "Mean and 95th percentile.",
+     kOwn},
+    {"limb_angle_deg", "deg",
+     "Angle between the robot's limbs (from joint to joint, a constant yaw removed) and the "
+     "human's: "
+     "thighs, shins, upper arms, forearms, trunk, hip and shoulder line. Mean and 95th percentile.",
+     kOwn},
+});
+
+}  // namespace
+
+std::span<const Metric> quality_metrics() {
+  return kMetrics;
+}
+
+const Metric* find_metric(std::string_view key) {
+  const auto found = std::ranges::find(kMetrics, key, &Metric::key);
+  return found == kMetrics.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> metric_keys() {
+  std::vector<std::string> keys;
+  for (const Metric& metric : kMetrics) keys.emplace_back(metric.key);
+  return keys;
+}
+
+}  // namespace retarget

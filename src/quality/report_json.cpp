@@ -1,0 +1,103 @@
+#include <nlohmann/json.hpp>
+
+#include "retarget/quality/report.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+void add_lists(Json& json, const QualityReport& report) {
+  json["limit_sets"] = Json::object();
+  for (const LimitSetResult& set : report.limit_sets) {
+    Json& entry = json["limit_sets"][set.name];
+    entry["frames_pct"] = set.frames_pct;
+    entry["frames_1mrad_pct"] = set.frames_1mrad_pct;
+    entry["max_rad"] = set.worst_excess;
+    entry["joint"] = set.joint.empty() ? Json() : Json(set.joint);
+    entry["frame"] = set.joint.empty() ? Json() : Json(set.frame);
+  }
+  json["tracking"] = Json::array();
+  for (const TrackingRow& row : report.tracking) {
+    json["tracking"].push_back({{"table", row.table},
+                                {"body", row.body},
+                                {"bone", row.bone},
+                                {"position_cm", json_of(row.position_cm)},
+                                {"position_p95_cm", json_of(row.position_p95_cm)},
+                                {"rotation_deg", json_of(row.rotation_deg)},
+                                {"rotation_p95_deg", json_of(row.rotation_p95_deg)}});
+  }
+  json["segments"] = Json::array();
+  for (const SegmentAngle& segment : report.segments) {
+    json["segments"].push_back(
+        {{"name", segment.name}, {"mean_deg", segment.mean_deg}, {"p95_deg", segment.p95_deg}});
+  }
+}
+
+void add_verdict(Json& json, const QualityReport& report) {
+  json["passed"] = report.passed();
+  json["gates"] = Json::array();
+  for (const GateResult& gate : report.gates) {
+    json["gates"].push_back({{"metric", gate.metric},
+                             {"min", json_of(gate.least)},
+                             {"max", json_of(gate.most)},
+                             {"value", json_of(gate.value)},
+                             {"passed", gate.passed}});
+  }
+  json["faults"] = Json::array();
+  for (const Fault& fault : report.faults) {
+    json["faults"].push_back({{"metric", fault.metric},
+                              {"where", fault.where},
+                              {"begin", fault.begin},
+                              {"end", fault.end},
+                              {"worst_frame", fault.worst_frame},
+                              {"amount", fault.amount},
+                              {"unit", fault.unit}});
+  }
+}
+
+Json json_of(const QualityReport& report) {
+  Json json;
+  json["file"] = report.file;
+  json["robot"] = report.robot;
+  json["frames"] = report.frames;
+  json["fps"] = report.fps;
+  json["limits"] = report.limits;
+  json["source"] = report.source.empty() ? Json() : Json(report.source);
+  json["source_frames"] = report.source_frames;
+  json["speed_limits"] = {{"given", report.speed_limits_given},
+                          {"assumed", report.speed_limits_assumed},
+                          {"assumed_rad_s", report.assumed_speed_limit}};
+  for (const MetricValue& value : report.values) {
+    const std::string key(value.metric->key);
+    if (value.p95) {
+      json[key] = {value.value, *value.p95};
+    } else {
+      json[key] = value.value;
+    }
+  }
+  add_lists(json, report);
+  add_verdict(json, report);
+  return json;
+}
+
+}  // namespace
+
+std::string report_json(std::span<const QualityReport> reports) {
+  Json json;
+  json["schema"] = "retarget-quality-1";
+  json["motions"] = Json::array();
+  for (const QualityReport& report : reports) json["motions"].push_back(json_of(report));
+  for (const Metric& metric : quality_metrics()) {
+    json["metrics"][std::string(metric.key)] = {
+        {"unit", metric.unit}, {"definition", metric.definition}, {"source", metric.source}};
+  }
+  // names that are no UTF-8 must not throw
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace retarget

@@ -1,0 +1,278 @@
+#include "quality/tracking_metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "retarget/math/statistics.h"
+#include "retarget/math/trigonometry.h"
+#include "retarget/pipeline/limb_lengths.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kInCm = 100.0;
+
+// a row that can be measured: its bone is there
+struct Row {
+  const IkRow* row = nullptr;
+  int table = 0;  // 0 or 1
+  int body = 0;   // index among the kept bodies
+  int bone = 0;
+  double scale = 1.0;
+};
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return portable::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+void append(std::vector<double>& all, const std::vector<double>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+class TrackingMeasure {
+ public:
+  TrackingMeasure(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
+                  int frames)
+      : draft_(draft),
+        tracks_(tracks),
+        human_(*source.human),
+        tables_(*source.tables),
+        frames_(frames) {
+    collect_rows(size_ratio(source));
+    root_bone_ = find_bone(tables_.human_root).value_or(0);
+    root_body_ = kept(draft.clip.robot().find_body(tables_.robot_root).value_or(0)).value_or(0);
+    find_yaw();
+  }
+
+  void measure() const;
+
+ private:
+  [[nodiscard]] double size_ratio(const QualitySource& source) const;
+  void collect_rows(double ratio);
+  void find_yaw();
+  void measure_rows() const;
+  void measure_limbs() const;
+
+  [[nodiscard]] std::optional<int> kept(int body) const {
+    const auto found = std::ranges::find(tracks_.kept_bodies, body);
+    if (found == tracks_.kept_bodies.end()) return std::nullopt;
+    return static_cast<int>(found - tracks_.kept_bodies.begin());
+  }
+  [[nodiscard]] const Pose& bone_pose(int frame, int bone) const {
+    return human_.frame(frame)[bone];
+  }
+  // from the root: where the body is, and where its bone wants it
+  [[nodiscard]] Vector3d have(int frame, const Row& row) const {
+    return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
+  }
+  [[nodiscard]] Vector3d want(int frame, const Row& row) const {
+    return row.scale *
+           (bone_pose(frame, row.bone).translation - bone_pose(frame, root_bone_).translation);
+  }
+  [[nodiscard]] bool has_position(const Row& row) const {
+    return row.row->position_weight > 0.0 && row.bone != root_bone_;
+  }
+  // the table that is judged by: the second, or the first where there is no second
+  [[nodiscard]] int judged_table() const {
+    return std::ranges::any_of(rows_, [](const Row& row) { return row.table == 1; }) ? 1 : 0;
+  }
+  [[nodiscard]] std::vector<double> position_errors(const Row& row) const;
+  [[nodiscard]] std::vector<double> rotation_errors(const Row& row) const;
+  [[nodiscard]] const Row* row_of(std::string_view bone) const;
+
+  const Draft& draft_;
+  const BodyTracks& tracks_;
+  const HumanClip& human_;
+  const IkTables& tables_;
+  const int frames_;
+  std::vector<Row> rows_;
+  int root_bone_ = 0, root_body_ = 0;
+  Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // a yaw
+};
+
+double TrackingMeasure::size_ratio(const QualitySource& source) const {
+  constexpr double kPublishedHeight = 1.75;
+  const double assumed = tables_.human_height_assumption;
+  return source.scale == HeightScale::kPublished
+             ? human_.height / assumed
+             : kPublishedHeight / assumed * (kPublishedHeight / human_.size);
+}
+
+void TrackingMeasure::collect_rows(double ratio) {
+  for (int table = 0; table < 2; ++table) {
+    if (!tables_.tables[table].used) continue;
+    for (const IkRow& row : tables_.tables[table].rows) {
+      const auto bone = find_bone(row.bone);
+      const auto body = draft_.clip.robot().find_body(row.body);
+      const double* scale = tables_.find_scale(row.bone);
+      if (!bone || !body || !human_.has(*bone)) continue;
+      const auto index = kept(*body);
+      if (!index) continue;
+      rows_.push_back({&row, table, *index, *bone, scale == nullptr ? 1.0 : ratio * *scale});
+    }
+  }
+}
+
+// some data sets turn the motion as a whole: the yaw that brings bones to bodies best
+void TrackingMeasure::find_yaw() {
+  double sine = 0.0, cosine = 0.0;
+  for (const Row& row : rows_) {
+    if (row.table != judged_table() || !has_position(row)) continue;
+    for (int frame = 0; frame < frames_; ++frame) {
+      const Vector3d wanted = want(frame, row), found = have(frame, row);
+      sine += wanted.x() * found.y() - wanted.y() * found.x();
+      cosine += wanted.x() * found.x() + wanted.y() * found.y();
+    }
+  }
+  const double half = 0.5 * portable::atan2(sine, cosine);
+  const auto [half_sine, half_cosine] = portable::sin_cos(half);
+  robot_from_human_ = Eigen::Quaterniond(half_cosine, 0.0, 0.0, half_sine);
+}
+
+std::vector<double> TrackingMeasure::position_errors(const Row& row) const {
+  std::vector<double> errors;
+  errors.reserve(frames_);
+  for (int frame = 0; frame < frames_; ++frame) {
+    errors.push_back(kInCm * (have(frame, row) - robot_from_human_ * want(frame, row)).norm());
+  }
+  return errors;
+}
+
+std::vector<double> TrackingMeasure::rotation_errors(const Row& row) const {
+  std::vector<double> errors;
+  errors.reserve(frames_);
+  for (int frame = 0; frame < frames_; ++frame) {
+    const Eigen::Quaterniond wanted =
+        robot_from_human_ * bone_pose(frame, row.bone).rotation * row.row->rotation_offset;
+    const Eigen::Quaterniond between = wanted.conjugate() * tracks_.kept(frame, row.body).rotation;
+    errors.push_back(2.0 * kDegrees * portable::atan2(between.vec().norm(), std::abs(between.w())));
+  }
+  return errors;
+}
+
+void TrackingMeasure::measure_rows() const {
+  std::vector<double> positions, rotations;
+  for (const Row& row : rows_) {
+    TrackingRow result;
+    result.table = row.table + 1;
+    result.body = row.row->body;
+    result.bone = row.row->bone;
+    const bool judged = row.table == judged_table();
+    if (has_position(row)) {
+      const std::vector<double> errors = position_errors(row);
+      if (judged) append(positions, errors);
+      result.position_cm = mean(errors);
+      result.position_p95_cm = percentile(errors, 95.0);
+    }
+    if (row.row->rotation_weight > 0.0) {
+      const std::vector<double> errors = rotation_errors(row);
+      if (judged) append(rotations, errors);
+      result.rotation_deg = mean(errors);
+      result.rotation_p95_deg = percentile(errors, 95.0);
+    }
+    if (result.position_cm || result.rotation_deg) draft_.report.tracking.push_back(result);
+  }
+  if (!positions.empty()) {
+    draft_.set("track_pos_cm", mean(positions), percentile(positions, 95.0));
+  }
+  if (!rotations.empty()) {
+    draft_.set("track_rot_deg", mean(rotations), percentile(rotations, 95.0));
+  }
+}
+
+// the first row of a bone; of feet, which are mapped by either of two bones, of one of them
+const Row* TrackingMeasure::row_of(std::string_view bone) const {
+  const auto found =
+      std::ranges::find_if(rows_, [bone](const Row& row) { return row.row->bone == bone; });
+  if (found != rows_.end()) return &*found;
+  return bone.ends_with("Foot") ? row_of(std::string(bone) + "Mod") : nullptr;
+}
+
+// a part of the body between two joints, or between the middles of two pairs of joints
+struct Segment {
+  const char* name;
+  std::array<const char*, 2> from, to;  // bones
+};
+
+constexpr std::array<Segment, 11> kSegments = {{
+    {"left thigh", {"LeftUpLeg", "LeftUpLeg"}, {"LeftLeg", "LeftLeg"}},
+    {"right thigh", {"RightUpLeg", "RightUpLeg"}, {"RightLeg", "RightLeg"}},
+    {"left shin", {"LeftLeg", "LeftLeg"}, {"LeftFoot", "LeftFoot"}},
+    {"right shin", {"RightLeg", "RightLeg"}, {"RightFoot", "RightFoot"}},
+    {"left upper arm", {"LeftArm", "LeftArm"}, {"LeftForeArm", "LeftForeArm"}},
+    {"right upper arm", {"RightArm", "RightArm"}, {"RightForeArm", "RightForeArm"}},
+    {"left forearm", {"LeftForeArm", "LeftForeArm"}, {"LeftHand", "LeftHand"}},
+    {"right forearm", {"RightForeArm", "RightForeArm"}, {"RightHand", "RightHand"}},
+    {"trunk", {"LeftUpLeg", "RightUpLeg"}, {"LeftArm", "RightArm"}},
+    {"hip line", {"RightUpLeg", "RightUpLeg"}, {"LeftUpLeg", "LeftUpLeg"}},
+    {"shoulder line", {"RightArm", "RightArm"}, {"LeftArm", "LeftArm"}},
+}};
+
+void TrackingMeasure::measure_limbs() const {
+  // between the joints' centres where the robot's tree tells them, else between the bodies' origins
+  const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
+  std::vector<double> all;
+  for (const Segment& segment : kSegments) {
+    std::array<int, 4> bones{};
+    std::array<const Row*, 4> rows{};
+    std::array<Vector3d, 4> body_from_joint;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::string_view name = i < 2 ? segment.from[i] : segment.to[i - 2];
+      bones[i] = find_bone(name).value_or(0);
+      rows[i] = human_.has(bones[i]) ? row_of(name) : nullptr;
+      const bool known = limbs && rows[i] != nullptr;
+      body_from_joint[i] = known ? limbs->body_from_joint[rows[i]->bone] : Vector3d::Zero();
+    }
+    if (std::ranges::find(rows, nullptr) != rows.end()) continue;
+    std::vector<double> angles;
+    angles.reserve(frames_);
+    for (int frame = 0; frame < frames_; ++frame) {
+      Vector3d of_human = Vector3d::Zero(), of_robot = Vector3d::Zero();
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double sign = i < 2 ? -1.0 : 1.0;
+        of_human += sign * bone_pose(frame, bones[i]).translation;
+        of_robot += sign * (tracks_.kept(frame, rows[i]->body) * body_from_joint[i]);
+      }
+      angles.push_back(kDegrees * angle_between(robot_from_human_ * of_human, of_robot));
+    }
+    draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
+    append(all, angles);
+  }
+  if (all.empty()) return;
+  draft_.set("limb_angle_deg", mean(all), percentile(all, 95.0));
+}
+
+void TrackingMeasure::measure() const {
+  measure_rows();
+  measure_limbs();
+}
+
+}  // namespace
+
+std::vector<int> tracked_bodies(const Robot& robot, const IkTables& tables) {
+  std::vector<int> bodies;
+  const auto add = [&](const std::string& name) {
+    const auto body = robot.find_body(name);
+    if (body && std::ranges::find(bodies, *body) == bodies.end()) bodies.push_back(*body);
+  };
+  add(tables.robot_root);
+  for (const IkTable& table : tables.tables) {
+    for (const IkRow& row : table.rows) add(row.body);
+  }
+  return bodies;
+}
+
+void measure_tracking(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
+                      int frames) {
+  if (frames == 0 || tracks.kept_bodies.empty()) return;
+  TrackingMeasure(draft, tracks, source, frames).measure();
+}
+
+}  // namespace retarget

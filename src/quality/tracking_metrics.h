@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "quality/body_tracks.h"
+#include "quality/draft.h"
+
+namespace retarget {
+
+/// The bodies whose poses measure_tracking needs: those of the tables and the root, each once.
+[[nodiscard]] std::vector<int> tracked_bodies(const Robot& robot, const IkTables& tables);
+
+/// How the mapped bodies follow their bones, row by row, and the limbs the human's.
+/// @param tracks  with tracked_bodies kept.
+/// @param frames  of both.
+void measure_tracking(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
+                      int frames);
+
+}  // namespace retarget

@@ -1,0 +1,53 @@
+#include "retarget/robot/collision.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+namespace retarget {
+namespace {
+
+// whether contact between two bodies is no fault
+bool is_exempt(const Robot& robot, int a, int b) {
+  const mjModel& model = *robot.model();
+  // rigidly connected bodies count as one, named by the first of them
+  const int rigid_a = model.body_weldid[a], rigid_b = model.body_weldid[b];
+  const int parent_of_a = model.body_weldid[model.body_parentid[rigid_a]];
+  const int parent_of_b = model.body_weldid[model.body_parentid[rigid_b]];
+  if (rigid_a == rigid_b || parent_of_a == rigid_b || parent_of_b == rigid_a) return true;
+  const auto& allowed = robot.profile().allowed_self_contact;
+  return std::ranges::any_of(allowed, [a, b](const std::pair<int, int>& pair) {
+    return pair == std::pair(a, b) || pair == std::pair(b, a);
+  });
+}
+
+}  // namespace
+
+CollisionModel::CollisionModel(const Robot& robot) : shapes_(robot.collision_shapes()) {
+  const int count = static_cast<int>(shapes_.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      if (!is_exempt(robot, shapes_[a].body, shapes_[b].body)) pairs_.push_back({a, b});
+    }
+  }
+}
+
+void CollisionModel::place(std::span<const Pose> world_from_body,
+                           std::span<PlacedShape> placed) const {
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    placed[i] = retarget::place(shapes_[i], world_from_body[shapes_[i].body]);
+  }
+}
+
+void CollisionModel::near_pairs(std::span<const PlacedShape> placed, double margin,
+                                std::vector<ShapePair>& near) const {
+  near.clear();
+  for (const ShapePair& pair : pairs_) {
+    const PlacedShape& a = placed[pair.a];
+    const PlacedShape& b = placed[pair.b];
+    const double reach = a.bounding_radius + b.bounding_radius + margin;
+    if (reach > 0.0 && (a.centre - b.centre).squaredNorm() < reach * reach) near.push_back(pair);
+  }
+}
+
+}  // namespace retarget

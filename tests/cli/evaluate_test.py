@@ -1,0 +1,224 @@
+"""`retarget evaluate` and --report: held against the independent judge and published figures, and as a
+command among commands."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import unittest
+
+import tool
+from tool import SOURCE, ToolTest
+
+SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"))
+JUDGE = SHARED / "judge" / "judge.py"
+REFERENCE = SHARED / "reference" / "robots" / "unitree_g1"
+IK_CONFIG = SHARED / "reference" / "ik_configs" / "bvh_to_g1.json"
+PUBLISHED = SHARED / "data" / "unitree_g1_csv"
+LAFAN1 = SHARED / "data" / "lafan1"
+CLIPS = ("dance1_subject2", "fallAndGetUp2_subject2", "walk4_subject1")
+
+
+def judge_python():
+    """A Python that can run the judge: RETARGET_JUDGE_PYTHON, this one, or python3."""
+    for python in (os.environ.get("RETARGET_JUDGE_PYTHON"), sys.executable, "python3"):
+        if python and shutil.which(python) and subprocess.run(
+                [python, "-c", "import mujoco, numpy"], stderr=subprocess.DEVNULL).returncode == 0:
+            return python
+    return None
+
+
+def cut_bvh(clip, start, stop):
+    """A BVH's frames from start up to stop, as text."""
+    lines = (LAFAN1 / f"{clip}.bvh").read_text().splitlines(keepends=True)
+    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
+    header = [f"Frames: {stop - start}\n" if line.startswith("Frames:") else line
+              for line in lines[:first]]
+    return "".join(header + lines[first + start:first + stop])
+
+
+class AgainstTheJudge(ToolTest):
+    """The same figures as a judge that has none of our code."""
+
+    def setUp(self):
+        super().setUp()
+        if not JUDGE.exists():
+            self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
+        self.python = judge_python()
+        if self.python is None:
+            self.skipTest("no Python with mujoco and numpy: set RETARGET_JUDGE_PYTHON")
+
+    def judged(self, csv, bvh, *options):
+        command = [self.python, JUDGE, "--robot", REFERENCE, "--limits",
+                   REFERENCE / "g1_29dof_rev_1_0.xml", "--bvh", bvh, "--ik-config", IK_CONFIG,
+                   *options, csv]
+        result = subprocess.run(list(map(str, command)), cwd=self.folder, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def assert_agree(self, motion, judged):
+        self.assertGreater(len(judged), 20)
+        for key, value in judged.items():
+            self.assertIn(key, motion)
+            if isinstance(value, str):
+                self.assertEqual(motion[key], value)
+                continue
+            found, wanted = (x if isinstance(x, list) else [x] for x in (motion[key], value))
+            self.assertEqual(len(found), len(wanted), key)
+            for a, b in zip(found, wanted):
+                self.assertLess(abs(a - b), 1e-6, f"{key}: {motion[key]} for {value}")
+
+    def evaluate(self, *arguments):
+        result = self.run_tool("evaluate", *arguments, "--robot", "unitree_g1", "--ik-config",
+                               IK_CONFIG, "--limits", REFERENCE / "g1_29dof_rev_1_0.xml", "--json",
+                               "report.json", "--gate", "none")
+        self.assert_done(result)
+        return json.loads((self.folder / "report.json").read_text())["motions"]
+
+    def test_published_motions(self):
+        # parts with jumps, in the middle of a fall, and of walking
+        for clip, start in zip(CLIPS, (500, 1500, 3000)):
+            with self.subTest(clip):
+                lines = (PUBLISHED / f"{clip}.csv").read_text().splitlines(keepends=True)
+                csv = self.write(f"{clip}.csv", "".join(lines[start:start + 250]))
+                bvh = self.write("source.bvh", cut_bvh(clip, start - 60, start + 300))
+                motion, = self.evaluate(csv, "--bvh", bvh, "--start", "2")
+                self.assert_agree(motion, self.judged(csv, bvh, "--start", 60))
+
+    def test_own_motion_with_its_report(self):
+        bvh = self.write("source.bvh", cut_bvh("dance1_subject2", 270, 450))
+        self.assert_done(self.retarget("--frames", "30:180", "--ik-config", IK_CONFIG, "--limits",
+                                       REFERENCE / "g1_29dof_rev_1_0.xml", "--report", "run.json",
+                                       bvh=bvh))
+        judged = self.judged("out.csv", bvh, "--start", 30)
+        motion, = self.evaluate("out.csv", "--bvh", bvh, "--start", "1")
+        self.assert_agree(motion, judged)
+        reported, = json.loads((self.folder / "run.json").read_text())["motions"]
+        self.assert_agree(reported, judged)
+        for key in set(motion) - {"gates", "passed"}:
+            self.assertEqual(reported[key], motion[key], key)
+
+
+class PublishedFigures(ToolTest):
+    """Figures measured on the published G1 data by others (numpy, the reference MJCF)."""
+
+    # clip: foot penetration over 1 cm (% of frames) and depth (cm), peak speed (rad/s), faster
+    # than 3 pi (%), frames with a step, beyond the model's limits by 1 mrad (%)
+    FIGURES = {"dance1_subject2": ("3.9", "3.6", "32.7", "29.61", "189", "4.0"),
+               "fallAndGetUp2_subject2": ("13.5", "4.1", "15.4", "5.74", "3", "29.0"),
+               "walk4_subject1": ("0.0", "0.6", "16.5", "0.87", "1", "0.7")}
+
+    def test_of_whole_clips(self):
+        model = REFERENCE / "g1_mocap_29dof.xml"
+        if not model.exists():
+            self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
+        # of this model's shapes only the four spheres under each foot need no mesh
+        result = self.run_tool("evaluate", *(PUBLISHED / f"{clip}.csv" for clip in CLIPS),
+                               "--robot-xml", model, "--limits",
+                               REFERENCE / "g1_29dof_rev_1_0.xml", "--gate", "none", "--json", "-")
+        self.assert_done(result)
+        for motion in json.loads(result.stdout)["motions"]:
+            found = (f"{motion['body_pen_1cm_pct']:.1f}", f"{motion['body_pen_max_cm']:.1f}",
+                     f"{motion['peak_speed']:.1f}", f"{motion['fast_3pi_pct']:.2f}",
+                     f"{motion['jump_frames']:.0f}",
+                     f"{motion['limit_sets']['model']['frames_1mrad_pct']:.1f}")
+            self.assertEqual(found, self.FIGURES[motion["file"].removesuffix(".csv")])
+            self.assertEqual(motion["limit_pct"], 0)
+
+
+class EvaluateCommand(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.good = SOURCE / "tests" / "golden" / "wave.csv"
+
+    def evaluate(self, *arguments, **options):
+        return self.run_tool("evaluate", *arguments, "--robot", "unitree_g1", **options)
+
+    def test_table_compares_files_side_by_side(self):
+        result = self.evaluate(self.good, SOURCE / "tests/golden/squat.csv", "--gate", "none")
+        self.assert_done(result)
+        lines = result.stdout.splitlines()
+        self.assertEqual(lines[0].split(), ["metric", "unit", "wave.csv", "squat.csv"])
+        self.assertTrue(any(line.startswith("jumps ") for line in lines))
+
+    def test_gates_decide_the_exit_code(self):
+        self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", "jumps=0"))
+        result = self.evaluate(self.good, "--gate", "none", "--gate", "peak_speed=0")
+        self.assert_fails(result, 1, "1 gate missed: wave.csv peak_speed")
+        self.assertIn("wave.csv: peak_speed is", result.stdout)
+        gates = self.write("gates.json", '{"gates": {"peak_speed": {"max": 0}}}')
+        self.assert_fails(self.evaluate(self.good, "--gate", "none", "--gate", gates), 1)
+        self.assert_done(self.evaluate(self.good, "--gate", "none", "--gate", gates, "--gate",
+                                       "peak_speed=none"))
+
+    def test_gates_that_are_wrong(self):
+        self.assert_fails(self.evaluate(self.good, "--gate", "jmps=0"), 2, 'did you mean "jumps"?')
+        self.assert_fails(self.evaluate(self.good, "--gate", "jumps=few"), 2, '"few"')
+        self.assert_fails(self.evaluate(self.good, "--gate", "no.json"), 4, "no.json")
+        self.assert_fails(self.evaluate(self.good, "--gate", self.write("g.json", "{}")), 4, "gates")
+
+    def test_json_on_standard_output_in_place_of_the_table(self):
+        result = self.evaluate(self.good, "--json", "-", "--gate", "none")
+        self.assert_done(result)
+        report = json.loads(result.stdout)
+        self.assertEqual(report["motions"][0]["file"], "wave.csv")
+        self.assertIn("definition", report["metrics"]["acc_p99"])
+
+    def test_with_a_source_at_another_rate(self):
+        clip = tool.sample("wave")
+        for fps in ("source", "12"):
+            with self.subTest(fps):
+                self.assert_done(self.retarget("--fps", fps, "--report", "run.json", bvh=clip))
+                result = self.evaluate("out.csv", "--bvh", clip, "--fps", fps, "--json", "e.json",
+                                       "--limits", "gmr", "--gate", "none")
+                self.assert_done(result)
+                run, = json.loads((self.folder / "run.json").read_text())["motions"]
+                found, = json.loads((self.folder / "e.json").read_text())["motions"]
+                self.assertEqual(found["source"], "wave.bvh")
+                self.assertIn("track_pos_cm", found)
+                for key in set(run) - {"gates", "passed"}:
+                    self.assertEqual(found[key], run[key], key)
+
+    def test_standard_input_and_other_layouts(self):
+        text = self.good.read_text()
+        for name, other in (("blank", text.replace(",", " ")), ("tab", text.replace(",", "\t")),
+                            ("crlf", text.replace("\n", "\r\n"))):
+            with self.subTest(name):
+                file = self.write("other.csv", other)
+                with open(file, encoding="utf-8") as stdin:
+                    piped = self.evaluate("-", "--gate", "none", stdin=stdin)
+                self.assert_done(piped)
+                plain = self.evaluate(self.good, "--gate", "none")
+                rows = [line.split()[2:] for line in piped.stdout.splitlines()[1:]]
+                self.assertEqual(rows, [x.split()[2:] for x in plain.stdout.splitlines()[1:]])
+
+    def test_bad_motions(self):
+        self.assert_fails(self.evaluate("missing.csv"), 3, "missing.csv")
+        self.assert_fails(self.evaluate(self.write("short.csv", "1,2,3\n")), 3,
+                          "short.csv:1:1", "needs 36")
+        self.assert_fails(self.evaluate(self.write("empty.csv", "")), 3, "no frames")
+        bad = self.good.read_text().replace(",", ",x", 1)
+        self.assert_fails(self.evaluate(self.write("bad.csv", bad)), 3, "expected a number")
+
+    def test_bad_usage(self):
+        self.assert_fails(self.run_tool("evaluate", self.good), 2, "no robot is given")
+        self.assert_fails(self.evaluate(), 2, "motions")
+        self.assert_fails(self.evaluate(self.good, "--start", "1"), 2, "--start needs the source")
+        self.assert_fails(self.evaluate(self.good, "--fps", "source"), 2, "needs the source")
+        self.assert_fails(self.evaluate("-", "-"), 2, "once only")
+        self.assert_fails(self.evaluate(self.good, "--json", "no/r.json"), 2, "no")
+        self.assert_fails(self.retarget("--report", "-"), 2, "--report needs a file")
+        self.assert_fails(self.retarget("--report", "no/r.json"), 2, "no")
+
+    def test_a_source_that_ends_early_is_said(self):
+        result = self.evaluate(self.good, "--bvh", tool.sample("wave"), "--start", "1", "--gate",
+                               "none")
+        self.assert_done(result)
+        self.assertIn("contacts and tracking end with it", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,403 @@
+// Metrics in cases that can be told without a computer.
+
+#include "retarget/quality/measure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "retarget/base/file.h"
+#include "retarget/quality/gates.h"
+#include "support/temporary_folder.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// two feet on legs of hinges, and balls above them that hinges bring into each other
+constexpr const char* kWalker = R"(
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="base">
+      <freejoint/>
+      <body name="left_foot" pos="0 0.1 -0.5">
+        <joint name="left" axis="0 0 1" range="-3 3"/>
+        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
+      </body>
+      <body name="right_foot" pos="0 -0.1 -0.5">
+        <joint name="right" axis="0 0 1" range="-1 1"/>
+        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
+      </body>
+      <body name="hand" pos="0 0 0.2">
+        <joint name="arm" type="slide" axis="0 1 0"/>
+        <geom type="sphere" size="0.1"/>
+      </body>
+      <body name="knob" pos="0 0.3 0.2">
+        <joint name="knob" axis="0 0 1"/>
+        <geom type="sphere" size="0.1"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+constexpr const char* kWalkerProfile = R"({
+  "name": "walker",
+  "limit_sets": {"narrow": {"ranges": {"left": [-0.1, 0.1]}}},
+  "speed_limits": {"right": 4.0},
+  "soles": {
+    "left": {"body": "left_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]},
+    "right": {"body": "right_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]}
+  }
+})";
+
+constexpr int kX = 0, kZ = 2;
+constexpr int kLeft = 7, kRight = 8, kArm = 9, kKnob = 10;
+
+using Movement = std::function<void(int frame, std::span<double> qpos)>;
+
+class MeasureQuality : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const TemporaryFolder folder;
+    robot_ =
+        load_robot(folder.write("walker.xml", kWalker), folder.write("robot.json", kWalkerProfile))
+            .value();
+  }
+
+  // soles on the floor, but for what the movement changes
+  RobotClip make(int frames, const Movement& movement) const {
+    RobotClip clip(robot_, {30, 1}, frames);
+    for (int frame = 0; frame < frames; ++frame) {
+      clip.qpos(frame)[kZ] = 0.5;
+      movement(frame, clip.qpos(frame));
+    }
+    return clip;
+  }
+  QualityReport measure(int frames, const Movement& movement,
+                        const HumanClip* human = nullptr) const {
+    const QualitySource source{human, nullptr, HeightScale::kPublished};
+    return measure_quality(make(frames, movement), robot_->model_limits(),
+                           human == nullptr ? nullptr : &source);
+  }
+
+  std::shared_ptr<const Robot> robot_;
+};
+
+double figure(const QualityReport& report, std::string_view key) {
+  const MetricValue* found = report.find(key);
+  EXPECT_NE(found, nullptr) << key;
+  return found == nullptr ? std::nan("") : found->value;
+}
+
+std::vector<Fault> faults_of(const QualityReport& report, const std::string& metric) {
+  std::vector<Fault> found;
+  for (const Fault& fault : report.faults) {
+    if (fault.metric == metric) found.push_back(fault);
+  }
+  return found;
+}
+
+// a human whose feet stand for a second
+HumanClip standing_human(int frames) {
+  HumanClip human;
+  human.frame_count = frames;
+  human.sources.assign(kBoneCount, "");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  for (const auto& [name, x, z] : {std::tuple{"UpLeg", 0.0, 0.93},
+                                   {"Leg", 0.0, 0.5},
+                                   {"Foot", 0.0, 0.08},
+                                   {"Toe", 0.1, 0.02}}) {
+    for (const std::string side : {"Left", "Right"}) {
+      const int bone = find_bone(side + name).value();
+      human.sources[bone] = name;
+      for (int i = 0; i < frames; ++i) {
+        human.world_from_bone[static_cast<std::size_t>(i) * kBoneCount + bone].translation =
+            Eigen::Vector3d(x, side == "Left" ? 0.1 : -0.1, z);
+      }
+    }
+  }
+  return human;
+}
+
+TEST_F(MeasureQuality, ARobotThatStandsStillHasNoFaults) {
+  const HumanClip human = standing_human(30);
+  const QualityReport report = measure(
+      30, [](int, auto) {}, &human);
+  for (const char* key : {"limit_pct",         "limit_max_rad",    "speed_limit_pct",
+                          "peak_speed",        "fast_3pi_pct",     "jumps",
+                          "jump_frames",       "acc_rms",          "acc_p99",
+                          "root_jerk_mean",    "foot_pen_1cm_pct", "body_pen_1cm_pct",
+                          "float_2cm_pct",     "flat_slip_p50",    "self_1cm_pct",
+                          "self_max_cm",       "self_all_1cm_pct", "float_planted_pct",
+                          "contact_slip_mean", "contact_slip_p95", "contact_drift_p95_cm"}) {
+    EXPECT_EQ(figure(report, key), 0.0) << key;
+  }
+  EXPECT_NEAR(figure(report, "foot_pen_max_cm"), 0.0, 1e-12);
+  EXPECT_NEAR(figure(report, "contact_height_p50_cm"), 0.0, 1e-12);
+  EXPECT_EQ(figure(report, "contact_pct"), 100.0);
+  EXPECT_EQ(figure(report, "contact_agreement_pct"), 100.0);
+  EXPECT_EQ(figure(report, "contact_kept_pct"), 100.0);
+  EXPECT_THAT(report.faults, IsEmpty());
+}
+
+TEST_F(MeasureQuality, AFootThatSlidesWithATenthOfAMetrePerSecondReadsIt) {
+  const HumanClip human = standing_human(31);
+  const QualityReport report = measure(
+      31, [](int frame, auto qpos) { qpos[kX] = 0.1 * frame / 30.0; }, &human);
+  for (const char* key : {"contact_slip_mean", "contact_slip_p95", "flat_slip_p50"}) {
+    EXPECT_NEAR(figure(report, key), 0.1, 1e-12) << key;
+  }
+  // 10 cm in the second, half of it to each side of the middle
+  EXPECT_NEAR(figure(report, "contact_drift_p95_cm"), 5.0, 1e-9);
+  EXPECT_EQ(figure(report, "contact_agreement_pct"), 100.0);
+}
+
+TEST_F(MeasureQuality, AFootThatHoversFloats) {
+  const HumanClip human = standing_human(30);
+  const QualityReport report = measure(
+      30, [](int frame, auto qpos) { qpos[kZ] = frame < 6 ? 0.53 : 0.5; }, &human);
+  EXPECT_DOUBLE_EQ(figure(report, "float_planted_pct"), 20.0);
+  EXPECT_DOUBLE_EQ(figure(report, "float_2cm_pct"), 20.0);
+  EXPECT_DOUBLE_EQ(figure(report, "contact_kept_pct"), 80.0 - 100.0 / 30.0);  // and the landing
+  const auto faults = faults_of(report, "float_planted_pct");
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].begin, 0);
+  EXPECT_EQ(faults[0].end, 6);
+  EXPECT_NEAR(faults[0].amount, 0.03, 1e-12);
+}
+
+TEST_F(MeasureQuality, SoleAndBodyInTheFloor) {
+  // soles 1.5 cm deep in frame 3 alone
+  const QualityReport deep =
+      measure(10, [](int frame, auto qpos) { qpos[kZ] = frame == 3 ? 0.485 : 0.5; });
+  EXPECT_DOUBLE_EQ(figure(deep, "foot_pen_1cm_pct"), 10.0);
+  EXPECT_NEAR(figure(deep, "foot_pen_max_cm"), 1.5, 1e-9);
+  EXPECT_DOUBLE_EQ(figure(deep, "body_pen_1cm_pct"), 10.0);
+  // upside down the hand, a ball of 10 cm, is the lowest: 30 cm below the base
+  const QualityReport turned = measure(10, [](int frame, auto qpos) {
+    qpos[3] = 0.0;
+    qpos[4] = 1.0;
+    qpos[kZ] = frame < 5 ? 0.288 : 0.292;
+  });
+  EXPECT_DOUBLE_EQ(figure(turned, "foot_pen_1cm_pct"), 0.0);
+  EXPECT_DOUBLE_EQ(figure(turned, "body_pen_1cm_pct"), 50.0);
+  EXPECT_NEAR(figure(turned, "body_pen_max_cm"), 1.2, 1e-9);
+}
+
+TEST_F(MeasureQuality, StepsSpeedsAndLimits) {
+  // the right joint goes 0.6 rad in one step and back in the next
+  const QualityReport report =
+      measure(11, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0.0; });
+  EXPECT_EQ(figure(report, "jumps"), 2.0);
+  EXPECT_EQ(figure(report, "jump_frames"), 2.0);
+  EXPECT_DOUBLE_EQ(figure(report, "max_step_rad"), 0.6);
+  EXPECT_DOUBLE_EQ(figure(report, "peak_speed"), 18.0);
+  EXPECT_DOUBLE_EQ(figure(report, "fast_3pi_pct"), 20.0);
+  EXPECT_DOUBLE_EQ(figure(report, "speed_limit_pct"), 20.0);
+  EXPECT_DOUBLE_EQ(figure(report, "speed_limit_max_ratio"), 4.5);
+  // second differences 0.6, -1.2, 0.6 of nine in four joints
+  EXPECT_NEAR(figure(report, "acc_rms"), 900.0 * std::sqrt(2.16 / 36.0), 1e-9);
+  EXPECT_EQ(report.speed_limits_given, 1);
+  EXPECT_EQ(report.speed_limits_assumed, 3);
+  const auto faults = faults_of(report, "jumps");
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].where, "right");
+  EXPECT_EQ(faults[0].begin, 4);
+  EXPECT_EQ(faults[0].end, 6);
+}
+
+TEST_F(MeasureQuality, SpeedsCountPerSecondWhateverTheRate) {
+  RobotClip clip(robot_, {120, 1}, 121);
+  for (int frame = 0; frame <= 120; ++frame) clip.qpos(frame)[kLeft] = 10.0 * frame / 120.0 - 5.0;
+  const QualityReport report = measure_quality(clip, robot_->model_limits());
+  EXPECT_NEAR(figure(report, "peak_speed"), 10.0, 1e-9);
+  EXPECT_DOUBLE_EQ(figure(report, "fast_3pi_pct"), 100.0);
+  EXPECT_DOUBLE_EQ(figure(report, "speed_limit_pct"), 0.0);
+}
+
+TEST_F(MeasureQuality, EveryLimitSetIsReported) {
+  const QualityReport report = measure(10, [](int frame, auto qpos) {
+    qpos[kLeft] = frame < 4 ? 0.5 : 0.1 + 5e-7;
+    qpos[kRight] = frame == 9 ? -1.25 : 0.0;
+  });
+  EXPECT_DOUBLE_EQ(figure(report, "limit_pct"), 10.0);
+  EXPECT_DOUBLE_EQ(figure(report, "limit_max_rad"), 0.25);
+  ASSERT_EQ(report.limit_sets.size(), 2u);
+  EXPECT_EQ(report.limit_sets[0].name, "model");
+  EXPECT_EQ(report.limit_sets[1].name, "narrow");
+  EXPECT_DOUBLE_EQ(report.limit_sets[1].frames_pct, 50.0);
+  EXPECT_EQ(report.limit_sets[1].joint, "left");
+  EXPECT_DOUBLE_EQ(report.limit_sets[1].worst_excess, 0.4);
+}
+
+TEST_F(MeasureQuality, SelfCollisionIsDeepAndSampled) {
+  // the hand's ball comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5
+  const QualityReport report =
+      measure(10, [](int frame, auto qpos) { qpos[kArm] = frame == 4 || frame == 5 ? 0.12 : 0.0; });
+  EXPECT_DOUBLE_EQ(figure(report, "self_all_1cm_pct"), 20.0);
+  EXPECT_NEAR(figure(report, "self_all_max_cm"), 2.0, 1e-9);
+  // of frames 0 and 5
+  EXPECT_DOUBLE_EQ(figure(report, "self_1cm_pct"), 50.0);
+  EXPECT_NEAR(figure(report, "self_max_cm"), 2.0, 1e-9);
+  const auto faults = faults_of(report, "self_all_1cm_pct");
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].where, "hand in knob");
+}
+
+TEST_F(MeasureQuality, RootJerk) {
+  // x = t^3 has the jerk 6
+  const QualityReport report =
+      measure(20, [](int frame, auto qpos) { qpos[kX] = std::pow(frame / 30.0, 3); });
+  EXPECT_NEAR(figure(report, "root_jerk_mean"), 6.0, 1e-9);
+  EXPECT_NEAR(figure(report, "root_jerk_p99"), 6.0, 1e-9);
+}
+
+TEST_F(MeasureQuality, FaultsAreTheWorstFirstAndFew) {
+  // 20 runs of one frame, ever farther beyond the limit of 1
+  const QualityReport report = measure(40, [](int frame, auto qpos) {
+    qpos[kRight] = frame % 2 == 1 ? 1.0 + 0.001 * (frame + 1) : 0.0;
+    qpos[kKnob] = 0.0;
+  });
+  const auto faults = faults_of(report, "limit_pct");
+  ASSERT_EQ(faults.size(), QualityOptions{}.faults_per_metric);
+  EXPECT_EQ(faults[0].worst_frame, 39);
+  EXPECT_NEAR(faults[0].amount, 0.04, 1e-12);
+  EXPECT_EQ(faults[1].worst_frame, 37);
+}
+
+TEST_F(MeasureQuality, VeryShortMotions) {
+  for (const int frames : {1, 2, 3}) {
+    const HumanClip human = standing_human(frames);
+    const QualityReport report = measure(
+        frames, [](int, auto) {}, &human);
+    EXPECT_EQ(report.frames, frames);
+    EXPECT_EQ(figure(report, "limit_pct"), 0.0);
+    EXPECT_EQ(figure(report, "float_planted_pct"), 0.0);
+    EXPECT_EQ(report.find("jumps") != nullptr, frames > 1);
+    EXPECT_EQ(report.find("acc_p99") != nullptr, frames > 2);
+    EXPECT_EQ(report.find("contact_slip_mean") != nullptr, frames > 2);
+    EXPECT_FALSE(report_json({&report, 1}).empty());
+  }
+}
+
+TEST_F(MeasureQuality, ASourceThatIsShorterOrLonger) {
+  for (const int frames : {12, 40}) {
+    const HumanClip human = standing_human(frames);
+    const QualityReport report = measure(
+        24, [](int, auto) {}, &human);
+    EXPECT_EQ(report.source_frames, std::min(frames, 24));
+    EXPECT_DOUBLE_EQ(figure(report, "contact_pct"), frames < 24 ? 50.0 : 100.0);
+  }
+}
+
+TEST_F(MeasureQuality, JsonHasEveryFigureAndItsDefinition) {
+  const HumanClip human = standing_human(30);
+  QualityReport report = measure(
+      30, [](int, auto) {}, &human);
+  report.file = "bad \xff name";
+  const auto json = nlohmann::json::parse(report_json({&report, 1}));
+  const auto& motion = json["motions"][0];
+  EXPECT_EQ(motion["frames"], 30);
+  for (const MetricValue& value : report.values) {
+    const std::string key(value.metric->key);
+    EXPECT_EQ(motion[key].get<double>(), value.value);
+    EXPECT_TRUE(json["metrics"][key].contains("unit"));
+  }
+}
+
+TEST_F(MeasureQuality, TextHasAColumnPerMotionAndNamesWhatMissed) {
+  std::vector<QualityReport> reports;
+  reports.push_back(measure(10, [](int, auto) {}));
+  reports.push_back(measure(10, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0; }));
+  reports[0].file = "still.csv";
+  reports[1].file = "jump.csv";
+  Gates gates;
+  gates.set({"jumps", std::nullopt, 0.0});
+  for (QualityReport& report : reports) gates.judge(report);
+  const std::string text = report_text(reports);
+  EXPECT_THAT(text, HasSubstr("still.csv  jump.csv"));
+  EXPECT_THAT(text, HasSubstr("2 *"));
+  EXPECT_THAT(text, HasSubstr("jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
+}
+
+TEST(Metrics, KeysAreDistinctAndFound) {
+  for (const Metric& metric : quality_metrics()) {
+    EXPECT_EQ(find_metric(metric.key), &metric);
+    EXPECT_FALSE(metric.unit.empty() || metric.definition.empty() || metric.source.empty());
+  }
+  EXPECT_EQ(find_metric("no_metric"), nullptr);
+}
+
+TEST(Metrics, AreDefinedInTheDocumentationInTheSameWords) {
+  const auto page = read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md");
+  ASSERT_TRUE(page) << describe(page.error());
+  for (const Metric& metric : quality_metrics()) {
+    std::string row = "| `";
+    row.append(metric.key).append("` | ").append(metric.unit).append(" | ");
+    row.append(metric.definition).append(" | ").append(metric.source).append(" |");
+    EXPECT_NE(page->view().find(row), std::string_view::npos) << row;
+  }
+}
+
+TEST(GatesTest, AreReadReplacedAndRemoved) {
+  Gates gates;
+  ASSERT_TRUE(gates.add_json(
+      R"({"gates": {"jumps": 0, "limit_pct": {"max": 1}, "contact_height_p50_cm": {"min": -1, "max": 1}}})",
+      "g.json"));
+  ASSERT_TRUE(gates.add_json(R"({"gates": {"jumps": 5, "limit_pct": null}})", "h.json"));
+  ASSERT_EQ(gates.all().size(), 2u);
+  EXPECT_EQ(gates.all()[0].metric, "contact_height_p50_cm");
+  EXPECT_EQ(gates.all()[0].least, -1.0);
+  EXPECT_EQ(gates.all()[1].metric, "jumps");
+  EXPECT_EQ(gates.all()[1].most, 5.0);
+}
+
+TEST(GatesTest, JudgeByInclusiveBounds) {
+  Gates gates;
+  gates.set({"jumps", std::nullopt, 2.0});
+  gates.set({"contact_height_p50_cm", -0.1, 0.1});
+  QualityReport report;
+  report.values = {{find_metric("jumps"), 2.0, std::nullopt}};
+  gates.judge(report);
+  ASSERT_EQ(report.gates.size(), 2u);
+  EXPECT_TRUE(report.passed());  // what was not measured is not missed
+  report.values = {{find_metric("jumps"), 3.0, std::nullopt},
+                   {find_metric("contact_height_p50_cm"), -0.2, std::nullopt}};
+  gates.judge(report);
+  EXPECT_FALSE(report.gates[0].passed);
+  EXPECT_FALSE(report.gates[1].passed);
+}
+
+TEST(GatesTest, FaultsAreNamedAllAtOnce) {
+  Gates gates;
+  const auto done = gates.add_json(
+      R"({"gates": {"jmps": 0, "acc_p99": "low", "limit_pct": {"most": 1}, "self_max_cm": {}}})",
+      "g.json");
+  ASSERT_FALSE(done);
+  const std::string text = describe(done.error());
+  EXPECT_THAT(text, HasSubstr("4 faults in the gates"));
+  EXPECT_THAT(text, HasSubstr("did you mean \"jumps\"?"));
+  EXPECT_EQ(done.error().kind, ErrorKind::kConfig);
+  EXPECT_TRUE(gates.all().empty());
+  EXPECT_FALSE(gates.add_json("{}", "g.json"));
+  EXPECT_FALSE(gates.add_json("[", "g.json"));
+}
+
+TEST(GatesTest, TheDefaultsAreGates) {
+  Gates gates;
+  const auto done =
+      gates.add_file(std::string(RETARGET_SOURCE_DIR) + "/configs/quality/default.json");
+  ASSERT_TRUE(done) << describe(done.error());
+  EXPECT_GT(gates.all().size(), 5u);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,212 @@
+// `retarget evaluate`: how good robot motions are, held against gates.
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "read_source.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+#include "retarget/io/read_robot_csv.h"
+#include "retarget/quality/measure.h"
+#include "retarget/robot/limits.h"
+#include "run_report.h"
+#include "run_setup.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// what all motions of one call are measured with
+struct Measures {
+  std::shared_ptr<const Robot> robot;
+  LimitSet limits;
+  FrameRate rate;
+  std::optional<HumanClip> human;
+  std::optional<IkTables> tables;
+  HeightScale scale = HeightScale::kPublished;
+  std::string source;  // file name
+  Gates gates;
+};
+
+Result<void> check_usage(const EvaluateOptions& options) {
+  const RunOptions& run = options.run;
+  if (run.robot.empty() == run.robot_xml.empty()) {
+    return run.robot.empty()
+               ? usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE")
+               : usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!run.robot_profile.empty() && run.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!run.source.file.empty() && !run.smpl_file.empty()) {
+    return usage_failure("--bvh and --smpl both name a motion", "give one of them");
+  }
+  const bool source = !run.source.file.empty() || !run.smpl_file.empty();
+  if (!source && (run.start_s >= 0.0 || run.fps == "source")) {
+    return usage_failure(
+        std::string(run.fps == "source" ? "--fps source" : "--start") + " needs the source",
+        "add --bvh FILE");
+  }
+  const auto inputs = std::ranges::count(options.motions, "-") + (run.source.file == "-" ? 1 : 0);
+  if (inputs > 1) return usage_failure("standard input can be read once only");
+  if (options.json.empty()) return {};
+  return check_output_folder(options.json);
+}
+
+// `METRIC=NUMBER` or `METRIC=none`
+Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
+  Gate gate{text.substr(0, equals), std::nullopt, std::nullopt};
+  if (find_metric(gate.metric) == nullptr) {
+    return usage_failure("--gate names an unknown metric \"" + gate.metric + "\"" +
+                         did_you_mean(gate.metric, metric_keys()));
+  }
+  const std::string_view number = std::string_view(text).substr(equals + 1);
+  if (number == "none") return gate;
+  double most = 0.0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), most);
+  if (error != std::errc() || end != number.data() + number.size()) {
+    return usage_failure("--gate " + gate.metric +
+                         "= must be followed by a number or none, found \"" + std::string(number) +
+                         "\"");
+  }
+  gate.most = most;
+  return gate;
+}
+
+Result<Gates> gates_of(const EvaluateOptions& options, const fs::path& data_folder) {
+  auto gates = default_gates(data_folder);
+  if (!gates) return gates;
+  for (const std::string& text : options.gates) {
+    const std::size_t equals = text.find('=');
+    std::error_code ignored;
+    if (text == "none") {
+      gates->clear();
+    } else if (equals == std::string::npos || fs::exists(text, ignored)) {
+      if (auto added = gates->add_file(text); !added) return failure(added.error());
+    } else {
+      auto gate = gate_from_text(text, equals);
+      if (!gate) return failure(gate.error());
+      gates->set(std::move(*gate));
+    }
+  }
+  return gates;
+}
+
+Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
+                        const fs::path& data_folder, Measures& measures, Console& console) {
+  auto tables = load_mapping(run, robot, data_folder);
+  if (!tables) return failure(tables.error());
+  const auto source = load_source(run, data_folder, console);
+  if (!source) return failure(source.error());
+  measures.tables = std::move(*tables);
+  measures.human = to_human(source->clip, source->human.calibration.mapping);
+  measures.scale = tracking_scale(run, *source);
+  measures.rate = source->clip.rate();
+  measures.source = fs::path(source_name(run.source)).filename().string();
+  return {};
+}
+
+Result<Measures> load_measures(const EvaluateOptions& options, Console& console) {
+  RunOptions run = options.run;
+  if (!run.smpl_file.empty()) {
+    run.source.file = run.smpl_file;
+    run.source.smpl = true;
+  }
+  const auto data_folder = data_folder_of(run.common);
+  if (!data_folder) return failure(data_folder.error());
+  Measures measures;
+  auto gates = gates_of(options, *data_folder);
+  if (!gates) return failure(gates.error());
+  measures.gates = std::move(*gates);
+  const auto robot = load_chosen_robot(run, *data_folder, console);
+  if (!robot) return failure(robot.error());
+  measures.robot = robot->robot;
+  auto limits = load_limits(*measures.robot,
+                            run.limits.empty() ? measures.robot->limits_for({}) : run.limits);
+  if (!limits) return failure(limits.error());
+  measures.limits = std::move(*limits);
+  const auto rate = output_rate(run.fps);
+  if (!rate) return failure(rate.error());
+  if (*rate) measures.rate = **rate;
+  if (run.source.file.empty()) return measures;
+  if (auto added = add_source(run, *robot, *data_folder, measures, console); !added) {
+    return failure(added.error());
+  }
+  return measures;
+}
+
+Result<QualityReport> evaluate_motion(const std::string& file, const EvaluateOptions& options,
+                                      const Measures& measures, Console& console) {
+  const ReadRobotCsvOptions csv{options.run.quaternion == "wxyz" ? QuaternionOrder::kWxyz
+                                                                 : QuaternionOrder::kXyzw};
+  const auto clip = load_robot_csv(file, measures.robot, measures.rate, csv);
+  if (!clip) return failure(clip.error());
+  QualitySource source;
+  if (measures.human) {
+    source = {&*measures.human, &*measures.tables, measures.scale};
+    if (measures.human->frame_count < clip->frame_count()) {
+      console.warn({{0, 0,
+                     "the source has " + count_text(measures.human->frame_count, "frame") +
+                         " from its start on for the " + count_text(clip->frame_count(), "frame") +
+                         " of the motion: contacts and tracking end with it"}},
+                   file);
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  QualityReport report =
+      measure_quality(*clip, measures.limits, measures.human ? &source : nullptr);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  report.file = file == "-" ? "-" : fs::path(file).filename().string();
+  report.source = measures.source;
+  measures.gates.judge(report);
+  console.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
+                               number_text(time.count(), 2) + " s");
+  return report;
+}
+
+// which motion missed what
+Failure missed_failure(const std::vector<QualityReport>& reports) {
+  std::vector<std::string> missed;
+  for (const QualityReport& report : reports) {
+    for (const GateResult& gate : report.gates) {
+      if (!gate.passed) missed.push_back(report.file + " " + gate.metric);
+    }
+  }
+  const auto count = static_cast<long>(missed.size());
+  return run_failure("", count_text(count, "gate") + " missed: " + list_names(missed, 6));
+}
+
+Result<void> evaluate_checked(const EvaluateOptions& options, Console& console) {
+  if (auto usage = check_usage(options); !usage) return usage;
+  const auto measures = load_measures(options, console);
+  if (!measures) return failure(measures.error());
+  std::vector<QualityReport> reports;
+  for (const std::string& file : options.motions) {
+    auto report = evaluate_motion(file, options, *measures, console);
+    if (!report) return failure(report.error());
+    reports.push_back(std::move(*report));
+  }
+  if (!options.json.empty()) {
+    if (auto written = write_file(options.json, report_json(reports)); !written) return written;
+  }
+  if (options.json != "-") {
+    if (auto written = write_file("-", report_text(reports)); !written) return written;
+  }
+  const bool passed = std::ranges::all_of(reports, &QualityReport::passed);
+  if (!passed) return missed_failure(reports);
+  return {};
+}
+
+}  // namespace
+
+ExitCode evaluate(const EvaluateOptions& options, Console& console) {
+  const auto done = evaluate_checked(options, console);
+  return done ? kDone : console.fail(done.error());
+}
+
+}  // namespace retarget::cli

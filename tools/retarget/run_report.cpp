@@ -1,0 +1,50 @@
+#include "run_report.h"
+
+#include <algorithm>
+
+#include "read_source.h"
+#include "retarget/base/file.h"
+#include "retarget/io/read_robot_csv.h"
+#include "retarget/quality/measure.h"
+#include "retarget/robot/normalize_start.h"
+
+namespace retarget::cli {
+
+namespace fs = std::filesystem;
+
+Result<Gates> default_gates(const fs::path& data_folder) {
+  Gates gates;
+  const fs::path file = data_folder / "configs" / "quality" / "default.json";
+  if (auto added = gates.add_file(file.string()); !added) return failure(added.error());
+  return gates;
+}
+
+Result<void> write_run_report(const RunOptions& options, const RunReportInputs& inputs,
+                              const fs::path& data_folder, Console& console) {
+  const auto gates = default_gates(data_folder);
+  if (!gates) return failure(gates.error());
+  // what counts is what was printed, digits cut off and all
+  RobotClip moved = inputs.motion;
+  if (options.normalize_start) normalize_start(moved);
+  RobotCsvOptions csv;
+  csv.precision = inputs.csv.precision;
+  const auto printed = parse_robot_csv(format_robot_csv(moved, csv), moved.shared_robot(),
+                                       moved.rate(), options.output);
+  if (!printed) return failure(printed.error());
+  const HumanClip human = to_human(inputs.source.clip, inputs.source.human.calibration.mapping);
+  const QualitySource source{&human, &inputs.tables, tracking_scale(options, inputs.source)};
+  QualityReport report = measure_quality(*printed, inputs.limits, &source);
+  report.file = options.output == "-" ? "-" : fs::path(options.output).filename().string();
+  report.source = fs::path(source_name(options.source)).filename().string();
+  gates->judge(report);
+  if (auto written = write_file(options.report, report_json({&report, 1})); !written) {
+    return written;
+  }
+  const auto missed =
+      std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
+  console.line("report", options.report + ": " + count_text(missed, "gate") + " of " +
+                             std::to_string(report.gates.size()) + " missed");
+  return {};
+}
+
+}  // namespace retarget::cli

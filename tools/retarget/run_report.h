@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+
+#include "console.h"
+#include "options.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/quality/gates.h"
+#include "retarget/robot/limits.h"
+#include "retarget/robot/robot_clip.h"
+#include "run_setup.h"
+
+namespace retarget::cli {
+
+/// The gates of configs/quality/default.json.
+[[nodiscard]] Result<Gates> default_gates(const std::filesystem::path& data_folder);
+
+/// What a run made, and from what.
+struct RunReportInputs {
+  const RobotClip& motion;
+  const Source& source;
+  const IkTables& tables;
+  const LimitSet& limits;
+  RobotCsvOptions csv;
+};
+
+/// Measures the motion as it was printed and writes --report.
+[[nodiscard]] Result<void> write_run_report(const RunOptions& options,
+                                            const RunReportInputs& inputs,
+                                            const std::filesystem::path& data_folder,
+                                            Console& console);
+
+}  // namespace retarget::cli

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "console.h"
+#include "human_source.h"
+#include "options.h"
+#include "retarget/motion/clip.h"
+#include "retarget/motion/frame_rate.h"
+#include "retarget/pipeline/ik_tables.h"
+#include "retarget/pipeline/targets.h"
+#include "retarget/robot/robot.h"
+
+namespace retarget::cli {
+
+/// The motion as it is solved.
+struct Source {
+  Clip clip;  ///< Cut and at the output rate.
+  HumanSource human;
+};
+
+/// A robot and the model file that it came from.
+struct ChosenRobot {
+  std::shared_ptr<const Robot> robot;
+  std::string model;
+};
+
+/// The folder that holds robots/ and configs/.
+[[nodiscard]] Result<std::filesystem::path> data_folder_of(const CommonOptions& options);
+
+/// The motion file and the human in it; says what was found.
+[[nodiscard]] Result<Source> load_source(const RunOptions& options,
+                                         const std::filesystem::path& data_folder,
+                                         Console& console);
+
+/// The robot that --robot or --robot-xml names.
+[[nodiscard]] Result<ChosenRobot> load_chosen_robot(const RunOptions& options,
+                                                    const std::filesystem::path& data_folder,
+                                                    Console& console);
+
+/// The mapping of --ik-config, or the robot's own.
+[[nodiscard]] Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
+                                            const std::filesystem::path& data_folder);
+
+/// How the body's size counts in the targets that tracking is measured against, by --scale and the
+/// kind of source: the table's scales as published, or with every body brought to one size.
+[[nodiscard]] HeightScale tracking_scale(const RunOptions& options, const Source& source);
+
+/// How the body's size scales the motion: as --scale says, else as is best for the source.
+[[nodiscard]] HeightScale choose_scale(const HumanSource& human, const Robot& robot,
+                                       const IkTables& tables, const RunOptions& options);
+
+/// The rate that --fps names; nothing: the source's own.
+[[nodiscard]] Result<std::optional<FrameRate>> output_rate(const std::string& text);
+
+}  // namespace retarget::cli
