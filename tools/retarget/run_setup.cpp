@@ -1,0 +1,162 @@
+#include "run_setup.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "read_source.h"
+#include "retarget/base/data_folder.h"
+#include "retarget/base/suggest.h"
+#include "retarget/motion/clip_range.h"
+#include "retarget/motion/resample.h"
+#include "retarget/pipeline/limb_lengths.h"
+#include "retarget/robot/find_robot.h"
+#include "retarget/robot/load_robot.h"
+#include "retarget/robot/variant.h"
+
+namespace retarget::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// the part of the clip that the user asked for
+Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
+  if (options.frames.empty() && options.start_s < 0.0 && options.end_s < 0.0) return clip;
+  const auto given = [](double seconds) {
+    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
+  };
+  const auto range = options.frames.empty()
+                         ? frame_range_from_seconds(given(options.start_s), given(options.end_s),
+                                                    clip.rate(), clip.frame_count())
+                         : frame_range_from_text(options.frames, clip.frame_count());
+  if (!range) return failure(range.error());
+  return cut(clip, range->begin, range->end);
+}
+
+// the clip, cut and at the output rate
+Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
+  const auto rate = output_rate(options.fps);
+  if (!rate) return failure(rate.error());
+  auto chosen = choose_frames(std::move(clip), options);
+  if (!chosen || !*rate) return chosen;
+  ResampleOptions resample_options;
+  resample_options.interpolation =
+      options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
+  resample_options.antialias = !options.no_antialias;
+  auto resampled = resample(std::move(*chosen), **rate, resample_options);
+  if (!resampled) resampled.error().file = source_name(options.source);
+  return resampled;
+}
+
+// the mapping that comes with a robot: in its folder, or among the mappings by its name
+Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
+                                 const std::string& robot) {
+  const fs::path own = robot_folder / "ik.json";
+  const fs::path shared = configs / ("lafan1_to_" + robot + ".json");
+  std::error_code ignored;
+  for (const fs::path& path : {own, shared}) {
+    if (fs::is_regular_file(path, ignored)) return path.string();
+  }
+  return config_failure("",
+                        "there is no mapping for the robot \"" + robot + "\": neither " +
+                            own.string() + " nor " + shared.string(),
+                        "add --ik-config FILE");
+}
+
+}  // namespace
+
+Result<std::optional<FrameRate>> output_rate(const std::string& text) {
+  if (text == "source") return std::optional<FrameRate>();
+  double fps = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fps);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  // wider than any motion, narrower than any slip
+  if (!whole || !(fps >= 0.001 && fps <= 1e6)) {
+    return usage_failure("--fps must be a number from 0.001 to 1000000 or `source`, found \"" +
+                         text + "\"");
+  }
+  return frame_rate_from_fps(fps);
+}
+
+Result<Source> load_source(const RunOptions& options, const fs::path& data_folder,
+                           Console& console) {
+  auto motion = read_source(options.source, false, console);
+  if (!motion) return failure(motion.error());
+  const Clip& clip = motion->clip;
+  console.line("read", source_name(options.source) + ": " +
+                           count_text(clip.skeleton().joint_count(), "joint") + ", " +
+                           count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
+                           " fps, " + number_text(clip.duration(), 2) + " s");
+  if (clip.frame_count() == 0) {
+    return input_failure(source_name(options.source), "the clip has no frames to retarget",
+                         "retarget inspect shows its skeleton");
+  }
+  // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
+  auto human =
+      find_human(*motion, options.source, options.human, data_folder / "configs" / "skeletons");
+  if (!human) return failure(human.error());
+  console.line("taken as", human->calibration.mapping.description);
+  for (const std::string& note : human->map.notes) console.line("", note);
+  console.warn(human->calibration.mapping.doubts, source_name(options.source));
+  auto prepared = prepare_clip(std::move(motion->clip), options);
+  if (!prepared) return failure(prepared.error());
+  return Source{std::move(*prepared), std::move(*human)};
+}
+
+Result<fs::path> data_folder_of(const CommonOptions& options) {
+  const auto& chosen = options.data_dir;
+  return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
+}
+
+Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path& data_folder,
+                                      Console& console) {
+  std::string model = options.robot_xml, profile = options.robot_profile;
+  if (model.empty()) {
+    const auto found = find_robot(options.robot, data_folder / "robots");
+    if (!found) return failure(found.error());
+    model = found->model.string();
+    profile = found->profile.string();
+  }
+  auto robot = load_robot(model, profile);
+  if (!robot) return failure(robot.error());
+  if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
+  if (!robot) return failure(robot.error());
+  for (const std::string& warning : (*robot)->warnings()) console.warn({{0, 0, warning}}, model);
+  return ChosenRobot{std::move(*robot), model};
+}
+
+Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
+                              const fs::path& data_folder) {
+  std::string mapping = options.ik_config;
+  if (mapping.empty()) {
+    const auto found = find_mapping(fs::path(robot.model).parent_path(), data_folder / "configs",
+                                    fs::path(robot.robot->name()).filename().string());
+    if (!found) return failure(found.error());
+    mapping = *found;
+  }
+  return load_ik_tables(mapping, robot.robot.get());
+}
+
+HeightScale tracking_scale(const RunOptions& options, const Source& source) {
+  const bool published = source.human.calibration.rest_pose == "lafan1";
+  return options.scale == "table" || (options.scale == "auto" && published)
+             ? HeightScale::kPublished
+             : HeightScale::kNormalised;
+}
+
+HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkTables& tables,
+                         const RunOptions& options) {
+  if (options.scale == "table") return HeightScale::kPublished;
+  if (options.scale == "height") return HeightScale::kNormalised;
+  if (options.scale == "limbs") return HeightScale::kLimbs;
+  // the published method takes every body of LAFAN1 for one
+  if (human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
+  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
+    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  });
+  const bool by_limbs = options.human.height <= 0.0 && measurable && robot_limbs(robot, tables);
+  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
+}
+
+}  // namespace retarget::cli
