@@ -22,6 +22,7 @@ struct TaskPush {
 // a joint at one of its limits, with sums over the frames seen so far
 struct Candidate {
   JointAtLimit found;
+  int pass = 0;  // the last one that moves the joint
   int node = kNoNode;
   std::vector<TaskPush> tasks;  // by task of the pass
 };
@@ -70,31 +71,24 @@ void find_wider_set(const Robot& robot, const LimitSet& limits, JointAtLimit& fo
   }
 }
 
-// the pass whose tasks have the last word
-IkPass last_pass(const RobotClip& clip, const IkTables& tables, const TargetBuilder& targets,
-                 const LimitSet& limits) {
-  const auto problem = make_problem(clip.shared_robot(), tables, targets, limits);
-  return problem->passes.empty() ? IkPass{} : problem->passes.back();
-}
-
-// adds up, frame by frame, how the tasks pull at the candidates
+// adds up, frame by frame, how the tasks of a pass pull at the candidates
 class PushSum {
  public:
-  PushSum(const Robot& robot, IkPass pass, std::vector<Candidate>& candidates)
-      : pass_(std::move(pass)), tree_(robot, bodies_of(pass_)), state_(tree_) {
-    for (Candidate& candidate : candidates) {
-      const auto& nodes = tree_.nodes();
-      const auto node = std::ranges::find(nodes, candidate.found.joint, &MovingTree::Node::joint);
-      if (node != nodes.end()) candidate.node = static_cast<int>(node - nodes.begin());
-      candidate.tasks.resize(pass_.size());
-    }
+  PushSum(const Robot& robot, const IkPass& pass)
+      : pass_(pass), tree_(robot, bodies_of(pass)), state_(tree_) {}
+
+  // the joint's node; kNoNode where no task of the pass moves it
+  [[nodiscard]] int node_of(int joint) const {
+    const auto node = std::ranges::find(tree_.nodes(), joint, &MovingTree::Node::joint);
+    return node == tree_.nodes().end() ? kNoNode : static_cast<int>(node - tree_.nodes().begin());
   }
+
+  [[nodiscard]] std::size_t task_count() const { return pass_.size(); }
 
   // moves the tree; candidates of the frame are added one by one
   void set_frame(std::span<const double> qpos) { state_.update(tree_, qpos); }
 
   void add(Candidate& candidate, std::span<const Pose> world_from_target) const {
-    if (candidate.node == kNoNode) return;
     const int last = tree_.nodes()[candidate.node].last_descendant;
     for (std::size_t t = 0; t < pass_.size(); ++t) {
       const int node = tree_.attachments()[t].node;
@@ -150,10 +144,24 @@ class PushSum {
     push.shortfall[1] += error.angular.norm();
   }
 
-  const IkPass pass_;
-  const MovingTree tree_;
+  IkPass pass_;
+  MovingTree tree_;
   TreeState state_;
 };
+
+// gives each candidate its pass; those that no task moves are dropped
+void find_passes(const std::vector<PushSum>& sums, std::vector<Candidate>& candidates) {
+  for (Candidate& candidate : candidates) {
+    for (int pass = static_cast<int>(sums.size()) - 1; pass >= 0; --pass) {
+      candidate.node = sums[pass].node_of(candidate.found.joint);
+      if (candidate.node == kNoNode) continue;
+      candidate.pass = pass;
+      candidate.tasks.resize(sums[pass].task_count());
+      break;
+    }
+  }
+  std::erase_if(candidates, [](const Candidate& one) { return one.node == kNoNode; });
+}
 
 }  // namespace
 
@@ -164,7 +172,10 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
   std::vector<Candidate> candidates = find_candidates(clip, limits, least_share);
   if (candidates.empty()) return {};
   const Robot& robot = clip.robot();
-  PushSum sum(robot, last_pass(clip, tables, targets, limits), candidates);
+  const auto problem = make_problem(clip.shared_robot(), tables, targets, limits);
+  std::vector<PushSum> sums;
+  for (const IkPass& pass : problem->passes) sums.emplace_back(robot, pass);
+  find_passes(sums, candidates);
   std::vector<Pose> world_from_bone(kBoneCount);
   std::vector<Pose> world_from_target(targets.target_count());
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -174,18 +185,18 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
       const double q = qpos[robot.joints()[candidate.found.joint].qpos_address];
       if (!is_at(limits, candidate.found.joint, candidate.found.at_upper, q)) continue;
       if (!is_set) {
-        sum.set_frame(qpos);
+        for (PushSum& sum : sums) sum.set_frame(qpos);
         poses(frame, world_from_bone);
         targets.build(world_from_bone, world_from_target);
         is_set = true;
       }
-      sum.add(candidate, world_from_target);
+      sums[candidate.pass].add(candidate, world_from_target);
     }
   }
   const std::vector<int> bones = targets.bones();
   std::vector<JointAtLimit> result;
   for (Candidate& candidate : candidates) {
-    candidate.found.push = sum.strongest(candidate, bones);
+    candidate.found.push = sums[candidate.pass].strongest(candidate, bones);
     find_wider_set(robot, limits, candidate.found);
     result.push_back(std::move(candidate.found));
   }

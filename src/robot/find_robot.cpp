@@ -25,7 +25,8 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// `g1` is no typing mistake for `unitree_g1`, but what is meant is plain if only one name has it
+// `g1` is no typing mistake for `unitree_g1`, but what is meant is plain if only one name has it, or
+// all that have it begin with the same one
 std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
   std::string near = did_you_mean(name, known);
   if (!near.empty() || name.empty()) return near;
@@ -33,7 +34,11 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   for (const std::string& robot : known) {
     if (robot.find(lower_case(name)) != std::string::npos) containing.push_back(robot);
   }
-  return containing.size() == 1 ? did_you_mean(containing.front(), containing) : std::string();
+  if (containing.empty()) return {};
+  const auto shortest = std::ranges::min_element(containing, {}, &std::string::size);
+  const bool plain = std::ranges::all_of(
+      containing, [&](const std::string& robot) { return robot.starts_with(*shortest); });
+  return plain ? did_you_mean(*shortest, containing) : std::string();
 }
 
 }  // namespace

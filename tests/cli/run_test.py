@@ -105,6 +105,43 @@ class Output(ToolTest):
         knees = [row[10] for row in read_rows(self.text("--limits", "knees.json"))]
         self.assertTrue(all(0.5 - 1e-3 <= q <= 1.0 for q in knees[5:]), min(knees))
 
+    def test_variants_hold_joints_and_leave_them_out(self):
+        whole = self.text("--csv-header").splitlines()[0].split(",")
+        self.assertEqual(self.text("--dof", 29), self.text())
+        for name, count, held in (("27", 34, ("waist_roll", "waist_pitch")),
+                                  ("23", 30, ("waist_roll", "waist_pitch", "wrist_pitch",
+                                              "wrist_yaw")),
+                                  ("23-pbhc", 30, ("wrist",))):
+            header, body = self.text("--dof", name, "--csv-header").split("\n", 1)
+            left = [joint for joint in whole if not any(word in joint for word in held)]
+            self.assertEqual(header.split(","), left)
+            self.assertEqual({len(row) for row in read_rows(body)}, {count})
+        self.assertIn("23 joints", self.retarget("--dof", "23-pbhc").stderr)
+        self.assert_fails(self.retarget("--dof", "23pbhc"), 4, "unitree_g1", '"23-pbhc"?',
+                          "29, 27, 23, 23-pbhc")
+        self.assert_fails(self.retarget("--dof", 20, robot="fourier_n1"), 4, "23 joints")
+
+    def test_fingers_stay_at_zero_and_leave_the_rest_as_it_is(self):
+        header, body = self.text("--csv-header", robot="unitree_g1_with_hands").split("\n", 1)
+        rows = read_rows(body)
+        plain = read_rows(self.text())
+        fingers = [i for i, name in enumerate(header.split(",")) if "_hand_" in name]
+        self.assertEqual(len(fingers), 14)
+        self.assertEqual({row[i] for row in rows for i in fingers}, {0.0})
+        others = [i for i in range(len(rows[0])) if i not in fingers]
+        rest = [[row[i] for i in others] for row in rows]
+        self.assertIsNone(difference(rest, plain, 2e-6))
+        rows = read_rows(self.text("--dof", 29, robot="unitree_g1_with_hands"))
+        self.assertIsNone(difference(rows, plain, 2e-6))
+
+    def test_summary_names_joints_at_a_limit_and_what_pushes_them(self):
+        self.write("knees.json", '{"left_knee_joint": [0, 0.3]}')
+        summary = self.retarget("--limits", "knees.json", bvh=sample("squat")).stderr
+        self.assertRegex(summary, r"left_knee_joint at its upper limit in \d+ % of frames; task "
+                                  r"Left\w+ (rotation|position), [\d.]+ (degrees|cm) short; "
+                                  r"limit set knees.json is 2.58 rad tighter than official")
+        self.assertNotIn("tighter", self.retarget("--limits", "official").stderr)
+
     def test_another_model_with_its_mapping(self):
         model = SOURCE / "robots/unitree_g1/model.xml"
         mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"

@@ -142,7 +142,6 @@ TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
 INSTANTIATE_TEST_SUITE_P(
     Robots, Engines,
     ::testing::Values(RobotCase{"unitree_g1", "ik_configs/bvh_to_g1.json"},
-                      RobotCase{"unitree_g1_with_hands", "ik_configs/bvh_to_g1.json"},
                       RobotCase{"booster_t1", "ik_configs/bvh_to_t1.json"},
                       RobotCase{"booster_t1_29dof", "ik_configs_2026/bvh_lafan1_to_t1_29dof.json"},
                       RobotCase{"fourier_n1", "ik_configs/bvh_to_n1.json"},

@@ -62,6 +62,9 @@ TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
   EXPECT_THAT(typing_mistake.hint, HasSubstr("maker_one, maker_two"));
   EXPECT_THAT(error_of("Two").message, HasSubstr("did you mean \"maker_two\"?"));
   EXPECT_THAT(error_of("maker").message, Not(HasSubstr("did you mean")));  // could be both
+  fs::create_directory(folder_.path() / "maker_two_with_hands");
+  folder_.write("maker_two_with_hands/model.xml", "");
+  EXPECT_THAT(error_of("two").message, HasSubstr("did you mean \"maker_two\"?"));
   EXPECT_THAT(error_of("").message, AllOf(HasSubstr("no robot"), Not(HasSubstr("did you mean"))));
   EXPECT_THAT(find_robot("x", "no/such/folder").error().hint, HasSubstr("no robots in"));
 }

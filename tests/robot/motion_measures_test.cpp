@@ -58,6 +58,18 @@ TEST(NearestLimit, NamesJointFrameSideAndDistance) {
   EXPECT_FALSE(nearest_limit(RobotClip(robot, {30, 1}, 0), robot->model_limits()));
 }
 
+// the elbow's zero is its lower limit
+TEST(NearestLimit, JointsThatNothingMovesDoNotCount) {
+  const auto robot = robot_from_text(kTwoArms);
+  RobotClip clip(robot, {30, 1}, 3);
+  EXPECT_FALSE(nearest_limit(clip, robot->model_limits()));
+  clip.qpos(1)[7] = 1.0;
+  const auto nearest = nearest_limit(clip, robot->model_limits());
+  ASSERT_TRUE(nearest);
+  EXPECT_EQ(nearest->joint, "left_shoulder");
+  EXPECT_EQ(nearest->frames_at_limit, 0.0);
+}
+
 TEST(NormalizeStart, MovesTheWholeMotionRigidly) {
   const auto robot = robot_from_text(kTwoArms);
   RobotClip clip(robot, {30, 1}, 2);

@@ -81,7 +81,8 @@ TEST(RobotVariantTest, UnknownNamesSuggestAndList) {
 
 TEST(RobotVariantTest, HeldJointsAreNotAtALimit) {
   const auto variant = robot_variant(two_arms(), "one_arm").value();
-  const RobotClip clip(variant, {30, 1}, 2);
+  RobotClip clip(variant, {30, 1}, 2);
+  clip.qpos(1)[8] = 2.4;
   const auto nearest = nearest_limit(clip, variant->model_limits());
   ASSERT_TRUE(nearest);
   EXPECT_EQ(nearest->joint, "left_elbow");

@@ -39,8 +39,9 @@ struct JointAtLimit {
 inline constexpr double kDiagnosedAtLimit = 1e-6;
 
 /// The joints at a limit in at least `least_share` of the frames, most frames first, each with the
-/// task of the mapping's last pass that pushes most against that limit. Joints whose range is one
-/// value are held and not looked at.
+/// task that pushes most against that limit, of the mapping's last pass or, where that moves the
+/// joint not at all, of the one before. Joints that no task moves and joints whose range is one
+/// value, which are held, are left out.
 ///
 /// A push is the derivative of a task's part of the objective,
 ///   1/2 w_p^2 |e_v|^2 or 1/2 w_r^2 |w|^2 with e = log(T_body^-1 T_target) = [e_v; w],

@@ -19,8 +19,9 @@ struct LimitDistance {
 /// A joint this near to a limit (rad or m) is said to be at it.
 inline constexpr double kAtLimit = 1e-3;
 
-/// Joints with a range of one value, which are held, do not count. Nothing for a clip without frames
-/// or a robot without limited joints.
+/// Joints that stay at the zero configuration, as fingers do that nothing moves, and joints with a
+/// range of one value, which are held, do not count. Nothing for a clip without frames or where no
+/// joint that counts is limited.
 [[nodiscard]] std::optional<LimitDistance> nearest_limit(const RobotClip& clip,
                                                          const LimitSet& limits);
 
