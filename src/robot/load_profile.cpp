@@ -1,7 +1,7 @@
 #include "robot/load_profile.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "base/faults.h"
 #include "base/json.h"
@@ -13,11 +13,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kKeys = {"name",           "description",         "source",
-                                        "licence",        "joint_order",         "limit_sets",
-                                        "default_limits", "method_limits",       "speed_limits",
-                                        "soles",          "allowed_self_contact"};
+const std::vector<std::string> kKeys = {"name",
+                                        "description",
+                                        "source",
+                                        "licence",
+                                        "joint_order",
+                                        "limit_sets",
+                                        "default_limits",
+                                        "method_limits",
+                                        "speed_limits",
+                                        "speed_limits_source",
+                                        "default_speed_limit",
+                                        "t_pose",
+                                        "soles",
+                                        "allowed_self_contact",
+                                        "variants"};
 
+const std::vector<std::string> kVariantKeys = {"description", "locked"};
 const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
 const std::vector<std::string> kSides = {"left", "right"};
@@ -54,8 +66,10 @@ class ProfileReader {
     if (!profile_.default_limits.empty()) check_set(profile_.default_limits, "\"default_limits\"");
     read_method_limits();
     read_speed_limits();
+    profile_.t_pose = joint_positions(object("t_pose"), "\"t_pose\"");
     read_soles();
     read_allowed_self_contact();
+    read_variants();
     return std::move(profile_);
   }
 
@@ -167,17 +181,55 @@ class ProfileReader {
     }
   }
 
+  // a positive number; 0 where there is none, which is a fault
+  double speed(const Json& json, const std::string& what) {
+    if (json.is_number() && json.get<double>() > 0.0) return json.get<double>();
+    faults_.add(what + " must be a number above 0, found " + short_text(json));
+    return 0.0;
+  }
+
   void read_speed_limits() {
+    profile_.speed_limits_source = text(json_, "speed_limits_source", "");
+    if (const auto given = json_.find("default_speed_limit"); given != json_.end()) {
+      profile_.default_speed_limit = speed(*given, "\"default_speed_limit\"");
+    }
     const Json* speeds = object("speed_limits");
     if (speeds == nullptr) return;
-    for (const auto& [name, speed] : speeds->items()) {
+    for (const auto& [name, value] : speeds->items()) {
       if (!is_joint(name, "\"speed_limits\"")) continue;
-      if (!speed.is_number() || !(speed.get<double>() > 0.0)) {
-        faults_.add("\"speed_limits\" of " + quoted(name) + " must be a number above 0, found " +
-                    short_text(speed));
+      profile_.speed_limits[name] = speed(value, "\"speed_limits\" of " + quoted(name));
+    }
+  }
+
+  // positions by joint, rad or m
+  std::map<std::string, double> joint_positions(const Json* json, const std::string& what) {
+    std::map<std::string, double> positions;
+    if (json == nullptr) return positions;
+    for (const auto& [name, value] : json->items()) {
+      if (!is_joint(name, what)) continue;
+      if (!value.is_number() || !std::isfinite(value.get<double>())) {
+        faults_.add(what + " of " + quoted(name) + " must be a number, found " + short_text(value));
         continue;
       }
-      profile_.speed_limits[name] = speed.get<double>();
+      positions[name] = value.get<double>();
+    }
+    return positions;
+  }
+
+  void read_variants() {
+    const Json* variants = object("variants");
+    if (variants == nullptr) return;
+    for (const auto& [name, entry] : variants->items()) {
+      const std::string what = "variant " + quoted(name);
+      if (name.empty()) faults_.add("a variant without a name");
+      const auto locked = entry.is_object() ? entry.find("locked") : entry.end();
+      if (locked == entry.end() || !locked->is_object() || locked->empty()) {
+        faults_.add(what + " must be {\"locked\": {joint: position, ...}}");
+        continue;
+      }
+      check_keys(entry, kVariantKeys, what + ": ");
+      profile_.variants.push_back(
+          {name, text(entry, "description", what + ": "), joint_positions(&*locked, what)});
     }
   }
 

@@ -158,6 +158,13 @@ std::string Robot::limits_for(const std::string& method) const {
   return profile_.default_limits.empty() ? model_limits_.name : profile_.default_limits;
 }
 
+double Robot::speed_limit(int joint) const {
+  const RobotJoint& of = joints_[joint];
+  const auto found = profile_.speed_limits.find(of.name);
+  if (found != profile_.speed_limits.end()) return found->second;
+  return of.type == RobotJoint::Type::kHinge ? profile_.default_speed_limit : kInfinity;
+}
+
 std::optional<int> Robot::find_body(std::string_view name) const {
   return index_of(bodies_, name);
 }

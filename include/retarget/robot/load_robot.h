@@ -29,9 +29,13 @@ namespace retarget {
 /// | `default_limits` | name of a set (default: `model`) |
 /// | `method_limits` | method: name of the set that it takes by default |
 /// | `speed_limits` | joint: rad/s or m/s, above 0 |
+/// | `default_speed_limit` | of the hinges that `speed_limits` does not name, rad/s (default: 20) |
+/// | `speed_limits_source` | text |
+/// | `t_pose` | joint: rad or m; joints not named are at 0 |
 /// | `soles` | `left`, `right`: `{"body": name, "points": [[x, y, z], ...], "labels": [text,
 /// ...]}`, metres in the body's frame; labels may be left out | | `allowed_self_contact` | pairs of
 /// bodies whose contact is no fault |
+/// | `variants` | name: `{"locked": {joint: position}, "description": text}`; see variant.h |
 ///
 /// Faults of a profile are named all at once (kConfig), with the nearest name where one is unknown.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot(const std::string& model_path,

@@ -63,6 +63,16 @@ struct CollisionShape {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
 };
 
+/// rad/s; for joints whose speed nobody published.
+inline constexpr double kDefaultSpeedLimit = 20.0;
+
+/// A robot with some of its joints held, as its maker or a training framework has it.
+struct RobotVariant {
+  std::string name;
+  std::string description;               ///< For people; may be empty.
+  std::map<std::string, double> locked;  ///< Held joints and where, rad or m.
+};
+
 /// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
 struct RobotProfile {
   std::string name;
@@ -72,8 +82,13 @@ struct RobotProfile {
   std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
   std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
   std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
+  std::string speed_limits_source;                   ///< For people.
+  double default_speed_limit = kDefaultSpeedLimit;   ///< Of hinges not in speed_limits, rad/s.
+  std::map<std::string, double> t_pose;              ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
+  std::vector<RobotVariant> variants;
+  RobotVariant variant;  ///< The one that this robot is; without a name: none, the whole robot.
 };
 
 /// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
@@ -108,12 +123,16 @@ class Robot {
   /// The body of the free joint.
   [[nodiscard]] int root_body() const { return root_body_; }
   [[nodiscard]] int configuration_size() const;
-  /// The model's qpos0.
+  /// The model's qpos0; joints that the variant holds are where it holds them.
   [[nodiscard]] std::vector<double> zero_configuration() const;
-  /// The ranges of the model itself, as a set called `model`.
+  /// The ranges of the model itself, as a set called `model`; see hold_locked_joints.
   [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
   /// Name of the limit set that a method takes when the user names none.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
+  /// Speed limit of a joint, rad/s or m/s: the profile's, else its default for hinges and infinity
+  /// for slides.
+  /// @param joint  index into joints().
+  [[nodiscard]] double speed_limit(int joint) const;
 
   /// By name; nothing for an empty one, also where the model has elements without a name.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
