@@ -38,9 +38,10 @@ bool is_named(const mjString* text) {
 }
 
 // what is left moves the same way and needs no file beside the MJCF
-void keep_kinematics(mjSpec* spec) {
-  delete_elements(spec, mjOBJ_GEOM, [](mjsElement* element) {
+void keep_kinematics(mjSpec* spec, bool keep_meshes) {
+  delete_elements(spec, mjOBJ_GEOM, [keep_meshes](mjsElement* element) {
     const mjsGeom* geom = mjs_asGeom(element);
+    if (keep_meshes && geom->type == mjGEOM_MESH) return false;
     return is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
            geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF;
   });
@@ -57,6 +58,7 @@ void keep_kinematics(mjSpec* spec) {
                                    mjOBJ_FLEX,     mjOBJ_TUPLE,    mjOBJ_MESH,    mjOBJ_HFIELD,
                                    mjOBJ_MATERIAL, mjOBJ_TEXTURE};
   for (const mjtObj kind : kDropped) {
+    if (keep_meshes && kind == mjOBJ_MESH) continue;
     delete_elements(spec, kind, [](mjsElement*) { return true; });
   }
   // mappings may name bodies that do not move against their parent
@@ -98,6 +100,19 @@ std::string float_base(mjSpec* spec) {
   mjs_addFreeJoint(base);
   const std::string name = mjs_getString(mjs_getName(base->element));
   return name.empty() ? "the topmost body" : name;
+}
+
+// nameless elements of a kind get the kind's word and a number
+void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
+  int number = 0;
+  for (mjsElement* e = mjs_firstElement(spec, kind); e != nullptr; e = mjs_nextElement(spec, e)) {
+    if (is_named(mjs_getName(e))) continue;
+    std::string name;
+    do {
+      name = word + "_" + std::to_string(++number);
+    } while (mjs_findElement(spec, kind, name.c_str()) != nullptr);
+    mjs_setName(e, name.c_str());
+  }
 }
 
 // what holds joints or bodies together beyond the tree
@@ -196,7 +211,11 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!spec) return model_failure(path, text.data());
   LoadedModel loaded;
   note_equalities(spec.get(), loaded);
-  keep_kinematics(spec.get());
+  keep_kinematics(spec.get(), changes.keep_meshes);
+  if (changes.name_all) {
+    name_elements(spec.get(), mjOBJ_BODY, "body");
+    name_elements(spec.get(), mjOBJ_JOINT, "joint");
+  }
   if (changes.float_base) loaded.floated_body = float_base(spec.get());
   loaded.model.reset(mj_compile(spec.get(), nullptr));
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));

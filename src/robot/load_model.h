@@ -22,6 +22,10 @@ struct ModelChanges {
   /// Give the robot a free joint if it has none (URDFs, robots bolted down): the topmost body with
   /// the most joints below it moves freely, which needs it to have no joints of its own.
   bool float_base = false;
+  /// Give bodies and joints that have no name one: body_1, joint_1, ...
+  bool name_all = false;
+  /// Compile the meshes too, for their vertices; their files must be there then.
+  bool keep_meshes = false;
 };
 
 /// Compiles an MJCF (or URDF) file without its meshes and other assets, for kinematics.

@@ -13,7 +13,7 @@ struct HumanLengths {
   double hips_behind = 0.019;      ///< From the middle of the hip joints back to the Hips joint.
   double shoulder_width = 0.173;   ///< From the middle to a shoulder joint.
   double shoulder_height = 0.516;  ///< From the Hips joint up to the shoulder joints.
-  double ankle_height = 0.080;     ///< From the sole up to the ankle.
+  double ankle_height = 0.073;     ///< From the sole up to the ankle.
   double height = 1.75;
 };
 
