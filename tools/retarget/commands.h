@@ -9,5 +9,6 @@ namespace retarget::cli {
 [[nodiscard]] ExitCode run(const RunOptions& options, Console& console);
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, Console& console);
 [[nodiscard]] ExitCode edit(const EditOptions& options, Console& console);
+[[nodiscard]] ExitCode robots(const RobotsOptions& options, Console& console);
 
 }  // namespace retarget::cli

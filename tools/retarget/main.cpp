@@ -290,6 +290,45 @@ CLI::App* add_edit_command(CLI::App& app, EditOptions& options) {
   return command;
 }
 
+// `retarget robots WORD`
+CLI::App* add_robots_action(CLI::App& robots, RobotsOptions& options, RobotsAction action,
+                            const char* name, const char* description) {
+  CLI::App* command = robots.add_subcommand(name, description);
+  command->parse_complete_callback([&options, action] { options.action = action; });
+  if (action == RobotsAction::kList || action == RobotsAction::kShow) {
+    command->add_flag("--json", options.json, "Print JSON")->group(kOutput);
+  }
+  add_common_options(*command, options.common);
+  return command;
+}
+
+CLI::App* add_robots_command(CLI::App& app, RobotsOptions& options) {
+  CLI::App* command = app.add_subcommand("robots", "List, show, check and add robots");
+  command->require_subcommand(1);
+  add_robots_action(*command, options, RobotsAction::kList, "list", "The robots that are there");
+  CLI::App* show = add_robots_action(*command, options, RobotsAction::kShow, "show",
+                                     "A robot's joints, limits, mapping and size");
+  show->add_option("robot", options.robot, "Name or folder")->required()->type_name("ROBOT");
+  CLI::App* check = add_robots_action(*command, options, RobotsAction::kCheck, "check",
+                                      "Every fault and oddity of a robot; exit code 4 on faults");
+  check->add_option("robot", options.robot, "Name, folder or model file")
+      ->required()
+      ->type_name("ROBOT");
+  CLI::App* add = add_robots_action(*command, options, RobotsAction::kAdd, "add",
+                                    "Make a robot's folder from a model");
+  add->add_option("name", options.robot, "The new robot's name")->required()->type_name("NAME");
+  add->add_option("--model", options.model, "MJCF, or URDF; meshes are not needed")
+      ->required()
+      ->type_name("FILE")
+      ->group(kInput);
+  add->add_option("-o,--output", options.output, "Folder to put the robot's folder into")
+      ->type_name("DIR")
+      ->capture_default_str()
+      ->group(kOutput);
+  add->add_flag("--force", options.force, "Replace a folder that is there")->group(kOutput);
+  return command;
+}
+
 // names what the command line holds beyond its options, with the option that may be meant
 Failure unknown_words(const CLI::App& app) {
   std::vector<std::string> known;
@@ -320,6 +359,8 @@ int main_with(int argc, char** argv) {
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
   EditOptions edit_options;
   const CLI::App* edit_command = add_edit_command(app, edit_options);
+  RobotsOptions robots_options;
+  const CLI::App* robots_command = add_robots_command(app, robots_options);
 
   try {
     app.parse(argc, argv);
@@ -340,6 +381,10 @@ int main_with(int argc, char** argv) {
   if (edit_command->parsed()) {
     Console console(edit_options.common.quiet);
     return edit(edit_options, console);
+  }
+  if (robots_command->parsed()) {
+    Console console(robots_options.common.quiet);
+    return robots(robots_options, console);
   }
   Console console(run_options.common.quiet);
   if (!run_options.smpl_file.empty()) {

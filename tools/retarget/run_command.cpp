@@ -19,6 +19,7 @@
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
 #include "retarget/robot/load_robot.h"
+#include "robot_mapping.h"
 
 namespace retarget::cli {
 namespace {
@@ -149,21 +150,6 @@ Result<Source> load_source(const RunOptions& options, const fs::path& data_folde
   auto prepared = prepare_clip(std::move(motion->clip), options);
   if (!prepared) return failure(prepared.error());
   return Source{std::move(*prepared), std::move(*human)};
-}
-
-// the mapping that comes with a robot: in its folder, or among the mappings by its name
-Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
-                                 const std::string& robot) {
-  const fs::path own = robot_folder / "ik.json";
-  const fs::path shared = configs / ("lafan1_to_" + robot + ".json");
-  std::error_code ignored;
-  for (const fs::path& path : {own, shared}) {
-    if (fs::is_regular_file(path, ignored)) return path.string();
-  }
-  return config_failure("",
-                        "there is no mapping for the robot \"" + robot + "\": neither " +
-                            own.string() + " nor " + shared.string(),
-                        "add --ik-config FILE");
 }
 
 Result<fs::path> data_folder_of(const RunOptions& options) {
