@@ -21,7 +21,7 @@ class Sources {
     sources_.resize(kBoneCount);
     for (int bone = 0; bone < kMappedBoneCount; ++bone) {
       if (const int joint = body.joint(bone); joint >= 0 && axes[bone]) {
-        place(bone, joint, joint, *axes[bone]);
+        place(bone, joint, body.turning_joint(bone), *axes[bone]);
       }
     }
     fill_trunk();
@@ -52,7 +52,7 @@ class Sources {
   // turned like `like`, stiffly, as both are in the T-pose
   void turn_with(const std::string& bone, const std::string& like, int position_joint) {
     const int index = index_of(bone), model = index_of(like);
-    place(index, position_joint, body_.joint(model),
+    place(index, position_joint, body_.turning_joint(model),
           *axes_[static_cast<std::size_t>(model)] * canonical_t_pose(model).transpose() *
               canonical_t_pose(index));
   }
@@ -130,12 +130,16 @@ std::string shortest(double value) {
 
 }  // namespace
 
+std::string metres_text(double metres) {
+  return fixed(metres, 2) + " m";
+}
+
 std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes) {
   return Sources(body, axes).take();
 }
 
 std::string describe_calibration(const Calibration& calibration) {
-  const std::string height = fixed(calibration.mapping.height, 2) + " m";
+  const std::string height = metres_text(calibration.mapping.height);
   if (calibration.rest_pose == "lafan1") {
     return "LAFAN1 skeleton, unit " + calibration.unit + ", up " + to_text(calibration.up) +
            ", body height " + height;

@@ -23,6 +23,9 @@ namespace retarget {
 /// @param axes  of the mapped bones.
 [[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes);
 
+/// `1.75 m`.
+[[nodiscard]] std::string metres_text(double metres);
+
 /// What was found out, one line for people.
 [[nodiscard]] std::string describe_calibration(const Calibration& calibration);
 

@@ -47,7 +47,7 @@ class Calibrator {
  private:
   [[nodiscard]] Result<void> check() const;
   void look();
-  [[nodiscard]] bool stands_otherwise() const;
+  [[nodiscard]] bool stands_otherwise(const SignedAxis& custom) const;
   [[nodiscard]] bool has_lafan1_axes() const;
   [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result) const;
   [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result) const;
@@ -55,12 +55,14 @@ class Calibrator {
                                                    const Eigen::Vector3d& up) const;
   [[nodiscard]] std::optional<Candidate> zero_candidate(const Body& body) const;
   [[nodiscard]] std::optional<std::pair<int, Candidate>> best_frame() const;
+  [[nodiscard]] std::optional<Rest> rest_of_dialect() const;
   [[nodiscard]] Result<Rest> find_rest() const;
   [[nodiscard]] Result<Rest> told_rest() const;
   [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
   [[nodiscard]] Result<Rest> taken(std::optional<Candidate> candidate, std::string name) const;
   [[nodiscard]] Result<Unit> find_unit(const Rest& rest) const;
   void doubt_sides();
+  void doubt_height(const Calibration& found);
 
   const Clip& clip_;
   const BoneMap& map_;
@@ -115,7 +117,10 @@ void Calibrator::look() {
     view_.up = *options_.up;
     return;
   }
-  if (map_.dialect == "lafan1" && !stands_otherwise()) return;
+  if (map_.facts.up && !stands_otherwise(nearest_axis(*map_.facts.up))) {
+    view_.up = nearest_axis(*map_.facts.up);
+    return;
+  }
   if (view_.poses.empty()) {
     // y by custom, unless there is a zero pose that stands
     const auto zero = zero_candidate(body_);
@@ -131,14 +136,14 @@ void Calibrator::look() {
   }
 }
 
-// whether a skeleton of LAFAN1, whose zero pose tells nothing and whose files have y up, plainly
-// stands along another axis; people who lie may seem to for a moment
-bool Calibrator::stands_otherwise() const {
+// whether a body plainly stands along another axis than all others of its kind; people who lie may
+// seem to for a moment, and hardly any file has up along a negative axis
+bool Calibrator::stands_otherwise(const SignedAxis& custom) const {
   constexpr std::size_t kFewest = 15;  // one and a half seconds
-  constexpr double kPlainly = 0.5;
+  constexpr double kPlainly = 0.5, kBeyondDoubt = 0.95;
   if (view_.poses.size() < kFewest) return false;
   const UpGuess guess = guess_up(body_, view_.poses);
-  return guess.axis != SignedAxis{} && guess.certainty > kPlainly;
+  return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
 }
 
 std::optional<Candidate> Calibrator::candidate(JointPoses pose, const Eigen::Vector3d& up) const {
@@ -227,9 +232,24 @@ Result<Rest> Calibrator::told_rest() const {
                "frame " + std::to_string(frame));
 }
 
+// the rest pose of a kind of skeleton, when it is one in this file
+std::optional<Rest> Calibrator::rest_of_dialect() const {
+  constexpr double kMostOff = 20.0;  // degrees
+  const std::string& known = map_.facts.rest_pose;
+  std::optional<Candidate> pose;
+  if (known == "zero") pose = zero_candidate(body_);
+  if (known == "first" && clip_.frame_count() > 0) {
+    pose = candidate(frame_pose(clip_, 0), view_.up.direction());
+  }
+  if (!pose || deviation_from_t(body_, *pose).mean > kMostOff) return std::nullopt;
+  auto rest = taken(std::move(pose), known == "zero" ? "zero pose" : "frame 0");
+  return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
+}
+
 Result<Rest> Calibrator::find_rest() const {
   if (options_.tpose) return rest_of_tpose_file();
   if (options_.rest != RestPose::kAuto) return told_rest();
+  if (auto known = rest_of_dialect()) return *std::move(known);
   const auto zero = zero_candidate(body_);
   if (zero && is_well_formed(body_, *zero)) {
     auto rest = taken(zero, "zero pose");
@@ -251,6 +271,10 @@ Result<Rest> Calibrator::find_rest() const {
 Result<Unit> Calibrator::find_unit(const Rest& rest) const {
   if (options_.metres_per_unit) return Unit{"given", *options_.metres_per_unit};
   const double height = standing_hip_height(body_, rest.candidate.pose, rest.candidate.axes);
+  if (map_.facts.metres_per_unit) {
+    const auto unit = unit_of_length(*map_.facts.metres_per_unit);
+    if (is_hip_height_in_metres(height * unit.metres)) return unit;
+  }
   if (const auto unit = guess_unit(height)) return *unit;
   return input_failure(file_,
                        height > 0.0 ? "hips " + std::to_string(height) +
@@ -306,7 +330,7 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) const {
   result.mapping.human_from_source = z_up_from_file(view_.up);
   result.mapping.bones = bone_sources(body_, rest->axes);
   const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
-  result.mapping.height = height > 0.0 ? height : 1.75;
+  result.mapping.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
   const double by_legs = height_of_legs(body_, rest->candidate.pose) * unit->metres;
   result.mapping.size = by_legs > 0.0 ? by_legs : result.mapping.height;
   return {};
@@ -320,6 +344,15 @@ void Calibrator::doubt_sides() {
   }
 }
 
+void Calibrator::doubt_height(const Calibration& found) {
+  constexpr double kSmall = 1.3, kTall = 2.1;  // metres
+  const double height = found.mapping.height;
+  if (height >= kSmall && height <= kTall) return;
+  view_.doubts.push_back({0, 0,
+                          "a body height of " + metres_text(height) + " is unusual: " +
+                              "if the unit is not " + found.unit + ", give --unit"});
+}
+
 Result<Calibration> Calibrator::run() {
   if (const auto checked = check(); !checked) return failure(checked.error());
   look();
@@ -330,7 +363,11 @@ Result<Calibration> Calibrator::run() {
   if (!done) return failure(done.error());
   const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                             result.up == SignedAxis{} && !options_.height;
-  if (options_.height) result.mapping.height = result.mapping.size = *options_.height;
+  if (options_.height) {
+    result.mapping.height = result.mapping.size = *options_.height;
+  } else if (!is_published && !options_.metres_per_unit) {
+    doubt_height(result);
+  }
   result.mapping.doubts.insert(result.mapping.doubts.end(), view_.doubts.begin(),
                                view_.doubts.end());
   if (!is_published) result.mapping.description = describe_calibration(result);

@@ -48,14 +48,15 @@ class DialectReader {
     dialect_.marks = texts("marks");
     read_parents();
     read_directions();
-    dialect_.height = positive("height_m");
-    dialect_.metres_per_unit = positive("metres_per_unit");
-    if (const Json* up = find("up")) dialect_.up = direction(*up, "\"up\"");
-    dialect_.rest_pose = text("rest_pose");
-    if (!dialect_.rest_pose.empty() &&
-        std::ranges::find(kRestPoses, dialect_.rest_pose) == kRestPoses.end()) {
+    dialect_.facts.height = positive("height_m");
+    dialect_.facts.metres_per_unit = positive("metres_per_unit");
+    if (const Json* up = find("up")) dialect_.facts.up = direction(*up, "\"up\"");
+    dialect_.facts.rest_pose = text("rest_pose");
+    if (!dialect_.facts.rest_pose.empty() &&
+        std::ranges::find(kRestPoses, dialect_.facts.rest_pose) == kRestPoses.end()) {
       faults_.add("\"rest_pose\" is one of " + list_names(kRestPoses) + ", found " +
-                  in_quotes(dialect_.rest_pose) + did_you_mean(dialect_.rest_pose, kRestPoses));
+                  in_quotes(dialect_.facts.rest_pose) +
+                  did_you_mean(dialect_.facts.rest_pose, kRestPoses));
     }
     return std::move(dialect_);
   }

@@ -124,22 +124,22 @@ class Learner {
   }
 
   void learn_trunk() {
-    const int hips = body_.joint("Hips");
+    const int hips = body_.turning_joint("Hips");
     set("Hips", mean_line(hips, "UpLeg"), mean_vertical_upright(hips), 2, 0);
     for (const char* bone : {"Spine", "Spine1", "Spine2", "Neck"}) {
-      const int joint = body_.joint(bone);
+      const int joint = body_.turning_joint(bone);
       const Segment& segment = body_.segment(bone);
       // a spine that ends at a joint's child of unknown meaning has no known course
-      if (joint < 0 || !segment.known() || segment.end_joint == joint) continue;
+      if (joint < 0 || !segment.known() || segment.end_joint == segment.joint) continue;
       set(bone, mean_course(joint, segment), mean_line(joint, "Arm"), 0, 2);
     }
-    if (const int head = body_.joint("Head"); head >= 0) {
+    if (const int head = body_.turning_joint("Head"); head >= 0) {
       set("Head", mean_vertical_upright(head), mean_line(head, "Arm"), 0, 2);
     }
   }
 
   void learn_collar(const std::string& side, double sign) {
-    const int joint = body_.joint(side + "Shoulder");
+    const int joint = body_.turning_joint(side + "Shoulder");
     if (joint < 0 || !body_.has("Spine2")) return;
     set(side + "Shoulder", mean_course(joint, body_.segment(side + "Shoulder")),
         sign * mean_course(joint, body_.segment("Spine2")), 0, 2);
@@ -154,7 +154,7 @@ class Learner {
   // Z of `bone` from the bend between the bones `upper` and `lower`
   void learn_hinge(const std::string& upper, const std::string& lower, const std::string& bone,
                    const Bias& bias, double sign) {
-    const int joint = body_.joint(bone);
+    const int joint = body_.turning_joint(bone);
     if (joint < 0 || !body_.has(upper) || !body_.has(lower)) return;
     const bool is_hand = bone.ends_with("Hand");
     const Eigen::Vector3d normal = mean(joint, [&](const JointPoses& pose) {

@@ -35,14 +35,22 @@ std::vector<std::string> ends_of(std::string_view bone) {
   return {};
 }
 
-// where a chain ends without further bones: the farthest of the joint's children and end sites
-Segment free_end(const Skeleton& skeleton, int joint) {
+// where a chain ends without further bones: the farthest of the joint's children and end sites;
+// children on the way to the hips lie on the bone's other side
+Segment free_end(const Skeleton& skeleton, int joint, int hips) {
   Segment segment{joint, joint, Eigen::Vector3d::Zero()};
+  const auto leads_to_hips = [&](const Joint& child) {
+    for (int at = hips; at >= 0; at = skeleton.joint(at).parent) {
+      if (&skeleton.joint(at) == &child) return true;
+    }
+    return false;
+  };
   for (const Eigen::Vector3d& site : skeleton.joint(joint).end_sites) {
     if (site.norm() > segment.offset.norm()) segment.offset = site;
   }
   for (const Joint& child : skeleton.joints()) {
-    if (child.parent == joint && child.offset.norm() > segment.offset.norm()) {
+    if (child.parent == joint && child.offset.norm() > segment.offset.norm() &&
+        !leads_to_hips(child)) {
       segment.offset = child.offset;
     }
   }
@@ -78,7 +86,10 @@ std::vector<int> sampled_frames(const Clip& clip) {
 
 Body::Body(const Skeleton& skeleton, const BoneMap& map)
     : skeleton_(&skeleton), joints_(map.joint_of_bone) {
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) segments_[bone] = find_segment(bone);
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    turning_joints_[bone] = rotation_joint(map, skeleton, kBoneNames[bone]);
+    segments_[bone] = find_segment(bone);
+  }
 }
 
 Segment Body::find_segment(int bone) const {
@@ -87,11 +98,15 @@ Segment Body::find_segment(int bone) const {
   for (const std::string& end : ends_of(kBoneNames[static_cast<std::size_t>(bone)])) {
     if (has(end)) return {start, joint(end), Eigen::Vector3d::Zero()};
   }
-  return free_end(*skeleton_, start);
+  return free_end(*skeleton_, start, joint("Hips"));
 }
 
 int Body::joint(std::string_view bone) const {
   return joint(find_bone(bone).value());
+}
+
+int Body::turning_joint(std::string_view bone) const {
+  return turning_joint(find_bone(bone).value());
 }
 
 const Segment& Body::segment(std::string_view bone) const {

@@ -44,6 +44,11 @@ class Body {
   [[nodiscard]] int joint(int bone) const { return joints_[static_cast<std::size_t>(bone)]; }
   [[nodiscard]] int joint(std::string_view bone) const;
   [[nodiscard]] bool has(std::string_view bone) const { return joint(bone) >= 0; }
+  /// The joint whose rotation turns the bone (rotation_joint); joint() is where the bone begins.
+  [[nodiscard]] int turning_joint(int bone) const {
+    return turning_joints_[static_cast<std::size_t>(bone)];
+  }
+  [[nodiscard]] int turning_joint(std::string_view bone) const;
   /// To the next mapped bone; of the last ones to the farthest child or end site.
   [[nodiscard]] const Segment& segment(int bone) const {
     return segments_[static_cast<std::size_t>(bone)];
@@ -54,7 +59,7 @@ class Body {
   [[nodiscard]] Segment find_segment(int bone) const;
 
   const Skeleton* skeleton_;
-  std::array<int, kMappedBoneCount> joints_;
+  std::array<int, kMappedBoneCount> joints_, turning_joints_;
   std::array<Segment, kMappedBoneCount> segments_;
 };
 

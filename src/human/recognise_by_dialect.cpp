@@ -197,6 +197,7 @@ std::optional<BoneMap> recognise_by_dialect(const BodySource& source,
   std::vector<DialectMatch> matches = match_dialects(source, dialects);
   if (matches.empty()) return std::nullopt;
   BoneMap map = std::move(matches[0].map);
+  map.facts = matches[0].dialect->facts;
   std::vector<std::string> alike;
   for (std::size_t i = 1; i < matches.size(); ++i) {
     if (matches[i].score < matches[0].score - kEqualScore) continue;

@@ -173,7 +173,7 @@ JointFromBone bring_to_t(const Body& body, const Candidate& candidate) {
   const Straightening straightening(body, candidate);
   JointFromBone joint_from_bone;
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const int joint = body.joint(bone);
+    const int joint = body.turning_joint(bone);
     if (joint < 0) continue;
     const Eigen::Matrix3d t_from_joint = straightening.turn(bone) * candidate.axes *
                                          candidate.pose[joint].rotation.toRotationMatrix();

@@ -10,6 +10,18 @@ constexpr double kFootDrop = 0.42261826174069944;  // sine of 25 degrees
 constexpr double kLegShare = 0.491;                // thigh .245 and shank .246 of body height
 constexpr double kLegAndTrunkShare = 0.894;
 
+// hip heights of people in a unit
+struct UnitRange {
+  const char* name;
+  double metres, low, high;
+};
+constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.5, 1.4},
+                                               {"dm", 0.1, 5.5, 13.0},
+                                               {"CMU unit", 0.056444, 13.0, 20.5},
+                                               {"inch", 0.0254, 21.0, 51.5},
+                                               {"cm", 0.01, 53.0, 140.0},
+                                               {"mm", 0.001, 530.0, 1400.0}}};
+
 // mean over the sides of the lengths of these bones, 0 when a side lacks one of them
 double mean_length(const Body& body, const JointPoses& rest,
                    const std::vector<std::string>& parts) {
@@ -49,20 +61,21 @@ double standing_hip_height(const Body& body, const JointPoses& rest, const BodyF
 }
 
 std::optional<Unit> guess_unit(double hip_height) {
-  struct Range {
-    const char* name;
-    double metres, low, high;
-  };
-  constexpr std::array<Range, 6> kRanges = {{{"m", 1.0, 0.5, 1.4},
-                                             {"dm", 0.1, 5.5, 13.0},
-                                             {"CMU unit", 0.056444, 13.0, 20.5},
-                                             {"inch", 0.0254, 21.0, 51.5},
-                                             {"cm", 0.01, 53.0, 140.0},
-                                             {"mm", 0.001, 530.0, 1400.0}}};
-  for (const Range& range : kRanges) {
+  for (const UnitRange& range : kRanges) {
     if (hip_height >= range.low && hip_height < range.high) return Unit{range.name, range.metres};
   }
   return std::nullopt;
+}
+
+Unit unit_of_length(double metres) {
+  for (const UnitRange& range : kRanges) {
+    if (range.metres == metres) return {range.name, range.metres};
+  }
+  return {"given", metres};
+}
+
+bool is_hip_height_in_metres(double height) {
+  return height >= kRanges[0].low && height < kRanges[0].high;
 }
 
 double height_of_legs(const Body& body, const JointPoses& rest) {

@@ -24,6 +24,12 @@ struct Unit {
 /// Nothing in between.
 [[nodiscard]] std::optional<Unit> guess_unit(double hip_height);
 
+/// A unit by its length: with its name where it is a known one.
+[[nodiscard]] Unit unit_of_length(double metres);
+
+/// Whether hips of that height are a person's, child to giant.
+[[nodiscard]] bool is_hip_height_in_metres(double height);
+
 /// Height of a body of average proportions that has these legs (thigh and shin), file units; 0
 /// without legs.
 [[nodiscard]] double height_of_legs(const Body& body, const JointPoses& rest);

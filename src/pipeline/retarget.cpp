@@ -54,6 +54,8 @@ class ClipSolver {
   Result<RetargetResult> solve(const HumanClipInfo& human, HumanPoseSource poses);
 
  private:
+  [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
+                                                   const HumanPoseSource& poses) const;
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
 
@@ -71,12 +73,9 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
     return failure(checked.error());
   }
-  const bool published = options_.height_scale == HeightScale::kPublished;
-  const TargetBuilder targets(tables_, published ? human.height : human.size,
-                              options_.height_scale);
-  if (auto checked = check_bones(human, targets, clip_name_, tables_.file); !checked) {
-    return failure(checked.error());
-  }
+  const auto made = make_targets(human, poses);
+  if (!made) return failure(made.error());
+  const TargetBuilder& targets = *made;
   const auto problem = make_problem(robot_, tables_, targets, limits_);
   passes_ = static_cast<int>(problem->passes.size());
   solver_ = options_.engine == IkEngine::kFast ? make_fast_solver(problem, options_.ik)
@@ -94,6 +93,33 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   }
   if (human.frame_count > 0) result.mean_error /= human.frame_count;
   return result;
+}
+
+Result<TargetBuilder> ClipSolver::make_targets(const HumanClipInfo& human,
+                                               const HumanPoseSource& poses) const {
+  const bool published = options_.height_scale == HeightScale::kPublished;
+  TargetBuilder targets(tables_, published ? human.height : human.size, options_.height_scale);
+  if (auto checked = check_bones(human, targets, clip_name_, tables_.file); !checked) {
+    return failure(checked.error());
+  }
+  if (options_.height_scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
+  for (const int bone : limb_bones()) {
+    if (human.has(bone)) continue;
+    return input_failure(
+        clip_name_,
+        "limbs cannot be measured: no joint stands for " + std::string(kBoneNames[bone]),
+        "scale with --scale table or height");
+  }
+  const auto robot = robot_limbs(*robot_, tables_);
+  if (!robot) return failure(robot.error());
+  std::vector<Pose> world_from_bone(kBoneCount);
+  poses(0, world_from_bone);
+  const LimbLengths body = human_limb_lengths(world_from_bone);
+  if (!(body.leg > 0.0 && body.arm > 0.0 && body.trunk > 0.0)) {
+    return input_failure(clip_name_, "a limb of the body has no length",
+                         "scale with --scale table or height");
+  }
+  return TargetBuilder(tables_, *robot, body);
 }
 
 Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,

@@ -1,6 +1,8 @@
 #include "retarget/pipeline/targets.h"
 
 #include <algorithm>
+#include <array>
+#include <ranges>
 #include <utility>
 
 namespace retarget {
@@ -16,6 +18,11 @@ const IkRow* offsets_of(const IkTables& tables, int bone) {
   return nullptr;
 }
 
+bool is_of_leg(std::string_view bone) {
+  return std::ranges::any_of(std::array{"Leg", "Foot", "Toe", "FootMod"},
+                             [&](const char* end) { return bone.ends_with(end); });
+}
+
 }  // namespace
 
 TargetBuilder::TargetBuilder(const IkTables& tables, double height, HeightScale scale) {
@@ -24,11 +31,42 @@ TargetBuilder::TargetBuilder(const IkTables& tables, double height, HeightScale 
       scale == HeightScale::kPublished
           ? height / tables.human_height_assumption
           : kPublishedHeight / tables.human_height_assumption * (kPublishedHeight / height);
+  add_rules(tables);
+  for (Rule& rule : rules_) rule.scale = *tables.find_scale(kBoneNames[rule.bone]) * ratio;
+}
+
+TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
+                             const LimbLengths& human)
+    : by_limbs_(true),
+      leg_scale_(robot.lengths.leg / human.leg),
+      trunk_scale_(robot.lengths.trunk / human.trunk) {
+  constexpr double kAnkleHeightPerLeg = 0.039 / 0.491;
+  const double human_ankle = kAnkleHeightPerLeg * human.leg * leg_scale_;
+  lift_ = robot.ankle_height.value_or(human_ankle) - human_ankle;
+  add_rules(tables);
+  for (Rule& rule : rules_) {
+    rule.position_offset -= robot.body_from_joint[rule.bone];
+    const std::string_view name = kBoneNames[rule.bone];
+    if (is_of_leg(name)) {
+      rule.scale = leg_scale_;
+    } else if (name.ends_with("ForeArm") || name.ends_with("Hand")) {
+      rule.scale = robot.lengths.arm / human.arm;
+      rule.pivot = find_bone(name.starts_with("Left") ? "LeftArm" : "RightArm").value();
+    } else {
+      rule.scale = trunk_scale_;
+    }
+  }
+}
+
+void TargetBuilder::add_rules(const IkTables& tables) {
   const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
   const auto add = [&](const std::string& name) {
     const int bone = find_bone(name).value();
     if (target_of(bone) >= 0) return;
-    Rule rule{bone, *tables.find_scale(name) * ratio, -ground, Eigen::Quaterniond::Identity()};
+    Rule rule{.bone = bone,
+              .scale = 1.0,
+              .position_offset = -ground,
+              .bone_from_target = Eigen::Quaterniond::Identity()};
     if (const IkRow* row = offsets_of(tables, bone)) {
       rule.position_offset += row->position_offset;
       rule.bone_from_target = row->rotation_offset;
@@ -55,6 +93,20 @@ int TargetBuilder::target_of(int bone) const {
   return found == rules_.end() ? -1 : static_cast<int>(found - rules_.begin());
 }
 
+Eigen::Vector3d TargetBuilder::scaled_limb(const Rule& rule,
+                                           std::span<const Pose> world_from_bone) const {
+  constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5;
+  static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
+  const Eigen::Vector3d hips =
+      0.5 * (world_from_bone[kLeftUpLeg].translation + world_from_bone[kRightUpLeg].translation);
+  const Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
+  const Eigen::Vector3d& bone = world_from_bone[rule.bone].translation;
+  if (&rule == &rules_.front()) return scaled_hips;
+  if (rule.pivot < 0) return scaled_hips + rule.scale * (bone - hips);
+  const Eigen::Vector3d& pivot = world_from_bone[rule.pivot].translation;
+  return scaled_hips + trunk_scale_ * (pivot - hips) + rule.scale * (bone - pivot);
+}
+
 void TargetBuilder::build(std::span<const Pose> world_from_bone,
                           std::span<Pose> world_from_target) const {
   const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
@@ -62,9 +114,12 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     const Pose& bone = world_from_bone[rule.bone];
-    const Eigen::Vector3d scaled =
-        i == 0 ? scaled_root
-               : Eigen::Vector3d(rule.scale * (bone.translation - root) + scaled_root);
+    Eigen::Vector3d scaled = scaled_root;
+    if (by_limbs_) {
+      scaled = scaled_limb(rule, world_from_bone);
+    } else if (i > 0) {
+      scaled = rule.scale * (bone.translation - root) + scaled_root;
+    }
     const Eigen::Quaterniond rotation =
         (bone.rotation.normalized() * rule.bone_from_target).normalized();
     world_from_target[i] = {rotation, scaled + rotation * rule.position_offset};

@@ -111,7 +111,8 @@ TEST(CalibrateReal, LimbsOfEveryDialectLieWhereTheirBonesClaim) {
     const auto found = calibrate(clip, bone_map(clip.skeleton(), dialect.names), {}, dialect.file);
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, dialect.unit);
-    EXPECT_TRUE(found->mapping.doubts.empty());
+    // one body is of a child's height, which is doubted
+    EXPECT_EQ(found->mapping.doubts.empty(), found->mapping.height > 1.3);
     EXPECT_GT(found->mapping.height, 1.1);
     EXPECT_LT(found->mapping.height, 1.9);
     const HumanClip human = to_human(clip, found->mapping);

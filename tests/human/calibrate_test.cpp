@@ -110,6 +110,72 @@ TEST(Calibrate, RaisesTheArmsOfAAndIPoses) {
   }
 }
 
+// A headset as the root: the trunk runs downwards, and its joints turn other parts than their own.
+TEST(Calibrate, SeesTheTreeFromTheHips) {
+  for (const std::string& name : kSamples) {
+    const Clip clip = with_t_pose_as_zero(sample(name));
+    const Clip twin = rooted_at_head(clip);
+    const HumanClip expected = human_of(clip), found = human_of(twin);
+    ASSERT_EQ(found.frame_count, expected.frame_count);
+    double largest = 0.0;
+    for (int frame = 0; frame < expected.frame_count; ++frame) {
+      for (int bone = 0; bone < kBoneCount; ++bone) {
+        const Pose& a = expected.frame(frame)[bone];
+        const Pose& b = found.frame(frame)[bone];
+        largest = std::max(largest, (a.translation - b.translation).norm());
+        // a headset's file does not hold how the neck turns the head
+        if (kBoneNames[bone] == "Head") continue;
+        largest = std::max(largest,
+                           (a.rotation.toRotationMatrix() - b.rotation.toRotationMatrix()).norm());
+      }
+    }
+    EXPECT_LT(largest, 1e-9) << name;
+  }
+}
+
+TEST(Calibrate, FactsOfTheDialectCountWhereTheClipDoesNotSpeakAgainstThem) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  BoneMap map = lafan1_map(clip.skeleton(), "test");
+  // legs of 86 units: centimetres by themselves, and half an inch is 1.09 m
+  map.facts.metres_per_unit = 0.0127;
+  map.facts.rest_pose = "zero";
+  auto found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(found->mapping.metres_per_unit, 0.0127);
+  EXPECT_EQ(found->rest_pose, "zero pose");
+  // 2 m of hips are no person's: the file was converted
+  map.facts.metres_per_unit = 0.0254;
+  found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(found->unit, "cm");
+  // a first frame that is no T-pose is not taken for one, whatever the kind
+  map.facts.rest_pose = "first";
+  found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(found->rest_pose, "zero pose");
+  // up counts unless the body plainly stands otherwise
+  map.facts.up = Eigen::Vector3d::UnitZ();
+  found = calibrate(clip, map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(to_text(found->up), "+y");
+}
+
+TEST(Calibrate, DoubtsABodyOfUnusualHeight) {
+  const Clip clip = with_t_pose_as_zero(sample("walk"));
+  EXPECT_TRUE(calibrated(clip).mapping.doubts.empty());
+  const Clip small = scaled_and_turned(clip, 0.6, Eigen::Quaterniond::Identity());
+  const auto doubts = calibrated(small).mapping.doubts;
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_THAT(doubts[0].message, testing::HasSubstr("1.03 m is unusual"));
+  EXPECT_THAT(doubts[0].message, testing::HasSubstr("not cm"));
+  CalibrationOptions told;
+  told.height = 1.05;
+  EXPECT_TRUE(calibrated(small, told).mapping.doubts.empty());
+  told = {};
+  told.metres_per_unit = 0.01;
+  EXPECT_TRUE(calibrated(small, told).mapping.doubts.empty());
+}
+
 std::vector<Eigen::Quaterniond> random_turns(const Clip& clip) {
   std::srand(7);
   std::vector<Eigen::Quaterniond> turns;

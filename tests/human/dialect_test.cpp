@@ -26,10 +26,10 @@ TEST(Dialect, ReadsWhatAFileSays) {
   EXPECT_EQ(dialect->names[0], std::vector<std::string>{"Pelvis"});
   EXPECT_EQ(dialect->names[4], (std::vector<std::string>{"LToe", "LBall"}));
   EXPECT_EQ(dialect->directions[0].second, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(dialect->height, 1.7);
-  EXPECT_EQ(dialect->metres_per_unit, 0.0254);
-  EXPECT_EQ(dialect->up, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(dialect->rest_pose, "zero");
+  EXPECT_EQ(dialect->facts.height, 1.7);
+  EXPECT_EQ(dialect->facts.metres_per_unit, 0.0254);
+  EXPECT_EQ(dialect->facts.up, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(dialect->facts.rest_pose, "zero");
 }
 
 TEST(Dialect, NamesEveryFault) {

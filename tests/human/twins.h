@@ -10,6 +10,7 @@
 
 #include "retarget/human/canonical_pose.h"
 #include "retarget/human/human_clip.h"
+#include "retarget/motion/forward_kinematics.h"
 
 namespace retarget {
 
@@ -132,6 +133,58 @@ inline double largest_difference(const HumanClip& a, const HumanClip& b) {
         std::max(largest, (p.rotation.coeffs() - sign * q.rotation.coeffs()).cwiseAbs().maxCoeff());
   }
   return largest;
+}
+
+/// The same movement with the file's root at the head, as headsets record it: the trunk runs from
+/// Head down to Hips, and each of its joints turns what lies below it. How the head itself turns
+/// is lost. For skeletons of LAFAN1's names.
+inline Clip rooted_at_head(const Clip& clip) {
+  const std::vector<std::string> trunk = {"Head", "Neck", "Spine2", "Spine1", "Spine", "Hips"};
+  const Skeleton& old = clip.skeleton();
+  const auto old_joint = [&](const std::string& name) { return old.find(name).value(); };
+  // the joint of the old skeleton that turns what a joint of the new one turns
+  std::vector<int> turned_by;
+  std::vector<Joint> joints;
+  for (std::size_t i = 0; i < trunk.size(); ++i) {
+    Joint joint;
+    joint.name = trunk[i];
+    joint.parent = static_cast<int>(i) - 1;
+    joint.channels = old.joint(i == 0 ? old_joint("Hips") : old_joint("Spine")).channels;
+    if (i > 0) joint.offset = -old.joint(old_joint(trunk[i - 1])).offset;
+    turned_by.push_back(old_joint(trunk[std::min(i + 1, trunk.size() - 1)]));
+    joints.push_back(joint);
+  }
+  const auto place_of = [&](int old_index) {
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      if (joints[i].name == old.joint(old_index).name) return static_cast<int>(i);
+    }
+    return -1;
+  };
+  for (int i = 0; i < old.joint_count(); ++i) {
+    if (place_of(i) >= 0) continue;
+    Joint joint = old.joint(i);
+    joint.parent = place_of(joint.parent);
+    // what hung from a joint of the trunk hangs from the new joint that turns the same part
+    if (joint.name == "LeftShoulder" || joint.name == "RightShoulder") {
+      joint.parent = 1;  // the neck now turns what the torso turned
+      joint.offset -= old.joint(old_joint("Neck")).offset;
+    }
+    joints.push_back(joint);
+    turned_by.push_back(i);
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  std::vector<Pose> world(static_cast<std::size_t>(old.joint_count()));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, world);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const Eigen::Quaterniond above = joints[i].parent < 0
+                                           ? Eigen::Quaterniond::Identity()
+                                           : world[turned_by[joints[i].parent]].rotation;
+      twin.rotations(frame)[i] = (above.conjugate() * world[turned_by[i]].rotation).normalized();
+    }
+    twin.translations(frame)[0] = world[old_joint("Head")].translation;
+  }
+  return twin;
 }
 
 }  // namespace retarget

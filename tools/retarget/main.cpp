@@ -182,10 +182,11 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->group(kRobot);
 
   app.add_option("--scale", options.scale,
-                 "How the body's size scales the motion: table as published\n(LAFAN1's default), "
-                 "height brings every body to one size\nfirst (the default of all others)")
-      ->type_name("auto|table|height")
-      ->check(silent(CLI::IsMember({"auto", "table", "height"})))
+                 "How the body's size scales the motion: table as published\n(default of LAFAN1); "
+                 "limbs gives legs, trunk and arms the\nrobot's lengths (default of all others); "
+                 "height brings every\nbody to one size first (default with --height)")
+      ->type_name("auto|table|height|limbs")
+      ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))
       ->capture_default_str()
       ->group(kRobot);
   app.add_option("--engine", options.engine,

@@ -230,16 +230,27 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
+// how the body's size scales the motion, where the user did not say
+HeightScale choose_scale(const HumanSource& human, const Setup& setup, const RunOptions& options) {
+  if (options.scale == "table") return HeightScale::kPublished;
+  if (options.scale == "height") return HeightScale::kNormalised;
+  if (options.scale == "limbs") return HeightScale::kLimbs;
+  // the published method takes every body of LAFAN1 for one
+  if (human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
+  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
+    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  });
+  const bool by_limbs =
+      options.human.height <= 0.0 && measurable && robot_limbs(*setup.robot, setup.tables);
+  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
+}
+
 Result<RetargetResult> solve(const Source& source, const Setup& setup, const RunOptions& options,
                              CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
-  // the published method takes every body of LAFAN1 for one
-  const bool published = source.human.calibration.rest_pose == "lafan1";
-  if (options.scale == "height" || (options.scale == "auto" && !published)) {
-    retarget_options.height_scale = HeightScale::kNormalised;
-  }
+  retarget_options.height_scale = choose_scale(source.human, setup, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,17 @@ namespace retarget {
 /// Bones a source joint can stand for: kBoneNames without the two synthetic feet.
 inline constexpr int kMappedBoneCount = kBoneCount - 2;
 
+/// What all files of a kind of skeleton have in common. Files are converted and edited, so that
+/// these count where the clip itself does not speak against them.
+struct SkeletonFacts {
+  std::optional<double> height;           ///< Of every body of this kind, metres.
+  std::optional<double> metres_per_unit;  ///< Of lengths.
+  std::optional<Eigen::Vector3d> up;      ///< Unit vector, file axes.
+  /// What is known of the rest pose: `canonical` (all bones have LAFAN1's axes: nothing to
+  /// calibrate), `zero` or `first` (all rotations zero, the first frame: a T-pose); empty: nothing.
+  std::string rest_pose;
+};
+
 /// Which joint of a source skeleton stands for each canonical bone.
 struct BoneMap {
   std::string dialect;      ///< Name of the dialect file, or "names", "topology", "map file".
@@ -24,6 +37,7 @@ struct BoneMap {
   std::array<int, kMappedBoneCount> joint_of_bone = none();
   std::vector<std::string> notes;  ///< For people: what is missing, folded, assumed.
   bool partial = false;            ///< Legs or arms are missing.
+  SkeletonFacts facts;             ///< Of the dialect; empty where none was recognised.
 
   /// The joint of a bone by its canonical name; -1: the source has none.
   [[nodiscard]] int joint(std::string_view bone) const {

@@ -34,12 +34,7 @@ struct Dialect {
   /// others.
   std::vector<std::pair<std::string, Eigen::Vector3d>> directions;
 
-  std::optional<double> height;           ///< Of every body of this kind, metres.
-  std::optional<double> metres_per_unit;  ///< Of lengths.
-  std::optional<Eigen::Vector3d> up;      ///< Unit vector, file axes.
-  /// What is known of the rest pose: `canonical` (all bones have LAFAN1's axes: nothing to
-  /// calibrate), `zero` or `first` (all rotations zero, the first frame: a T-pose); empty: nothing.
-  std::string rest_pose;
+  SkeletonFacts facts;
 };
 
 /// Reads a dialect; kConfig errors name every fault.

@@ -8,6 +8,7 @@
 #include "retarget/ik/ik_solver.h"
 #include "retarget/math/pose.h"
 #include "retarget/pipeline/ik_tables.h"
+#include "retarget/pipeline/limb_lengths.h"
 
 namespace retarget {
 
@@ -19,6 +20,9 @@ enum class HeightScale : unsigned char {
   /// Inversely: every body is brought to the size of the published one first, so that a child and
   /// a giant who move alike give one robot motion.
   kNormalised,
+  /// Not at all: legs, trunk and arms take the robot's lengths each, the table's scales are not
+  /// used.
+  kLimbs,
 };
 
 /// Where the robot's bodies should be: human bones, scaled about the root and offset.
@@ -29,6 +33,13 @@ enum class HeightScale : unsigned char {
 ///   root:    p' = s_root p              (about the origin of the world)
 ///   others:  p' = s_root p_root + s_b (p - p_root)
 ///   all:     q' = q r_b,  p'' = p' + q' (o_b - [0, 0, ground_height])
+/// or, limb by limb, with h the middle of the human's hips, s of leg, trunk or arm the robot's length
+/// over the human's, and c_b where the bone's joint lies in the body that follows it:
+///   h' = s_leg h + [0, 0, ankle height of the robot - s_leg times that of the human]
+///   root:                      p' = h' - q' c
+///   legs, trunk, neck, head:   p' = h' + s (p - h) - q' c
+///   forearms and hands:        p' = h' + s_trunk (p_Arm - h) + s_arm (p - p_Arm) - q' c
+/// the human's ankles standing at 0.0794 leg lengths (Drillis and Contini 1966), and then as above
 /// where r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
 /// not use has those of table 2.
 class TargetBuilder {
@@ -36,6 +47,8 @@ class TargetBuilder {
   /// @param tables  checked by check_ik_tables.
   /// @param height  of the human body, metres.
   TargetBuilder(const IkTables& tables, double height, HeightScale scale = HeightScale::kPublished);
+  /// Limb by limb.
+  TargetBuilder(const IkTables& tables, const RobotLimbs& robot, const LimbLengths& human);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
   /// Bone of each target, an index into kBoneNames; the root first.
@@ -51,10 +64,20 @@ class TargetBuilder {
   struct Rule {
     int bone;
     double scale;
+    int pivot = -1;                   // limb by limb: the upper arm of a forearm or hand
     Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
     Eigen::Quaterniond bone_from_target;
   };
+  void add_rules(const IkTables& tables);
+
+  [[nodiscard]] Eigen::Vector3d scaled_limb(const Rule& rule,
+                                            std::span<const Pose> world_from_bone) const;
+
   std::vector<Rule> rules_;  // the root first
+  // limb by limb
+  bool by_limbs_ = false;
+  double leg_scale_ = 1.0, trunk_scale_ = 1.0;
+  double lift_ = 0.0;  // metres
 };
 
 /// The problem that a mapping poses on a robot: one task per row with a weight, in file order;

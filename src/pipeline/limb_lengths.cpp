@@ -1,0 +1,241 @@
+#include "retarget/pipeline/limb_lengths.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+constexpr std::array<const char*, 2> kSides = {"Left", "Right"};
+constexpr const char* kHint = "scale with --scale table or height";
+
+// a limb of one side: the bones that it consists of, the bodies that follow them
+struct LimbBones {
+  std::array<std::string, 3> bones;  // upper, lower, end
+  std::array<std::string, 3> other;  // names that the mapping may use instead
+};
+
+LimbBones leg_bones(const std::string& side) {
+  return {{side + "UpLeg", side + "Leg", side + "FootMod"},
+          {side + "UpLeg", side + "Leg", side + "Foot"}};
+}
+
+LimbBones arm_bones(const std::string& side) {
+  return {{side + "Arm", side + "ForeArm", side + "Hand"},
+          {side + "Arm", side + "ForeArm", side + "Hand"}};
+}
+
+// bodies from the child of the world down to this one
+std::vector<int> path_to(const Robot& robot, int body) {
+  std::vector<int> path;
+  for (int at = body; at > 0; at = robot.bodies()[at].parent) path.push_back(at);
+  std::ranges::reverse(path);
+  return path;
+}
+
+class RobotMeasure {
+ public:
+  RobotMeasure(const Robot& robot, const IkTables& tables)
+      : robot_(robot), tables_(tables), world_from_body_(robot.bodies().size()) {
+    forward_kinematics(robot, robot.zero_configuration(), world_from_body_);
+  }
+
+  Result<RobotLimbs> measure();
+
+ private:
+  // the way to a limb's end
+  struct Chain {
+    std::vector<int> path;
+    std::size_t lower = 0;  // where the lower bone's body is on it
+  };
+  // middle of both sides' first joints, and the mean length of both sides
+  struct Pair {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    double length = 0.0;
+  };
+
+  [[nodiscard]] std::optional<int> body_of(const std::string& bone) const;
+  [[nodiscard]] Result<Chain> chain(const LimbBones& limb) const;
+  [[nodiscard]] Result<Pair> measure_pair(const std::array<LimbBones, 2>& limbs);
+  [[nodiscard]] Eigen::Vector3d centre_of_joints(const std::vector<int>& path, std::size_t begin,
+                                                 std::size_t end) const;
+  void note(const std::string& bone, const Eigen::Vector3d& centre);
+  void find_ankle_height();
+
+  const Robot& robot_;
+  const IkTables& tables_;
+  std::vector<Pose> world_from_body_;
+  RobotLimbs limbs_;
+  std::vector<double> ankles_;  // heights
+};
+
+std::optional<int> RobotMeasure::body_of(const std::string& bone) const {
+  for (const IkTable& table : tables_.tables) {
+    for (const IkRow& row : table.rows) {
+      if (row.bone == bone) return robot_.find_body(row.body);
+    }
+  }
+  return std::nullopt;
+}
+
+// where the axes of the joints on a part of a path come nearest to each other; without joints the
+// origin of the body before which they would be
+Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std::size_t begin,
+                                               std::size_t end) const {
+  constexpr double kPullToAnchor = 0.01;
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  bool any = false;
+  for (std::size_t i = begin; i < end; ++i) {
+    for (const RobotJoint& joint : robot_.joints()) {
+      if (joint.body != path[i]) continue;
+      const Pose& world_from_body = world_from_body_[joint.body];
+      const Eigen::Vector3d axis = world_from_body.rotation * joint.axis;
+      const Eigen::Vector3d anchor =
+          world_from_body.translation + world_from_body.rotation * joint.anchor;
+      Eigen::Matrix3d across = (1.0 + kPullToAnchor) * Eigen::Matrix3d::Identity();
+      if (joint.type == RobotJoint::Type::kHinge) across -= axis * axis.transpose();
+      a += across;
+      b += across * anchor;
+      any = true;
+    }
+  }
+  if (!any) return world_from_body_[path[std::min(begin, path.size() - 1)]].translation;
+  return a.inverse() * b;
+}
+
+Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb) const {
+  std::array<int, 3> bodies{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto body = body_of(limb.bones[i]);
+    if (!body) body = body_of(limb.other[i]);
+    if (!body) {
+      return config_failure(
+          tables_.file, "no body follows " + limb.other[i] + ": limbs cannot be measured", kHint);
+    }
+    bodies[i] = *body;
+  }
+  Chain chain{path_to(robot_, bodies[2]), 0};
+  const auto lower = std::ranges::find(chain.path, bodies[1]);
+  if (lower == chain.path.end() || std::find(chain.path.begin(), lower, bodies[0]) == lower) {
+    return config_failure(tables_.file,
+                          "the bodies of " + limb.bones[0] + ", " + limb.bones[1] + " and " +
+                              limb.other[2] + " do not follow each other: limbs cannot be measured",
+                          kHint);
+  }
+  chain.lower = static_cast<std::size_t>(lower - chain.path.begin());
+  return chain;
+}
+
+// where a bone's joint lies in the body that follows the bone
+void RobotMeasure::note(const std::string& bone, const Eigen::Vector3d& centre) {
+  const auto body = body_of(bone);
+  if (!body) return;
+  const Pose& world_from_body = world_from_body_[*body];
+  limbs_.body_from_joint[find_bone(bone).value()] =
+      world_from_body.rotation.conjugate() * (centre - world_from_body.translation);
+}
+
+Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones, 2>& limbs) {
+  std::array<Chain, 2> chains;
+  for (std::size_t side = 0; side < 2; ++side) {
+    auto found = chain(limbs[side]);
+    if (!found) return failure(found.error());
+    chains[side] = std::move(*found);
+  }
+  std::size_t common = 0;
+  while (common < std::min(chains[0].lower, chains[1].lower) &&
+         chains[0].path[common] == chains[1].path[common]) {
+    ++common;
+  }
+  Pair pair;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto& [path, lower] = chains[side];
+    const Eigen::Vector3d first = centre_of_joints(path, common, lower);
+    const Eigen::Vector3d middle = centre_of_joints(path, lower, lower + 1);
+    const Eigen::Vector3d end = centre_of_joints(path, lower + 1, path.size());
+    note(limbs[side].bones[0], first);
+    note(limbs[side].bones[1], middle);
+    note(limbs[side].bones[2], end);
+    if (limbs[side].other[2] != limbs[side].bones[2]) {
+      note(limbs[side].other[2], end);
+      ankles_.push_back(end.z());
+    }
+    pair.middle += 0.5 * first;
+    pair.length += 0.5 * ((middle - first).norm() + (end - middle).norm());
+  }
+  return pair;
+}
+
+void RobotMeasure::find_ankle_height() {
+  if (robot_.profile().soles.empty()) return;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Sole& sole : robot_.profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      const Pose& world_from_body = world_from_body_[sole.body];
+      lowest =
+          std::min(lowest, (world_from_body.translation + world_from_body.rotation * point).z());
+    }
+  }
+  limbs_.ankle_height = 0.5 * (ankles_[0] + ankles_[1]) - lowest;
+}
+
+Result<RobotLimbs> RobotMeasure::measure() {
+  const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
+  if (!legs) return failure(legs.error());
+  find_ankle_height();
+  const auto arms = measure_pair({arm_bones(kSides[0]), arm_bones(kSides[1])});
+  if (!arms) return failure(arms.error());
+  note("Hips", legs->middle);
+  limbs_.lengths = {legs->length, arms->length, (arms->middle - legs->middle).norm()};
+  const auto& [leg, arm, trunk] = limbs_.lengths;
+  if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {
+    return config_failure(tables_.file, "a limb of the robot has no length", kHint);
+  }
+  return limbs_;
+}
+
+}  // namespace
+
+std::array<int, 13> limb_bones() {
+  std::array<int, 13> bones{find_bone("Hips").value()};
+  std::size_t next = 1;
+  for (const std::string side : kSides) {
+    for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm", "Hand"}) {
+      bones[next++] = find_bone(side + part).value();
+    }
+  }
+  return bones;
+}
+
+LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone) {
+  const auto at = [&](const std::string& bone) -> const Eigen::Vector3d& {
+    return world_from_bone[find_bone(bone).value()].translation;
+  };
+  const auto way = [&](std::initializer_list<std::string> bones) {
+    double sum = 0.0;
+    for (auto bone = bones.begin(); bone + 1 != bones.end(); ++bone) {
+      sum += (at(bone[1]) - at(*bone)).norm();
+    }
+    return sum;
+  };
+  LimbLengths lengths;
+  for (const std::string side : kSides) {
+    lengths.leg += 0.5 * way({side + "UpLeg", side + "Leg", side + "Foot"});
+    lengths.arm += 0.5 * way({side + "Arm", side + "ForeArm", side + "Hand"});
+  }
+  const Eigen::Vector3d hips = 0.5 * (at("LeftUpLeg") + at("RightUpLeg"));
+  const Eigen::Vector3d shoulders = 0.5 * (at("LeftArm") + at("RightArm"));
+  lengths.trunk = (at("Spine") - hips).norm() + way({"Spine", "Spine1", "Spine2"}) +
+                  (shoulders - at("Spine2")).norm();
+  return lengths;
+}
+
+Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables) {
+  return RobotMeasure(robot, tables).measure();
+}
+
+}  // namespace retarget

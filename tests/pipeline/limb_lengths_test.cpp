@@ -1,0 +1,204 @@
+#include "retarget/pipeline/limb_lengths.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "retarget/pipeline/targets.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+// hips and shoulders of three hinges whose axes meet away from the bodies' origins, ankles of two
+constexpr const char* kLimbed = R"(
+<mujoco>
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default><geom size="0.02" mass="1"/></default>
+  <worldbody>
+    <body name="pelvis" pos="0 0 0.7"><freejoint/><geom/>
+      <body name="l_hip1" pos="0 0.05 -0.1"><joint axis="0 1 0" range="-1 1"/><geom/>
+        <body name="l_hip2" pos="0 0.05 0"><joint axis="1 0 0" range="-1 1"/><geom/>
+          <body name="l_thigh" pos="0 0 -0.12"><joint axis="0 0 1" range="-1 1"/><geom/>
+            <body name="l_shin" pos="0 0 -0.18"><joint axis="0 1 0" range="-1 1"/><geom/>
+              <body name="l_ankle" pos="0 0 -0.25"><joint axis="0 1 0" range="-1 1"/><geom/>
+                <body name="l_foot" pos="0.03 0 0"><joint axis="1 0 0" range="-1 1"/><geom/></body>
+      </body></body></body></body></body>
+      <body name="r_hip1" pos="0 -0.05 -0.1"><joint axis="0 1 0" range="-1 1"/><geom/>
+        <body name="r_hip2" pos="0 -0.05 0"><joint axis="1 0 0" range="-1 1"/><geom/>
+          <body name="r_thigh" pos="0 0 -0.12"><joint axis="0 0 1" range="-1 1"/><geom/>
+            <body name="r_shin" pos="0 0 -0.18"><joint axis="0 1 0" range="-1 1"/><geom/>
+              <body name="r_ankle" pos="0 0 -0.25"><joint axis="0 1 0" range="-1 1"/><geom/>
+                <body name="r_foot" pos="0.03 0 0"><joint axis="1 0 0" range="-1 1"/><geom/></body>
+      </body></body></body></body></body>
+      <body name="torso" pos="0 0 0.1"><joint axis="0 0 1" range="-1 1"/><geom/>
+        <body name="l_shoulder" pos="0 0.1 0.2"><joint axis="0 1 0" range="-1 1"/><geom/>
+          <body name="l_arm" pos="0 0.05 0"><joint axis="1 0 0" range="-1 1"/><geom/>
+            <body name="l_elbow" pos="0 0 -0.2"><joint axis="0 1 0" range="-1 1"/><geom/>
+              <body name="l_hand" pos="0 0 -0.15"><geom/></body></body></body></body>
+        <body name="r_shoulder" pos="0 -0.1 0.2"><joint axis="0 1 0" range="-1 1"/><geom/>
+          <body name="r_arm" pos="0 -0.05 0"><joint axis="1 0 0" range="-1 1"/><geom/>
+            <body name="r_elbow" pos="0 0 -0.2"><joint axis="0 1 0" range="-1 1"/><geom/>
+              <body name="r_hand" pos="0 0 -0.15"><geom/></body></body></body></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+IkTables limbed_tables() {
+  IkTables tables;
+  tables.file = "ik.json";
+  tables.robot_root = "pelvis";
+  tables.human_root = "Hips";
+  const auto follow = [&](const std::string& body, const std::string& bone) {
+    IkRow row;
+    row.body = body;
+    row.bone = bone;
+    row.position_weight = row.rotation_weight = 1.0;
+    tables.tables[0].rows.push_back(row);
+    tables.scales.emplace_back(bone, 1.0);
+  };
+  follow("pelvis", "Hips");
+  follow("torso", "Spine2");
+  for (const auto& [letter, side] : {std::pair("l_", "Left"), std::pair("r_", "Right")}) {
+    const std::string l = letter, s = side;
+    follow(l + "thigh", s + "UpLeg");
+    follow(l + "shin", s + "Leg");
+    follow(l + "foot", s + "FootMod");
+    follow(l + "arm", s + "Arm");
+    follow(l + "elbow", s + "ForeArm");
+    follow(l + "hand", s + "Hand");
+  }
+  return tables;
+}
+
+TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
+  const auto robot = robot_from_text(kLimbed);
+  const auto limbs = robot_limbs(*robot, limbed_tables());
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  // the hip's axes meet at its second body, 12 cm over the thigh's origin; the pull towards the
+  // anchors moves the centre by millimetres
+  EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
+  EXPECT_NEAR(limbs->lengths.arm, 0.20 + 0.15, 2e-3);
+  EXPECT_NEAR(limbs->lengths.trunk, 0.40, 2e-3);
+  const auto centre = [&](const char* bone) {
+    return limbs->body_from_joint[find_bone(bone).value()];
+  };
+  EXPECT_LT((centre("LeftUpLeg") - Eigen::Vector3d(0, 0, 0.12)).norm(), 2e-3);
+  EXPECT_LT((centre("RightFootMod") - Eigen::Vector3d(-0.03, 0, 0)).norm(), 2e-2);
+  EXPECT_LT((centre("Hips") - Eigen::Vector3d(0, 0, -0.1)).norm(), 2e-3);
+  EXPECT_EQ(limbs->ankle_height, std::nullopt);
+}
+
+TEST(RobotLimbs, OfTheG1) {
+  const auto robot = load_g1();
+  const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+  const auto limbs = robot_limbs(*robot, *tables);
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  // from the figures of the model: hips 3 cm below the pitch axis, shins of 300 mm
+  EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);
+  EXPECT_NEAR(limbs->lengths.arm, 0.37, 0.06);
+  ASSERT_TRUE(limbs->ankle_height);
+  // the ankle's axes are 17.558 mm apart, the lower one 35.4 mm over the sole
+  EXPECT_GT(*limbs->ankle_height, 0.0354);
+  EXPECT_LT(*limbs->ankle_height, 0.0354 + 0.0176);
+}
+
+TEST(RobotLimbs, NeedTheMappedBodies) {
+  const auto robot = robot_from_text(kLimbed);
+  IkTables tables = limbed_tables();
+  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone == "LeftHand"; });
+  const auto missing = robot_limbs(*robot, tables);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::kConfig);
+  EXPECT_THAT(missing.error().message, testing::HasSubstr("no body follows LeftHand"));
+
+  tables = limbed_tables();
+  for (IkRow& row : tables.tables[0].rows) {
+    if (row.bone == "RightLeg") row.body = "l_shin";
+  }
+  const auto crossed = robot_limbs(*robot, tables);
+  ASSERT_FALSE(crossed);
+  EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not follow each other"));
+}
+
+// a human whose limbs are the robot's, each stretched: the targets must be the robot's own bodies,
+// whatever pose both are in
+TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
+  const auto robot = robot_from_text(kLimbed);
+  const IkTables tables = limbed_tables();
+  const auto limbs = robot_limbs(*robot, tables).value();
+  std::vector<double> qpos = robot->zero_configuration();
+  // knees and elbows bend; the shoulders' and hips' centres stay where their axes meet
+  for (const RobotJoint& joint : robot->joints()) {
+    const std::string& body = robot->bodies()[joint.body].name;
+    if (body.ends_with("shin")) qpos[joint.qpos_address] = 0.7;
+    if (body.ends_with("elbow")) qpos[joint.qpos_address] = -0.9;
+  }
+  std::vector<Pose> world_from_body(robot->bodies().size());
+  forward_kinematics(*robot, qpos, world_from_body);
+
+  constexpr double kLeg = 1.4, kTrunk = 1.25, kArm = 1.7;  // the human's over the robot's
+  std::vector<Pose> bones(kBoneCount);
+  std::vector<Eigen::Vector3d> centre(kBoneCount);
+  for (const IkRow& row : tables.tables[0].rows) {
+    const int bone = find_bone(row.bone).value();
+    const Pose& body = world_from_body[robot->find_body(row.body).value()];
+    bones[bone].rotation = body.rotation;
+    centre[bone] = body.translation + body.rotation * limbs.body_from_joint[bone];
+  }
+  const auto index = [](const std::string& bone) { return find_bone(bone).value(); };
+  const Eigen::Vector3d hips = centre[index("Hips")];
+  const auto place = [&](const std::string& bone, const std::string& from, double stretch) {
+    bones[index(bone)].translation =
+        bones[index(from)].translation + stretch * (centre[index(bone)] - centre[index(from)]);
+  };
+  bones[index("Hips")].translation = kLeg * hips;
+  place("Spine2", "Hips", kTrunk);
+  for (const std::string side : {"Left", "Right"}) {
+    place(side + "UpLeg", "Hips", kLeg);
+    place(side + "Leg", "Hips", kLeg);
+    place(side + "FootMod", "Hips", kLeg);
+    place(side + "Arm", "Hips", kTrunk);
+    place(side + "ForeArm", side + "Arm", kArm);
+    place(side + "Hand", side + "Arm", kArm);
+  }
+  const LimbLengths human = {kLeg * limbs.lengths.leg, kArm * limbs.lengths.arm,
+                             kTrunk * limbs.lengths.trunk};
+  const TargetBuilder builder(tables, limbs, human);
+  std::vector<Pose> targets(static_cast<std::size_t>(builder.target_count()));
+  builder.build(bones, targets);
+  for (const IkRow& row : tables.tables[0].rows) {
+    const Pose& body = world_from_body[robot->find_body(row.body).value()];
+    const Pose& target = targets[builder.target_of(index(row.bone))];
+    EXPECT_LT((target.translation - body.translation).norm(), 1e-12) << row.bone;
+    EXPECT_LT(target.rotation.angularDistance(body.rotation), 1e-7) << row.bone;
+  }
+}
+
+TEST(HumanLimbLengths, AreSumsOfTheWay) {
+  std::vector<Pose> bones(kBoneCount);
+  const auto put = [&](const std::string& bone, double x, double y, double z) {
+    bones[find_bone(bone).value()].translation = {x, y, z};
+  };
+  put("Hips", 0, 0, 1);
+  put("Spine", 0, 0, 1.1);
+  put("Spine1", 0.3, 0, 1.5);  // bent: 0.5 m long
+  put("Spine2", 0.3, 0, 1.6);
+  for (const auto& [side, y] : {std::pair<std::string, double>("Left", 0.1), {"Right", -0.1}}) {
+    put(side + "UpLeg", 0, y, 1);
+    put(side + "Leg", 0, y, 0.6);
+    put(side + "Foot", 0.3, y, 0.2);
+    put(side + "Arm", 0.3, 2 * y, 1.8);
+    put(side + "ForeArm", 0.3, 5 * y, 1.8);
+    put(side + "Hand", 0.5, 5 * y, 1.8);
+  }
+  const LimbLengths lengths = human_limb_lengths(bones);
+  EXPECT_NEAR(lengths.leg, 0.4 + 0.5, 1e-12);
+  EXPECT_NEAR(lengths.arm, 0.3 + 0.2, 1e-12);
+  EXPECT_NEAR(lengths.trunk, 0.1 + 0.5 + 0.1 + 0.2, 1e-12);
+}
+
+}  // namespace
+}  // namespace retarget

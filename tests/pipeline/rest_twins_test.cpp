@@ -1,0 +1,49 @@
+// The same movement stored with another rest pose is the same motion of the robot.
+
+#include <gtest/gtest.h>
+
+#include "human/hand_made_maps.h"
+#include "human/twins.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/pipeline/retarget.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+RobotClip robot_motion(const Clip& clip) {
+  const auto map = lafan1_map(clip.skeleton(), "test");
+  const auto found = calibrate(clip, map, {}, "clip");
+  EXPECT_TRUE(found) << describe(found.error());
+  const auto robot = load_g1();
+  const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+  RetargetOptions options;
+  options.height_scale = HeightScale::kLimbs;
+  auto result =
+      retarget(clip, found->mapping, "clip", robot, *tables, robot->model_limits(), options);
+  EXPECT_TRUE(result) << describe(result.error());
+  return std::move(result->clip);
+}
+
+TEST(RestTwins, OfAAndIPosesMoveTheRobotAlike) {
+  for (const char* name : {"walk", "wave"}) {
+    const std::string file = std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh";
+    const Clip clip = load_bvh(file).value().clip;
+    const RobotClip of_t = robot_motion(with_t_pose_as_zero(clip));
+    for (const double lowered : {0.8, M_PI / 2}) {
+      const RobotClip of_twin = robot_motion(with_t_pose_as_zero(clip, lowered));
+      ASSERT_EQ(of_twin.frame_count(), of_t.frame_count());
+      double largest = 0.0;
+      for (int frame = 0; frame < of_t.frame_count(); ++frame) {
+        for (std::size_t i = 0; i < of_t.qpos(frame).size(); ++i) {
+          largest = std::max(largest, std::abs(of_t.qpos(frame)[i] - of_twin.qpos(frame)[i]));
+        }
+      }
+      EXPECT_LT(largest, 1e-6) << name << " with arms lowered by " << lowered;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget
