@@ -12,6 +12,7 @@ std::optional<LimitDistance> nearest_limit(const RobotClip& clip, const LimitSet
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     bool at_limit = false;
     for (std::size_t j = 0; j < clip.robot().joints().size(); ++j) {
+      if (limits.lower[j] == limits.upper[j]) continue;
       const RobotJoint& joint = clip.robot().joints()[j];
       const double q = clip.qpos(frame)[joint.qpos_address];
       const double from_lower = q - limits.lower[j];

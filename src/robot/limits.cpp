@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "retarget/base/suggest.h"
 #include "retarget/robot/robot.h"
+#include "retarget/robot/variant.h"
 #include "robot/json_ranges.h"
 #include "robot/load_model.h"
 
@@ -73,6 +74,7 @@ Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file
   if (!set) return failure(set.error());
   set->name = name_or_file;
   set->source = name_or_file;
+  hold_locked_joints(robot, *set);
   return *set;
 }
 

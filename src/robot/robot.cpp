@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "retarget/math/trigonometry.h"
+#include "retarget/robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -144,12 +145,29 @@ void Robot::set_profile(RobotProfile profile) {
   }
 }
 
+void Robot::set_variant(const RobotVariant& variant) {
+  variant_ = variant;
+  if (profile_.joint_order.empty()) profile_.joint_order = joint_names();
+  std::erase_if(profile_.joint_order,
+                [&](const std::string& joint) { return variant.locked.contains(joint); });
+  output_joints_.clear();
+  for (const std::string& name : profile_.joint_order) {
+    if (const auto joint = find_joint(name)) output_joints_.push_back(*joint);
+  }
+  for (LimitSet& limits : profile_.limit_sets) hold_locked_joints(*this, limits);
+  hold_locked_joints(*this, model_limits_);
+}
+
 int Robot::configuration_size() const {
   return static_cast<int>(model_->nq);
 }
 
 std::vector<double> Robot::zero_configuration() const {
-  return {model_->qpos0, model_->qpos0 + model_->nq};
+  std::vector<double> qpos(model_->qpos0, model_->qpos0 + model_->nq);
+  for (const auto& [name, position] : variant_.locked) {
+    if (const auto joint = find_joint(name)) qpos[joints_[*joint].qpos_address] = position;
+  }
+  return qpos;
 }
 
 std::string Robot::limits_for(const std::string& method) const {

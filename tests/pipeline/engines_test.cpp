@@ -1,5 +1,6 @@
 // The fast engine against the reference engine on real robots and clips: each frame from the same
-// pose, and whole clips; and other robots against the reference trajectories.
+// pose, and whole clips; and every robot with a published mapping against the reference
+// trajectories.
 
 #include <gtest/gtest.h>
 
@@ -17,9 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RobotCase {
-  const char* robot;    // folder of reference trajectories
-  const char* model;    // below reference/robots
-  const char* mapping;  // below reference
+  const char* robot;      // of the repository, and folder of reference trajectories
+  const char* published;  // its mapping, below reference
 };
 
 void PrintTo(const RobotCase& robot_case, std::ostream* out) {
@@ -32,12 +32,19 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     const auto shared = shared_folder();
     if (!shared) GTEST_SKIP() << kNoSharedFolder;
     shared_ = *shared;
-    const auto robot = load_robot((shared_ / "reference/robots" / GetParam().model).string());
+    const fs::path source = RETARGET_SOURCE_DIR;
+    const fs::path folder = source / "robots" / GetParam().robot;
+    const auto robot =
+        load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
-    const auto tables = load_ik_tables((shared_ / "reference" / GetParam().mapping).string());
+    const std::string mapping = "lafan1_to_" + std::string(GetParam().robot) + ".json";
+    const auto tables = load_ik_tables((source / "configs" / mapping).string(), robot_.get());
     ASSERT_TRUE(tables) << describe(tables.error());
     tables_ = *tables;
+    const auto limits = load_limits(*robot_, robot_->limits_for("gmr"));
+    ASSERT_TRUE(limits) << describe(limits.error());
+    limits_ = *limits;
   }
 
   [[nodiscard]] HumanClip human(const std::string& clip, int frames) const {
@@ -49,13 +56,39 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   fs::path shared_;
   std::shared_ptr<const Robot> robot_;
   IkTables tables_;
+  LimitSet limits_;  // of the published method
 };
+
+TEST_P(Engines, MappingIsThePublishedOne) {
+  const auto published = load_ik_tables((shared_ / "reference" / GetParam().published).string());
+  ASSERT_TRUE(published) << describe(published.error());
+  EXPECT_EQ(tables_.robot_root, published->robot_root);
+  EXPECT_EQ(tables_.human_root, published->human_root);
+  EXPECT_EQ(tables_.ground_height, published->ground_height);
+  EXPECT_EQ(tables_.human_height_assumption, published->human_height_assumption);
+  EXPECT_EQ(tables_.scales, published->scales);
+  for (int number = 0; number < 2; ++number) {
+    const IkTable& ours = tables_.tables[number];
+    const IkTable& theirs = published->tables[number];
+    EXPECT_EQ(ours.used, theirs.used);
+    ASSERT_EQ(ours.rows.size(), theirs.rows.size());
+    for (std::size_t i = 0; i < ours.rows.size(); ++i) {
+      const IkRow &row = ours.rows[i], &expected = theirs.rows[i];
+      EXPECT_EQ(row.body, expected.body);
+      EXPECT_EQ(row.bone, expected.bone);
+      EXPECT_EQ(row.position_weight, expected.position_weight);
+      EXPECT_EQ(row.rotation_weight, expected.rotation_weight);
+      EXPECT_EQ(row.position_offset, expected.position_offset);
+      EXPECT_EQ(row.rotation_offset.coeffs(), expected.rotation_offset.coeffs());
+    }
+  }
+}
 
 TEST_P(Engines, AgreeInEveryFrameFromTheSamePose) {
   for (const char* clip : {"walk4_subject1", "dance1_subject2"}) {
     const HumanClip source = human(clip, 400);
     const TargetBuilder targets(tables_, source.height);
-    const auto problem = make_problem(robot_, tables_, targets, robot_->model_limits());
+    const auto problem = make_problem(robot_, tables_, targets, limits_);
     const auto reference = make_reference_solver(problem);
     const auto fast = make_fast_solver(problem);
     std::vector<Pose> world_from_target(targets.target_count());
@@ -96,7 +129,7 @@ TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
       RetargetOptions options;
       options.engine = engine;
       const auto result = retarget(human(clip, static_cast<int>(expected.size())), clip, robot_,
-                                   tables_, robot_->model_limits(), options);
+                                   tables_, limits_, options);
       ASSERT_TRUE(result) << describe(result.error());
       const auto difference =
           compare_tables(parse_csv(format_robot_csv(result->clip, csv_options)), expected, 1e-6);
@@ -108,16 +141,14 @@ TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
 
 INSTANTIATE_TEST_SUITE_P(
     Robots, Engines,
-    ::testing::Values(
-        RobotCase{"unitree_g1", "unitree_g1/g1_mocap_29dof.xml", "ik_configs/bvh_to_g1.json"},
-        RobotCase{"booster_t1", "booster_t1/t1_mocap.xml", "ik_configs/bvh_to_t1.json"},
-        RobotCase{"booster_t1_29dof", "booster_t1_29dof/t1_mocap.xml",
-                  "ik_configs_2026/bvh_lafan1_to_t1_29dof.json"},
-        RobotCase{"fourier_n1", "fourier_n1/n1_mocap.xml", "ik_configs/bvh_to_n1.json"},
-        RobotCase{"stanford_toddy", "stanford_toddy/toddy_mocap.xml",
-                  "ik_configs/bvh_to_toddy.json"},
-        RobotCase{"engineai_pm01", "engineai_pm01/pm_v2.xml", "ik_configs/bvh_to_pm01.json"},
-        RobotCase{"pal_talos", "pal_talos/talos.xml", "ik_configs_2026/bvh_to_talos.json"}),
+    ::testing::Values(RobotCase{"unitree_g1", "ik_configs/bvh_to_g1.json"},
+                      RobotCase{"unitree_g1_with_hands", "ik_configs/bvh_to_g1.json"},
+                      RobotCase{"booster_t1", "ik_configs/bvh_to_t1.json"},
+                      RobotCase{"booster_t1_29dof", "ik_configs_2026/bvh_lafan1_to_t1_29dof.json"},
+                      RobotCase{"fourier_n1", "ik_configs/bvh_to_n1.json"},
+                      RobotCase{"stanford_toddy", "ik_configs/bvh_to_toddy.json"},
+                      RobotCase{"engineai_pm01", "ik_configs/bvh_to_pm01.json"},
+                      RobotCase{"pal_talos", "ik_configs_2026/bvh_to_talos.json"}),
     [](const auto& robot_case) { return std::string(robot_case.param.robot); });
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "retarget/robot/load_robot.h"
 #include "support/test_robots.h"
@@ -46,6 +47,10 @@ TEST(LoadProfileTest, EveryPartIsRead) {
     "default_limits": "narrow",
     "method_limits": {"gmr": "model"},
     "speed_limits": {"left_elbow": 7.5},
+    "speed_limits_source": "a sheet",
+    "default_speed_limit": 12,
+    "t_pose": {"left_shoulder": 1.25},
+    "variants": {"one_arm": {"description": "v", "locked": {"right_slide": 0.1}}},
     "soles": {"left": {"body": "left_lower", "points": [[1, 2, 3], [4, 5, 6]],
                        "labels": ["heel", "toe"]}},
     "allowed_self_contact": [["base", "left_lower"]]})");
@@ -63,6 +68,15 @@ TEST(LoadProfileTest, EveryPartIsRead) {
   EXPECT_EQ(robot.limits_for("gmr"), "model");
   EXPECT_EQ(robot.limits_for("fit"), "narrow");
   EXPECT_THAT(robot.profile().speed_limits, ElementsAre(Pair("left_elbow", 7.5)));
+  EXPECT_EQ(robot.profile().speed_limits_source, "a sheet");
+  EXPECT_EQ(robot.speed_limit(0), 12.0);
+  EXPECT_EQ(robot.speed_limit(1), 7.5);
+  EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // a slide
+  EXPECT_THAT(robot.profile().t_pose, ElementsAre(Pair("left_shoulder", 1.25)));
+  ASSERT_EQ(robot.profile().variants.size(), 1U);
+  EXPECT_EQ(robot.profile().variants[0].name, "one_arm");
+  EXPECT_EQ(robot.profile().variants[0].description, "v");
+  EXPECT_THAT(robot.profile().variants[0].locked, ElementsAre(Pair("right_slide", 0.1)));
   ASSERT_EQ(robot.profile().soles.size(), 1U);
   const Sole& sole = robot.profile().soles[0];
   EXPECT_EQ(sole.side, "left");
@@ -77,6 +91,7 @@ TEST(LoadProfileTest, NameAloneIsEnough) {
   ASSERT_TRUE(robot.has_value()) << describe(robot.error());
   EXPECT_EQ((*robot)->output_joints().size(), 5U);
   EXPECT_EQ((*robot)->limits_for("gmr"), "model");
+  EXPECT_EQ((*robot)->speed_limit(0), 20.0);
 }
 
 TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
@@ -110,6 +125,16 @@ TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
 }
 
 TEST(LoadProfileTest, FaultsOfOneKind) {
+  EXPECT_THAT(message_with(R"("default_speed_limit": 0)"), HasSubstr("above 0, found 0"));
+  EXPECT_THAT(message_with(R"("t_pose": {"left_elbw": 0})"), HasSubstr("\"left_elbow\"?"));
+  EXPECT_THAT(message_with(R"("t_pose": {"left_elbow": "up"})"), HasSubstr("must be a number"));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {}}})"), HasSubstr("variant \"a\""));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {"left_elbw": 0}}})"),
+              AllOf(HasSubstr("variant \"a\""), HasSubstr("\"left_elbow\"?")));
+  EXPECT_THAT(message_with(R"("variants": {"a": {"loked": {}, "locked": {"left_elbow": 0}}})"),
+              HasSubstr("did you mean \"locked\"?"));
+  EXPECT_THAT(message_with(R"("variants": {"": {"locked": {"left_elbow": 0}}})"),
+              HasSubstr("without a name"));
   EXPECT_THAT(message_with(R"("joint_order": [])"), HasSubstr("names no joint"));
   EXPECT_THAT(message_with(R"("limit_sets": {"model": {"ranges": {}}})"), HasSubstr("taken"));
   EXPECT_THAT(message_with(R"("limit_sets": {"a": {"rangs": {}, "ranges": {}}})"),
@@ -142,7 +167,8 @@ TEST(LoadProfileTest, WrongTypesAreFaults) {
                                            "{\"left\": {\"body\": \"base\", \"points\": [1], "
                                            "\"labels\": \"x\"}}"};
   for (const char* key : {"name", "description", "joint_order", "limit_sets", "default_limits",
-                          "method_limits", "speed_limits", "soles", "allowed_self_contact"}) {
+                          "method_limits", "speed_limits", "speed_limits_source", "t_pose", "soles",
+                          "allowed_self_contact", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {

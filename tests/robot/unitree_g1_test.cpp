@@ -5,11 +5,9 @@
 #include <mujoco/mujoco.h>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
 #include <sstream>
@@ -59,30 +57,6 @@ TEST_F(UnitreeG1Test, TwentyNineJointsInPublishedOrder) {
   EXPECT_THAT(g1_->warnings(), IsEmpty());
 }
 
-TEST_F(UnitreeG1Test, SolesAreLevelAtTheZeroPoseAndMirrored) {
-  const auto poses = own_kinematics(*g1_, g1_->zero_configuration());
-  ASSERT_EQ(g1_->profile().soles.size(), 2U);
-  for (const Sole& sole : g1_->profile().soles) {
-    EXPECT_EQ(sole.points.size(), sole.labels.size());
-    for (const Eigen::Vector3d& point : sole.points) {
-      // the pelvis stands 0.7923 m above the soles, and at 0.793 m in the zero configuration
-      EXPECT_NEAR((poses[sole.body] * point).z(), 0.793 - 0.7923, 1e-4);
-    }
-    const double heel = (poses[sole.body] * sole.points[0]).x();
-    const double toe = (poses[sole.body] * sole.points[2]).x();
-    EXPECT_GT(toe, heel + 0.15);
-    // left of the foot is first, for both feet
-    EXPECT_GT(sole.points[0].y(), sole.points[1].y());
-  }
-}
-
-TEST_F(UnitreeG1Test, EveryMovingBodyHasShapes) {
-  EXPECT_EQ(g1_->collision_shapes().size(), 66U);
-  std::vector<bool> has_shape(g1_->bodies().size(), false);
-  for (const CollisionShape& shape : g1_->collision_shapes()) has_shape[shape.body] = true;
-  for (const RobotJoint& joint : g1_->joints()) EXPECT_TRUE(has_shape[joint.body]) << joint.name;
-}
-
 TEST_F(UnitreeG1Test, LoadsInMilliseconds) {
   const auto start = std::chrono::steady_clock::now();
   constexpr int kTimes = 20;
@@ -111,49 +85,6 @@ class UnitreeG1FiguresTest : public UnitreeG1Test {
 
   fs::path folder_;
 };
-
-TEST_F(UnitreeG1FiguresTest, TreeAndJointsAreTheReferences) {
-  const auto reference = this->reference("g1_mocap_29dof.xml");
-  ASSERT_NE(reference, nullptr);
-  EXPECT_THAT(g1_->body_names(), ElementsAreArray(reference->body_names()));
-  EXPECT_THAT(g1_->joint_names(), ElementsAreArray(reference->joint_names()));
-  EXPECT_THAT(g1_->zero_configuration(), ElementsAreArray(reference->zero_configuration()));
-  for (std::size_t b = 0; b < g1_->bodies().size(); ++b) {
-    const RobotBody& ours = g1_->bodies()[b];
-    const RobotBody& theirs = reference->bodies()[b];
-    EXPECT_EQ(ours.parent, theirs.parent) << ours.name;
-    EXPECT_EQ(ours.parent_from_body.translation, theirs.parent_from_body.translation) << ours.name;
-    EXPECT_EQ(ours.parent_from_body.rotation.coeffs(), theirs.parent_from_body.rotation.coeffs())
-        << ours.name;
-  }
-  for (std::size_t j = 0; j < g1_->joints().size(); ++j) {
-    const RobotJoint& ours = g1_->joints()[j];
-    const RobotJoint& theirs = reference->joints()[j];
-    EXPECT_EQ(ours.type, theirs.type) << ours.name;
-    EXPECT_EQ(ours.body, theirs.body) << ours.name;
-    EXPECT_EQ(ours.axis, theirs.axis) << ours.name;
-    EXPECT_EQ(ours.anchor, theirs.anchor) << ours.name;
-  }
-}
-
-TEST_F(UnitreeG1FiguresTest, MassesAreTheReferences) {
-  const auto reference = this->reference("g1_mocap_29dof.xml");
-  ASSERT_NE(reference, nullptr);
-  const mjModel& ours = *g1_->model();
-  const mjModel& theirs = *reference->model();
-  for (int b = 0; b < ours.nbody; ++b) {
-    const std::string& name = g1_->bodies()[b].name;
-    // hands weigh nothing of their own: theirs is in the wrist
-    EXPECT_EQ(ours.body_mass[b], theirs.body_mass[b]) << name;
-    for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ(ours.body_ipos[3 * b + i], theirs.body_ipos[3 * b + i]) << name;
-      EXPECT_EQ(ours.body_inertia[3 * b + i], theirs.body_inertia[3 * b + i]) << name;
-    }
-    for (int i = 0; i < 4; ++i) {
-      EXPECT_EQ(ours.body_iquat[4 * b + i], theirs.body_iquat[4 * b + i]) << name;
-    }
-  }
-}
 
 TEST_F(UnitreeG1FiguresTest, KinematicsAreThoseOfBothReferences) {
   std::mt19937 random(29);
@@ -199,87 +130,6 @@ TEST_F(UnitreeG1FiguresTest, SpeedLimitsAreThoseOfTheUrdf) {
   }
   EXPECT_EQ(speeds.size(), 29U);
   EXPECT_EQ(g1_->profile().speed_limits, speeds);
-}
-
-// a shape as a list of figures: its ends and radius, or its centre, axes and half size
-std::vector<double> figures_of(const CollisionShape& shape) {
-  const Eigen::Vector3d up(0, 0, shape.half_length);
-  const Pose& pose = shape.body_from_shape;
-  std::vector<double> figures;
-  const auto add = [&](const Eigen::Vector3d& v) {
-    figures.insert(figures.end(), v.data(), v.data() + 3);
-  };
-  if (shape.type == CollisionShape::Type::kBox) {
-    add(pose.translation);
-    for (int i = 0; i < 3; ++i) add(pose.rotation.toRotationMatrix().col(i));
-    add(shape.half_size);
-  } else {
-    // which end is the first does not matter
-    add((pose * up).cwiseMin(pose * -up));
-    add((pose * up).cwiseMax(pose * -up));
-    figures.push_back(shape.radius);
-  }
-  return figures;
-}
-
-CollisionShape shape_from_json(const nlohmann::json& json) {
-  const auto vector = [&](const char* key) {
-    return Eigen::Vector3d(json.at(key)[0], json.at(key)[1], json.at(key)[2]);
-  };
-  CollisionShape shape;
-  const std::string type = json.at("type");
-  if (type == "sphere") {
-    shape.body_from_shape.translation = vector("center");
-    shape.radius = json.at("radius");
-  } else if (type == "capsule") {
-    shape.type = CollisionShape::Type::kCapsule;
-    const Eigen::Vector3d from = vector("from"), to = vector("to");
-    shape.body_from_shape = {
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), to - from), (from + to) / 2};
-    shape.half_length = (to - from).norm() / 2;
-    shape.radius = json.at("radius");
-  } else {
-    shape.type = CollisionShape::Type::kBox;
-    const auto& q = json.at("quat_wxyz");
-    shape.body_from_shape = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
-                             vector("center")};
-    shape.half_size = vector("half_size");
-  }
-  return shape;
-}
-
-TEST_F(UnitreeG1FiguresTest, ShapesSolesAndContactsAreTheFittedOnes) {
-  const auto json = nlohmann::json::parse(read_text(folder_ / "collision.json"));
-  std::map<std::string, std::vector<CollisionShape>> shapes;
-  for (const CollisionShape& shape : g1_->collision_shapes()) {
-    shapes[g1_->bodies()[shape.body].name].push_back(shape);
-  }
-  EXPECT_EQ(shapes.size(), json.at("bodies").size());
-  for (const auto& [body, primitives] : json.at("bodies").items()) {
-    ASSERT_EQ(shapes[body].size(), primitives.size()) << body;
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const CollisionShape expected = shape_from_json(primitives[i]);
-      EXPECT_EQ(shapes[body][i].type, expected.type) << body;
-      EXPECT_THAT(figures_of(shapes[body][i]),
-                  ::testing::Pointwise(::testing::DoubleNear(1e-12), figures_of(expected)))
-          << body;
-    }
-  }
-  for (const Sole& sole : g1_->profile().soles) {
-    const auto& expected = json.at("soles").at(sole.side);
-    EXPECT_EQ(g1_->bodies()[sole.body].name, expected.at("body"));
-    EXPECT_EQ(nlohmann::json(sole.labels), expected.at("labels"));
-    ASSERT_EQ(sole.points.size(), expected.at("points").size());
-    for (std::size_t i = 0; i < sole.points.size(); ++i) {
-      const auto& point = expected.at("points")[i];
-      EXPECT_EQ(sole.points[i], Eigen::Vector3d(point[0], point[1], point[2]));
-    }
-  }
-  auto pairs = nlohmann::json::array();
-  for (const auto& [a, b] : g1_->profile().allowed_self_contact) {
-    pairs.push_back({g1_->bodies()[a].name, g1_->bodies()[b].name});
-  }
-  EXPECT_EQ(pairs, json.at("allowed_self_contact"));
 }
 
 }  // namespace

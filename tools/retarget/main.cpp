@@ -164,6 +164,11 @@ void add_run_options(CLI::App& app, RunOptions& options) {
                  "Output joint order, limit sets and soles of --robot-xml, JSON")
       ->type_name("FILE")
       ->group(kRobot);
+  app.add_option("--dof", options.dof,
+                 "Variant of the robot whose other joints are held and not\nwritten: 29, 27, 23 "
+                 "or 23-pbhc for the G1 (default: all)")
+      ->type_name("NAME")
+      ->group(kRobot);
   app.add_option("--ik-config", options.ik_config,
                  "Mapping from human bones to robot bodies, JSON\n"
                  "(default: the robot's own)")

@@ -48,6 +48,7 @@ struct RunOptions {
   std::string robot;
   std::string robot_xml;
   std::string robot_profile;
+  std::string dof;        ///< Variant of the robot; empty: all of it.
   std::string limits;     ///< Empty: the method's own.
   std::string ik_config;  ///< Empty: the robot's own.
   std::string method = "gmr";

@@ -11,6 +11,7 @@
 #include "csv_sink.h"
 #include "human_source.h"
 #include "interrupt.h"
+#include "limit_lines.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
@@ -19,6 +20,7 @@
 #include "retarget/pipeline/retarget.h"
 #include "retarget/robot/limit_distance.h"
 #include "retarget/robot/load_robot.h"
+#include "retarget/robot/variant.h"
 #include "robot_mapping.h"
 
 namespace retarget::cli {
@@ -169,6 +171,8 @@ Result<Setup> load_setup(const RunOptions& options, const fs::path& data_folder,
   }
   auto robot = load_robot(model, profile);
   if (!robot) return failure(robot.error());
+  if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
+  if (!robot) return failure(robot.error());
   setup.robot = *robot;
   for (const std::string& warning : setup.robot->warnings()) {
     console.warn({{0, 0, warning}}, model);
@@ -273,9 +277,10 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   const auto source = load_source(options, *data_folder, console);
   if (!source) return failure(source.error());
   if (source->human.map.partial) leave_out_missing(source->human, setup->tables, console);
-  console.line("robot", setup->robot->name() + ", " +
-                            count_text(static_cast<long>(setup->robot->joints().size()), "joint") +
-                            ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
+  console.line("robot",
+               setup->robot->name() + ", " +
+                   count_text(static_cast<long>(setup->robot->output_joints().size()), "joint") +
+                   ", limits " + setup->limits.name + ", mapping " + setup->tables.file);
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
@@ -291,6 +296,10 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, setup->limits, console);
+  const auto at_limits =
+      joints_at_limits(motion, source->clip, source->human.calibration.mapping, setup->tables,
+                       height_scale_of(*source, options), setup->limits, kNamedAtLimit);
+  print_joints_at_limits(at_limits, *setup->robot, setup->limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   if (auto written = (*sink)->finish(); !written) return written;
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +

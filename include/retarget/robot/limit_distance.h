@@ -19,7 +19,8 @@ struct LimitDistance {
 /// A joint this near to a limit (rad or m) is said to be at it.
 inline constexpr double kAtLimit = 1e-3;
 
-/// Nothing for a clip without frames or a robot without limited joints.
+/// Joints with a range of one value, which are held, do not count. Nothing for a clip without frames
+/// or a robot without limited joints.
 [[nodiscard]] std::optional<LimitDistance> nearest_limit(const RobotClip& clip,
                                                          const LimitSet& limits);
 

@@ -88,7 +88,6 @@ struct RobotProfile {
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
   std::vector<RobotVariant> variants;
-  RobotVariant variant;  ///< The one that this robot is; without a name: none, the whole robot.
 };
 
 /// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
@@ -104,12 +103,18 @@ class Robot {
 
   /// Takes another profile and with it another output order; before the robot is shared.
   void set_profile(RobotProfile profile);
+  /// Holds the joints of a variant: they leave the output columns, every limit set has their one
+  /// position as range, and the zero configuration has them there. Before the robot is shared, and
+  /// once; robot_variant does it by name.
+  void set_variant(const RobotVariant& variant);
 
   [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
   /// What MuJoCo found odd in the model, one line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  /// The variant that this robot is; without a name: the whole robot.
+  [[nodiscard]] const RobotVariant& variant() const { return variant_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
@@ -125,7 +130,7 @@ class Robot {
   [[nodiscard]] int configuration_size() const;
   /// The model's qpos0; joints that the variant holds are where it holds them.
   [[nodiscard]] std::vector<double> zero_configuration() const;
-  /// The ranges of the model itself, as a set called `model`; see hold_locked_joints.
+  /// The ranges of the model itself, as a set called `model`.
   [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
   /// Name of the limit set that a method takes when the user names none.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
@@ -147,6 +152,7 @@ class Robot {
 
   ModelPtr model_;
   RobotProfile profile_;
+  RobotVariant variant_;
   std::vector<std::string> warnings_;
   std::vector<RobotBody> bodies_;
   std::vector<RobotJoint> joints_;

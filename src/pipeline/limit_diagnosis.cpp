@@ -1,0 +1,210 @@
+#include "retarget/pipeline/limit_diagnosis.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <utility>
+
+#include "ik/frame_error.h"
+#include "ik/moving_tree.h"
+
+namespace retarget {
+namespace {
+
+constexpr int kNoNode = -1;
+
+// what a task's parts do to a joint that moves one way: position first, then rotation
+struct TaskPush {
+  std::array<double, 2> strength{};
+  std::array<double, 2> shortfall{};
+};
+
+// a joint at one of its limits, with sums over the frames seen so far
+struct Candidate {
+  JointAtLimit found;
+  int node = kNoNode;
+  std::vector<TaskPush> tasks;  // by task of the pass
+};
+
+bool is_at(const LimitSet& limits, std::size_t joint, bool upper, double q) {
+  return upper ? q >= limits.upper[joint] - kDiagnosedAtLimit
+               : q <= limits.lower[joint] + kDiagnosedAtLimit;
+}
+
+std::vector<Candidate> find_candidates(const RobotClip& clip, const LimitSet& limits,
+                                       double least_share) {
+  std::vector<Candidate> candidates;
+  const auto& joints = clip.robot().joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (limits.lower[j] == limits.upper[j]) continue;
+    for (const bool upper : {false, true}) {
+      int frames = 0;
+      for (int frame = 0; frame < clip.frame_count(); ++frame) {
+        frames += is_at(limits, j, upper, clip.qpos(frame)[joints[j].qpos_address]) ? 1 : 0;
+      }
+      const double share = static_cast<double>(frames) / std::max(1, clip.frame_count());
+      if (frames == 0 || share < least_share) continue;
+      Candidate candidate;
+      candidate.found.joint = static_cast<int>(j);
+      candidate.found.at_upper = upper;
+      candidate.found.frames = frames;
+      candidate.found.share = share;
+      candidates.push_back(std::move(candidate));
+    }
+  }
+  return candidates;
+}
+
+// the limit set of the robot that is widest at the joint's limit
+void find_wider_set(const Robot& robot, const LimitSet& limits, JointAtLimit& found) {
+  std::vector<const LimitSet*> sets;
+  for (const LimitSet& set : robot.profile().limit_sets) sets.push_back(&set);
+  sets.push_back(&robot.model_limits());
+  for (const LimitSet* set : sets) {
+    const double wider = found.at_upper ? set->upper[found.joint] - limits.upper[found.joint]
+                                        : limits.lower[found.joint] - set->lower[found.joint];
+    if (wider > kDiagnosedAtLimit && wider > found.wider_by) {
+      found.wider_set = set->name;
+      found.wider_by = wider;
+    }
+  }
+}
+
+// the pass whose tasks have the last word
+IkPass last_pass(const RobotClip& clip, const IkTables& tables, const TargetBuilder& targets,
+                 const LimitSet& limits) {
+  const auto problem = make_problem(clip.shared_robot(), tables, targets, limits);
+  return problem->passes.empty() ? IkPass{} : problem->passes.back();
+}
+
+// adds up, frame by frame, how the tasks pull at the candidates
+class PushSum {
+ public:
+  PushSum(const Robot& robot, IkPass pass, std::vector<Candidate>& candidates)
+      : pass_(std::move(pass)), tree_(robot, bodies_of(pass_)), state_(tree_) {
+    for (Candidate& candidate : candidates) {
+      const auto& nodes = tree_.nodes();
+      const auto node = std::ranges::find(nodes, candidate.found.joint, &MovingTree::Node::joint);
+      if (node != nodes.end()) candidate.node = static_cast<int>(node - nodes.begin());
+      candidate.tasks.resize(pass_.size());
+    }
+  }
+
+  // moves the tree; candidates of the frame are added one by one
+  void set_frame(std::span<const double> qpos) { state_.update(tree_, qpos); }
+
+  void add(Candidate& candidate, std::span<const Pose> world_from_target) const {
+    if (candidate.node == kNoNode) return;
+    const int last = tree_.nodes()[candidate.node].last_descendant;
+    for (std::size_t t = 0; t < pass_.size(); ++t) {
+      const int node = tree_.attachments()[t].node;
+      if (node < candidate.node || node > last) continue;
+      add_task(candidate, t, world_from_target[pass_[t].target]);
+    }
+  }
+
+  // the strongest of the parts, as means
+  [[nodiscard]] std::optional<LimitPush> strongest(const Candidate& candidate,
+                                                   const std::vector<int>& bones) const {
+    std::optional<LimitPush> strongest;
+    for (std::size_t t = 0; t < pass_.size(); ++t) {
+      for (const int part : {0, 1}) {
+        const double strength = candidate.tasks[t].strength[part] / candidate.found.frames;
+        if (strength <= (strongest ? strongest->strength : 0.0)) continue;
+        strongest = LimitPush{pass_[t].body, bones[pass_[t].target], part == 1, strength,
+                              candidate.tasks[t].shortfall[part] / candidate.found.frames};
+      }
+    }
+    return strongest;
+  }
+
+ private:
+  static std::vector<int> bodies_of(const IkPass& pass) {
+    std::vector<int> bodies;
+    for (const FrameTask& task : pass) bodies.push_back(task.body);
+    return bodies;
+  }
+
+  // with the body's velocity [v; u] for a unit velocity of the joint, in world axes,
+  //   d e_v = -A (v - Q A u),  d w = -A u  and  A' w = w
+  void add_task(Candidate& candidate, std::size_t t, const Pose& world_from_target) const {
+    const FrameTask& task = pass_[t];
+    const Pose world_from_body = state_.world_from_body(tree_.attachments()[t]);
+    const FrameError error = frame_error(world_from_body, world_from_target);
+    const ErrorJacobian jacobian(error);
+    const Eigen::Vector3d& axis = state_.axis[candidate.node];
+    const bool slides = tree_.nodes()[candidate.node].slides;
+    const Eigen::Vector3d turn = slides ? Eigen::Vector3d(0, 0, 0) : axis;
+    const Eigen::Vector3d& anchor = state_.world_from_node[candidate.node].translation;
+    const Eigen::Vector3d velocity =
+        slides ? axis : Eigen::Vector3d(axis.cross(world_from_body.translation - anchor));
+
+    const Eigen::Vector3d pull = jacobian.transposed_times(error.linear);
+    const double outward = candidate.found.at_upper ? 1.0 : -1.0;
+    const double to_position = pull.dot(velocity - jacobian.coupling() * turn);
+    const double to_rotation = error.angular.dot(turn);
+    TaskPush& push = candidate.tasks[t];
+    push.strength[0] += outward * task.position_weight * task.position_weight * to_position;
+    push.strength[1] += outward * task.rotation_weight * task.rotation_weight * to_rotation;
+    push.shortfall[0] += (world_from_target.translation - world_from_body.translation).norm();
+    push.shortfall[1] += error.angular.norm();
+  }
+
+  const IkPass pass_;
+  const MovingTree tree_;
+  TreeState state_;
+};
+
+}  // namespace
+
+std::vector<JointAtLimit> joints_at_limits(
+    const RobotClip& clip, const IkTables& tables, const TargetBuilder& targets,
+    const std::function<void(int frame, std::span<Pose> world_from_bone)>& poses,
+    const LimitSet& limits, double least_share) {
+  std::vector<Candidate> candidates = find_candidates(clip, limits, least_share);
+  if (candidates.empty()) return {};
+  const Robot& robot = clip.robot();
+  PushSum sum(robot, last_pass(clip, tables, targets, limits), candidates);
+  std::vector<Pose> world_from_bone(kBoneCount);
+  std::vector<Pose> world_from_target(targets.target_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    bool is_set = false;
+    for (Candidate& candidate : candidates) {
+      const double q = qpos[robot.joints()[candidate.found.joint].qpos_address];
+      if (!is_at(limits, candidate.found.joint, candidate.found.at_upper, q)) continue;
+      if (!is_set) {
+        sum.set_frame(qpos);
+        poses(frame, world_from_bone);
+        targets.build(world_from_bone, world_from_target);
+        is_set = true;
+      }
+      sum.add(candidate, world_from_target);
+    }
+  }
+  const std::vector<int> bones = targets.bones();
+  std::vector<JointAtLimit> result;
+  for (Candidate& candidate : candidates) {
+    candidate.found.push = sum.strongest(candidate, bones);
+    find_wider_set(robot, limits, candidate.found);
+    result.push_back(std::move(candidate.found));
+  }
+  std::ranges::stable_sort(result, std::ranges::greater(), &JointAtLimit::frames);
+  return result;
+}
+
+std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
+                                           const HumanMapping& mapping, const IkTables& tables,
+                                           HeightScale scale, const LimitSet& limits,
+                                           double least_share) {
+  HumanPoser poser(clip, mapping);
+  const HumanClipInfo human = poser.info();
+  const bool published = scale == HeightScale::kPublished;
+  const TargetBuilder targets(tables, published ? human.height : human.size, scale);
+  return joints_at_limits(
+      robot_clip, tables, targets,
+      [&](int frame, std::span<Pose> world_from_bone) { poser.pose(frame, world_from_bone); },
+      limits, least_share);
+}
+
+}  // namespace retarget

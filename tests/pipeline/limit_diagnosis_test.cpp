@@ -1,0 +1,262 @@
+// Joints at a limit: what pushes them there, against finite differences and by hand.
+
+#include "retarget/pipeline/limit_diagnosis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "retarget/math/se3.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// an upper arm whose hinge stops long before the arm hangs down, and a slide at its end
+constexpr const char* kStiffArm = R"(
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="base" pos="0 0 1">
+      <freejoint/>
+      <geom size="0.1"/>
+      <body name="upper" pos="0 0.2 0.1">
+        <joint name="shoulder" axis="1 0 0" range="-0.25 0.25"/>
+        <geom size="0.05"/>
+        <body name="lower" pos="0 0.3 0">
+          <joint name="slide" type="slide" axis="0 1 0" range="-0.1 0.1"/>
+          <joint name="twist" axis="0 1 0"/>
+          <geom size="0.05"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+IkRow task_row(const std::string& body, const std::string& bone, double position, double rotation) {
+  IkRow row;
+  row.body = body;
+  row.bone = bone;
+  row.position_weight = position;
+  row.rotation_weight = rotation;
+  return row;
+}
+
+IkTables tables_of(std::vector<IkRow> rows) {
+  IkTables tables;
+  tables.robot_root = "base";
+  tables.human_root = "Hips";
+  tables.human_height_assumption = 1.0;
+  tables.scales = {{"Hips", 1.0}, {"LeftArm", 1.0}, {"LeftForeArm", 1.0}, {"RightArm", 1.0}};
+  // the first pass must not count
+  tables.tables[0].rows = {task_row("base", "Hips", 100, 100)};
+  tables.tables[1].rows = std::move(rows);
+  return tables;
+}
+
+// bones that all are where a body of the robot is, but for a shift and a turn of each
+struct Scene {
+  std::shared_ptr<const Robot> robot;
+  RobotClip clip;
+  IkTables tables;
+  std::vector<Pose> world_from_bone = std::vector<Pose>(kBoneCount);
+
+  [[nodiscard]] std::vector<JointAtLimit> diagnose(const LimitSet& limits,
+                                                   double least_share = 0.05) const {
+    const TargetBuilder targets(tables, 1.0);
+    return joints_at_limits(
+        clip, tables, targets,
+        [&](int, std::span<Pose> bones) { std::ranges::copy(world_from_bone, bones.begin()); },
+        limits, least_share);
+  }
+};
+
+void set_joint(Scene& scene, int frame, const char* name, double q) {
+  const RobotJoint& joint = scene.robot->joints()[*scene.robot->find_joint(name)];
+  scene.clip.qpos(frame)[joint.qpos_address] = q;
+}
+
+Scene stiff_arm(std::vector<IkRow> rows, int frames) {
+  Scene scene;
+  scene.robot = robot_from_text(kStiffArm);
+  scene.clip = RobotClip(scene.robot, {30, 1}, frames);
+  scene.tables = tables_of(std::move(rows));
+  return scene;
+}
+
+TEST(JointsAtLimits, NamesTheTaskThatPushesAndHowFarItIsShort) {
+  Scene scene = stiff_arm({task_row("base", "Hips", 100, 100), task_row("upper", "LeftArm", 0, 10),
+                           task_row("lower", "LeftForeArm", 1, 0)},
+                          10);
+  // an arm that hangs: turned by -1 rad about x; the forearm is where the robot's is
+  for (const int frame : {2, 3, 4, 7}) set_joint(scene, frame, "shoulder", -0.25);
+  std::vector<Pose> poses(scene.robot->bodies().size());
+  forward_kinematics(*scene.robot, scene.clip.qpos(2), poses);
+  scene.world_from_bone[*find_bone("Hips")] = poses[1];
+  scene.world_from_bone[*find_bone("LeftArm")] = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(-1.0, Eigen::Vector3d::UnitX())), {0, 0, 0}};
+  scene.world_from_bone[*find_bone("LeftForeArm")] = poses[3];
+  const auto found = scene.diagnose(scene.robot->model_limits());
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(scene.robot->joints()[found[0].joint].name, "shoulder");
+  EXPECT_FALSE(found[0].at_upper);
+  EXPECT_EQ(found[0].frames, 4);
+  EXPECT_EQ(found[0].share, 0.4);
+  EXPECT_EQ(found[0].wider_set, "");
+  ASSERT_TRUE(found[0].push.has_value());
+  EXPECT_EQ(found[0].push->bone, *find_bone("LeftArm"));
+  EXPECT_EQ(scene.robot->bodies()[found[0].push->body].name, "upper");
+  EXPECT_TRUE(found[0].push->rotation);
+  EXPECT_NEAR(found[0].push->shortfall, 0.75, 1e-12);
+  // 1/2 (10 * angle)^2 falls by 100 * angle per rad
+  EXPECT_NEAR(found[0].push->strength, 75.0, 1e-9);
+}
+
+TEST(JointsAtLimits, PositionsAreShortInMetresAlsoOfASlide) {
+  Scene scene = stiff_arm({task_row("lower", "LeftForeArm", 10, 0)}, 2);
+  for (const int frame : {0, 1}) set_joint(scene, frame, "slide", 0.1);
+  std::vector<Pose> poses(scene.robot->bodies().size());
+  forward_kinematics(*scene.robot, scene.clip.qpos(0), poses);
+  poses[3].translation += Eigen::Vector3d(0, 0.3, 0.4);
+  scene.world_from_bone[*find_bone("LeftForeArm")] = poses[3];
+  const auto found = scene.diagnose(scene.robot->model_limits());
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_TRUE(found[0].at_upper);
+  ASSERT_TRUE(found[0].push.has_value());
+  EXPECT_FALSE(found[0].push->rotation);
+  EXPECT_NEAR(found[0].push->shortfall, 0.5, 1e-12);
+  EXPECT_NEAR(found[0].push->strength, 100 * 0.3, 1e-9);
+}
+
+TEST(JointsAtLimits, NothingPushesAJointThatOnlyRestsThere) {
+  // the target lies inside of the limit, and no task hangs on the slide
+  Scene scene = stiff_arm({task_row("upper", "LeftArm", 0, 10)}, 1);
+  set_joint(scene, 0, "shoulder", 0.25);
+  set_joint(scene, 0, "slide", -0.2);  // beyond
+  const auto found = scene.diagnose(scene.robot->model_limits());
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_FALSE(found[0].push.has_value());
+  EXPECT_FALSE(found[1].push.has_value());
+}
+
+TEST(JointsAtLimits, WorstFirstAndRareOnesLeftOut) {
+  Scene scene = stiff_arm({task_row("upper", "LeftArm", 0, 10)}, 10);
+  for (int frame = 0; frame < 10; ++frame) {
+    if (frame < 3) set_joint(scene, frame, "shoulder", 0.25);
+    if (frame == 5) set_joint(scene, frame, "shoulder", -0.25);
+    if (frame > 4) set_joint(scene, frame, "slide", 0.1);
+  }
+  const auto shares = [&](double least_share) {
+    std::vector<double> all;
+    for (const auto& found : scene.diagnose(scene.robot->model_limits(), least_share)) {
+      all.push_back(found.share);
+    }
+    return all;
+  };
+  EXPECT_THAT(shares(0.05), ElementsAre(0.5, 0.3, 0.1));
+  EXPECT_THAT(shares(0.3), ElementsAre(0.5, 0.3));
+  EXPECT_THAT(shares(0.6), IsEmpty());
+  scene.clip = RobotClip(scene.robot, {30, 1}, 0);
+  EXPECT_THAT(shares(0.0), IsEmpty());
+}
+
+TEST(JointsAtLimits, SayWhichLimitSetIsWiderAtThatSide) {
+  const auto g1 = load_g1();
+  Scene scene;
+  scene.robot = g1;
+  scene.clip = RobotClip(g1, {30, 1}, 1);
+  scene.tables = tables_of({});
+  scene.tables.tables[0].rows.clear();  // there is no such body
+  const LimitSet gmr = load_limits(*g1, "gmr").value();
+  set_joint(scene, 0, "left_elbow_joint", 1.7);
+  set_joint(scene, 0, "right_elbow_joint", -1.0472);
+  const auto found = scene.diagnose(gmr);
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_EQ(found[0].wider_set, "official");
+  EXPECT_NEAR(found[0].wider_by, 2.0944 - 1.7, 1e-12);
+  EXPECT_EQ(found[1].wider_set, "");
+}
+
+TEST(JointsAtLimits, JointsThatAreHeldDoNotCount) {
+  Scene scene = stiff_arm({}, 1);
+  LimitSet limits = scene.robot->model_limits();
+  limits.lower[0] = limits.upper[0] = 0.0;
+  EXPECT_THAT(scene.diagnose(limits), IsEmpty());
+}
+
+// half the squared weighted error of the parts of a task
+std::array<double, 2> objective(const Scene& scene, const IkRow& row, const Pose& target,
+                                std::span<const double> qpos) {
+  std::vector<Pose> poses(scene.robot->bodies().size());
+  forward_kinematics(*scene.robot, qpos, poses);
+  const Pose& body = poses[*scene.robot->find_body(row.body)];
+  const Vector6d error = log_se3(body.inverse() * target);
+  return {0.5 * std::pow(row.position_weight, 2) * error.head<3>().squaredNorm(),
+          0.5 * std::pow(row.rotation_weight, 2) * error.tail<3>().squaredNorm()};
+}
+
+TEST(JointsAtLimits, PushesAreDerivativesOfTheObjective) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int pushed = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Scene scene;
+    scene.robot = robot_from_text(kTwoArms);
+    scene.clip = RobotClip(scene.robot, {30, 1}, 1);
+    const bool rotates = trial % 2 == 0;
+    const IkRow row = task_row(trial % 3 == 0 ? "right_upper" : "left_lower", "LeftArm",
+                               rotates ? 0.0 : 3.0, rotates ? 2.0 : 0.0);
+    scene.tables = tables_of({row});
+    const auto qpos = scene.clip.qpos(0);
+    for (double& q : qpos) q = 0.5 * uniform(random);
+    const double norm = std::hypot(std::hypot(qpos[3], qpos[4]), std::hypot(qpos[5], qpos[6]));
+    for (int i = 3; i < 7; ++i) qpos[i] /= norm;
+    Pose target;
+    for (int i = 0; i < 3; ++i) target.translation[i] = 0.5 * uniform(random);
+    target.rotation = Eigen::Quaterniond(1.0, uniform(random), uniform(random), uniform(random));
+    target.rotation.normalize();
+    scene.world_from_bone[*find_bone("LeftArm")] = target;
+
+    // each joint as if it stood at its upper limit, then at its lower one
+    for (std::size_t j = 0; j < scene.robot->joints().size(); ++j) {
+      const int address = scene.robot->joints()[j].qpos_address;
+      for (const bool upper : {false, true}) {
+        LimitSet limits = scene.robot->model_limits();
+        for (std::size_t k = 0; k < limits.lower.size(); ++k) {
+          limits.lower[k] = -9.0;
+          limits.upper[k] = 9.0;
+        }
+        (upper ? limits.upper : limits.lower)[j] = qpos[address];
+        const auto found = scene.diagnose(limits);
+        ASSERT_THAT(found, SizeIs(1));
+        ASSERT_EQ(found[0].joint, static_cast<int>(j));
+        constexpr double kStep = 1e-5;
+        std::vector<double> moved(qpos.begin(), qpos.end());
+        moved[address] = qpos[address] + kStep;
+        const auto above = objective(scene, row, target, moved);
+        moved[address] = qpos[address] - kStep;
+        const auto below = objective(scene, row, target, moved);
+        const int part = rotates ? 1 : 0;
+        const double fall = (below[part] - above[part]) / (2 * kStep) * (upper ? 1.0 : -1.0);
+        if (found[0].push) {
+          EXPECT_EQ(found[0].push->rotation, rotates);
+          EXPECT_NEAR(found[0].push->strength, fall, 1e-7);
+          ++pushed;
+        } else {
+          EXPECT_LT(fall, 1e-7);
+        }
+      }
+    }
+  }
+  EXPECT_GT(pushed, 60);
+}
+
+}  // namespace
+}  // namespace retarget
