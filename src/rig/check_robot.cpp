@@ -71,7 +71,7 @@ class Doctor {
   const Robot& robot_;
   const IkTables* tables_;
   bool mapping_is_sound_ = false;
-  std::optional<RobotLimbs> limbs_;
+  std::optional<RobotAnatomy> limbs_;
   std::optional<TPose> t_pose_;
   std::vector<RobotFinding> findings_;
 };

@@ -45,7 +45,7 @@ Weights weights_of(const std::string& bone, int pass, int wrist_joints) {
 
 class MappingMaker {
  public:
-  MappingMaker(const Robot& robot, const RobotLimbs& limbs, const DeriveOptions& options)
+  MappingMaker(const Robot& robot, const RobotAnatomy& limbs, const DeriveOptions& options)
       : robot_(robot), limbs_(limbs), options_(options), scales_(derive_scales(limbs)) {
     const PosedRobot posed(robot, reference_configuration(robot));
     const auto root_of = [&](const Limb& limb) -> Eigen::Vector3d {
@@ -67,7 +67,7 @@ class MappingMaker {
                                                 double side) const;
 
   const Robot& robot_;
-  const RobotLimbs& limbs_;
+  const RobotAnatomy& limbs_;
   DeriveOptions options_;
   DerivedScales scales_;
   double wider_ = 0.0;   // half the hips' width beyond the scaled human's
@@ -131,7 +131,7 @@ std::string list_of(std::initializer_list<double> values, int digits) {
 
 }  // namespace
 
-DerivedScales derive_scales(const RobotLimbs& limbs) {
+DerivedScales derive_scales(const RobotAnatomy& limbs) {
   const auto mean_length = [](const std::array<Limb, 2>& pair) {
     return 0.5 * (pair[0].upper_length + pair[0].lower_length + pair[1].upper_length +
                   pair[1].lower_length);
@@ -142,7 +142,8 @@ DerivedScales derive_scales(const RobotLimbs& limbs) {
   return scales;
 }
 
-IkTables derive_mapping(const Robot& robot, const RobotLimbs& limbs, const DeriveOptions& options) {
+IkTables derive_mapping(const Robot& robot, const RobotAnatomy& limbs,
+                        const DeriveOptions& options) {
   return MappingMaker(robot, limbs, options).make();
 }
 

@@ -48,7 +48,7 @@ std::string chain_text(const RobotFindings& findings, const Limb& limb) {
 }
 
 std::string limbs_section(const RobotFindings& findings) {
-  const RobotLimbs& limbs = findings.limbs;
+  const RobotAnatomy& limbs = findings.limbs;
   std::string text =
       "## Limbs\n\n| part | bodies | bends at | lengths | how sure |\n|---|---|---|---|---|\n";
   text += "| pelvis | " + body_name(findings, limbs.pelvis) + " | | | both legs hang from it |\n";
@@ -148,7 +148,7 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
 }
 
 std::vector<std::string> summary_of(const RobotFindings& findings) {
-  const RobotLimbs& limbs = findings.limbs;
+  const RobotAnatomy& limbs = findings.limbs;
   const DerivedScales scales = derive_scales(limbs);
   double worst = 0.0;
   for (const TPoseResidual& residual : findings.t_pose.residuals) {

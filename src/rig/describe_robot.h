@@ -12,7 +12,7 @@ namespace retarget {
 /// All that was found out about a robot that is being added.
 struct RobotFindings {
   const Robot& robot;
-  const RobotLimbs& limbs;
+  const RobotAnatomy& limbs;
   const TPose& t_pose;
   const RobotShapes& shapes;
   const IkTables& tables;

@@ -46,7 +46,7 @@ Points human_segments(std::span<const Pose> bones) {
   return segments(limbs);
 }
 
-Points robot_segments(const RobotLimbs& limbs, const std::vector<Pose>& world_from_body) {
+Points robot_segments(const RobotAnatomy& limbs, const std::vector<Pose>& world_from_body) {
   std::array<std::array<Eigen::Vector3d, 3>, 4> points;
   for (std::size_t i = 0; i < 4; ++i) {
     const Limb& limb = i < 2 ? limbs.legs[i] : limbs.arms[i - 2];
@@ -65,7 +65,7 @@ Points robot_segments(const RobotLimbs& limbs, const std::vector<Pose>& world_fr
 }  // namespace
 
 std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
-                                   const RobotLimbs& limbs) {
+                                   const RobotAnatomy& limbs) {
   std::vector<LimbError> errors;
   for (const char* segment : kSegments) errors.push_back({segment, 0.0});
   std::vector<Pose> world_from_body(robot.robot().bodies().size());

@@ -60,7 +60,7 @@ class LimbFinder {
         posed_(robot, reference_),
         moving_(robot) {}
 
-  Result<RobotLimbs> find();
+  Result<RobotAnatomy> find();
 
  private:
   Result<void> choose_pairs();
@@ -81,7 +81,7 @@ class LimbFinder {
   PosedRobot posed_;
   MovingBodies moving_;
   ShapedPair legs_, arms_;
-  RobotLimbs found_;
+  RobotAnatomy found_;
 };
 
 Failure LimbFinder::no_legs(const std::string& found) const {
@@ -302,7 +302,7 @@ void LimbFinder::note_limbs() {
   }
 }
 
-Result<RobotLimbs> LimbFinder::find() {
+Result<RobotAnatomy> LimbFinder::find() {
   if (const auto chosen = choose_pairs(); !chosen) return failure(chosen.error());
   find_facing();
   found_.pelvis = legs_.pair.parent;
@@ -335,7 +335,7 @@ std::vector<double> reference_configuration(const Robot& robot) {
   return qpos;
 }
 
-Result<RobotLimbs> find_limbs(const Robot& robot, const std::string& file) {
+Result<RobotAnatomy> find_limbs(const Robot& robot, const std::string& file) {
   return LimbFinder(robot, file).find();
 }
 

@@ -97,7 +97,7 @@ CollisionShape capsule_around(int body, const std::vector<Eigen::Vector3d>& poin
 
 class ShapeFinder {
  public:
-  ShapeFinder(const Robot& robot, const RobotLimbs& limbs, const BodyPoints& mesh)
+  ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh)
       : robot_(robot), limbs_(limbs), mesh_(mesh), moving_(robot) {}
 
   RobotShapes find();
@@ -114,7 +114,7 @@ class ShapeFinder {
   }
 
   const Robot& robot_;
-  const RobotLimbs& limbs_;
+  const RobotAnatomy& limbs_;
   const BodyPoints& mesh_;
   MovingBodies moving_;
   RobotShapes found_;
@@ -302,7 +302,7 @@ BodyPoints mesh_points(const std::string& model_path) {
   return points;
 }
 
-RobotShapes find_shapes(const Robot& robot, const RobotLimbs& limbs, const BodyPoints& mesh) {
+RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh) {
   return ShapeFinder(robot, limbs, mesh).find();
 }
 

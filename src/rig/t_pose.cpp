@@ -20,7 +20,7 @@ int bone_of(std::size_t side, const std::string& name) {
 // axes of bones against the canonical ones
 class TPoseProblem {
  public:
-  TPoseProblem(const Robot& robot, const RobotLimbs& limbs)
+  TPoseProblem(const Robot& robot, const RobotAnatomy& limbs)
       : robot_(robot), limbs_(limbs), parts_(bone_parts(limbs)), carries_(robot.bodies().size()) {
     for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
       for (int at = static_cast<int>(b); at > 0; at = robot.bodies()[at].parent) {
@@ -46,7 +46,7 @@ class TPoseProblem {
   }
 
   const Robot& robot_;
-  const RobotLimbs& limbs_;
+  const RobotAnatomy& limbs_;
   std::vector<BonePart> parts_;
   std::vector<std::vector<int>> carries_;  // by body: itself and its ancestors
 };
@@ -171,7 +171,7 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
 }
 
 // knees and elbows straight; the joints before the elbow turned by a pattern of quarter turns
-std::vector<double> start(const Robot& robot, const RobotLimbs& limbs, int pattern) {
+std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pattern) {
   constexpr double kQuarterTurn = 1.5707963267948966;
   std::vector<double> qpos = reference_configuration(robot);
   const LimitSet& limits = robot.model_limits();
@@ -201,7 +201,7 @@ std::vector<double> start(const Robot& robot, const RobotLimbs& limbs, int patte
 
 }  // namespace
 
-std::vector<BonePart> bone_parts(const RobotLimbs& limbs) {
+std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
   std::vector<BonePart> parts;
   parts.push_back(
       {find_bone("Hips").value(), {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
@@ -225,13 +225,13 @@ std::vector<BonePart> bone_parts(const RobotLimbs& limbs) {
   return parts;
 }
 
-Eigen::Matrix3d t_pose_of(const RobotLimbs& limbs, int bone) {
+Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone) {
   Eigen::Matrix3d world_from_standing;
   world_from_standing << limbs.forward, limbs.left, Eigen::Vector3d::UnitZ();
   return world_from_standing * canonical_t_pose(bone);
 }
 
-TPose solve_t_pose(const Robot& robot, const RobotLimbs& limbs) {
+TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
   constexpr int kPatterns = 27;
   const TPoseProblem problem(robot, limbs);
   TPose best;

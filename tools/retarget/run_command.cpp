@@ -298,7 +298,7 @@ Result<void> run_checked(const RunOptions& options, Console& console) {
   print_limits(motion, setup->limits, console);
   const auto at_limits =
       joints_at_limits(motion, source->clip, source->human.calibration.mapping, setup->tables,
-                       height_scale_of(*source, options), setup->limits, kNamedAtLimit);
+                       choose_scale(source->human, *setup, options), setup->limits, kNamedAtLimit);
   print_joints_at_limits(at_limits, *setup->robot, setup->limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   if (auto written = (*sink)->finish(); !written) return written;

@@ -26,7 +26,7 @@ struct DeriveOptions {
 struct DerivedScales {
   double leg = 1.0, arm = 1.0;
 };
-[[nodiscard]] DerivedScales derive_scales(const RobotLimbs& limbs);
+[[nodiscard]] DerivedScales derive_scales(const RobotAnatomy& limbs);
 
 /// The mapping for a robot whose limbs are known, in the schema of the published tables.
 ///
@@ -36,7 +36,7 @@ struct DerivedScales {
 /// origin, and take up that the robot's hips are wider and its ankles higher or lower than the
 /// scaled human's. Scales: a straight human leg is a straight robot leg; arms likewise.
 /// Weights: the first pass turns everything and places the feet, the second places all.
-[[nodiscard]] IkTables derive_mapping(const Robot& robot, const RobotLimbs& limbs,
+[[nodiscard]] IkTables derive_mapping(const Robot& robot, const RobotAnatomy& limbs,
                                       const DeriveOptions& options = {});
 
 /// A mapping as the text of a file, in the schema that parse_ik_tables reads.

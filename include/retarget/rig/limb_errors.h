@@ -19,7 +19,7 @@ struct LimbError {
 /// forearms, trunk, hip and shoulder line; from joint positions alone, so that no offset or weight
 /// of a mapping plays a part.
 [[nodiscard]] std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
-                                                 const RobotLimbs& limbs);
+                                                 const RobotAnatomy& limbs);
 
 /// Mean over the segments, rad.
 [[nodiscard]] double mean_limb_error(const std::vector<LimbError>& errors);

@@ -42,7 +42,7 @@ struct Limb {
 };
 
 /// What of a robot is which part of a human.
-struct RobotLimbs {
+struct RobotAnatomy {
   int pelvis = 0;  ///< The body that both legs hang from.
   int torso = 0;   ///< The body that both arms hang from; may be the pelvis.
   Eigen::Matrix3d pelvis_from_hips = Eigen::Matrix3d::Identity();   ///< As body_from_bone.
@@ -70,6 +70,6 @@ struct RobotLimbs {
 /// joints into two clusters best: axes before it and after it meet in points far from it.
 ///
 /// kConfig errors, one sentence each: an arm, a quadruped, wheels, no arms, a model that lies.
-[[nodiscard]] Result<RobotLimbs> find_limbs(const Robot& robot, const std::string& file);
+[[nodiscard]] Result<RobotAnatomy> find_limbs(const Robot& robot, const std::string& file);
 
 }  // namespace retarget

@@ -40,7 +40,7 @@ struct RobotShapes {
 /// body without any gets a capsule, foot and trunk a box, around its mesh's vertices; without
 /// these the limbs' segments and the feet have shapes of human proportions. A sole is what of a
 /// foot lies lowest with the foot level, as four corners.
-[[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotLimbs& limbs,
+[[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
                                       const BodyPoints& mesh);
 
 }  // namespace retarget

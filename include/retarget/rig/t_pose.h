@@ -29,15 +29,15 @@ struct BonePart {
 
 /// All parts that were found, in the order of the published tables: pelvis, left and right leg,
 /// torso (unless it is the pelvis), left and right arm, head.
-[[nodiscard]] std::vector<BonePart> bone_parts(const RobotLimbs& limbs);
+[[nodiscard]] std::vector<BonePart> bone_parts(const RobotAnatomy& limbs);
 
 /// World from bone in the T-pose of this robot: canonical_t_pose turned to where the robot faces.
-[[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotLimbs& limbs, int bone);
+[[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone);
 
 /// Solves for the T-pose within the model's ranges: bounded Levenberg-Marquardt on the angles
 /// between the parts' bone axes and the canonical ones, with the joint axes as Jacobian, from the
 /// reference configuration and from raised and turned arms; the best result is taken. Joints that
 /// no part needs stay where they are.
-[[nodiscard]] TPose solve_t_pose(const Robot& robot, const RobotLimbs& limbs);
+[[nodiscard]] TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs);
 
 }  // namespace retarget
