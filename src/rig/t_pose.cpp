@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "retarget/human/bones.h"
 #include "retarget/human/canonical_pose.h"
@@ -31,6 +32,8 @@ class TPoseProblem {
 
   [[nodiscard]] const std::vector<BonePart>& parts() const { return parts_; }
   [[nodiscard]] double cost(const std::vector<double>& qpos) const;
+  // what of the cost the bones are to blame for
+  [[nodiscard]] double misfit(const std::vector<double>& qpos) const;
   // adds up J'J and J'r over the joints; gives the cost
   double linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
                    Eigen::VectorXd& gradient) const;
@@ -88,22 +91,27 @@ double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd&
 }
 
 double TPoseProblem::cost(const std::vector<double>& qpos) const {
-  const PosedRobot posed(robot_, qpos);
-  double cost = 0.0;
+  double cost = misfit(qpos);
   for (const RobotJoint& joint : robot_.joints()) {
     const double away = kStay * (qpos[joint.qpos_address] - joint.reference);
     cost += away * away;
   }
+  return cost;
+}
+
+double TPoseProblem::misfit(const std::vector<double>& qpos) const {
+  const PosedRobot posed(robot_, qpos);
+  double sum = 0.0;
   for (const BonePart& part : parts_) {
     const Eigen::Matrix3d found =
         posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
     const Eigen::Matrix3d away = found - t_pose_of(limbs_, part.bone);
     for (int column = 0; column < 3; ++column) {
       const double weight = kAxisWeight[static_cast<std::size_t>(column)];
-      cost += weight * weight * away.col(column).squaredNorm();
+      sum += weight * weight * away.col(column).squaredNorm();
     }
   }
-  return cost;
+  return sum;
 }
 
 // the step of the joints that are free to move; those at a limit that the step would leave stay
@@ -199,6 +207,18 @@ std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pat
   return qpos;
 }
 
+// start's patterns, those that turn few joints first
+std::vector<int> start_patterns() {
+  std::vector<int> patterns(27);
+  std::iota(patterns.begin(), patterns.end(), 0);
+  const auto turned = [](int code) {
+    return static_cast<int>(code % 3 != 1) + static_cast<int>(code / 3 % 3 != 1) +
+           static_cast<int>(code / 9 != 1);
+  };
+  std::ranges::stable_sort(patterns, {}, turned);
+  return patterns;
+}
+
 }  // namespace
 
 std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
@@ -232,12 +252,13 @@ Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone) {
 }
 
 TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
-  constexpr int kPatterns = 27;
   const TPoseProblem problem(robot, limbs);
   TPose best;
   best.qpos = reference_configuration(robot);
   double least = minimise(robot, problem, best.qpos);
-  for (int pattern = 0; pattern < kPatterns; ++pattern) {
+  for (const int pattern : start_patterns()) {
+    // nothing is left to gain
+    if (problem.misfit(best.qpos) < 1e-6) break;
     std::vector<double> qpos = start(robot, limbs, pattern);
     const double cost = minimise(robot, problem, qpos);
     // of results that are equally good the one that is found first

@@ -56,7 +56,9 @@ TEST(SolveTPose, TellsWhatLimitsKeepFromIt) {
       EXPECT_GT(residual.direction, 0.5 * std::numbers::pi - 1.0 - 1e-6);
       EXPECT_LT(residual.direction, 0.5 * std::numbers::pi - 0.8);
     }
-    if (residual.bone == "RightArm") EXPECT_LT(residual.direction, 0.1);
+    if (residual.bone == "RightArm") {
+      EXPECT_LT(residual.direction, 0.1);
+    }
   }
 }
 
