@@ -30,6 +30,7 @@ nlohmann-json3-dev | json-devel     | nlohmann-json | nlohmann-json | has_header
 libcli11-dev       | cli11-devel    | cli11         | cli11         | has_header CLI/CLI.hpp
 libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header tl/expected.hpp
 zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header zlib.h
+libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
 libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
 libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3            | python3        | python        | python        | has_command python3

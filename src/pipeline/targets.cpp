@@ -44,8 +44,10 @@ TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
   const double human_ankle = kAnkleHeightPerLeg * human.leg * leg_scale_;
   lift_ = robot.ankle_height.value_or(human_ankle) - human_ankle;
   add_rules(tables);
+  const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
   for (Rule& rule : rules_) {
-    rule.position_offset -= robot.body_from_joint[rule.bone];
+    // the table's position offsets make up for its scales, which are not used here
+    rule.position_offset = -ground - robot.body_from_joint[rule.bone];
     const std::string_view name = kBoneNames[rule.bone];
     if (is_of_leg(name)) {
       rule.scale = leg_scale_;

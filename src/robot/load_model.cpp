@@ -38,9 +38,10 @@ bool is_named(const mjString* text) {
 }
 
 // what is left moves the same way and needs no file beside the MJCF
-void keep_kinematics(mjSpec* spec) {
-  delete_elements(spec, mjOBJ_GEOM, [](mjsElement* element) {
+void keep_kinematics(mjSpec* spec, bool keep_meshes) {
+  delete_elements(spec, mjOBJ_GEOM, [keep_meshes](mjsElement* element) {
     const mjsGeom* geom = mjs_asGeom(element);
+    if (keep_meshes && geom->type == mjGEOM_MESH) return false;
     return is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
            geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF;
   });
@@ -57,6 +58,7 @@ void keep_kinematics(mjSpec* spec) {
                                    mjOBJ_FLEX,     mjOBJ_TUPLE,    mjOBJ_MESH,    mjOBJ_HFIELD,
                                    mjOBJ_MATERIAL, mjOBJ_TEXTURE};
   for (const mjtObj kind : kDropped) {
+    if (keep_meshes && kind == mjOBJ_MESH) continue;
     delete_elements(spec, kind, [](mjsElement*) { return true; });
   }
   // mappings may name bodies that do not move against their parent
@@ -65,6 +67,67 @@ void keep_kinematics(mjSpec* spec) {
   spec->compiler.boundmass = 1e-6;
   spec->compiler.boundinertia = 1e-9;
   spec->compiler.balanceinertia = 1;
+}
+
+int joint_count_below(mjsBody* body) {
+  int count = 0;
+  for (mjsElement* e = mjs_firstChild(body, mjOBJ_JOINT, 1); e != nullptr;
+       e = mjs_nextChild(body, e, 1)) {
+    ++count;
+  }
+  return count;
+}
+
+bool has_free_joint(mjSpec* spec) {
+  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_JOINT); e != nullptr;
+       e = mjs_nextElement(spec, e)) {
+    if (mjs_asJoint(e)->type == mjJNT_FREE) return true;
+  }
+  return false;
+}
+
+// the robot is what carries the most joints; a base with joints of its own stays as it is
+std::string float_base(mjSpec* spec) {
+  if (has_free_joint(spec)) return {};
+  mjsBody* world = mjs_findBody(spec, "world");
+  mjsBody* base = nullptr;
+  for (mjsElement* e = mjs_firstChild(world, mjOBJ_BODY, 0); e != nullptr;
+       e = mjs_nextChild(world, e, 0)) {
+    mjsBody* body = mjs_asBody(e);
+    if (base == nullptr || joint_count_below(body) > joint_count_below(base)) base = body;
+  }
+  if (base == nullptr || mjs_firstChild(base, mjOBJ_JOINT, 0) != nullptr) return {};
+  mjs_addFreeJoint(base);
+  const std::string name = mjs_getString(mjs_getName(base->element));
+  return name.empty() ? "the topmost body" : name;
+}
+
+// nameless elements of a kind get the kind's word and a number
+void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
+  int number = 0;
+  for (mjsElement* e = mjs_firstElement(spec, kind); e != nullptr; e = mjs_nextElement(spec, e)) {
+    if (is_named(mjs_getName(e))) continue;
+    std::string name;
+    do {
+      name = word + "_" + std::to_string(++number);
+    } while (mjs_findElement(spec, kind, name.c_str()) != nullptr);
+    mjs_setName(e, name.c_str());
+  }
+}
+
+// what holds joints or bodies together beyond the tree
+void note_equalities(mjSpec* spec, LoadedModel& loaded) {
+  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_EQUALITY); e != nullptr;
+       e = mjs_nextElement(spec, e)) {
+    const mjsEquality* equality = mjs_asEquality(e);
+    const std::string first = mjs_getString(equality->name1);
+    const std::string second = mjs_getString(equality->name2);
+    const bool to_world = second.empty() || second == "world" || first == "world";
+    const std::string pair = "\"" + first + "\" to \"" + second + "\"";
+    if (equality->type == mjEQ_JOINT && !second.empty()) loaded.coupled.push_back(pair);
+    const bool ties = equality->type == mjEQ_CONNECT || equality->type == mjEQ_WELD;
+    if (ties && !to_world) loaded.closed.push_back(pair);
+  }
 }
 
 // MuJoCo's own words for a file that is not there, or for one that is no XML, are less clear
@@ -136,7 +199,7 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 
 }  // namespace
 
-Result<LoadedModel> load_model(const std::string& path) {
+Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
   if (const auto version = check_version(); !version) return failure(version.error());
   if (const auto file = check_file(path); !file) return failure(file.error());
 
@@ -146,8 +209,14 @@ Result<LoadedModel> load_model(const std::string& path) {
   const std::unique_ptr<mjSpec, SpecDeleter> spec(
       mj_parseXML(path.c_str(), nullptr, text.data(), static_cast<int>(text.size())));
   if (!spec) return model_failure(path, text.data());
-  keep_kinematics(spec.get());
   LoadedModel loaded;
+  note_equalities(spec.get(), loaded);
+  keep_kinematics(spec.get(), changes.keep_meshes);
+  if (changes.name_all) {
+    name_elements(spec.get(), mjOBJ_BODY, "body");
+    name_elements(spec.get(), mjOBJ_JOINT, "joint");
+  }
+  if (changes.float_base) loaded.floated_body = float_base(spec.get());
   loaded.model.reset(mj_compile(spec.get(), nullptr));
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());

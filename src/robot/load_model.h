@@ -12,14 +12,29 @@ namespace retarget {
 struct LoadedModel {
   ModelPtr model;
   std::vector<std::string> warnings;
+  std::string floated_body;          ///< The body that was given a free joint; empty: none was.
+  std::vector<std::string> closed;   ///< Equalities dropped that tie two bodies, `"a" to "b"`.
+  std::vector<std::string> coupled;  ///< Equalities dropped that tie joints together.
 };
 
-/// Compiles an MJCF file without its meshes and other assets, for kinematics.
+/// What is done to a model beyond dropping what plays no part in kinematics.
+struct ModelChanges {
+  /// Give the robot a free joint if it has none (URDFs, robots bolted down): the topmost body with
+  /// the most joints below it moves freely, which needs it to have no joints of its own.
+  bool float_base = false;
+  /// Give bodies and joints that have no name one: body_1, joint_1, ...
+  bool name_all = false;
+  /// Compile the meshes too, for their vertices; their files must be there then.
+  bool keep_meshes = false;
+};
+
+/// Compiles an MJCF (or URDF) file without its meshes and other assets, for kinematics.
 ///
 /// Nothing is printed. Models of any kind are taken; a number that is not finite and a range
 /// whose lower end is above the upper are errors.
 /// Safe to call from several threads, which wait for each other.
-[[nodiscard]] Result<LoadedModel> load_model(const std::string& path);
+[[nodiscard]] Result<LoadedModel> load_model(const std::string& path,
+                                             const ModelChanges& changes = {});
 
 /// Checks that a model is a robot that can move about: one free joint, its first, and else hinges
 /// and slides.

@@ -20,6 +20,7 @@ MAY_INCLUDE = {
     "ik": ["robot"],
     "io": ["robot"],
     "pipeline": ["human", "ik"],
+    "rig": ["pipeline"],
     "refine": ["pipeline"],
     "quality": ["pipeline"],
     "batch": ["refine", "quality", "io"],

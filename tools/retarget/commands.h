@@ -10,5 +10,6 @@ namespace retarget::cli {
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, Console& console);
 [[nodiscard]] ExitCode edit(const EditOptions& options, Console& console);
 [[nodiscard]] ExitCode evaluate(const EvaluateOptions& options, Console& console);
+[[nodiscard]] ExitCode robots(const RobotsOptions& options, Console& console);
 
 }  // namespace retarget::cli

@@ -346,8 +346,8 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
       ->group(kRobot);
   command
       ->add_option("--scale", run.scale, "How the body's size scales the targets that are tracked")
-      ->type_name("auto|table|height")
-      ->check(silent(CLI::IsMember({"auto", "table", "height"})))
+      ->type_name("auto|table|height|limbs")
+      ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))
       ->capture_default_str()
       ->group(kRobot);
   command
@@ -371,6 +371,45 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
       ->allow_extra_args(false)
       ->group(kOutput);
   add_common_options(*command, run.common);
+  return command;
+}
+
+// `retarget robots WORD`
+CLI::App* add_robots_action(CLI::App& robots, RobotsOptions& options, RobotsAction action,
+                            const char* name, const char* description) {
+  CLI::App* command = robots.add_subcommand(name, description);
+  command->parse_complete_callback([&options, action] { options.action = action; });
+  if (action == RobotsAction::kList || action == RobotsAction::kShow) {
+    command->add_flag("--json", options.json, "Print JSON")->group(kOutput);
+  }
+  add_common_options(*command, options.common);
+  return command;
+}
+
+CLI::App* add_robots_command(CLI::App& app, RobotsOptions& options) {
+  CLI::App* command = app.add_subcommand("robots", "List, show, check and add robots");
+  command->require_subcommand(1);
+  add_robots_action(*command, options, RobotsAction::kList, "list", "The robots that are there");
+  CLI::App* show = add_robots_action(*command, options, RobotsAction::kShow, "show",
+                                     "A robot's joints, limits, mapping and size");
+  show->add_option("robot", options.robot, "Name or folder")->required()->type_name("ROBOT");
+  CLI::App* check = add_robots_action(*command, options, RobotsAction::kCheck, "check",
+                                      "Every fault and oddity of a robot; exit code 4 on faults");
+  check->add_option("robot", options.robot, "Name, folder or model file")
+      ->required()
+      ->type_name("ROBOT");
+  CLI::App* add = add_robots_action(*command, options, RobotsAction::kAdd, "add",
+                                    "Make a robot's folder from a model");
+  add->add_option("name", options.robot, "The new robot's name")->required()->type_name("NAME");
+  add->add_option("--model", options.model, "MJCF, or URDF; meshes are not needed")
+      ->required()
+      ->type_name("FILE")
+      ->group(kInput);
+  add->add_option("-o,--output", options.output, "Folder to put the robot's folder into")
+      ->type_name("DIR")
+      ->capture_default_str()
+      ->group(kOutput);
+  add->add_flag("--force", options.force, "Replace a folder that is there")->group(kOutput);
   return command;
 }
 
@@ -406,6 +445,8 @@ int main_with(int argc, char** argv) {
   const CLI::App* edit_command = add_edit_command(app, edit_options);
   EvaluateOptions evaluate_options;
   const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_options);
+  RobotsOptions robots_options;
+  const CLI::App* robots_command = add_robots_command(app, robots_options);
 
   try {
     app.parse(argc, argv);
@@ -430,6 +471,10 @@ int main_with(int argc, char** argv) {
   if (evaluate_command->parsed()) {
     Console console(evaluate_options.run.common.quiet);
     return evaluate(evaluate_options, console);
+  }
+  if (robots_command->parsed()) {
+    Console console(robots_options.common.quiet);
+    return robots(robots_options, console);
   }
   Console console(run_options.common.quiet);
   if (!run_options.smpl_file.empty()) {

@@ -103,4 +103,18 @@ struct EditOptions {
   std::string output;
 };
 
+/// What `retarget robots` does.
+enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd };
+
+/// `retarget robots`: what robots there are, what is odd about them, new ones.
+struct RobotsOptions {
+  CommonOptions common;
+  RobotsAction action = RobotsAction::kList;
+  std::string robot;         ///< Name, folder, or (check) a model file; of a new robot its name.
+  std::string model;         ///< Of a new robot: MJCF or URDF.
+  std::string output = ".";  ///< Folder that a new robot's folder goes into.
+  bool force = false;        ///< Replace a folder that is there.
+  bool json = false;
+};
+
 }  // namespace retarget::cli

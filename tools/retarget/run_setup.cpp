@@ -13,6 +13,7 @@
 #include "retarget/robot/find_robot.h"
 #include "retarget/robot/load_robot.h"
 #include "retarget/robot/variant.h"
+#include "robot_mapping.h"
 
 namespace retarget::cli {
 
@@ -47,21 +48,6 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
   auto resampled = resample(std::move(*chosen), **rate, resample_options);
   if (!resampled) resampled.error().file = source_name(options.source);
   return resampled;
-}
-
-// the mapping that comes with a robot: in its folder, or among the mappings by its name
-Result<std::string> find_mapping(const fs::path& robot_folder, const fs::path& configs,
-                                 const std::string& robot) {
-  const fs::path own = robot_folder / "ik.json";
-  const fs::path shared = configs / ("lafan1_to_" + robot + ".json");
-  std::error_code ignored;
-  for (const fs::path& path : {own, shared}) {
-    if (fs::is_regular_file(path, ignored)) return path.string();
-  }
-  return config_failure("",
-                        "there is no mapping for the robot \"" + robot + "\": neither " +
-                            own.string() + " nor " + shared.string(),
-                        "add --ik-config FILE");
 }
 
 }  // namespace

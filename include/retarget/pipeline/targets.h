@@ -43,6 +43,7 @@ enum class HeightScale : unsigned char {
 ///   legs, trunk, neck, head:   p' = h' + s (p - h) - q' c
 ///   forearms and hands:        p' = h' + s_trunk (p_Arm - h) + s_arm (p - p_Arm) - q' c
 /// the human's ankles standing at 0.0794 leg lengths (Drillis and Contini 1966), and then as above
+/// but without o_b, which makes up for the table's scales,
 /// where r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
 /// not use has those of table 2.
 class TargetBuilder {

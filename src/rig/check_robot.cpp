@@ -1,0 +1,340 @@
+#include "retarget/rig/check_robot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "retarget/base/suggest.h"
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/trigonometry.h"
+#include "retarget/pipeline/targets.h"
+#include "retarget/rig/derive_mapping.h"
+#include "rig/branches.h"
+#include "rig/describe_robot.h"
+#include "rig/number_text.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kOddOffset = 8.0 * kDegree;
+constexpr double kWrongOffset = 75.0 * kDegree;
+constexpr double kOddReach = 0.03;  // of the leg's length
+constexpr double kWrongReach = 0.25;
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return portable::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// how far a row's body would be from where the T-pose has it
+struct OffsetError {
+  double direction = 0.0, twist = 0.0;
+};
+
+std::string other_side(const std::string& bone) {
+  if (bone.starts_with("Left")) return "Right" + bone.substr(4);
+  return {};
+}
+
+const IkRow* row_of(const IkTable& table, const std::string& bone) {
+  const auto found = std::ranges::find_if(
+      table.rows, [&](const IkRow& row) { return row.bone == bone && row.has_weight(); });
+  return found == table.rows.end() ? nullptr : &*found;
+}
+
+class Doctor {
+ public:
+  Doctor(const Robot& robot, const IkTables* tables) : robot_(robot), tables_(tables) {}
+
+  std::vector<RobotFinding> examine();
+
+ private:
+  void fault(std::string text) { findings_.push_back({true, std::move(text)}); }
+  void note(std::string text) { findings_.push_back({false, std::move(text)}); }
+
+  void check_mapping();
+  void check_offsets();
+  [[nodiscard]] std::optional<OffsetError> offset_error(const IkRow& row) const;
+  void check_reach();
+  void check_moved_joints();
+  void check_sides_of_mapping();
+  void check_sides_of_ranges();
+  void check_limit_sets();
+  void check_profile();
+  [[nodiscard]] std::vector<Pose> human_t_pose() const;
+
+  const Robot& robot_;
+  const IkTables* tables_;
+  bool mapping_is_sound_ = false;
+  std::optional<RobotAnatomy> limbs_;
+  std::optional<TPose> t_pose_;
+  std::vector<RobotFinding> findings_;
+};
+
+void Doctor::check_mapping() {
+  if (tables_ == nullptr) return note("there is no mapping (ik.json)");
+  const auto checked = check_ik_tables(*tables_, robot_);
+  mapping_is_sound_ = checked.has_value();
+  if (checked) return;
+  // several faults come as a list under a line that counts them
+  std::string text = checked.error().message;
+  const std::string bullet = "\n  - ";
+  std::size_t at = text.find(bullet);
+  if (at == std::string::npos) return fault(text);
+  while (at != std::string::npos) {
+    const std::size_t next = text.find(bullet, at + bullet.size());
+    fault(text.substr(at + bullet.size(),
+                      next == std::string::npos ? std::string::npos : next - at - bullet.size()));
+    at = next;
+  }
+}
+
+std::optional<OffsetError> Doctor::offset_error(const IkRow& row) const {
+  const auto bone = find_bone(row.bone);
+  const auto body = robot_.find_body(row.body);
+  if (!bone || !body) return std::nullopt;
+  // the bone's axes in the body: as found in it, else as the T-pose has them
+  std::optional<Eigen::Matrix3d> body_from_bone;
+  for (const BonePart& part : bone_parts(*limbs_)) {
+    if (part.bone == *bone && part.part.body == *body) body_from_bone = part.part.body_from_bone;
+  }
+  if (!body_from_bone) {
+    const PosedRobot posed(robot_, t_pose_->qpos);
+    body_from_bone =
+        posed.body(*body).rotation.toRotationMatrix().transpose() * t_pose_of(*limbs_, *bone);
+  }
+  const Eigen::Matrix3d given =
+      row.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the row
+  OffsetError error;
+  error.direction = angle_between(given.col(0), body_from_bone->col(0));
+  const Eigen::Vector3d z =
+      Eigen::Quaterniond::FromTwoVectors(given.col(0), body_from_bone->col(0)) * given.col(2);
+  error.twist = angle_between(z, body_from_bone->col(2));
+  return error;
+}
+
+void Doctor::check_offsets() {
+  for (const IkRow& row : tables_->tables[0].rows) {
+    if (row.rotation_weight == 0.0) continue;
+    const auto error = offset_error(row);
+    if (!error || std::max(error->direction, error->twist) < kOddOffset) continue;
+    const std::string text = "the rotation offset of \"" + row.body + "\" (" + row.bone +
+                             ") leaves it " + degrees_text(error->direction) +
+                             " degrees off the T-pose in direction and " +
+                             degrees_text(error->twist) + " in twist";
+    error->direction > kWrongOffset ? fault(text) : note(text);
+  }
+}
+
+// the canonical human of LAFAN1's lengths in the T-pose, hips over the origin
+std::vector<Pose> Doctor::human_t_pose() const {
+  constexpr HumanLengths kHuman;
+  std::vector<Pose> poses(static_cast<std::size_t>(kBoneCount));
+  const double hips = kHuman.thigh + kHuman.shin + kHuman.ankle_height;
+  const auto set = [&](const std::string& bone, double x, double y, double z) {
+    const int index = find_bone(bone).value();
+    poses[static_cast<std::size_t>(index)] = {Eigen::Quaterniond(canonical_t_pose(index)),
+                                              {x, y, z}};
+  };
+  for (const std::string_view bone : kBoneNames) set(std::string(bone), 0.0, 0.0, hips);
+  for (const std::string side : {"Left", "Right"}) {
+    const double sign = side == "Left" ? 1.0 : -1.0;
+    const double x = kHuman.hips_behind;
+    const double y = sign * kHuman.hip_width;
+    set(side + "UpLeg", x, y, hips);
+    set(side + "Leg", x, y, hips - kHuman.thigh);
+    for (const std::string foot : {"Foot", "FootMod"}) {
+      set(side + foot, x, y, hips - kHuman.thigh - kHuman.shin);
+    }
+    const double arm = sign * kHuman.shoulder_width;
+    const double z = hips + kHuman.shoulder_height;
+    set(side + "Arm", 0.0, arm, z);
+    set(side + "ForeArm", 0.0, arm + sign * kHuman.upper_arm, z);
+    set(side + "Hand", 0.0, arm + sign * (kHuman.upper_arm + kHuman.forearm), z);
+  }
+  return poses;
+}
+
+// whether the feet's targets lie within the legs' reach when hips and feet stand in the T-pose
+void Doctor::check_reach() {
+  const TargetBuilder targets(*tables_, HumanLengths{}.height);
+  std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
+  targets.build(human_t_pose(), built);
+  const PosedRobot posed(robot_, t_pose_->qpos);
+  const IkRow* root = row_of(tables_->tables[1], tables_->human_root);
+  if (root == nullptr || root->position_weight == 0.0) return;
+  const auto root_body = robot_.find_body(root->body);
+  const int root_target = targets.target_of(find_bone(root->bone).value());
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::string name = side == 0 ? "Left" : "Right";
+    const Limb& leg = limbs_->legs[side];
+    for (const char* foot : {"FootMod", "Foot"}) {
+      const IkRow* row = row_of(tables_->tables[1], name + foot);
+      if (row == nullptr || row->position_weight == 0.0) continue;
+      const int target = targets.target_of(find_bone(row->bone).value());
+      const auto body = robot_.find_body(row->body);
+      if (target < 0 || root_target < 0 || !body || !root_body) continue;
+      // both bodies moved to their targets: how far hip and ankle are apart then
+      const Eigen::Vector3d hip = posed.body(leg.upper.body) * leg.upper.joint -
+                                  posed.body(*root_body).translation +
+                                  built[static_cast<std::size_t>(root_target)].translation;
+      const Eigen::Vector3d ankle = posed.body(leg.end->body) * leg.end->joint -
+                                    posed.body(*body).translation +
+                                    built[static_cast<std::size_t>(target)].translation;
+      const double length = leg.upper_length + leg.lower_length;
+      const double beyond = (ankle - hip).norm() - length;
+      if (beyond < kOddReach * length) continue;
+      const std::string text = "in the T-pose the target of \"" + row->body + "\" is " +
+                               number_text(rounded(100.0 * beyond, 1)) +
+                               " cm farther from the hip than the leg is long";
+      beyond > kWrongReach* length ? fault(text) : note(text);
+    }
+  }
+}
+
+void Doctor::check_moved_joints() {
+  std::set<int> moved;
+  for (const IkTable& table : tables_->tables) {
+    for (const IkRow& row : table.rows) {
+      const auto body = robot_.find_body(row.body);
+      if (!table.used || !row.has_weight() || !body) continue;
+      for (int at = *body; at > 0; at = robot_.bodies()[static_cast<std::size_t>(at)].parent) {
+        moved.insert(at);
+      }
+    }
+  }
+  std::vector<std::string> still;
+  for (const int joint : robot_.output_joints()) {
+    const RobotJoint& j = robot_.joints()[static_cast<std::size_t>(joint)];
+    if (!moved.contains(j.body)) still.push_back(j.name);
+  }
+  if (!still.empty()) note("no task moves " + list_names(still, 8));
+}
+
+void Doctor::check_sides_of_mapping() {
+  for (std::size_t t = 0; t < 2; ++t) {
+    for (const IkRow& left : tables_->tables[t].rows) {
+      const std::string other = other_side(left.bone);
+      if (other.empty() || !left.has_weight()) continue;
+      const IkRow* right = row_of(tables_->tables[t], other);
+      const std::string place = left.bone + " in table " + std::to_string(t + 1);
+      if (right == nullptr) {
+        note(place + " has no counterpart on the right");
+        continue;
+      }
+      if (left.position_weight != right->position_weight ||
+          left.rotation_weight != right->rotation_weight) {
+        note("weights of " + place + " differ from those of " + other);
+      }
+      const double* a = tables_->find_scale(left.bone);
+      const double* b = tables_->find_scale(other);
+      if (t == 0 && a != nullptr && b != nullptr && *a != *b) {
+        note("the scale of " + left.bone + " differs from that of " + other);
+      }
+      const auto error = offset_error(left);
+      const auto error_right = offset_error(*right);
+      if (t == 0 && error && error_right &&
+          std::max(std::abs(error->direction - error_right->direction),
+                   std::abs(error->twist - error_right->twist)) > kOddOffset) {
+        note("the rotation offset of " + left.bone + " is no mirror image of that of " + other);
+      }
+    }
+  }
+}
+
+void Doctor::check_sides_of_ranges() {
+  constexpr double kSame = 0.01;
+  const LimitSet& limits = robot_.model_limits();
+  std::vector<std::string> odd;
+  for (const auto* pair : {&limbs_->legs, &limbs_->arms}) {
+    for (std::size_t i = 0; i < (*pair)[0].joints.size(); ++i) {
+      const auto a = static_cast<std::size_t>((*pair)[0].joints[i]);
+      const auto b = static_cast<std::size_t>((*pair)[1].joints[i]);
+      const auto apart = [&](double lower, double upper) {
+        return std::max(std::abs(limits.lower[a] - lower), std::abs(limits.upper[a] - upper));
+      };
+      const bool unlimited = !std::isfinite(limits.lower[a]) && !std::isfinite(limits.lower[b]);
+      if (unlimited || apart(limits.lower[b], limits.upper[b]) < kSame ||
+          apart(-limits.upper[b], -limits.lower[b]) < kSame) {
+        continue;
+      }
+      odd.push_back(robot_.joints()[a].name + " / " + robot_.joints()[b].name);
+    }
+  }
+  if (!odd.empty()) note("ranges of left and right are no mirror images: " + list_names(odd, 6));
+}
+
+void Doctor::check_limit_sets() {
+  constexpr double kTighter = 1e-3;
+  const LimitSet& model = robot_.model_limits();
+  for (const LimitSet& set : robot_.profile().limit_sets) {
+    int count = 0;
+    double most = 0.0;
+    std::string worst;
+    for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
+      const double tighter = std::max(set.lower[j] - model.lower[j], model.upper[j] - set.upper[j]);
+      if (!(tighter > kTighter) || set.lower[j] == set.upper[j]) continue;
+      ++count;
+      if (tighter <= most) continue;
+      most = tighter;
+      worst = robot_.joints()[j].name;
+    }
+    if (count == 0) continue;
+    note("limit set " + set.name + " is tighter than the model on " + std::to_string(count) +
+         " joints, most on " + worst +
+         (std::isfinite(most) ? " (" + number_text(rounded(most, 3)) + " rad)" : ""));
+  }
+}
+
+void Doctor::check_profile() {
+  const RobotProfile& profile = robot_.profile();
+  std::vector<std::string> missing;
+  for (const int joint : robot_.output_joints()) {
+    const std::string& name = robot_.joints()[static_cast<std::size_t>(joint)].name;
+    if (!profile.speed_limits.contains(name)) missing.push_back(name);
+  }
+  if (!missing.empty()) {
+    note("no speed limit is known for " +
+         (missing.size() == robot_.output_joints().size() ? "any joint" : list_names(missing, 6)) +
+         ": " + number_text(profile.default_speed_limit) + " rad/s is used");
+  }
+  if (profile.soles.size() < 2) note("the soles are not known (\"soles\" in robot.json)");
+  if (profile.t_pose.empty() && limbs_) {
+    note("the T-pose is not known (\"t_pose\" in robot.json)");
+  }
+}
+
+std::vector<RobotFinding> Doctor::examine() {
+  check_mapping();
+  const auto limbs = find_limbs(robot_, robot_.name());
+  if (limbs) {
+    limbs_ = *limbs;
+    t_pose_ = solve_t_pose(robot_, *limbs);
+  } else {
+    fault(limbs.error().message);
+  }
+  if (limbs_ && mapping_is_sound_) {
+    check_offsets();
+    check_reach();
+    check_sides_of_mapping();
+  }
+  if (mapping_is_sound_) check_moved_joints();
+  if (limbs_) check_sides_of_ranges();
+  check_limit_sets();
+  check_profile();
+  std::ranges::stable_sort(findings_, std::ranges::greater(), &RobotFinding::fault);
+  return findings_;
+}
+
+}  // namespace
+
+std::vector<RobotFinding> check_robot(const Robot& robot, const IkTables* tables) {
+  return Doctor(robot, tables).examine();
+}
+
+}  // namespace retarget

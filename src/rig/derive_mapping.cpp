@@ -1,0 +1,182 @@
+#include "retarget/rig/derive_mapping.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "retarget/human/bones.h"
+#include "rig/branches.h"
+#include "rig/number_text.h"
+
+namespace retarget {
+namespace {
+
+constexpr HumanLengths kHuman;
+constexpr double kHeightAssumption = 1.8;
+
+// weights of a bone's row in one pass
+struct Weights {
+  double position = 0.0, rotation = 0.0;
+};
+
+std::string without_side(std::string_view bone) {
+  for (const std::string_view side : {"Left", "Right"}) {
+    if (bone.starts_with(side)) bone.remove_prefix(side.size());
+  }
+  return std::string(bone);
+}
+
+// what the published tables have in common: a first pass of rotations that places the feet alone,
+// a second that places everything
+Weights weights_of(const std::string& bone, int pass, int wrist_joints) {
+  const bool second = pass == 1;
+  if (bone == "Hips") return {second ? 100.0 : 0.0, 10.0};
+  if (bone == "FootMod") return {50.0, 10.0};
+  if (bone == "Spine2") return {0.0, 10.0};
+  if (bone == "Head") return {0.0, 2.0};
+  if (bone == "UpLeg" || bone == "Leg") return {0.0, 10.0};
+  if (bone == "Arm") return {0.0, 10.0};
+  if (bone == "ForeArm") return {second ? 1.0 : 0.0, 10.0};
+  // a hand without a whole wrist cannot turn as the human's does
+  const double rotation = wrist_joints >= 3 ? 5.0 : (wrist_joints > 0 ? 2.0 : 0.0);
+  return {second ? 2.0 : 0.0, rotation};
+}
+
+class MappingMaker {
+ public:
+  MappingMaker(const Robot& robot, const RobotAnatomy& limbs, const DeriveOptions& options)
+      : robot_(robot), limbs_(limbs), options_(options), scales_(derive_scales(limbs)) {
+    const PosedRobot posed(robot, reference_configuration(robot));
+    const auto root_of = [&](const Limb& limb) -> Eigen::Vector3d {
+      return posed.body(limb.upper.body) * limb.upper.joint;
+    };
+    const Eigen::Vector3d left = root_of(limbs.legs[0]);
+    const Eigen::Vector3d right = root_of(limbs.legs[1]);
+    wider_ = 0.5 * (left - right).norm() - scales_.leg * kHuman.hip_width;
+    higher_ =
+        options.sole_height > 0.0 ? options.sole_height - scales_.leg * kHuman.ankle_height : 0.0;
+    hips_in_pelvis_ = posed.body(limbs.pelvis).inverse() *
+                      (0.5 * (left + right) - scales_.leg * kHuman.hips_behind * limbs.forward);
+  }
+
+  [[nodiscard]] IkTables make() const;
+
+ private:
+  [[nodiscard]] Eigen::Vector3d position_offset(const std::string& bone, const BonePart& part,
+                                                double side) const;
+
+  const Robot& robot_;
+  const RobotAnatomy& limbs_;
+  DeriveOptions options_;
+  DerivedScales scales_;
+  double wider_ = 0.0;   // half the hips' width beyond the scaled human's
+  double higher_ = 0.0;  // ankles over the soles beyond the scaled human's
+  Eigen::Vector3d hips_in_pelvis_;
+};
+
+// from the joint to the body's origin, in the body's frame; legs stand apart and high as the robot's
+Eigen::Vector3d MappingMaker::position_offset(const std::string& bone, const BonePart& part,
+                                              double side) const {
+  const Eigen::Matrix3d& axes = part.part.body_from_bone;
+  if (bone == "Hips") return higher_ * axes.col(0) - hips_in_pelvis_;
+  if (bone == "Spine2" || bone == "Head") return Eigen::Vector3d::Zero();
+  // the bone's Z points right in the legs
+  const Eigen::Vector3d aside = -side * wider_ * axes.col(2);
+  if (bone == "UpLeg" || bone == "Leg") {
+    return aside - higher_ * axes.col(0) - part.part.joint;
+  }
+  if (bone == "FootMod") return aside + higher_ * axes.col(1) - part.part.joint;
+  return -part.part.joint;
+}
+
+IkTables MappingMaker::make() const {
+  constexpr double kWholeHeight = kHuman.height / kHeightAssumption;
+  IkTables tables;
+  tables.robot_root = robot_.bodies()[limbs_.pelvis].name;
+  tables.human_root = "Hips";
+  tables.human_height_assumption = kHeightAssumption;
+  for (const BonePart& part : bone_parts(limbs_)) {
+    const std::string name(kBoneNames[static_cast<std::size_t>(part.bone)]);
+    const std::string bone = without_side(name);
+    const double side = name.starts_with("Left") ? 1.0 : -1.0;
+    const bool of_arm = bone == "Arm" || bone == "ForeArm" || bone == "Hand";
+    const double scale = (of_arm ? scales_.arm : scales_.leg) / kWholeHeight;
+    tables.scales.emplace_back(name, rounded(scale, 4));
+    const Limb& arm = limbs_.arms[side > 0.0 ? 0 : 1];
+    for (int pass = 0; pass < 2; ++pass) {
+      const Weights weights = weights_of(bone, pass, arm.end_joints);
+      IkRow row;
+      row.body = robot_.bodies()[part.part.body].name;
+      row.bone = name;
+      row.position_weight = weights.position;
+      row.rotation_weight = weights.rotation;
+      row.position_offset = position_offset(bone, part, side);
+      row.rotation_offset =
+          Eigen::Quaterniond(Eigen::Matrix3d(part.part.body_from_bone.transpose())).normalized();
+      tables.tables[static_cast<std::size_t>(pass)].rows.push_back(row);
+    }
+  }
+  return tables;
+}
+
+std::string list_of(std::initializer_list<double> values, int digits) {
+  std::string text = "[";
+  for (const double value : values) {
+    if (text.size() > 1) text += ", ";
+    text += number_text(rounded(value, digits));
+  }
+  return text + "]";
+}
+
+}  // namespace
+
+DerivedScales derive_scales(const RobotAnatomy& limbs) {
+  const auto mean_length = [](const std::array<Limb, 2>& pair) {
+    return 0.5 * (pair[0].upper_length + pair[0].lower_length + pair[1].upper_length +
+                  pair[1].lower_length);
+  };
+  DerivedScales scales;
+  scales.leg = mean_length(limbs.legs) / (kHuman.thigh + kHuman.shin);
+  scales.arm = mean_length(limbs.arms) / (kHuman.upper_arm + kHuman.forearm);
+  return scales;
+}
+
+IkTables derive_mapping(const Robot& robot, const RobotAnatomy& limbs,
+                        const DeriveOptions& options) {
+  return MappingMaker(robot, limbs, options).make();
+}
+
+std::string format_ik_tables(const IkTables& tables) {
+  const auto quoted = json_text;
+  std::string text = "{\n";
+  text += "  \"robot_root_name\": " + quoted(tables.robot_root) + ",\n";
+  text += "  \"human_root_name\": " + quoted(tables.human_root) + ",\n";
+  text += "  \"ground_height\": " + number_text(tables.ground_height) + ",\n";
+  text += "  \"human_height_assumption\": " + number_text(tables.human_height_assumption) + ",\n";
+  text += "  \"human_scale_table\": {";
+  for (std::size_t i = 0; i < tables.scales.size(); ++i) {
+    const auto& [bone, scale] = tables.scales[i];
+    text += (i == 0 ? "\n    " : ",\n    ") + quoted(bone) + ": " + number_text(scale);
+  }
+  text += "\n  }";
+  for (std::size_t t = 0; t < 2; ++t) {
+    const IkTable& table = tables.tables[t];
+    const std::string key = "ik_match_table" + std::to_string(t + 1);
+    text += ",\n  \"use_" + key + "\": " + (table.used ? "true" : "false");
+    text += ",\n  \"" + key + "\": {";
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const IkRow& row = table.rows[i];
+      const Eigen::Vector3d& p = row.position_offset;
+      const Eigen::Quaterniond& q = row.rotation_offset;
+      text += (i == 0 ? "\n    " : ",\n    ") + quoted(row.body) + ": [" + quoted(row.bone) + ", " +
+              number_text(row.position_weight) + ", " + number_text(row.rotation_weight) + ", " +
+              list_of({p.x(), p.y(), p.z()}, 5) + ", " + list_of({q.w(), q.x(), q.y(), q.z()}, 8) +
+              "]";
+    }
+    text += "\n  }";
+  }
+  return text + "\n}\n";
+}
+
+}  // namespace retarget

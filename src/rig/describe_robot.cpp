@@ -1,0 +1,177 @@
+#include "rig/describe_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/human/bones.h"
+#include "rig/number_text.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kOff = 5.0 * std::numbers::pi / 180.0;  // of a T-pose: worth a note
+constexpr double kClear = 0.3;                           // Limb::clarity below: worth a note
+
+std::string body_name(const RobotFindings& findings, int body) {
+  return findings.robot.bodies()[static_cast<std::size_t>(body)].name;
+}
+
+std::string metres(double length) {
+  return number_text(rounded(length, 3)) + " m";
+}
+
+std::string source_text(ShapeSource source) {
+  switch (source) {
+    case ShapeSource::kModel:
+      return "the model's contact geoms";
+    case ShapeSource::kMesh:
+      return "mesh vertices";
+    case ShapeSource::kEstimated:
+      return "estimated from the limbs' lengths";
+  }
+  return {};
+}
+
+std::string sureness(const Limb& limb) {
+  std::string text = limb.clarity >= kClear ? "sure" : "another joint fits nearly as well";
+  if (!limb.flexion_is_sure) text += ", bends both ways";
+  if (limb.lower_is_estimated) text += ", end estimated from its mass";
+  return text;
+}
+
+std::string chain_text(const RobotFindings& findings, const Limb& limb) {
+  std::string text =
+      body_name(findings, limb.upper.body) + " - " + body_name(findings, limb.lower.body);
+  if (limb.end) text += " - " + body_name(findings, limb.end->body);
+  return text;
+}
+
+std::string limbs_section(const RobotFindings& findings) {
+  const RobotAnatomy& limbs = findings.limbs;
+  std::string text =
+      "## Limbs\n\n| part | bodies | bends at | lengths | how sure |\n|---|---|---|---|---|\n";
+  text += "| pelvis | " + body_name(findings, limbs.pelvis) + " | | | both legs hang from it |\n";
+  text += "| torso | " + body_name(findings, limbs.torso) +
+          (limbs.torso == limbs.pelvis ? " (the pelvis) | | | " : " | | | ") +
+          "both arms hang from it |\n";
+  for (const bool is_leg : {true, false}) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Limb& limb = is_leg ? limbs.legs[side] : limbs.arms[side];
+      const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
+      text += std::string("| ") + (side == 0 ? "left " : "right ") + (is_leg ? "leg" : "arm") +
+              " | " + chain_text(findings, limb) + " | " +
+              findings.robot.joints()[static_cast<std::size_t>(middle)].name + " | " +
+              metres(limb.upper_length) + ", " + metres(limb.lower_length) + " | " +
+              sureness(limb) + " |\n";
+    }
+  }
+  if (limbs.head) text += "| head | " + body_name(findings, limbs.head->body) + " | | | |\n";
+  text +=
+      "\nBodies are named from the trunk outwards: the last one before the knee or elbow, the one "
+      "beyond it, foot or hand. The robot faces " +
+      number_text(rounded(limbs.forward.x(), 2)) + " " +
+      number_text(rounded(limbs.forward.y(), 2)) + " (x y) in its zero configuration" +
+      (limbs.facing_is_sure ? ".\n" : ", which is doubtful.\n");
+  return text;
+}
+
+std::string t_pose_section(const RobotFindings& findings) {
+  std::string text =
+      "## T-pose\n\nThe pose is `t_pose` in robot.json. How far each bone stays off, degrees:\n\n"
+      "| bone | body | direction | twist |\n|---|---|---|---|\n";
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    text += "| " + residual.bone + " | " + body_name(findings, residual.body) + " | " +
+            degrees_text(residual.direction) + " | " + degrees_text(residual.twist) + " |\n";
+  }
+  text +=
+      "\nRotation offsets are those of an exact T-pose: where a limit keeps a limb from it, the "
+      "offset is right all the same.\n";
+  return text;
+}
+
+std::string rest_section(const RobotFindings& findings) {
+  const DerivedScales scales = derive_scales(findings.limbs);
+  const auto count = [&](ShapeSource source) {
+    return std::to_string(std::ranges::count(findings.shapes.shapes, source, &RoughShape::source));
+  };
+  std::string text = "## Scales\n\nLegs are " + number_text(rounded(scales.leg, 3)) +
+                     " of the human's, arms " + number_text(rounded(scales.arm, 3)) +
+                     ": a straight human leg is a straight robot leg, arms likewise.\n\n";
+  text += "## Soles, shapes, speeds\n\n* Soles: " + source_text(findings.shapes.sole_source) +
+          ". The ankles stand " + metres(findings.shapes.ankle_height) + " above them.\n";
+  text += "* Collision shapes: " + count(ShapeSource::kModel) + " of the model, " +
+          count(ShapeSource::kMesh) + " fitted to meshes, " + count(ShapeSource::kEstimated) +
+          " estimated. Neighbours in the tree may touch.\n";
+  text += "* Speed limits: " + std::to_string(findings.speed_count) + " of " +
+          std::to_string(findings.robot.joints().size()) + " joints from the model, else " +
+          number_text(kDefaultSpeedLimit) + " rad/s.\n";
+  return text;
+}
+
+}  // namespace
+
+std::string degrees_text(double radians) {
+  std::string text = number_text(rounded(radians * 180.0 / std::numbers::pi, 1));
+  if (text.find('.') == std::string::npos) text += ".0";
+  return text;
+}
+
+std::vector<std::string> notes_about(const RobotFindings& findings) {
+  std::vector<std::string> notes = findings.limbs.notes;
+  for (const bool is_leg : {true, false}) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Limb& limb = is_leg ? findings.limbs.legs[side] : findings.limbs.arms[side];
+      if (limb.clarity >= kClear) continue;
+      const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
+      notes.push_back(std::string("the ") + (side == 0 ? "left " : "right ") +
+                      (is_leg ? "knee" : "elbow") + " was taken to be \"" +
+                      findings.robot.joints()[static_cast<std::size_t>(middle)].name +
+                      "\"; another joint fits nearly as well");
+    }
+  }
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    if (std::max(residual.direction, residual.twist) < kOff) continue;
+    notes.push_back("in the T-pose \"" + body_name(findings, residual.body) + "\" stays " +
+                    degrees_text(residual.direction) + " degrees off in direction and " +
+                    degrees_text(residual.twist) +
+                    " in twist: its limits or its build do not allow more");
+  }
+  if (findings.shapes.sole_source == ShapeSource::kEstimated) {
+    notes.emplace_back("the soles are estimated: put the feet's outline into robot.json");
+  }
+  if (findings.speed_count == 0) {
+    notes.push_back("no speed limits are known: " + number_text(kDefaultSpeedLimit) +
+                    " rad/s for every joint");
+  }
+  return notes;
+}
+
+std::vector<std::string> summary_of(const RobotFindings& findings) {
+  const RobotAnatomy& limbs = findings.limbs;
+  const DerivedScales scales = derive_scales(limbs);
+  double worst = 0.0;
+  for (const TPoseResidual& residual : findings.t_pose.residuals) {
+    worst = std::max({worst, residual.direction, residual.twist});
+  }
+  return {"trunk: " + body_name(findings, limbs.pelvis) +
+              (limbs.torso == limbs.pelvis ? "" : ", " + body_name(findings, limbs.torso)),
+          "left leg: " + chain_text(findings, limbs.legs[0]),
+          "left arm: " + chain_text(findings, limbs.arms[0]),
+          "T-pose: every bone within " + degrees_text(worst) + " degrees",
+          "scales: legs " + number_text(rounded(scales.leg, 3)) + ", arms " +
+              number_text(rounded(scales.arm, 3)) + " of a human's",
+          "soles: " + source_text(findings.shapes.sole_source)};
+}
+
+std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {
+  std::string text = "# " + findings.robot.name() + "\n\nMade from " + findings.source + ": " +
+                     std::to_string(findings.robot.joints().size()) +
+                     " joints. What was decided, and how sure it is.\n\n## What to look at\n\n";
+  if (notes.empty()) text += "Nothing stands out.\n";
+  for (const std::string& note : notes) text += "* " + note + "\n";
+  return text + "\n" + limbs_section(findings) + "\n" + t_pose_section(findings) + "\n" +
+         rest_section(findings);
+}
+
+}  // namespace retarget

@@ -1,0 +1,90 @@
+#include "retarget/rig/limb_errors.h"
+
+#include <array>
+
+#include "retarget/human/bones.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+constexpr std::array<const char*, 11> kSegments = {
+    "left thigh",     "left shin",    "right thigh",     "right shin",
+    "left upper arm", "left forearm", "right upper arm", "right forearm",
+    "trunk",          "hip line",     "shoulder line"};
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return portable::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// segments from the points of the limbs: left and right leg, left and right arm, each its root,
+// middle and end
+Points segments(const std::array<std::array<Eigen::Vector3d, 3>, 4>& limbs) {
+  Points found;
+  for (const auto& limb : limbs) {
+    found.emplace_back(limb[1] - limb[0]);
+    found.emplace_back(limb[2] - limb[1]);
+  }
+  found.emplace_back(limbs[2][0] + limbs[3][0] - limbs[0][0] - limbs[1][0]);
+  found.emplace_back(limbs[0][0] - limbs[1][0]);
+  found.emplace_back(limbs[2][0] - limbs[3][0]);
+  return found;
+}
+
+Points human_segments(std::span<const Pose> bones) {
+  const auto at = [&](const std::string& name) {
+    return bones[static_cast<std::size_t>(find_bone(name).value())].translation;
+  };
+  std::array<std::array<Eigen::Vector3d, 3>, 4> limbs;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::string name = side == 0 ? "Left" : "Right";
+    limbs[side] = {at(name + "UpLeg"), at(name + "Leg"), at(name + "Foot")};
+    limbs[2 + side] = {at(name + "Arm"), at(name + "ForeArm"), at(name + "Hand")};
+  }
+  return segments(limbs);
+}
+
+Points robot_segments(const RobotAnatomy& limbs, const std::vector<Pose>& world_from_body) {
+  std::array<std::array<Eigen::Vector3d, 3>, 4> points;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Limb& limb = i < 2 ? limbs.legs[i] : limbs.arms[i - 2];
+    const auto at = [&](const LimbPart& part) {
+      return world_from_body[static_cast<std::size_t>(part.body)] * part.joint;
+    };
+    const Pose& lower = world_from_body[static_cast<std::size_t>(limb.lower.body)];
+    points[i] = {at(limb.upper), at(limb.lower),
+                 limb.end ? at(*limb.end)
+                          : Eigen::Vector3d(at(limb.lower) +
+                                            lower.rotation * limb.lower.body_from_bone.col(0))};
+  }
+  return segments(points);
+}
+
+}  // namespace
+
+std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
+                                   const RobotAnatomy& limbs) {
+  std::vector<LimbError> errors;
+  for (const char* segment : kSegments) errors.push_back({segment, 0.0});
+  std::vector<Pose> world_from_body(robot.robot().bodies().size());
+  const int frames = std::min(human.frame_count, robot.frame_count());
+  for (int frame = 0; frame < frames; ++frame) {
+    forward_kinematics(robot.robot(), robot.qpos(frame), world_from_body);
+    const Points of_human = human_segments(human.frame(frame));
+    const Points of_robot = robot_segments(limbs, world_from_body);
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      errors[i].mean += angle_between(of_human[i], of_robot[i]) / frames;
+    }
+  }
+  return errors;
+}
+
+double mean_limb_error(const std::vector<LimbError>& errors) {
+  double sum = 0.0;
+  for (const LimbError& error : errors) sum += error.mean;
+  return errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
+}
+
+}  // namespace retarget

@@ -1,0 +1,229 @@
+#include "rig/limb_shape.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+// the part of a vector across a unit axis
+Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
+  return vector - vector.dot(axis) * axis;
+}
+
+struct LimbEnd {
+  Eigen::Vector3d point;
+  std::optional<int> body;
+  bool estimated = false;
+};
+
+Eigen::Vector3d centre_of_mass(const PosedRobot& posed, const MovingBodies& moving, int body) {
+  const mjModel* model = posed.robot().model();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double mass = 0.0;
+  for (const int part : moving.parts(body)) {
+    const mjtNum* at = model->body_ipos + 3 * part;
+    sum += model->body_mass[part] * (posed.body(part) * Eigen::Vector3d(at[0], at[1], at[2]));
+    mass += model->body_mass[part];
+  }
+  return mass > 0.0 ? Eigen::Vector3d(sum / mass) : posed.body(body).translation;
+}
+
+bool carries_another(const Robot& robot, int body) {
+  return std::ranges::any_of(robot.bodies(), [&](const RobotBody& b) { return b.parent == body; });
+}
+
+// where a limb ends whose last joint is its middle one: the farthest body fixed to it, else beyond
+// its centre of mass, which lies near the middle of a segment
+LimbEnd end_of_segment(const PosedRobot& posed, const MovingBodies& moving, int body,
+                       const Eigen::Vector3d& middle, const Eigen::Vector3d& axis,
+                       double upper_length) {
+  constexpr double kFarEnough = 0.35;
+  constexpr double kBeyondMass = 2.0;
+  LimbEnd end;
+  end.point = middle;
+  double farthest = kFarEnough * upper_length;
+  for (const int part : moving.parts(body)) {
+    const double distance = across(posed.body(part).translation - middle, axis).norm();
+    if (part == body || distance <= farthest || carries_another(posed.robot(), part)) continue;
+    farthest = distance;
+    end.point = posed.body(part).translation;
+    end.body = part;
+  }
+  if (end.body) return end;
+  end.estimated = true;
+  const Eigen::Vector3d mass = across(centre_of_mass(posed, moving, body) - middle, axis);
+  end.point = middle + kBeyondMass * mass;
+  return end;
+}
+
+// the hinge whose axis is most like another one; none when they are far from parallel
+std::optional<int> parallel_hinge(const PosedRobot& posed, const std::vector<int>& joints,
+                                  const Eigen::Vector3d& axis) {
+  std::optional<int> best;
+  double most = 0.7;
+  for (const int joint : joints) {
+    const double alike = std::abs(posed.axis(joint).dot(axis));
+    if (posed.robot().joints()[joint].type != RobotJoint::Type::kHinge || alike <= most) continue;
+    most = alike;
+    best = joint;
+  }
+  return best;
+}
+
+// moves a point to the nearest one on the axis of the hinge that bends the same way
+void move_to_parallel_hinge(const PosedRobot& posed, const std::vector<int>& joints,
+                            const Eigen::Vector3d& axis, Eigen::Vector3d& point) {
+  const auto hinge = parallel_hinge(posed, joints, axis);
+  if (!hinge) return;
+  const Eigen::Vector3d anchor = posed.anchor(*hinge);
+  const Eigen::Vector3d along = posed.axis(*hinge);
+  point = anchor + (point - anchor).dot(along) * along;
+}
+
+bool all_turn_about(const PosedRobot& posed, const std::vector<int>& joints,
+                    const Eigen::Vector3d& direction) {
+  constexpr double kNearlyAlong = 0.9;
+  return std::ranges::all_of(
+      joints, [&](int joint) { return std::abs(posed.axis(joint).dot(direction)) > kNearlyAlong; });
+}
+
+struct Split {
+  LimbShape shape;
+  double score = 0.0;
+};
+
+// how well the hinge at `middle` parts a chain: long segments, joints that meet in points
+std::optional<Split> split_at(const PosedRobot& posed, const MovingBodies& moving,
+                              const std::vector<int>& chain, int middle, bool is_leg) {
+  constexpr double kSlack = 0.1;
+  const std::vector<int> before(chain.begin(), chain.begin() + middle);
+  const std::vector<int> beyond(chain.begin() + middle + 1, chain.end());
+  Split split;
+  LimbShape& shape = split.shape;
+  shape.joints = chain;
+  shape.middle = middle;
+  shape.axis = posed.axis(chain[middle]);
+  shape.root = posed.centre_of(before);
+  const Eigen::Vector3d anchor = posed.anchor(chain[middle]);
+  const double upper = across(anchor - shape.root, shape.axis).norm();
+  if (beyond.empty()) {
+    const LimbEnd end = end_of_segment(posed, moving, posed.robot().joints()[chain[middle]].body,
+                                       anchor, shape.axis, upper);
+    shape.end = end.point;
+    shape.end_body = end.body;
+    shape.end_is_estimated = end.estimated;
+  } else {
+    shape.end = posed.centre_of(beyond);
+  }
+  const double lower = across(shape.end - anchor, shape.axis).norm();
+  if (!(std::min(upper, lower) > 0.0)) return std::nullopt;
+  const double spread =
+      posed.spread_about(shape.root, before) + posed.spread_about(shape.end, beyond);
+  if (is_leg) {
+    move_to_parallel_hinge(posed, before, shape.axis, shape.root);
+    move_to_parallel_hinge(posed, beyond, shape.axis, shape.end);
+  } else if (!beyond.empty() && all_turn_about(posed, beyond, (shape.end - anchor).normalized())) {
+    const LimbEnd end = end_of_segment(posed, moving, posed.robot().joints()[beyond.back()].body,
+                                       anchor, shape.axis, upper);
+    if (end.body) shape.end = end.point;
+  }
+  // the limb's line passes through its end; what turns at its root may stand beside it
+  shape.bend = anchor + (shape.end - anchor).dot(shape.axis) * shape.axis;
+  shape.root += (shape.end - shape.root).dot(shape.axis) * shape.axis;
+  split.score = std::min(upper, lower) / (spread + kSlack * (upper + lower));
+  return split;
+}
+
+// the whole turn of an angle that is nearest to a range
+double nearest_turn(double angle, double lower, double upper) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  double best = angle;
+  double least = INFINITY;
+  for (const int turns : {0, -1, 1}) {
+    const double candidate = angle + turns * kTurn;
+    const double outside = std::max({lower - candidate, candidate - upper, 0.0});
+    if (outside < least) {
+      least = outside;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+void find_flexion(const PosedRobot& posed, const std::vector<double>& reference, LimbShape& shape) {
+  constexpr double kClearly = 1.25;
+  const int joint = shape.joints[shape.middle];
+  const double lower = posed.robot().model_limits().lower[joint];
+  const double upper = posed.robot().model_limits().upper[joint];
+  const Eigen::Vector3d from = shape.upper();
+  const Eigen::Vector3d to = shape.lower();
+  const double angle = portable::atan2(from.cross(to).dot(shape.axis), from.dot(to));
+  const double position = reference[posed.robot().joints()[joint].qpos_address];
+  shape.straight = nearest_turn(position - angle, lower, upper);
+  const double above = upper - shape.straight;
+  const double below = shape.straight - lower;
+  if (above > kClearly * std::max(below, 0.0)) shape.flexion = 1.0;
+  if (below > kClearly * std::max(above, 0.0)) shape.flexion = -1.0;
+}
+
+}  // namespace
+
+Eigen::Vector3d LimbShape::upper() const {
+  return across(bend - root, axis).normalized();
+}
+
+Eigen::Vector3d LimbShape::lower() const {
+  return across(end - bend, axis).normalized();
+}
+
+std::optional<LimbShape> shape_limb(const PosedRobot& posed, const MovingBodies& moving,
+                                    const std::vector<double>& reference,
+                                    const std::vector<int>& chain, bool is_leg) {
+  std::optional<Split> best;
+  double second = 0.0;
+  for (int middle = 1; middle < static_cast<int>(chain.size()); ++middle) {
+    const auto split = split_at(posed, moving, chain, middle, is_leg);
+    if (!split) continue;
+    if (best && split->score <= best->score) {
+      second = std::max(second, split->score);
+      continue;
+    }
+    if (best) second = best->score;
+    best = split;
+  }
+  if (!best) return std::nullopt;
+  best->shape.clarity = 1.0 - second / best->score;
+  find_flexion(posed, reference, best->shape);
+  return best->shape;
+}
+
+std::vector<Eigen::Vector3d> outline_points(const PosedRobot& posed, const MovingBodies& moving,
+                                            int body) {
+  const mjModel* model = posed.robot().model();
+  std::vector<Eigen::Vector3d> points;
+  for (const int part : moving.parts(body)) {
+    points.push_back(posed.body(part).translation);
+    for (int g = model->body_geomadr[part];
+         g >= 0 && g < model->body_geomadr[part] + model->body_geomnum[part]; ++g) {
+      const mjtNum* at = model->geom_pos + 3 * g;
+      const mjtNum* q = model->geom_quat + 4 * g;
+      const Pose body_from_geom{Eigen::Quaterniond(q[0], q[1], q[2], q[3]), {at[0], at[1], at[2]}};
+      const mjtNum* box = model->geom_aabb + 6 * g;  // centre, half sizes
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d local(box[0] + ((corner & 1) != 0 ? box[3] : -box[3]),
+                                    box[1] + ((corner & 2) != 0 ? box[4] : -box[4]),
+                                    box[2] + ((corner & 4) != 0 ? box[5] : -box[5]));
+        points.push_back(posed.body(part) * (body_from_geom * local));
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace retarget

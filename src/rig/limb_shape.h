@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "retarget/rig/limbs.h"
+#include "rig/branches.h"
+
+namespace retarget {
+
+/// The points and axis of a limb in the reference configuration, in the world.
+struct LimbShape {
+  std::vector<int> joints;
+  int middle = 0;         ///< Index into joints.
+  Eigen::Vector3d root;   ///< Where the joints before the middle one meet.
+  Eigen::Vector3d bend;   ///< On the middle joint's axis, across from root and end.
+  Eigen::Vector3d end;    ///< Where the joints beyond it meet, or where the limb ends.
+  Eigen::Vector3d axis;   ///< Of the middle joint.
+  double straight = 0.0;  ///< Its position with the limb straight.
+  double flexion = 0.0;   ///< Sign of the positions that bend the limb; 0: the range is even.
+  double clarity = 0.0;
+  bool end_is_estimated = false;
+  std::optional<int> end_body;  ///< Fixed to the last body, at the limb's end.
+
+  /// Unit directions of the two segments, across the axis.
+  [[nodiscard]] Eigen::Vector3d upper() const;
+  [[nodiscard]] Eigen::Vector3d lower() const;
+};
+
+/// Splits a chain at its knee or elbow; none when no hinge of it parts two clusters.
+///
+/// Legs bend in one plane: their hip and ankle are taken on the hinges there whose axes are most
+/// like the knee's. Forearms whose joints beyond the elbow all turn about the forearm end at the
+/// farthest body that is fixed to the last of them.
+/// @param reference  the configuration that `posed` is in.
+[[nodiscard]] std::optional<LimbShape> shape_limb(const PosedRobot& posed,
+                                                  const MovingBodies& moving,
+                                                  const std::vector<double>& reference,
+                                                  const std::vector<int>& chain, bool is_leg);
+
+/// Points of a moving body and of what is fixed to it, in the world of `posed`: origins of bodies,
+/// corners of the boxes around geoms.
+[[nodiscard]] std::vector<Eigen::Vector3d> outline_points(const PosedRobot& posed,
+                                                          const MovingBodies& moving, int body);
+
+}  // namespace retarget

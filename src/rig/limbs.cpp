@@ -1,0 +1,342 @@
+#include "retarget/rig/limbs.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include "rig/branches.h"
+#include "rig/limb_shape.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kGroundShare = 0.15;  // of the height: how near to the lowest is on the floor
+
+// the shape of both limbs of a pair, the branch's first (its across side) before its second
+struct ShapedPair {
+  BranchPair pair;
+  std::array<LimbShape, 2> limbs;
+};
+
+std::string name_of(const Robot& robot, int body) {
+  return "\"" + robot.bodies()[body].name + "\"";
+}
+
+// +1: these names say that the first is the left one; -1: the second; 0: they do not say
+int side_by_names(const std::string& first, const std::string& second) {
+  std::size_t same = 0;
+  while (same < std::min(first.size(), second.size()) && first[same] == second[same]) ++same;
+  if (same == first.size() || same == second.size()) return 0;
+  const auto letter = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  const int a = letter(first[same]);
+  const int b = letter(second[same]);
+  if (a == 'l' && b == 'r') return 1;
+  return a == 'r' && b == 'l' ? -1 : 0;
+}
+
+int side_by_names(const Robot& robot, const std::array<LimbShape, 2>& limbs) {
+  int votes = 0;
+  for (std::size_t i = 0; i < limbs[0].joints.size(); ++i) {
+    const RobotJoint& a = robot.joints()[limbs[0].joints[i]];
+    const RobotJoint& b = robot.joints()[limbs[1].joints[i]];
+    votes += side_by_names(a.name, b.name);
+    votes += side_by_names(robot.bodies()[a.body].name, robot.bodies()[b.body].name);
+  }
+  return votes;
+}
+
+// how a bend moves the limb's end
+Eigen::Vector3d motion_of_bending(const LimbShape& limb) {
+  return limb.flexion * limb.axis.cross(limb.end - limb.bend).normalized();
+}
+
+class LimbFinder {
+ public:
+  LimbFinder(const Robot& robot, std::string file)
+      : robot_(robot),
+        file_(std::move(file)),
+        reference_(reference_configuration(robot)),
+        posed_(robot, reference_),
+        moving_(robot) {}
+
+  Result<RobotAnatomy> find();
+
+ private:
+  Result<void> choose_pairs();
+  [[nodiscard]] Failure no_legs(const std::string& found) const;
+  [[nodiscard]] bool stands_on_wheels() const;
+  Result<ShapedPair> shape(const BranchPair& pair, bool is_leg) const;
+  void find_facing();
+  [[nodiscard]] double foot_vote(const Eigen::Vector3d& forward) const;
+  [[nodiscard]] Limb limb_of(const LimbShape& shape, bool is_leg) const;
+  void set_end(Limb& limb, const LimbShape& shape, bool is_leg) const;
+  [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
+  [[nodiscard]] std::optional<LimbPart> head() const;
+  void note_limbs();
+
+  const Robot& robot_;
+  std::string file_;
+  std::vector<double> reference_;
+  PosedRobot posed_;
+  MovingBodies moving_;
+  ShapedPair legs_, arms_;
+  RobotAnatomy found_;
+};
+
+Failure LimbFinder::no_legs(const std::string& found) const {
+  return config_failure(file_, found + ": expected a humanoid with two legs and two arms");
+}
+
+// the lowest joint turns without limit about a level axis
+bool LimbFinder::stands_on_wheels() const {
+  const LimitSet& limits = robot_.model_limits();
+  int lowest = -1;
+  for (int j = 0; j < static_cast<int>(robot_.joints().size()); ++j) {
+    if (lowest < 0 || posed_.anchor(j).z() < posed_.anchor(lowest).z() - 1e-6) lowest = j;
+  }
+  return lowest >= 0 && std::abs(posed_.axis(lowest).z()) < 0.5 &&
+         robot_.joints()[lowest].type == RobotJoint::Type::kHinge &&
+         !std::isfinite(limits.upper[lowest]) && !std::isfinite(limits.lower[lowest]) &&
+         std::ranges::any_of(limits.upper, [](double upper) { return std::isfinite(upper); });
+}
+
+Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const {
+  const std::string what = is_leg ? "a leg" : "an arm";
+  ShapedPair shaped{pair, {}};
+  const std::array<int, 2> first = {pair.first, pair.second};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto limb = shape_limb(posed_, moving_, reference_, moving_.chain(first[side]), is_leg);
+    if (!limb) {
+      return config_failure(file_, "the branch of " + name_of(robot_, first[side]) + " should be " +
+                                       what + " but no joint of it bends it");
+    }
+    shaped.limbs[side] = *limb;
+  }
+  // mirror images bend at the same joint; the clearer side decides
+  auto& [a, b] = shaped.limbs;
+  if (a.middle != b.middle) {
+    return config_failure(file_, "the branches of " + name_of(robot_, first[0]) + " and " +
+                                     name_of(robot_, first[1]) + " should be " + what +
+                                     " each but differ in build");
+  }
+  return shaped;
+}
+
+Result<void> LimbFinder::choose_pairs() {
+  std::vector<BranchPair> pairs = branch_pairs(posed_, moving_);
+  if (stands_on_wheels()) return no_legs("the model stands on wheels");
+  if (pairs.empty()) {
+    return no_legs("no two branches of the model are mirror images of each other (" +
+                   std::to_string(robot_.joints().size()) + " joints: a single arm?)");
+  }
+  std::ranges::stable_sort(pairs, {}, &BranchPair::lowest);
+  double highest = pairs.front().lowest;
+  for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
+    highest = std::max(highest, posed_.body(static_cast<int>(b)).translation.z());
+  }
+  const double floor = pairs.front().lowest + kGroundShare * (highest - pairs.front().lowest);
+  if (pairs.size() > 1 && pairs[1].lowest < floor) {
+    return no_legs("two pairs of limbs reach the ground (a quadruped?)");
+  }
+  if (pairs.size() == 1) return no_legs("the model has one pair of limbs only");
+  const auto arms =
+      std::max_element(pairs.begin() + 1, pairs.end(),
+                       [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
+  auto shaped_legs = shape(pairs.front(), true);
+  if (!shaped_legs) return failure(shaped_legs.error());
+  auto shaped_arms = shape(*arms, false);
+  if (!shaped_arms) return failure(shaped_arms.error());
+  legs_ = *shaped_legs;
+  arms_ = *shaped_arms;
+  const auto middle = [](const ShapedPair& pair) -> Eigen::Vector3d {
+    return 0.5 * (pair.limbs[0].root + pair.limbs[1].root);
+  };
+  if (!(middle(arms_).z() > middle(legs_).z()) ||
+      !(legs_.limbs[0].root.z() > legs_.limbs[0].end.z())) {
+    return no_legs("the model does not stand upright along z in its zero configuration");
+  }
+  return {};
+}
+
+// how far the feet reach out ahead of the ankles, less how far behind, in their own size
+double LimbFinder::foot_vote(const Eigen::Vector3d& forward) const {
+  double vote = 0.0;
+  for (const LimbShape& leg : legs_.limbs) {
+    const int foot = robot_.joints()[leg.joints.back()].body;
+    double ahead = 0.0;
+    double behind = 0.0;
+    for (const Eigen::Vector3d& point : outline_points(posed_, moving_, foot)) {
+      const double x = (point - leg.end).dot(forward);
+      ahead = std::max(ahead, x);
+      behind = std::max(behind, -x);
+    }
+    if (ahead + behind > 1e-6) vote += (ahead - behind) / (ahead + behind);
+  }
+  return vote;
+}
+
+void LimbFinder::find_facing() {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d forward = legs_.pair.across.cross(up);
+  // each voice is positive when the first branches are the left ones
+  double votes = 0.25 * (forward.x() + forward.y());
+  const double names = side_by_names(robot_, legs_.limbs) + side_by_names(robot_, arms_.limbs);
+  votes += names > 0.0 ? 2.0 : (names < 0.0 ? -2.0 : 0.0);
+  for (const LimbShape& leg : legs_.limbs) votes -= 1.5 * motion_of_bending(leg).dot(forward);
+  for (const LimbShape& arm : arms_.limbs) votes += 0.5 * motion_of_bending(arm).dot(forward);
+  votes += foot_vote(forward);
+  const double sign = votes >= 0.0 ? 1.0 : -1.0;
+  found_.forward = sign * forward;
+  found_.left = sign * legs_.pair.across;
+  found_.facing_is_sure = std::abs(votes) > 1.0;
+  if (sign * names < 0.0) {
+    found_.notes.emplace_back(
+        "names call the limbs on the robot's left side right: knees and feet say where it faces");
+  }
+  if (!found_.facing_is_sure) {
+    found_.notes.emplace_back("knees, feet and names hardly say where the robot faces");
+  }
+  if (sign < 0.0) {
+    std::swap(legs_.limbs[0], legs_.limbs[1]);
+    std::swap(arms_.limbs[0], arms_.limbs[1]);
+  }
+  // arms come in the order of their own pair
+  if ((arms_.limbs[0].root - arms_.limbs[1].root).dot(found_.left) < 0.0) {
+    std::swap(arms_.limbs[0], arms_.limbs[1]);
+  }
+}
+
+Eigen::Matrix3d LimbFinder::in_body(int body, const Eigen::Matrix3d& world_from_bone) const {
+  return posed_.body(body).rotation.toRotationMatrix().transpose() * world_from_bone;
+}
+
+void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const {
+  const std::size_t beyond = shape.joints.size() - 1 - static_cast<std::size_t>(shape.middle);
+  limb.end_joints = static_cast<int>(beyond);
+  if (beyond == 0 && (is_leg || !shape.end_body)) return;
+  LimbPart end;
+  end.body = beyond > 0 ? robot_.joints()[shape.joints.back()].body : *shape.end_body;
+  Eigen::Matrix3d world_from_bone;
+  if (is_leg) {
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    world_from_bone << found_.forward, up, -found_.left;
+  } else {
+    world_from_bone =
+        posed_.body(limb.lower.body).rotation.toRotationMatrix() * limb.lower.body_from_bone;
+  }
+  end.body_from_bone = in_body(end.body, world_from_bone);
+  end.joint = posed_.body(end.body).inverse() * shape.end;
+  limb.end = end;
+}
+
+Limb LimbFinder::limb_of(const LimbShape& shape, bool is_leg) const {
+  Limb limb;
+  limb.joints = shape.joints;
+  limb.middle = shape.middle;
+  limb.clarity = shape.clarity;
+  limb.straight = shape.straight;
+  limb.lower_is_estimated = shape.end_is_estimated;
+  limb.flexion_is_sure = shape.flexion != 0.0;
+  limb.flexion = shape.flexion;
+  if (!limb.flexion_is_sure) {
+    // knees bend the shin backwards, elbows the forearm forwards
+    const double swing = shape.axis.cross(shape.end - shape.bend).dot(found_.forward);
+    limb.flexion = (swing > 0.0) == is_leg ? -1.0 : 1.0;
+  }
+  const Eigen::Vector3d z = -limb.flexion * shape.axis;
+  const auto bone = [&](const Eigen::Vector3d& x) {
+    Eigen::Matrix3d axes;
+    axes << x, z.cross(x), z;
+    return axes;
+  };
+  const int middle_body = robot_.joints()[shape.joints[shape.middle]].body;
+  limb.lower.body = middle_body;
+  limb.upper.body = moving_.carrier(robot_.bodies()[middle_body].parent);
+  limb.upper.body_from_bone = in_body(limb.upper.body, bone(shape.upper()));
+  limb.upper.joint = posed_.body(limb.upper.body).inverse() * shape.root;
+  limb.lower.body_from_bone = in_body(limb.lower.body, bone(shape.lower()));
+  limb.lower.joint = posed_.body(limb.lower.body).inverse() * shape.bend;
+  limb.upper_length = (shape.bend - shape.root).norm();
+  limb.lower_length = (shape.end - shape.bend).norm();
+  set_end(limb, shape, is_leg);
+  return limb;
+}
+
+// a branch of the trunk that is no limb and stands highest above the shoulders
+std::optional<LimbPart> LimbFinder::head() const {
+  const double shoulders = 0.5 * (arms_.limbs[0].root + arms_.limbs[1].root).z();
+  std::optional<LimbPart> best;
+  double highest = shoulders;
+  for (const int trunk : {found_.torso, found_.pelvis}) {
+    for (const int child : moving_.children(trunk)) {
+      const bool is_limb = child == legs_.pair.first || child == legs_.pair.second ||
+                           child == arms_.pair.first || child == arms_.pair.second;
+      const std::vector<int> chain = moving_.chain(child);
+      if (is_limb || chain.empty() || chain.size() > 3) continue;
+      const int body = robot_.joints()[chain.back()].body;
+      const double height = posed_.body(body).translation.z();
+      if (height <= highest) continue;
+      highest = height;
+      Eigen::Matrix3d upright;
+      upright << Eigen::Vector3d::UnitZ(), found_.forward, found_.left;
+      best = LimbPart{body, in_body(body, upright), Eigen::Vector3d::Zero()};
+    }
+  }
+  return best;
+}
+
+void LimbFinder::note_limbs() {
+  if (!std::ranges::all_of(found_.legs, &Limb::flexion_is_sure)) {
+    found_.notes.emplace_back("the knees' ranges allow both ways: taken to bend backwards");
+  }
+  if (!std::ranges::all_of(found_.arms, &Limb::flexion_is_sure)) {
+    found_.notes.emplace_back("the elbows' ranges allow both ways: taken to bend forwards");
+  }
+  if (found_.arms[0].lower_is_estimated || found_.arms[1].lower_is_estimated) {
+    found_.notes.emplace_back(
+        "nothing marks where the forearms end: their direction and length are from their masses");
+  }
+  if (!found_.legs[0].end) {
+    found_.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");
+  }
+}
+
+Result<RobotAnatomy> LimbFinder::find() {
+  if (const auto chosen = choose_pairs(); !chosen) return failure(chosen.error());
+  find_facing();
+  found_.pelvis = legs_.pair.parent;
+  found_.torso = arms_.pair.parent;
+  Eigen::Matrix3d upright;
+  upright << Eigen::Vector3d::UnitZ(), found_.forward, found_.left;
+  found_.pelvis_from_hips = in_body(found_.pelvis, upright);
+  found_.torso_from_spine2 = in_body(found_.torso, upright);
+  for (std::size_t side = 0; side < 2; ++side) {
+    found_.legs[side] = limb_of(legs_.limbs[side], true);
+    found_.arms[side] = limb_of(arms_.limbs[side], false);
+  }
+  if (!found_.legs[0].end || !found_.legs[1].end) {
+    return no_legs("the legs have no ankle joints (a stand or wheels?)");
+  }
+  found_.head = head();
+  note_limbs();
+  return found_;
+}
+
+}  // namespace
+
+std::vector<double> reference_configuration(const Robot& robot) {
+  std::vector<double> qpos = robot.zero_configuration();
+  const LimitSet& limits = robot.model_limits();
+  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+    double& position = qpos[robot.joints()[j].qpos_address];
+    position = std::clamp(position, limits.lower[j], limits.upper[j]);
+  }
+  return qpos;
+}
+
+Result<RobotAnatomy> find_limbs(const Robot& robot, const std::string& file) {
+  return LimbFinder(robot, file).find();
+}
+
+}  // namespace retarget

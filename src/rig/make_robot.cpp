@@ -1,0 +1,207 @@
+#include "retarget/rig/make_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "retarget/base/file.h"
+#include "retarget/rig/derive_mapping.h"
+#include "retarget/rig/shapes.h"
+#include "rig/describe_robot.h"
+#include "rig/format_model.h"
+#include "rig/number_text.h"
+#include "rig/urdf_speeds.h"
+#include "robot/load_model.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// bodies that joints at most this far apart in the tree carry may touch
+constexpr int kNeighbours = 2;
+
+Result<Robot> import_robot(const std::string& path, const std::string& name,
+                           std::vector<std::string>& notes) {
+  ModelChanges changes;
+  changes.float_base = true;
+  changes.name_all = true;
+  auto loaded = load_model(path, changes);
+  if (!loaded) return failure(loaded.error());
+  if (!loaded->closed.empty()) {
+    return config_failure(path,
+                          "the model has a closed chain, which a tree of joints cannot follow: "
+                          "an equality ties " +
+                              loaded->closed.front(),
+                          "take the equality out if the rest of the tree moves without it");
+  }
+  const auto joints = check_robot_joints(*loaded->model, path);
+  if (!joints) return failure(joints.error());
+  if (!loaded->floated_body.empty()) {
+    notes.push_back("the model had no free joint: \"" + loaded->floated_body +
+                    "\" was made to float");
+  }
+  for (const std::string& pair : loaded->coupled) {
+    notes.push_back("a coupling of joints is dropped, each moves freely: " + pair);
+  }
+  RobotProfile profile;
+  profile.name = name;
+  return Robot(std::move(loaded->model), std::move(profile), std::move(loaded->warnings));
+}
+
+// the moving body that carries each body, and how many joints deep it lies
+struct TreePlace {
+  int carrier = 0, depth = 0;
+};
+
+std::vector<TreePlace> tree_places(const Robot& robot) {
+  std::vector<TreePlace> places(robot.bodies().size());
+  for (std::size_t b = 1; b < places.size(); ++b) {
+    const int body = static_cast<int>(b);
+    const TreePlace& parent = places[static_cast<std::size_t>(robot.bodies()[b].parent)];
+    const bool moves = std::ranges::any_of(
+        robot.joints(), [&](const RobotJoint& joint) { return joint.body == body; });
+    places[b] = moves || body == robot.root_body() ? TreePlace{body, parent.depth + 1} : parent;
+  }
+  return places;
+}
+
+// neighbours in the tree overlap by build
+Json allowed_contacts(const Robot& robot) {
+  const std::vector<TreePlace> places = tree_places(robot);
+  const auto up = [&](int body) {
+    return places[static_cast<std::size_t>(robot.bodies()[static_cast<std::size_t>(body)].parent)]
+        .carrier;
+  };
+  Json pairs = Json::array();
+  for (std::size_t b = 1; b < places.size(); ++b) {
+    const int body = static_cast<int>(b);
+    if (places[b].carrier != body) continue;
+    int above = body;
+    for (int i = 0; i < kNeighbours && above != robot.root_body(); ++i) {
+      above = up(above);
+      if (above <= 0) break;
+      pairs.push_back(
+          {robot.bodies()[static_cast<std::size_t>(above)].name, robot.bodies()[b].name});
+    }
+  }
+  return pairs;
+}
+
+Json soles_json(const Robot& robot, const std::vector<Sole>& soles) {
+  Json all = Json::object();
+  for (const Sole& sole : soles) {
+    Json points = Json::array();
+    for (const Eigen::Vector3d& point : sole.points) {
+      points.push_back({rounded(point.x(), 5), rounded(point.y(), 5), rounded(point.z(), 5)});
+    }
+    all[sole.side] = {{"body", robot.bodies()[static_cast<std::size_t>(sole.body)].name},
+                      {"points", points},
+                      {"labels", sole.labels}};
+  }
+  return all;
+}
+
+std::string profile_text(const Robot& robot, const std::string& source, const TPose& t_pose,
+                         const std::vector<Sole>& soles,
+                         const std::map<std::string, double>& speeds) {
+  Json json;
+  json["name"] = robot.name();
+  json["description"] = robot.name() + ", " + std::to_string(robot.joints().size()) + " joints";
+  json["source"] = source;
+  json["joint_order"] = robot.joint_names();
+  json["speed_limits"] = Json::object();
+  for (const RobotJoint& joint : robot.joints()) {
+    const auto speed = speeds.find(joint.name);
+    if (speed != speeds.end()) json["speed_limits"][joint.name] = speed->second;
+  }
+  json["speed_limits_source"] = json["speed_limits"].empty()
+                                    ? "none published: the default for all joints"
+                                    : "the URDF's velocity limits";
+  json["default_speed_limit"] = kDefaultSpeedLimit;
+  json["t_pose"] = Json::object();
+  for (const RobotJoint& joint : robot.joints()) {
+    const double position = rounded(t_pose.qpos[static_cast<std::size_t>(joint.qpos_address)], 4);
+    if (position != 0.0) json["t_pose"][joint.name] = position;
+  }
+  json["soles"] = soles_json(robot, soles);
+  json["allowed_self_contact"] = allowed_contacts(robot);
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
+  MadeRobot made;
+  made.name = name;
+  auto robot = import_robot(model_path, name, made.notes);
+  if (!robot) return failure(robot.error());
+  const auto limbs = find_limbs(*robot, model_path);
+  if (!limbs) return failure(limbs.error());
+  const BodyPoints mesh = mesh_points(model_path);
+  const RobotShapes shapes = find_shapes(*robot, *limbs, mesh);
+  const TPose t_pose = solve_t_pose(*robot, *limbs);
+  DeriveOptions options;
+  options.sole_height = shapes.ankle_height;
+  const IkTables tables = derive_mapping(*robot, *limbs, options);
+  const std::map<std::string, double> speeds = urdf_speeds(model_path);
+
+  const std::string source = fs::path(model_path).filename().string();
+  made.model = format_model(*robot, name, shapes.shapes);
+  made.profile = profile_text(*robot, source, t_pose, shapes.soles, speeds);
+  made.mapping = format_ik_tables(tables);
+  const RobotFindings findings{*robot, *limbs, t_pose, shapes, tables, speeds.size(), source};
+  const std::vector<std::string> more = notes_about(findings);
+  made.notes.insert(made.notes.end(), more.begin(), more.end());
+  made.summary = summary_of(findings);
+  made.decisions = decisions_text(findings, made.notes);
+  return made;
+}
+
+Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
+  const fs::path folder = into / robot.name;
+  std::error_code error;
+  if (!fs::is_directory(into, error)) {
+    return usage_failure("the folder \"" + into.string() + "\" is not there");
+  }
+  if (fs::exists(folder, error) && !force) {
+    return usage_failure("\"" + folder.string() + "\" is there already", "--force replaces it");
+  }
+  // written beside its place, then put there in one step
+  const fs::path staging = into / ("." + robot.name + ".new");
+  const fs::path old = into / ("." + robot.name + ".old");
+  const auto give_up = [&](const std::string& what) {
+    std::error_code ignored;
+    fs::remove_all(staging, ignored);
+    return run_failure(folder.string(), "cannot write the robot's folder: " + what);
+  };
+  fs::remove_all(staging, error);
+  fs::remove_all(old, error);
+  if (!fs::create_directory(staging, error)) return give_up(error.message());
+  const std::map<std::string, const std::string*> files = {{"model.xml", &robot.model},
+                                                           {"robot.json", &robot.profile},
+                                                           {"ik.json", &robot.mapping},
+                                                           {"decisions.md", &robot.decisions}};
+  for (const auto& [file, text] : files) {
+    const auto written = write_file((staging / file).string(), *text);
+    if (!written) return give_up(written.error().message);
+  }
+  if (fs::exists(folder, error)) {
+    fs::rename(folder, old, error);
+    if (error) return give_up(error.message());
+  }
+  fs::rename(staging, folder, error);
+  if (error) {
+    const std::string what = error.message();
+    std::error_code ignored;
+    if (fs::exists(old, ignored)) fs::rename(old, folder, ignored);
+    return give_up(what);
+  }
+  fs::remove_all(old, error);
+  return folder;
+}
+
+}  // namespace retarget

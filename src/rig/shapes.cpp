@@ -1,0 +1,309 @@
+#include "retarget/rig/shapes.h"
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rig/branches.h"
+#include "robot/load_model.h"
+
+namespace retarget {
+namespace {
+
+using Type = CollisionShape::Type;
+
+// human proportions, of the leg's length (hip to ankle)
+constexpr double kAnkleHeight = 0.085;
+constexpr double kFootLength = 0.29;
+constexpr double kHeelShare = 0.25;  // of the foot's length behind the ankle
+constexpr double kFootWidth = 0.11;
+// a limb segment's radius, of its length
+constexpr double kRadius = 0.15;
+
+// the lowest points of a shape, seen along `up` (in the body's frame)
+std::vector<Eigen::Vector3d> lowest_points(const CollisionShape& shape, const Eigen::Vector3d& up) {
+  const Pose& pose = shape.body_from_shape;
+  if (shape.type == Type::kSphere) return {pose.translation - shape.radius * up};
+  std::vector<Eigen::Vector3d> points;
+  if (shape.type == Type::kCapsule) {
+    for (const double end : {-shape.half_length, shape.half_length}) {
+      points.emplace_back(pose * Eigen::Vector3d(0.0, 0.0, end) - shape.radius * up);
+    }
+    return points;
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+                               (corner & 4) != 0 ? 1.0 : -1.0);
+    points.emplace_back(pose * Eigen::Vector3d(sign.cwiseProduct(shape.half_size)));
+  }
+  return points;
+}
+
+// a box with the given axes around points
+CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
+                          const Eigen::Matrix3d& axes) {
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY);
+  Eigen::Vector3d upper = -lower;
+  for (const Eigen::Vector3d& point : points) {
+    lower = lower.cwiseMin(axes.transpose() * point);
+    upper = upper.cwiseMax(axes.transpose() * point);
+  }
+  CollisionShape box;
+  box.type = Type::kBox;
+  box.body = body;
+  box.half_size = 0.5 * (upper - lower).cwiseMax(2e-3);
+  box.body_from_shape = {Eigen::Quaterniond(axes), axes * (0.5 * (lower + upper))};
+  return box;
+}
+
+// a capsule along the direction in which the points spread most
+CollisionShape capsule_around(int body, const std::vector<Eigen::Vector3d>& points) {
+  constexpr double kInside = 0.9;  // share of the points nearer to the axis than the radius
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) mean += point;
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points) {
+    spread += (point - mean) * (point - mean).transpose();
+  }
+  const Eigen::Vector3d axis =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+  double lower = INFINITY;
+  double upper = -INFINITY;
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& point : points) {
+    const double along = (point - mean).dot(axis);
+    lower = std::min(lower, along);
+    upper = std::max(upper, along);
+    distances.push_back((point - mean - along * axis).norm());
+  }
+  std::ranges::sort(distances);
+  CollisionShape capsule;
+  capsule.type = Type::kCapsule;
+  capsule.body = body;
+  capsule.radius = std::max(
+      distances[static_cast<std::size_t>(kInside * static_cast<double>(distances.size() - 1))],
+      1e-3);
+  capsule.half_length = std::max(0.5 * (upper - lower) - capsule.radius, 0.0);
+  capsule.body_from_shape = {
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).normalized(),
+      mean + 0.5 * (lower + upper) * axis};
+  if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
+  return capsule;
+}
+
+class ShapeFinder {
+ public:
+  ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh)
+      : robot_(robot), limbs_(limbs), mesh_(mesh), moving_(robot) {}
+
+  RobotShapes find();
+
+ private:
+  void keep_model_shapes();
+  void fit_meshes();
+  void estimate_segments();
+  void find_sole(std::size_t side);
+  [[nodiscard]] bool has_shape(int body) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> foot_points(const LimbPart& foot) const;
+  [[nodiscard]] double leg_length() const {
+    return limbs_.legs[0].upper_length + limbs_.legs[0].lower_length;
+  }
+
+  const Robot& robot_;
+  const RobotAnatomy& limbs_;
+  const BodyPoints& mesh_;
+  MovingBodies moving_;
+  RobotShapes found_;
+};
+
+bool ShapeFinder::has_shape(int body) const {
+  return std::ranges::any_of(found_.shapes,
+                             [&](const RoughShape& rough) { return rough.shape.body == body; });
+}
+
+void ShapeFinder::keep_model_shapes() {
+  for (const CollisionShape& shape : robot_.collision_shapes()) {
+    found_.shapes.push_back({shape, ShapeSource::kModel});
+  }
+  const mjModel* model = robot_.model();
+  for (int g = 0; g < model->ngeom; ++g) {
+    const bool touches = model->geom_contype[g] != 0 || model->geom_conaffinity[g] != 0;
+    const int body = model->geom_bodyid[g];
+    const bool of_robot = model->body_rootid[body] == robot_.root_body();
+    if (!touches || !of_robot || model->geom_type[g] != mjGEOM_CYLINDER) continue;
+    const mjtNum* at = model->geom_pos + 3 * g;
+    const mjtNum* q = model->geom_quat + 4 * g;
+    CollisionShape capsule;
+    capsule.type = Type::kCapsule;
+    capsule.body = body;
+    capsule.radius = model->geom_size[3 * g];
+    capsule.half_length = std::max(model->geom_size[3 * g + 1] - capsule.radius, 0.0);
+    if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
+    capsule.body_from_shape = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
+                               {at[0], at[1], at[2]}};
+    found_.shapes.push_back({capsule, ShapeSource::kModel});
+  }
+}
+
+void ShapeFinder::fit_meshes() {
+  for (std::size_t b = 1; b < mesh_.size(); ++b) {
+    const int body = static_cast<int>(b);
+    if (mesh_[b].size() < 4 || has_shape(body)) continue;
+    CollisionShape shape = capsule_around(body, mesh_[b]);
+    if (body == limbs_.pelvis) shape = box_around(body, mesh_[b], limbs_.pelvis_from_hips);
+    if (body == limbs_.torso) shape = box_around(body, mesh_[b], limbs_.torso_from_spine2);
+    for (const Limb& leg : limbs_.legs) {
+      if (body == leg.end->body) shape = box_around(body, mesh_[b], leg.end->body_from_bone);
+    }
+    found_.shapes.push_back({shape, ShapeSource::kMesh});
+  }
+}
+
+// capsules along the segments of limbs whose bodies have no shape
+void ShapeFinder::estimate_segments() {
+  const auto add = [&](const LimbPart& part, double length) {
+    if (has_shape(part.body)) return;
+    const Eigen::Vector3d along = part.body_from_bone.col(0);
+    CollisionShape capsule;
+    capsule.type = Type::kCapsule;
+    capsule.body = part.body;
+    capsule.radius = kRadius * length;
+    capsule.half_length = 0.5 * length - capsule.radius;
+    capsule.body_from_shape = {
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).normalized(),
+        part.joint + 0.5 * length * along};
+    found_.shapes.push_back({capsule, ShapeSource::kEstimated});
+  };
+  for (const auto* pair : {&limbs_.legs, &limbs_.arms}) {
+    for (const Limb& limb : *pair) {
+      add(limb.upper, limb.upper_length);
+      add(limb.lower, limb.lower_length);
+    }
+  }
+}
+
+// what is known of the foot's surface, in its frame; the body's parts count
+std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) const {
+  const Eigen::Vector3d up = foot.body_from_bone.col(1);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Pose> world_from_body(robot_.bodies().size());
+  forward_kinematics(robot_, reference_configuration(robot_), world_from_body);
+  for (const int part : moving_.parts(foot.body)) {
+    const Pose foot_from_part = world_from_body[static_cast<std::size_t>(foot.body)].inverse() *
+                                world_from_body[static_cast<std::size_t>(part)];
+    const Eigen::Vector3d up_in_part = foot_from_part.rotation.conjugate() * up;
+    for (const RoughShape& rough : found_.shapes) {
+      if (rough.shape.body != part || rough.source != ShapeSource::kModel) continue;
+      for (const Eigen::Vector3d& point : lowest_points(rough.shape, up_in_part)) {
+        points.push_back(foot_from_part * point);
+      }
+    }
+  }
+  if (!points.empty()) return points;
+  for (const int part : moving_.parts(foot.body)) {
+    if (static_cast<std::size_t>(part) >= mesh_.size()) continue;
+    const Pose foot_from_part = world_from_body[static_cast<std::size_t>(foot.body)].inverse() *
+                                world_from_body[static_cast<std::size_t>(part)];
+    for (const Eigen::Vector3d& point : mesh_[static_cast<std::size_t>(part)]) {
+      points.push_back(foot_from_part * point);
+    }
+  }
+  return points;
+}
+
+void ShapeFinder::find_sole(std::size_t side) {
+  const LimbPart& foot = *limbs_.legs[side].end;
+  const Eigen::Matrix3d& axes = foot.body_from_bone;  // forward, up, right
+  std::vector<Eigen::Vector3d> points = foot_points(foot);
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY);
+  Eigen::Vector3d upper = -lower;
+  double lowest = INFINITY;
+  const double level = 0.01 * leg_length();
+  for (const Eigen::Vector3d& point : points) {
+    lowest = std::min(lowest, (axes.transpose() * (point - foot.joint)).y());
+  }
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d local = axes.transpose() * (point - foot.joint);
+    if (local.y() > lowest + level) continue;
+    lower = lower.cwiseMin(local);
+    upper = upper.cwiseMax(local);
+  }
+  const bool is_area = points.size() >= 3 && upper.x() - lower.x() > 0.05 * leg_length();
+  if (!is_area) {
+    // a foot that is not known, or that touches the floor in a point or a line
+    const double length = kFootLength * leg_length();
+    if (points.empty()) lowest = -kAnkleHeight * leg_length();
+    lower = {-kHeelShare * length, lowest, -0.5 * kFootWidth * leg_length()};
+    upper = {(1.0 - kHeelShare) * length, lowest, 0.5 * kFootWidth * leg_length()};
+    found_.sole_source = ShapeSource::kEstimated;
+  } else if (found_.sole_source == ShapeSource::kModel &&
+             std::ranges::none_of(found_.shapes, [&](const RoughShape& rough) {
+               return moving_.carrier(rough.shape.body) == foot.body &&
+                      rough.source == ShapeSource::kModel;
+             })) {
+    found_.sole_source = ShapeSource::kMesh;
+  }
+  Sole sole;
+  sole.side = side == 0 ? "left" : "right";
+  sole.body = foot.body;
+  sole.labels = {"heel_left", "heel_right", "toe_left", "toe_right"};
+  for (const double x : {lower.x(), upper.x()}) {
+    for (const double right : {lower.z(), upper.z()}) {
+      sole.points.emplace_back(foot.joint + axes * Eigen::Vector3d(x, lowest, right));
+    }
+  }
+  found_.ankle_height += 0.5 * -lowest;
+  found_.soles.push_back(sole);
+  if (!has_shape(foot.body)) {
+    const double top = std::max(0.5 * -lowest, 1e-3);
+    std::vector<Eigen::Vector3d> box = sole.points;
+    for (const Eigen::Vector3d& point : sole.points) box.emplace_back(point + top * axes.col(1));
+    found_.shapes.push_back({box_around(foot.body, box, axes), ShapeSource::kEstimated});
+  }
+}
+
+RobotShapes ShapeFinder::find() {
+  keep_model_shapes();
+  fit_meshes();
+  estimate_segments();
+  for (std::size_t side = 0; side < 2; ++side) find_sole(side);
+  std::ranges::stable_sort(found_.shapes, {},
+                           [](const RoughShape& rough) { return rough.shape.body; });
+  return found_;
+}
+
+}  // namespace
+
+BodyPoints mesh_points(const std::string& model_path) {
+  ModelChanges changes;
+  changes.float_base = true;
+  changes.keep_meshes = true;
+  const auto loaded = load_model(model_path, changes);
+  if (!loaded) return {};
+  const mjModel& model = *loaded->model;
+  BodyPoints points(static_cast<std::size_t>(model.nbody));
+  for (int g = 0; g < model.ngeom; ++g) {
+    const int mesh = model.geom_dataid[g];
+    if (model.geom_type[g] != mjGEOM_MESH || mesh < 0) continue;
+    const mjtNum* at = model.geom_pos + 3 * g;
+    const mjtNum* q = model.geom_quat + 4 * g;
+    const Pose body_from_geom{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
+                              {at[0], at[1], at[2]}};
+    for (int v = 0; v < model.mesh_vertnum[mesh]; ++v) {
+      const float* vertex = model.mesh_vert + 3 * (model.mesh_vertadr[mesh] + v);
+      points[static_cast<std::size_t>(model.geom_bodyid[g])].push_back(
+          body_from_geom * Eigen::Vector3d(vertex[0], vertex[1], vertex[2]));
+    }
+  }
+  return points;
+}
+
+RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh) {
+  return ShapeFinder(robot, limbs, mesh).find();
+}
+
+}  // namespace retarget

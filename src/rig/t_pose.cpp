@@ -1,0 +1,289 @@
+#include "retarget/rig/t_pose.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/trigonometry.h"
+#include "rig/branches.h"
+
+namespace retarget {
+namespace {
+
+int bone_of(std::size_t side, const std::string& name) {
+  return find_bone((side == 0 ? "Left" : "Right") + name).value();
+}
+
+// axes of bones against the canonical ones
+class TPoseProblem {
+ public:
+  TPoseProblem(const Robot& robot, const RobotAnatomy& limbs)
+      : robot_(robot), limbs_(limbs), parts_(bone_parts(limbs)), carries_(robot.bodies().size()) {
+    for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
+      for (int at = static_cast<int>(b); at > 0; at = robot.bodies()[at].parent) {
+        carries_[b].push_back(at);
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<BonePart>& parts() const { return parts_; }
+  [[nodiscard]] double cost(const std::vector<double>& qpos) const;
+  // what of the cost the bones are to blame for
+  [[nodiscard]] double misfit(const std::vector<double>& qpos) const;
+  // adds up J'J and J'r over the joints; gives the cost
+  double linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
+                   Eigen::VectorXd& gradient) const;
+
+ private:
+  // directions matter more than twists: a limb that points elsewhere is worse than one that is turned
+  static constexpr std::array<double, 3> kAxisWeight = {2.0, 0.0, 1.0};
+  // of poses that are equally good the one with the least turns
+  static constexpr double kStay = 1e-2;
+
+  [[nodiscard]] bool moves(int joint, int body) const {
+    return std::ranges::find(carries_[body], robot_.joints()[joint].body) != carries_[body].end();
+  }
+
+  const Robot& robot_;
+  const RobotAnatomy& limbs_;
+  std::vector<BonePart> parts_;
+  std::vector<std::vector<int>> carries_;  // by body: itself and its ancestors
+};
+
+double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
+                               Eigen::VectorXd& gradient) const {
+  const PosedRobot posed(robot_, qpos);
+  const auto count = static_cast<Eigen::Index>(robot_.joints().size());
+  hessian = kStay * kStay * Eigen::MatrixXd::Identity(count, count);
+  gradient = Eigen::VectorXd::Zero(count);
+  double cost = 0.0;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const RobotJoint& joint = robot_.joints()[static_cast<std::size_t>(j)];
+    const double away = kStay * (qpos[joint.qpos_address] - joint.reference);
+    gradient[j] = kStay * away;
+    cost += away * away;
+  }
+  for (const BonePart& part : parts_) {
+    const Eigen::Matrix3d found =
+        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
+    const Eigen::Matrix3d wanted = t_pose_of(limbs_, part.bone);
+    for (int column = 0; column < 3; ++column) {
+      const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+      if (weight == 0.0) continue;
+      const Eigen::Vector3d residual = weight * (found.col(column) - wanted.col(column));
+      cost += residual.squaredNorm();
+      Eigen::Matrix3Xd jacobian = Eigen::Matrix3Xd::Zero(3, count);
+      for (Eigen::Index j = 0; j < count; ++j) {
+        const int joint = static_cast<int>(j);
+        const bool hinge = robot_.joints()[joint].type == RobotJoint::Type::kHinge;
+        if (!hinge || !moves(joint, part.part.body)) continue;
+        jacobian.col(j) = weight * posed.axis(joint).cross(found.col(column));
+      }
+      hessian += jacobian.transpose() * jacobian;
+      gradient += jacobian.transpose() * residual;
+    }
+  }
+  return cost;
+}
+
+double TPoseProblem::cost(const std::vector<double>& qpos) const {
+  double cost = misfit(qpos);
+  for (const RobotJoint& joint : robot_.joints()) {
+    const double away = kStay * (qpos[joint.qpos_address] - joint.reference);
+    cost += away * away;
+  }
+  return cost;
+}
+
+double TPoseProblem::misfit(const std::vector<double>& qpos) const {
+  const PosedRobot posed(robot_, qpos);
+  double sum = 0.0;
+  for (const BonePart& part : parts_) {
+    const Eigen::Matrix3d found =
+        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
+    const Eigen::Matrix3d away = found - t_pose_of(limbs_, part.bone);
+    for (int column = 0; column < 3; ++column) {
+      const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+      sum += weight * weight * away.col(column).squaredNorm();
+    }
+  }
+  return sum;
+}
+
+// the step of the joints that are free to move; those at a limit that the step would leave stay
+Eigen::VectorXd bounded_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
+                             const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                             double damping) {
+  const Eigen::Index count = gradient.size();
+  std::vector<bool> held(static_cast<std::size_t>(count), false);
+  for (;;) {
+    Eigen::MatrixXd a = hessian + damping * Eigen::MatrixXd::Identity(count, count);
+    Eigen::VectorXd b = -gradient;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      if (!held[static_cast<std::size_t>(j)]) continue;
+      a.row(j).setZero();
+      a.col(j).setZero();
+      a(j, j) = 1.0;
+      b[j] = 0.0;
+    }
+    const Eigen::VectorXd step = a.llt().solve(b);
+    bool more = false;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const bool out = (lower[j] >= 0.0 && step[j] < 0.0) || (upper[j] <= 0.0 && step[j] > 0.0);
+      if (!out || held[static_cast<std::size_t>(j)]) continue;
+      held[static_cast<std::size_t>(j)] = true;
+      more = true;
+    }
+    if (!more) return step.cwiseMax(lower).cwiseMin(upper);
+  }
+}
+
+double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
+  constexpr int kMostSteps = 60;
+  constexpr double kConverged = 1e-8;
+  const LimitSet& limits = robot.model_limits();
+  const auto count = static_cast<Eigen::Index>(robot.joints().size());
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+  Eigen::VectorXd lower(count);
+  Eigen::VectorXd upper(count);
+  double damping = 1e-2;
+  double cost = problem.linearise(qpos, hessian, gradient);
+  for (int n = 0; n < kMostSteps && damping < 1e8; ++n) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const auto joint = static_cast<std::size_t>(j);
+      const double position = qpos[robot.joints()[joint].qpos_address];
+      lower[j] = limits.lower[joint] - position;
+      upper[j] = limits.upper[joint] - position;
+    }
+    const Eigen::VectorXd step = bounded_step(hessian, gradient, lower, upper, damping);
+    std::vector<double> next = qpos;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      next[robot.joints()[static_cast<std::size_t>(j)].qpos_address] += step[j];
+    }
+    if (problem.cost(next) < cost) {
+      qpos = std::move(next);
+      cost = problem.linearise(qpos, hessian, gradient);
+      damping = std::max(0.2 * damping, 1e-9);
+      if (step.norm() < kConverged) break;
+    } else {
+      damping *= 5.0;
+      if (step.norm() < kConverged) break;
+    }
+  }
+  return cost;
+}
+
+// knees and elbows straight; the joints before the elbow turned by a pattern of quarter turns
+std::vector<double> start(const Robot& robot, const RobotAnatomy& limbs, int pattern) {
+  constexpr double kQuarterTurn = 1.5707963267948966;
+  std::vector<double> qpos = reference_configuration(robot);
+  const LimitSet& limits = robot.model_limits();
+  const auto set = [&](int joint, double position) {
+    qpos[robot.joints()[joint].qpos_address] =
+        std::clamp(position, limits.lower[joint], limits.upper[joint]);
+  };
+  for (const auto* pair : {&limbs.legs, &limbs.arms}) {
+    for (const Limb& limb : *pair) set(limb.joints[limb.middle], limb.straight);
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Limb& arm = limbs.arms[side];
+    for (int i = 0, code = pattern; i < std::min(arm.middle, 3); ++i, code /= 3) {
+      const int joint = arm.joints[i];
+      // mirror images turn the same way where the axis lies across, else the other way
+      const double turn = (code % 3 - 1) * kQuarterTurn;
+      const RobotJoint& other = robot.joints()[limbs.arms[0].joints[i]];
+      const RobotJoint& own = robot.joints()[joint];
+      const bool mirrored = limits.lower[joint] + limits.upper[joint] == 0.0 ||
+                            limits.lower[joint] == limits.lower[limbs.arms[0].joints[i]];
+      const double sign = side == 0 || (mirrored && own.axis.dot(other.axis) > 0.0) ? 1.0 : -1.0;
+      set(joint, own.reference + sign * turn);
+    }
+  }
+  return qpos;
+}
+
+// start's patterns, those that turn few joints first
+std::vector<int> start_patterns() {
+  std::vector<int> patterns(27);
+  std::iota(patterns.begin(), patterns.end(), 0);
+  const auto turned = [](int code) {
+    return static_cast<int>(code % 3 != 1) + static_cast<int>(code / 3 % 3 != 1) +
+           static_cast<int>(code / 9 != 1);
+  };
+  std::ranges::stable_sort(patterns, {}, turned);
+  return patterns;
+}
+
+}  // namespace
+
+std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
+  std::vector<BonePart> parts;
+  parts.push_back(
+      {find_bone("Hips").value(), {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
+  const auto add_limb = [&](const Limb& limb, std::size_t side,
+                            const std::array<const char*, 3>& bones) {
+    parts.push_back({bone_of(side, bones[0]), limb.upper});
+    parts.push_back({bone_of(side, bones[1]), limb.lower});
+    if (limb.end) parts.push_back({bone_of(side, bones[2]), *limb.end});
+  };
+  for (std::size_t side = 0; side < 2; ++side) {
+    add_limb(limbs.legs[side], side, {"UpLeg", "Leg", "FootMod"});
+  }
+  if (limbs.torso != limbs.pelvis) {
+    parts.push_back({find_bone("Spine2").value(),
+                     {limbs.torso, limbs.torso_from_spine2, Eigen::Vector3d::Zero()}});
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    add_limb(limbs.arms[side], side, {"Arm", "ForeArm", "Hand"});
+  }
+  if (limbs.head) parts.push_back({find_bone("Head").value(), *limbs.head});
+  return parts;
+}
+
+Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone) {
+  Eigen::Matrix3d world_from_standing;
+  world_from_standing << limbs.forward, limbs.left, Eigen::Vector3d::UnitZ();
+  return world_from_standing * canonical_t_pose(bone);
+}
+
+TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
+  const TPoseProblem problem(robot, limbs);
+  TPose best;
+  best.qpos = reference_configuration(robot);
+  double least = minimise(robot, problem, best.qpos);
+  for (const int pattern : start_patterns()) {
+    // nothing is left to gain
+    if (problem.misfit(best.qpos) < 1e-6) break;
+    std::vector<double> qpos = start(robot, limbs, pattern);
+    const double cost = minimise(robot, problem, qpos);
+    // of results that are equally good the one that is found first
+    if (cost >= least - 1e-7) continue;
+    least = cost;
+    best.qpos = std::move(qpos);
+  }
+  const PosedRobot posed(robot, best.qpos);
+  for (const BonePart& part : problem.parts()) {
+    const Eigen::Matrix3d found =
+        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
+    const Eigen::Matrix3d wanted = t_pose_of(limbs, part.bone);
+    TPoseResidual residual;
+    residual.bone = kBoneNames[static_cast<std::size_t>(part.bone)];
+    residual.body = part.part.body;
+    const Eigen::Vector3d turn = found.col(0).cross(wanted.col(0));
+    residual.direction = portable::atan2(turn.norm(), found.col(0).dot(wanted.col(0)));
+    // the least turn that brings X into place, then the angle between the Z axes
+    const Eigen::Quaterniond least_turn =
+        Eigen::Quaterniond::FromTwoVectors(found.col(0), wanted.col(0));
+    const Eigen::Vector3d z = least_turn * found.col(2);
+    residual.twist = portable::atan2(z.cross(wanted.col(2)).norm(), z.dot(wanted.col(2)));
+    best.residuals.push_back(residual);
+  }
+  return best;
+}
+
+}  // namespace retarget

@@ -1,0 +1,70 @@
+"""`retarget robots`: what is there, what is odd, new ones."""
+
+import json
+import unittest
+
+from tool import SOURCE, ToolTest, read_rows, sample
+
+K1 = SOURCE / "robots/booster_k1/model.xml"
+
+
+class Robots(ToolTest):
+    def output_of(self, *arguments):
+        result = self.run_tool("robots", *arguments)
+        self.assert_done(result)
+        return result.stdout
+
+    def test_list_and_show(self):
+        names = sorted(p.parent.name for p in SOURCE.glob("robots/*/model.xml"))
+        listed = json.loads(self.output_of("list", "--json"))
+        self.assertEqual([robot["name"] for robot in listed], names)
+        self.assertTrue(all(robot["mapping"] for robot in listed))
+        self.assertEqual(len(self.output_of("list").splitlines()), len(names))
+        shown = json.loads(self.output_of("show", "unitree_g1", "--json"))
+        self.assertEqual(len(shown["joints"]), 29)
+        self.assertEqual(shown["joints"][0]["name"], "left_hip_pitch_joint")
+        self.assertEqual(shown["joints"][0]["limits"]["official"], [-2.5307, 2.8798])
+        self.assertEqual(shown["joints"][0]["speed_limit"], 32)
+        self.assertAlmostEqual(shown["sole_height_m"], 0.79, delta=0.02)
+        self.assertAlmostEqual(shown["height_m"], 1.3, delta=0.1)
+        text = self.output_of("show", "unitree_g1")
+        self.assertIn("left_hip_pitch_joint", text)
+        self.assertIn("LeftForeArm", text)
+
+    def test_a_new_robot_runs_at_once(self):
+        self.write("mine.xml", K1.read_bytes())
+        result = self.run_tool("robots", "add", "mine", "--model", "mine.xml")
+        self.assert_done(result)
+        self.assertEqual(self.files(), ["mine.xml", "mine/decisions.md", "mine/ik.json",
+                                        "mine/model.xml", "mine/robot.json"])
+        self.assertIn("0 faults", self.output_of("check", "mine"))
+        rows = self.retarget("--frames", ":30", robot="mine", bvh=sample("walk"), output="-")
+        self.assert_done(rows)
+        self.assertEqual(len(read_rows(rows.stdout)[0]), 7 + 22)
+        self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
+                          "--force")
+
+    def test_check_tells_every_fault(self):
+        mapping = (SOURCE / "robots/booster_k1/ik.json").read_text()
+        self.write("odd/model.xml", K1.read_bytes())
+        self.write("odd/ik.json", mapping.replace('"Left_Shank"', '"Left_Shnak"')
+                   .replace('["RightUpLeg"', '["RightUpLge"'))
+        result = self.run_tool("robots", "check", "odd")
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("Left_Shnak", result.stdout)
+        self.assertIn("RightUpLge", result.stdout)
+        self.assertIn("note: the soles are not known", result.stdout)
+
+    def test_what_is_refused(self):
+        self.write("arm.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/>"
+                   "<geom size='1'/></body></body></worldbody></mujoco>")
+        self.assert_fails(self.run_tool("robots", "add", "arm", "--model", "arm.xml"), 4, "arm")
+        self.assert_fails(self.run_tool("robots", "add", "a/b", "--model", "arm.xml"), 2, "a/b")
+        self.assert_fails(self.run_tool("robots", "add", "x", "--model", "no.xml"), 4, "no.xml")
+        self.assert_fails(self.run_tool("robots", "show", "unitree_g2"), 4, "unitree_g1")
+        self.assert_fails(self.run_tool("robots"), 2)
+        self.assertEqual(self.files(), ["arm.xml"])
+
+
+if __name__ == "__main__":
+    unittest.main()

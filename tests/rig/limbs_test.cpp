@@ -1,0 +1,140 @@
+#include "retarget/rig/limbs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rig_test_support.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string body_name(const Robot& robot, int body) {
+  return robot.bodies()[static_cast<std::size_t>(body)].name;
+}
+
+std::vector<int> bodies_of(const RobotAnatomy& limbs) {
+  std::vector<int> bodies = {limbs.pelvis, limbs.torso};
+  for (const auto* pair : {&limbs.legs, &limbs.arms}) {
+    for (const Limb& limb : *pair) {
+      bodies.insert(bodies.end(), {limb.upper.body, limb.lower.body, limb.end->body});
+    }
+  }
+  return bodies;
+}
+
+// the error of a model that is refused
+std::string refusal(const std::string& mjcf) {
+  const auto robot = robot_from_text(mjcf);
+  const auto limbs = find_limbs(*robot, "robot.xml");
+  EXPECT_FALSE(limbs.has_value());
+  if (limbs) return {};
+  EXPECT_EQ(limbs.error().kind, ErrorKind::kConfig);
+  return limbs.error().message;
+}
+
+TEST(FindLimbs, FindsEveryPartOfAHumanoid) {
+  for (const bool arms_down : {false, true}) {
+    const auto robot = robot_from_text(tiny_humanoid(arms_down));
+    const auto limbs = find_limbs(*robot, "");
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    EXPECT_EQ(body_name(*robot, limbs->pelvis), "pelvis");
+    EXPECT_EQ(body_name(*robot, limbs->torso), "torso");
+    EXPECT_TRUE(limbs->facing_is_sure);
+    EXPECT_NEAR((limbs->forward - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-12);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::string name = side == 0 ? "left_" : "right_";
+      const Limb& leg = limbs->legs[side];
+      EXPECT_EQ(body_name(*robot, leg.upper.body), name + "thigh");
+      EXPECT_EQ(body_name(*robot, leg.lower.body), name + "shin");
+      EXPECT_EQ(body_name(*robot, leg.end->body), name + "foot");
+      EXPECT_NEAR(leg.upper_length, 0.2, 1e-9);
+      EXPECT_NEAR(leg.lower_length, 0.25, 1e-9);
+      EXPECT_NEAR(leg.straight, 0.0, 1e-9);
+      EXPECT_EQ(leg.flexion, 1.0);
+      const Limb& arm = limbs->arms[side];
+      EXPECT_EQ(body_name(*robot, arm.upper.body), name + "upper_arm");
+      EXPECT_EQ(body_name(*robot, arm.lower.body), name + "forearm");
+      EXPECT_EQ(body_name(*robot, arm.end->body), name + "hand");
+      EXPECT_NEAR(arm.upper_length, 0.18, 1e-9);
+      EXPECT_NEAR(arm.lower_length, 0.15, 1e-9);
+    }
+  }
+}
+
+TEST(FindLimbs, NamesPlayNoPart) {
+  const auto named = robot_from_text(tiny_humanoid(true));
+  const auto scrambled = robot_from_text(scramble_names(tiny_humanoid(true)));
+  const auto expected = find_limbs(*named, "");
+  const auto found = find_limbs(*scrambled, "");
+  ASSERT_TRUE(expected);
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(bodies_of(*found), bodies_of(*expected));
+  EXPECT_NE(body_name(*scrambled, found->pelvis), "pelvis");
+}
+
+TEST(FindLimbs, BoneAxesAreTheCanonicalOnes) {
+  // T-pose at zero, bodies aligned with the world: the bones' axes are those of the canonical pose
+  const auto robot = robot_from_text(tiny_humanoid(false));
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  Eigen::Matrix3d leg, left_arm, right_arm, foot;
+  leg << -Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY();
+  foot << Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY();
+  left_arm << Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ();
+  right_arm << -Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR((limbs->legs[0].upper.body_from_bone - leg).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs->legs[1].lower.body_from_bone - leg).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs->legs[1].end->body_from_bone - foot).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs->arms[0].upper.body_from_bone - left_arm).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((limbs->arms[1].lower.body_from_bone - right_arm).norm(), 0.0, 1e-9);
+}
+
+TEST(FindLimbs, TurnedRobotsFaceWhereTheirKneesSay) {
+  // the same robot turned by 90 and 180 degrees about z in its own base frame
+  for (const auto& [quat, forward] :
+       {std::pair<std::string, Eigen::Vector3d>{"0.70710678118654757 0 0 0.70710678118654757",
+                                                Eigen::Vector3d::UnitY()},
+        {"0 0 0 1", -Eigen::Vector3d::UnitX()}}) {
+    std::string text = scramble_names(tiny_humanoid(true));
+    const std::string base = "pos=\"0 0 0.55\"";
+    text.replace(text.find(base), base.size(), base + " quat=\"" + quat + "\"");
+    const auto robot = robot_from_text(text);
+    const auto limbs = find_limbs(*robot, "");
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    EXPECT_NEAR((limbs->forward - forward).norm(), 0.0, 1e-9);
+    const auto upright = robot_from_text(scramble_names(tiny_humanoid(true)));
+    EXPECT_EQ(bodies_of(*limbs), bodies_of(*find_limbs(*upright, "")));
+  }
+}
+
+std::string leg_text(const std::string& pos, const std::string& end) {
+  return "<body pos=\"" + pos +
+         "\"><joint axis=\"1 0 0\" range=\"-1 1\"/><geom size=\"0.02\"/>"
+         "<body><joint axis=\"0 1 0\" range=\"-1 1\"/><geom size=\"0.02\"/>"
+         "<body pos=\"0 0 -0.2\"><joint axis=\"0 1 0\" range=\"-2 0\"/><geom size=\"0.02\"/>" +
+         end + "</body></body></body>";
+}
+
+TEST(FindLimbs, RefusesWhatIsNoHumanoid) {
+  const std::string head =
+      "<mujoco><compiler angle=\"radian\"/><worldbody><body pos=\"0 0 0.4\"><freejoint/>"
+      "<geom size=\"0.1\"/>";
+  const std::string tail = "</body></worldbody></mujoco>";
+  const std::string foot = "<body pos=\"0 0 -0.2\"><geom size=\"0.02\"/></body>";
+  EXPECT_THAT(refusal(head + leg_text("0.2 0.1 0", foot) + leg_text("0.2 -0.1 0", foot) +
+                      leg_text("-0.2 0.1 0", foot) + leg_text("-0.2 -0.1 0", foot) + tail),
+              HasSubstr("quadruped"));
+  EXPECT_THAT(refusal(head + leg_text("0 0 0.1", foot) + tail), HasSubstr("a single arm"));
+  EXPECT_THAT(refusal(head + leg_text("0 0.1 0", foot) + leg_text("0 -0.1 0", foot) + tail),
+              HasSubstr("one pair of limbs"));
+  const std::string wheel =
+      "<body pos=\"0 0 -0.2\"><joint axis=\"0 1 0\"/><geom type=\"cylinder\" size=\"0.05 0.02\"/>"
+      "</body>";
+  EXPECT_THAT(refusal(head + leg_text("0 0.1 0", wheel) + leg_text("0 -0.1 0", wheel) + tail),
+              HasSubstr("wheels"));
+}
+
+}  // namespace
+}  // namespace retarget

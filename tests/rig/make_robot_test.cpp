@@ -1,0 +1,246 @@
+#include "retarget/rig/make_robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "retarget/rig/check_robot.h"
+#include "retarget/robot/load_robot.h"
+#include "rig_test_support.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+}
+
+std::string refusal_of(const TemporaryFolder& folder, const std::string& text) {
+  const auto made = make_robot(folder.write("robot.xml", text), "robot");
+  EXPECT_FALSE(made.has_value());
+  if (made) return {};
+  EXPECT_EQ(made.error().kind, ErrorKind::kConfig);
+  EXPECT_EQ(made.error().message.find('\n'), std::string::npos);
+  return made.error().message;
+}
+
+TEST(MakeRobot, WritesAFolderThatLoadsToTheSameKinematics) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  // an anchor off the origin, a turned body, a reference position
+  replace(text, "<joint name=\"left_knee\"", "<joint pos=\"0 0.01 0.003\" name=\"left_knee\"");
+  replace(text, "<body name=\"torso\" pos=\"0 0 0.05\">",
+          "<body name=\"torso\" pos=\"0 0 0.05\" quat=\"0.9999 0.001 0.002 0.003\">");
+  replace(text, "<joint name=\"waist\"", "<joint ref=\"0.1\" name=\"waist\"");
+  const std::string model = folder.write("any.xml", text);
+  const auto made = make_robot(model, "mine");
+  ASSERT_TRUE(made) << describe(made.error());
+  const auto written = save_robot(*made, folder.path(), false);
+  ASSERT_TRUE(written) << describe(written.error());
+
+  const auto original = load_robot(model);
+  const auto robot =
+      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+  ASSERT_TRUE(original);
+  ASSERT_TRUE(robot) << describe(robot.error());
+  ASSERT_EQ((*robot)->body_names(), (*original)->body_names());
+  ASSERT_EQ((*robot)->joint_names(), (*original)->joint_names());
+  EXPECT_EQ((*robot)->model_limits().lower, (*original)->model_limits().lower);
+  EXPECT_EQ((*robot)->model_limits().upper, (*original)->model_limits().upper);
+  std::vector<double> qpos = (*original)->zero_configuration();
+  EXPECT_EQ((*robot)->zero_configuration(), qpos);
+  for (std::size_t i = 7; i < qpos.size(); ++i) qpos[i] += 0.1 * static_cast<double>(i % 5) - 0.2;
+  std::vector<Pose> expected((*original)->bodies().size());
+  std::vector<Pose> found((*robot)->bodies().size());
+  forward_kinematics(**original, qpos, expected);
+  forward_kinematics(**robot, qpos, found);
+  for (std::size_t b = 0; b < expected.size(); ++b) {
+    EXPECT_NEAR((found[b].translation - expected[b].translation).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((found[b].rotation.coeffs() - expected[b].rotation.coeffs()).norm(), 0.0, 1e-12);
+  }
+
+  const auto tables = load_ik_tables((*written / "ik.json").string(), robot->get());
+  ASSERT_TRUE(tables) << describe(tables.error());
+  for (const RobotFinding& finding : check_robot(**robot, &*tables)) {
+    EXPECT_FALSE(finding.fault) << finding.text;
+  }
+  EXPECT_TRUE(fs::is_regular_file(*written / "decisions.md"));
+}
+
+TEST(MakeRobot, FindsTheSolesOfABoxFoot) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
+  ASSERT_TRUE(made);
+  const auto written = save_robot(*made, folder.path(), false);
+  ASSERT_TRUE(written);
+  const auto robot =
+      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+  ASSERT_TRUE(robot);
+  const std::vector<Sole>& soles = (*robot)->profile().soles;
+  ASSERT_EQ(soles.size(), 2U);
+  // the box's lower corners: heel left, heel right, toe left, toe right
+  const std::vector<Eigen::Vector3d> corners = {
+      {-0.05, 0.03, -0.05}, {-0.05, -0.03, -0.05}, {0.11, 0.03, -0.05}, {0.11, -0.03, -0.05}};
+  for (const Sole& sole : soles) {
+    ASSERT_EQ(sole.points.size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR((sole.points[i] - corners[i]).norm(), 0.0, 1e-5) << sole.side << i;
+    }
+  }
+}
+
+TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(save_robot(*made, folder.path(), false));
+  std::ofstream(folder.path() / "mine" / "own.txt") << "kept";
+  const auto again = save_robot(*made, folder.path(), false);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().kind, ErrorKind::kUsage);
+  EXPECT_TRUE(fs::exists(folder.path() / "mine" / "own.txt"));
+  ASSERT_TRUE(save_robot(*made, folder.path(), true));
+  EXPECT_FALSE(fs::exists(folder.path() / "mine" / "own.txt"));
+  // nothing is left beside it
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
+  EXPECT_EQ(entries, 2);
+  EXPECT_FALSE(save_robot(*made, folder.path() / "missing", false));
+}
+
+TEST(MakeRobot, MakesABaseFloatThatHadNoFreeJoint) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  replace(text, "<freejoint/>", "");
+  const auto made = make_robot(folder.write("fixed.xml", text), "mine");
+  ASSERT_TRUE(made) << describe(made.error());
+  EXPECT_THAT(made->notes, Contains(HasSubstr("\"pelvis\" was made to float")));
+  EXPECT_THAT(made->model, HasSubstr("<freejoint"));
+}
+
+// the tiny humanoid as a URDF whose meshes lie in a package that is not there
+std::string tiny_urdf() {
+  std::string links = "<robot name=\"tiny\">";
+  std::string joints;
+  const auto link = [&](const std::string& name) {
+    links += "<link name=\"" + name +
+             "\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" "
+             "ixz=\"0\" iyz=\"0\"/></inertial><collision><geometry><mesh "
+             "filename=\"package://tiny/meshes/" +
+             name + ".STL\"/></geometry></collision></link>";
+  };
+  const auto joint = [&](const std::string& parent, const std::string& child, const std::string& at,
+                         const std::string& axis, const std::string& lower,
+                         const std::string& upper) {
+    link(child);
+    const std::string type = axis.empty() ? "fixed" : "revolute";
+    joints += "<joint name=\"" + child + "_joint\" type=\"" + type + "\"><parent link=\"" + parent +
+              "\"/><child link=\"" + child + "\"/><origin xyz=\"" + at + "\" rpy=\"0 0 0\"/>";
+    if (!axis.empty()) {
+      joints += "<axis xyz=\"" + axis + "\"/><limit effort=\"10\" velocity=\"7.5\" lower=\"" +
+                lower + "\" upper=\"" + upper + "\"/>";
+    }
+    joints += "</joint>";
+  };
+  link("base");
+  for (const std::string side : {"l", "r"}) {
+    const std::string sign = side == "l" ? "" : "-";
+    joint("base", side + "_hip_pitch", "0 " + sign + "0.1 0", "0 1 0", "-2", "2");
+    joint(side + "_hip_pitch", side + "_hip_roll", "0 0 0", "1 0 0", "-1", "1");
+    joint(side + "_hip_roll", side + "_knee", "0 0 -0.2", "0 1 0", "0", "2");
+    joint(side + "_knee", side + "_ankle", "0 0 -0.25", "0 1 0", "-1", "1");
+    joint("base", side + "_sho_pitch", "0 " + sign + "0.15 0.3", "0 1 0", "-3", "3");
+    joint(side + "_sho_pitch", side + "_sho_roll", "0 0 0", "1 0 0", "-3", "3");
+    joint(side + "_sho_roll", side + "_elbow", "0 0 -0.18", "0 -1 0", "0", "2");
+    joint(side + "_elbow", side + "_hand", "0 0 -0.15", "", "", "");
+  }
+  return links + joints + "</robot>";
+}
+
+TEST(MakeRobot, TakesUrdfWithoutItsMeshes) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny");
+  ASSERT_TRUE(made) << describe(made.error());
+  EXPECT_THAT(made->notes, Contains(HasSubstr("\"base\" was made to float")));
+  const auto written = save_robot(*made, folder.path(), false);
+  ASSERT_TRUE(written);
+  const auto robot =
+      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+  ASSERT_TRUE(robot) << describe(robot.error());
+  EXPECT_EQ((*robot)->joints().size(), 14U);
+  for (std::size_t j = 0; j < (*robot)->joints().size(); ++j) {
+    EXPECT_EQ((*robot)->speed_limit(static_cast<int>(j)), 7.5);
+  }
+  // the fixed hand is a body of its own, the trunk one body
+  EXPECT_TRUE((*robot)->find_body("l_hand"));
+  EXPECT_THAT(made->mapping, HasSubstr("\"l_hand\": [\"LeftHand\""));
+}
+
+TEST(MakeRobot, RefusesWhatItCannotFollow) {
+  const TemporaryFolder folder;
+  std::string looped = tiny_humanoid(true);
+  replace(looped, "</mujoco>",
+          "<equality><connect body1=\"left_shin\" body2=\"left_foot\" anchor=\"0 0 0\"/>"
+          "</equality></mujoco>");
+  EXPECT_THAT(refusal_of(folder, looped), HasSubstr("closed chain"));
+  std::string two = tiny_humanoid(true);
+  replace(two, "</worldbody>", "<body><freejoint/><geom size=\"0.1\"/></body></worldbody>");
+  EXPECT_THAT(refusal_of(folder, two), HasSubstr("2 free joints"));
+  EXPECT_THAT(refusal_of(folder,
+                         "<mujoco><worldbody><body><joint/><geom size=\"1\"/></body>"
+                         "</worldbody></mujoco>"),
+              AnyOf(HasSubstr("no free joint"), HasSubstr("single arm")));
+}
+
+TEST(CheckRobot, NamesFaultsAndOddities) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
+  ASSERT_TRUE(made);
+  const auto robot = robot_from_text(tiny_humanoid(true));
+  auto tables = parse_ik_tables(made->mapping, "ik.json").value();
+  const auto texts = [&](bool faults) {
+    std::vector<std::string> found;
+    for (const RobotFinding& finding : check_robot(*robot, &tables)) {
+      if (finding.fault == faults) found.push_back(finding.text);
+    }
+    return found;
+  };
+  EXPECT_TRUE(texts(true).empty());
+  EXPECT_THAT(texts(false), Contains(HasSubstr("no speed limit")));
+  EXPECT_THAT(texts(false), Contains(HasSubstr("soles")));
+
+  // one arm turned over, the other side's weight changed, legs twice as long
+  const IkTables sound = tables;
+  for (IkTable& table : tables.tables) {
+    for (IkRow& row : table.rows) {
+      if (row.bone == "LeftArm")
+        row.rotation_offset = Eigen::Quaterniond(0, 0, 1, 0) * row.rotation_offset;
+      if (row.bone == "RightLeg") row.rotation_weight = 3.0;
+    }
+  }
+  for (auto& [bone, scale] : tables.scales) {
+    if (bone.find("Foot") != std::string::npos) scale *= 2.0;
+  }
+  EXPECT_THAT(texts(true), Contains(HasSubstr("(LeftArm) leaves it 180.0 degrees")));
+  EXPECT_THAT(texts(true), Contains(HasSubstr("farther from the hip")));
+  EXPECT_THAT(texts(false), Contains(HasSubstr("weights of LeftLeg")));
+
+  // names that do not exist are all told
+  tables = sound;
+  tables.tables[0].rows[0].body = "pelvsi";
+  tables.tables[1].rows[1].bone = "LeftUpLge";
+  EXPECT_THAT(texts(true), Contains(HasSubstr("pelvsi")));
+  EXPECT_THAT(texts(true), Contains(HasSubstr("LeftUpLge")));
+}
+
+}  // namespace
+}  // namespace retarget

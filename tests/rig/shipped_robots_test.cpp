@@ -1,0 +1,179 @@
+// Mappings that are derived, held against the published ones, and every shipped robot's own.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <numbers>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/recognise.h"
+#include "retarget/motion/resample.h"
+#include "retarget/pipeline/retarget.h"
+#include "retarget/rig/derive_mapping.h"
+#include "retarget/rig/limb_errors.h"
+#include "retarget/rig/shapes.h"
+#include "retarget/robot/find_robot.h"
+#include "retarget/robot/load_robot.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+fs::path source_folder() {
+  return fs::path(RETARGET_SOURCE_DIR);
+}
+
+std::shared_ptr<const Robot> shipped(const std::string& name) {
+  const auto files = find_robot(name, source_folder() / "robots").value();
+  return load_robot(files.model.string(), files.profile.string()).value();
+}
+
+// three seconds of a clip, fifteen frames each
+HumanClip walking(const fs::path& file) {
+  const auto dialects = load_dialects(source_folder() / "configs" / "skeletons").value();
+  const auto bvh = load_bvh(file.string()).value();
+  const auto map = recognise_skeleton(bvh.clip, dialects, file.string()).value();
+  const auto calibration = calibrate(bvh.clip, map, {}, file.string()).value();
+  const int begin = std::min(bvh.clip.frame_count() / 4, static_cast<int>(bvh.clip.rate().fps()));
+  const int end =
+      std::min(bvh.clip.frame_count(), begin + static_cast<int>(3.0 * bvh.clip.rate().fps()));
+  return to_human(resample(cut(bvh.clip, begin, end), FrameRate{15, 1}).value(),
+                  calibration.mapping);
+}
+
+double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>& robot,
+                     const RobotAnatomy& limbs, const IkTables& tables) {
+  const auto result = retarget(human, "walk", robot, tables, robot->model_limits(), {});
+  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error()));
+  if (!result) return 180.0;
+  const auto errors = limb_errors(human, result->clip, limbs);
+  for (const LimbError& error : errors) {
+    // sides that are swapped, a mirrored or lying robot
+    EXPECT_LT(error.mean * kDegrees, 60.0) << robot->name() << ": " << error.segment;
+  }
+  return mean_limb_error(errors) * kDegrees;
+}
+
+IkTables derived(const Robot& robot, const RobotAnatomy& limbs) {
+  DeriveOptions options;
+  options.sole_height = find_shapes(robot, limbs, {}).ankle_height;
+  return derive_mapping(robot, limbs, options);
+}
+
+void expect_derived_no_worse(const HumanClip& human) {
+  for (const std::string name :
+       {"unitree_g1", "booster_t1_29dof", "fourier_n1", "stanford_toddy", "engineai_pm01"}) {
+    const auto robot = shipped(name);
+    const auto limbs = find_limbs(*robot, name);
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    const fs::path config = source_folder() / "configs" / ("lafan1_to_" + name + ".json");
+    const auto published = load_ik_tables(config.string(), robot.get());
+    ASSERT_TRUE(published) << describe(published.error());
+    const double theirs = error_degrees(human, robot, *limbs, *published);
+    const double ours = error_degrees(human, robot, *limbs, derived(*robot, *limbs));
+    std::cout << name << ": limbs " << theirs << " degrees off with the published mapping, " << ours
+              << " with the derived one\n";
+    EXPECT_LT(ours, theirs + 0.5) << name;
+  }
+}
+
+TEST(DerivedMapping, IsNoWorseThanThePublishedOnesOnASampleWalk) {
+  expect_derived_no_worse(walking(source_folder() / "data" / "walk.bvh"));
+}
+
+TEST(DerivedMapping, IsNoWorseThanThePublishedOnesOnLafan1Walking) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  expect_derived_no_worse(walking(*shared / "data" / "lafan1" / "walk4_subject1.bvh"));
+}
+
+// offsets of rows on the same body and bone, as angles between the rotations
+TEST(DerivedMapping, AgreesWithThePublishedOffsets) {
+  // T1's elbow chain and N1's are plain; G1's thigh frames stand 10 degrees aslant in theirs
+  const std::map<std::string, double> tolerance = {{"unitree_g1", 11.0},
+                                                   {"booster_t1_29dof", 4.0},
+                                                   {"fourier_n1", 1.0},
+                                                   {"engineai_pm01", 12.0}};
+  for (const auto& [name, degrees] : tolerance) {
+    const auto robot = shipped(name);
+    const auto limbs = find_limbs(*robot, name);
+    ASSERT_TRUE(limbs);
+    const IkTables ours = derived(*robot, *limbs);
+    const auto published =
+        load_ik_tables((source_folder() / "configs" / ("lafan1_to_" + name + ".json")).string());
+    ASSERT_TRUE(published);
+    int compared = 0;
+    for (const IkRow& theirs : published->tables[0].rows) {
+      for (const IkRow& row : ours.tables[0].rows) {
+        if (row.body != theirs.body || row.bone != theirs.bone) continue;
+        ++compared;
+        const Eigen::Quaterniond apart = row.rotation_offset.conjugate() * theirs.rotation_offset;
+        const double angle = 2.0 * std::atan2(apart.vec().norm(), std::abs(apart.w())) * kDegrees;
+        EXPECT_LT(angle, degrees) << name << ": " << row.body;
+      }
+    }
+    EXPECT_GE(compared, 7) << name;
+  }
+}
+
+TEST(ShippedRobots, WalkWithTheirOwnMappings) {
+  const HumanClip human = walking(source_folder() / "data" / "walk.bvh");
+  int mappings = 0;
+  for (const std::string& name : list_robots(source_folder() / "robots")) {
+    const fs::path file = source_folder() / "robots" / name / "ik.json";
+    if (!fs::is_regular_file(file)) continue;
+    ++mappings;
+    const auto robot = shipped(name);
+    const auto limbs = find_limbs(*robot, name);
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    const auto tables = load_ik_tables(file.string(), robot.get());
+    ASSERT_TRUE(tables) << describe(tables.error());
+    const double error = error_degrees(human, robot, *limbs, *tables);
+    std::cout << name << ": limbs " << error << " degrees off\n";
+    EXPECT_LT(error, 5.0) << name;
+  }
+  EXPECT_GE(mappings, 8);
+}
+
+TEST(ShippedRobots, StandInTheTPoseThatTheirProfilesState) {
+  for (const std::string& name : list_robots(source_folder() / "robots")) {
+    const auto robot = shipped(name);
+    const auto limbs = find_limbs(*robot, name);
+    ASSERT_TRUE(limbs) << describe(limbs.error());
+    std::vector<double> qpos = robot->zero_configuration();
+    for (const RobotJoint& joint : robot->joints()) {
+      const auto found = robot->profile().t_pose.find(joint.name);
+      qpos[static_cast<std::size_t>(joint.qpos_address)] =
+          found == robot->profile().t_pose.end() ? 0.0 : found->second;
+    }
+    std::vector<Pose> world_from_body(robot->bodies().size());
+    forward_kinematics(*robot, qpos, world_from_body);
+    const auto at = [&](const LimbPart& part) -> Eigen::Vector3d {
+      return world_from_body[static_cast<std::size_t>(part.body)] * part.joint;
+    };
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Eigen::Vector3d outwards = side == 0 ? limbs->left : Eigen::Vector3d(-limbs->left);
+      const auto along = [](const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                            const Eigen::Vector3d& direction) {
+        return (to - from).normalized().dot(direction);
+      };
+      const Limb& leg = limbs->legs[side];
+      const Limb& arm = limbs->arms[side];
+      EXPECT_GT(along(at(leg.upper), at(*leg.end), -Eigen::Vector3d::UnitZ()), 0.99) << name;
+      EXPECT_GT(along(at(arm.upper), at(arm.lower), outwards), 0.97) << name;
+      if (arm.end) {
+        EXPECT_GT(along(at(arm.upper), at(*arm.end), outwards), 0.99) << name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,124 @@
+#include "retarget/rig/t_pose.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "retarget/rig/derive_mapping.h"
+#include "rig_test_support.h"
+
+namespace retarget {
+namespace {
+
+TEST(SolveTPose, OfARobotThatStandsInOneIsItsZeroPose) {
+  const auto robot = robot_from_text(tiny_humanoid(false));
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  const TPose pose = solve_t_pose(*robot, *limbs);
+  const std::vector<double> zero = robot->zero_configuration();
+  for (std::size_t i = 0; i < zero.size(); ++i) EXPECT_NEAR(pose.qpos[i], zero[i], 1e-6) << i;
+  for (const TPoseResidual& residual : pose.residuals) {
+    EXPECT_NEAR(residual.direction, 0.0, 1e-6) << residual.bone;
+    EXPECT_NEAR(residual.twist, 0.0, 1e-6) << residual.bone;
+  }
+}
+
+TEST(SolveTPose, RaisesHangingArms) {
+  const auto robot = robot_from_text(tiny_humanoid(true));
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  const TPose pose = solve_t_pose(*robot, *limbs);
+  for (const TPoseResidual& residual : pose.residuals) {
+    EXPECT_LT(residual.direction, 1e-3) << residual.bone;
+    EXPECT_LT(residual.twist, 1e-3) << residual.bone;
+  }
+  // in closed form: the roll joints by a quarter turn, all others stay
+  for (const RobotJoint& joint : robot->joints()) {
+    const double expected = joint.name == "left_shoulder_roll"    ? 0.5 * std::numbers::pi
+                            : joint.name == "right_shoulder_roll" ? -0.5 * std::numbers::pi
+                                                                  : 0.0;
+    EXPECT_NEAR(pose.qpos[static_cast<std::size_t>(joint.qpos_address)], expected, 2e-3)
+        << joint.name;
+  }
+}
+
+TEST(SolveTPose, TellsWhatLimitsKeepFromIt) {
+  std::string text = tiny_humanoid(true);
+  const std::string range = "-0.3 2.5";
+  text.replace(text.find(range), range.size(), "-0.3 1.0");
+  const auto robot = robot_from_text(text);
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  const TPose pose = solve_t_pose(*robot, *limbs);
+  for (const TPoseResidual& residual : pose.residuals) {
+    // roll alone raises the arm, so that the rest of a right angle is the least that can be left
+    if (residual.bone == "LeftArm") {
+      EXPECT_GT(residual.direction, 0.5 * std::numbers::pi - 1.0 - 1e-6);
+      EXPECT_LT(residual.direction, 0.5 * std::numbers::pi - 0.8);
+    }
+    if (residual.bone == "RightArm") {
+      EXPECT_LT(residual.direction, 0.1);
+    }
+  }
+}
+
+TEST(DeriveMapping, OffsetsTurnTheTPoseOfTheHumanIntoThatOfTheRobot) {
+  for (const bool arms_down : {false, true}) {
+    const auto robot = robot_from_text(tiny_humanoid(arms_down));
+    const auto limbs = find_limbs(*robot, "");
+    ASSERT_TRUE(limbs);
+    const TPose pose = solve_t_pose(*robot, *limbs);
+    std::vector<Pose> world_from_body(robot->bodies().size());
+    forward_kinematics(*robot, pose.qpos, world_from_body);
+    const IkTables tables = derive_mapping(*robot, *limbs);
+    ASSERT_EQ(tables.tables[0].rows.size(), 14U);
+    for (const BonePart& part : bone_parts(*limbs)) {
+      const std::string& body = robot->bodies()[static_cast<std::size_t>(part.part.body)].name;
+      for (const IkRow& row : tables.tables[0].rows) {
+        if (row.body != body) continue;
+        const Eigen::Matrix3d target =
+            t_pose_of(*limbs, part.bone) * row.rotation_offset.toRotationMatrix();
+        const Eigen::Matrix3d found =
+            world_from_body[static_cast<std::size_t>(part.part.body)].rotation.toRotationMatrix();
+        EXPECT_NEAR((target - found).norm(), 0.0, 5e-3) << row.body;
+      }
+    }
+  }
+}
+
+TEST(DeriveMapping, StraightLegsStayStraight) {
+  const auto robot = robot_from_text(tiny_humanoid(true));
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  const HumanLengths human;
+  const DerivedScales scales = derive_scales(*limbs);
+  EXPECT_NEAR(scales.leg * (human.thigh + human.shin), 0.45, 1e-9);
+  EXPECT_NEAR(scales.arm * (human.upper_arm + human.forearm), 0.33, 1e-9);
+}
+
+TEST(DeriveMapping, ReadsBackFromItsText) {
+  const auto robot = robot_from_text(tiny_humanoid(true));
+  const auto limbs = find_limbs(*robot, "");
+  ASSERT_TRUE(limbs);
+  const IkTables tables = derive_mapping(*robot, *limbs);
+  const auto read = parse_ik_tables(format_ik_tables(tables), "ik.json");
+  ASSERT_TRUE(read) << describe(read.error());
+  EXPECT_TRUE(check_ik_tables(*read, *robot));
+  ASSERT_EQ(read->scales, tables.scales);
+  for (std::size_t t = 0; t < 2; ++t) {
+    ASSERT_EQ(read->tables[t].rows.size(), tables.tables[t].rows.size());
+    for (std::size_t i = 0; i < tables.tables[t].rows.size(); ++i) {
+      const IkRow& found = read->tables[t].rows[i];
+      const IkRow& expected = tables.tables[t].rows[i];
+      EXPECT_EQ(found.body, expected.body);
+      EXPECT_EQ(found.position_weight, expected.position_weight);
+      EXPECT_EQ(found.rotation_weight, expected.rotation_weight);
+      EXPECT_NEAR((found.position_offset - expected.position_offset).norm(), 0.0, 1e-5);
+      EXPECT_NEAR((found.rotation_offset.coeffs() - expected.rotation_offset.coeffs()).norm(), 0.0,
+                  1e-7);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace retarget
