@@ -44,6 +44,13 @@ class TPoseProblem {
   // of poses that are equally good the one with the least turns
   static constexpr double kStay = 1e-2;
 
+  // a torso that stands straight goes before arms that reach out
+  [[nodiscard]] double weight_of(const BonePart& part, int column) const {
+    constexpr double kTrunk = 10.0;
+    const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+    return part.part.body == limbs_.torso ? kTrunk * weight : weight;
+  }
+
   [[nodiscard]] bool moves(int joint, int body) const {
     return std::ranges::find(carries_[body], robot_.joints()[joint].body) != carries_[body].end();
   }
@@ -72,7 +79,7 @@ double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd&
         posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
     const Eigen::Matrix3d wanted = t_pose_of(limbs_, part.bone);
     for (int column = 0; column < 3; ++column) {
-      const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+      const double weight = weight_of(part, column);
       if (weight == 0.0) continue;
       const Eigen::Vector3d residual = weight * (found.col(column) - wanted.col(column));
       cost += residual.squaredNorm();
@@ -107,7 +114,7 @@ double TPoseProblem::misfit(const std::vector<double>& qpos) const {
         posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
     const Eigen::Matrix3d away = found - t_pose_of(limbs_, part.bone);
     for (int column = 0; column < 3; ++column) {
-      const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+      const double weight = weight_of(part, column);
       sum += weight * weight * away.col(column).squaredNorm();
     }
   }

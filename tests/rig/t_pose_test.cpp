@@ -51,10 +51,13 @@ TEST(SolveTPose, TellsWhatLimitsKeepFromIt) {
   ASSERT_TRUE(limbs);
   const TPose pose = solve_t_pose(*robot, *limbs);
   for (const TPoseResidual& residual : pose.residuals) {
-    // roll alone raises the arm, so that the rest of a right angle is the least that can be left
+    // roll alone raises the arm: what is left to a right angle stays, but for a slight turn of the
+    // waist that helps
     if (residual.bone == "LeftArm") {
-      EXPECT_GT(residual.direction, 0.5 * std::numbers::pi - 1.0 - 1e-6);
-      EXPECT_LT(residual.direction, 0.5 * std::numbers::pi - 0.8);
+      EXPECT_NEAR(residual.direction, 0.5 * std::numbers::pi - 1.0, 0.1);
+    }
+    if (residual.bone == "Spine2") {
+      EXPECT_LT(residual.twist, 0.1);
     }
     if (residual.bone == "RightArm") {
       EXPECT_LT(residual.direction, 0.1);
