@@ -27,18 +27,21 @@ double nearest_to_box(const Vector3d& half_size, const Vector3d& centre, const V
     const Vector3d point = centre + t * half;
     return (point - clamp_to_box(half_size, point)).dot(half);
   };
+  // ascending
   std::array<double, 8> ends;
-  std::size_t count = 0;
-  ends[count++] = -1.0;
+  ends[0] = -1.0;
+  std::size_t count = 1;
   for (int axis = 0; axis < 3; ++axis) {
     if (half[axis] == 0.0) continue;
     for (const double side : {-half_size[axis], half_size[axis]}) {
       const double t = (side - centre[axis]) / half[axis];
-      if (t > -1.0 && t < 1.0) ends[count++] = t;
+      if (!(t > -1.0 && t < 1.0)) continue;
+      std::size_t at = count++;
+      for (; ends[at - 1] > t; --at) ends[at] = ends[at - 1];
+      ends[at] = t;
     }
   }
   ends[count++] = 1.0;
-  std::sort(ends.begin(), ends.begin() + static_cast<std::ptrdiff_t>(count));
   double low = ends[0], slope_low = slope(low);
   if (slope_low >= 0.0) return low;
   for (std::size_t i = 1; i < count; ++i) {
