@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "csv_sink.h"
+#include "fit_run.h"
 #include "human_source.h"
 #include "interrupt.h"
 #include "retarget/base/data_folder.h"
@@ -258,6 +259,18 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
   };
+  if (options.method == "fit") {
+    auto fitted = run_fit(source.clip, source.human, setup.robot, setup.tables, setup.limits,
+                          options, retarget_options, console);
+    if (!fitted) return failure(fitted.error());
+    for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
+      sink.add(fitted->clip.qpos(frame));
+    }
+    RetargetResult result;
+    result.steps = fitted->steps;
+    result.clip = std::move(fitted->clip);
+    return result;
+  }
   retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),

@@ -23,6 +23,10 @@ struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   HeightScale height_scale = HeightScale::kPublished;
   IkOptions ik;
+  /// Begin with the root on its target and solve the first frame until it settles, so that nothing
+  /// of the way there is left in the motion; the published method solves it once, from the model's
+  /// zero configuration.
+  bool settle_first_frame = false;
   /// Make the targets ahead of the solver on a second thread; the result is the same.
   bool targets_ahead = false;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.
@@ -38,6 +42,10 @@ struct RetargetResult {
   int most_steps = 0;       ///< Of a single frame.
   double mean_error = 0.0;  ///< Mean over frames of the last pass's final unweighted error norm.
 };
+
+/// The targets that retarget() sets the robot.
+[[nodiscard]] TargetBuilder make_targets(const IkTables& tables, const HumanClipInfo& human,
+                                         const RetargetOptions& options);
 
 /// Retargets frame by frame with the published two-pass method: the first frame starts from the
 /// model's zero configuration (qpos0), every other from the frame before.
