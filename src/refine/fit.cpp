@@ -328,11 +328,28 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
   }
 }
 
+// The limits of the first stage: where the robot has a narrower set for the published method,
+// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
+LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
+  LimitSet result = limits;
+  const auto own = load_limits(robot, robot.limits_for("gmr"));
+  if (!own) return result;
+  for (std::size_t i = 0; i < result.lower.size(); ++i) {
+    const double lower = std::max(limits.lower[i], own->lower[i]);
+    const double upper = std::min(limits.upper[i], own->upper[i]);
+    if (lower > upper) continue;
+    result.lower[i] = lower;
+    result.upper[i] = upper;
+  }
+  return result;
+}
+
 Result<FitResult> Fit::run() {
   // the first stage also finds every fault of mapping and source
   RetargetOptions first_options = run_.retarget;
   first_options.settle_first_frame = true;
-  auto first = retarget(source_, mapping_, clip_name_, robot_, tables_, limits_, first_options);
+  auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
+                        first_limits(*robot_, limits_), first_options);
   if (!first) return failure(first.error());
   FitResult result;
   result.steps = first->steps;
