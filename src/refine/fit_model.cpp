@@ -262,6 +262,15 @@ void ModelMaker::add_feet() {
     foot.ends[kToe] = make_end(corners[kToe], all[kToe], forward, link_from_body);
     // distance of the origin from the heel-toe line is its height, for ankles stand above it
     const Eigen::Vector3d heel = mean(corners[kHeel]);
+    const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
+    const Eigen::Vector3d sideways = above.cross(forward).normalized();
+    foot.sideways = link_from_body.rotation * sideways;
+    for (const std::size_t end : {kHeel, kToe}) {
+      for (const auto& corner : corners[end]) {
+        foot.ends[end].half_width = std::max(foot.ends[end].half_width,
+                                             std::abs(sideways.dot(corner - mean(corners[end]))));
+      }
+    }
     foot.body_height = (heel - forward * forward.dot(heel)).norm();
     for (FitTask& task : model_.tasks) {
       if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());

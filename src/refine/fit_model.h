@@ -53,11 +53,13 @@ struct FitFoot {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Of its corners: what is pinned.
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the middle line.
     std::vector<Eigen::Vector3d> points;               ///< All of them.
+    double half_width = 0.0;                           ///< From the middle line to the corners.
   };
   int link = 0;
   bool left = true;
-  std::array<End, 2> ends;   ///< Heel, toe.
-  double body_height = 0.0;  ///< Of the body's origin above the sole.
+  std::array<End, 2> ends;                              ///< Heel, toe.
+  Eigen::Vector3d sideways = Eigen::Vector3d::UnitY();  ///< Along the sole, square to its length.
+  double body_height = 0.0;                             ///< Of the body's origin above the sole.
   int body = 0;
 };
 inline constexpr int kHeel = 0, kToe = 1;

@@ -13,6 +13,9 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+// up to this slope a foot's middle line is as good as its edge
+constexpr double kLevelLean = 0.1;
+
 double square(double x) {
   return x * x;
 }
@@ -106,9 +109,12 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
     costs[kTermContactPlace] += weight * error.squaredNorm();
   }
   if (level) {
+    // a foot on its edge stands on its corners
+    const double lean = std::abs((world.rotation * foot.sideways).z());
+    const double error = low.z() - end.half_width * std::max(0.0, lean - kLevelLean);
     const double weight = square(options_.contact_height_weight);
-    add_row(foot.link, 2, low - origin, weight, low.z());
-    costs[kTermContactHeight] += weight * square(low.z());
+    add_row(foot.link, 2, low - origin, weight, error);
+    costs[kTermContactHeight] += weight * square(error);
   } else if (options_.foot_height && upright > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);

@@ -53,10 +53,10 @@ struct FitOptions {
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
   double sole_margin = 0.002;        ///< Metres; of feet that are not planted.
-  double body_floor_weight = 200.0;  ///< Other bodies below `body_margin`, per metre.
+  double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double self_collision_weight = 300.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_weight = 400.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.002;  ///< Metres; nearer counts as overlap.
 
   double smoothness_leg = 20.0 / 30.0;  ///< Legs and waist, per rad/s of deviation from the
