@@ -24,9 +24,8 @@ constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7
 constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 // largest change of a variable by one step: joints and the root's rotation (rad), its position (m)
 constexpr double kLargestTurn = 0.15, kLargestMove = 0.2;
-constexpr int kPairsEvery = 4;             // steps between two looks for near shapes
-constexpr double kPairsWithin = 0.04;      // metres
-constexpr double kSmoothingContext = 0.3;  // seconds of fixed frames that count for smoothing
+constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
+constexpr double kPairsWithin = 0.04;  // metres
 
 std::size_t at(int index) {
   return static_cast<std::size_t>(index);
@@ -116,10 +115,8 @@ bool WindowFitter::owns(int phase) const {
 }
 
 void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
-  const int context =
-      window_.fixed_ends ? static_cast<int>(std::ceil(kSmoothingContext / clip_.frame_time)) : 0;
-  const int first = std::max(window_.begin - (before_ ? 1 + context : 0), 0);
-  const int last = std::min(window_.end + (after_ ? 1 + context : 0), clip_.frame_count);
+  const int first = std::max(window_.begin - (before_ ? 1 + window_.context : 0), 0);
+  const int last = std::min(window_.end + (after_ ? 1 + window_.context : 0), clip_.frame_count);
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
   rows_.clear();

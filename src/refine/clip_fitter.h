@@ -42,6 +42,7 @@ struct FitClip {
 struct FitWindow {
   int begin = 0, end = 0;   ///< Frames [begin, end).
   bool fixed_ends = false;  ///< The frames before and after stay as they are and count.
+  int context = 0;          ///< How many fixed frames on either side count for smoothing.
 };
 
 /// Refines some frames of a clip by damped Gauss-Newton steps over all of them (docs/fit.md).

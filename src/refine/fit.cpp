@@ -217,9 +217,13 @@ bool Fit::refine() {
   }
   const int half =
       std::min(static_cast<int>(std::lround(options_.seam / clip_.frame_time)), frames / count / 4);
+  // frames that count for a seam's smoothing must not be another seam's
+  constexpr double kContext = 0.3;  // seconds
+  const int context = std::clamp(static_cast<int>(std::ceil(kContext / clip_.frame_time)), 0,
+                                 std::max(0, (frames / count - 2 * half) / 2 - 1));
   for (int i = 1; i < count && half > 0; ++i) {
     const int border = windows[at(i)].begin;
-    seams.push_back({border - half, border + half, true});
+    seams.push_back({border - half, border + half, true, context});
   }
   const double total = static_cast<double>(frames) + 2.0 * half * static_cast<double>(seams.size());
   return run_windows(windows, 0.0, frames / total) &&

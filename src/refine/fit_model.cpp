@@ -46,6 +46,7 @@ class ModelMaker {
   void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
   void add_pairs();
   [[nodiscard]] int link_of_bone(std::string_view bone) const;
+  [[nodiscard]] int body_above(int link) const;
   [[nodiscard]] std::vector<int> chain_to_root(int link) const;
 
   const Robot& robot_;
@@ -74,6 +75,7 @@ void ModelMaker::add_links() {
   std::iota(bodies.begin(), bodies.end(), 0);
   const MovingTree tree(robot_, bodies);
   model_.links.emplace_back();
+  model_.links.front().body = robot_.root_body();
   model_.dof_parent = {-1, 0, 1, 2, 3, 4};
   constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
   model_.lower.assign(FitModel::kBaseDofs, -kInfinity);
@@ -84,6 +86,7 @@ void ModelMaker::add_links() {
     const RobotJoint& joint = robot_.joints()[static_cast<std::size_t>(node.joint)];
     FitLink link;
     link.parent = node.parent + 1;
+    link.body = joint.body;
     link.slides = node.slides;
     link.qpos_address = node.qpos_address;
     link.reference = node.reference;
@@ -155,8 +158,8 @@ void ModelMaker::add_tasks() {
     std::string_view end;  // of the bone's name
     double position, rotation;
   };
-  const std::array classes = {Class{"UpLeg", w.leg_position, w.leg_rotation},
-                              Class{"Leg", w.leg_position, w.leg_rotation},
+  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation},
+                              Class{"Leg", w.shank_position, w.shank_rotation},
                               Class{"FootMod", w.foot_position, w.foot_rotation},
                               Class{"Foot", w.foot_position, w.foot_rotation},
                               Class{"ForeArm", w.forearm_position, w.forearm_rotation},
@@ -348,6 +351,15 @@ void ModelMaker::add_shapes() {
   }
 }
 
+// the link of the moving body that carries a link's body; a body may have several joints
+int ModelMaker::body_above(int link) const {
+  const int body = model_.links[static_cast<std::size_t>(link)].body;
+  while (link >= 0 && model_.links[static_cast<std::size_t>(link)].body == body) {
+    link = model_.links[static_cast<std::size_t>(link)].parent;
+  }
+  return link;
+}
+
 // all pairs but those of one link, of neighbours in the tree, and those whose contact is no fault
 void ModelMaker::add_pairs() {
   std::set<std::pair<int, int>> allowed;
@@ -360,10 +372,8 @@ void ModelMaker::add_pairs() {
     const int link_a = model_.shapes[static_cast<std::size_t>(a)].link;
     for (int b = a + 1; b < count; ++b) {
       const int link_b = model_.shapes[static_cast<std::size_t>(b)].link;
-      const auto parent = [&](int link) {
-        return link == 0 ? -1 : model_.links[static_cast<std::size_t>(link)].parent;
-      };
-      if (link_a == link_b || parent(link_a) == link_b || parent(link_b) == link_a) continue;
+      if (link_a == link_b || body_above(link_a) == link_b || body_above(link_b) == link_a)
+        continue;
       if (allowed.contains({shape_body_[static_cast<std::size_t>(a)],
                             shape_body_[static_cast<std::size_t>(b)]})) {
         continue;

@@ -27,6 +27,7 @@ struct Frame {
 /// Its frame has the joint's axis as z and its origin at the joint's anchor.
 struct FitLink {
   int parent = -1;  ///< Index of a link with a smaller number; -1: the root.
+  int body = 0;     ///< The robot's body that it is, or is a part of the way to.
   bool slides = false;
   int qpos_address = 0;
   double reference = 0.0;

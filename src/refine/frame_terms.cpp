@@ -110,10 +110,15 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
   }
   if (level) {
     // a foot on its edge stands on its corners
-    const double lean = std::abs((world.rotation * foot.sideways).z());
-    const double error = low.z() - end.half_width * std::max(0.0, lean - kLevelLean);
+    const Vector3d sideways = world.rotation * foot.sideways;
+    Vector3d stands = low;
+    double error = low.z();
+    if (std::abs(sideways.z()) > kLevelLean) {
+      stands -= std::copysign(end.half_width, sideways.z()) * sideways;
+      error = stands.z() + kLevelLean * end.half_width;
+    }
     const double weight = square(options_.contact_height_weight);
-    add_row(foot.link, 2, low - origin, weight, error);
+    add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
   } else if (options_.foot_height && upright > 0.0) {
     const double error = low.z() - goal.clearance;

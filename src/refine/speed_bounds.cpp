@@ -7,16 +7,15 @@
 namespace retarget {
 
 double bound_steps(std::span<double> values, double lower, double upper, double step) {
-  double most = 0.0;
   bool inside = true;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double clamped = std::clamp(values[i], lower, upper);
-    most = std::max(most, std::abs(clamped - values[i]));
-    values[i] = clamped;
-    inside = inside && (i == 0 || std::abs(values[i] - values[i - 1]) <= step);
+    inside = inside && values[i] >= lower && values[i] <= upper &&
+             (i == 0 || std::abs(values[i] - values[i - 1]) <= step);
   }
-  if (inside) return most;
-  std::vector<double> low(values.begin(), values.end()), high = low;
+  if (inside) return 0.0;
+  std::vector<double> low;
+  for (const double value : values) low.push_back(std::clamp(value, lower, upper));
+  std::vector<double> high = low;
   for (std::size_t i = 1; i < values.size(); ++i) {
     low[i] = std::min(low[i], low[i - 1] + step);
     high[i] = std::max(high[i], high[i - 1] - step);
@@ -25,6 +24,7 @@ double bound_steps(std::span<double> values, double lower, double upper, double 
     low[i - 1] = std::min(low[i - 1], low[i] + step);
     high[i - 1] = std::max(high[i - 1], high[i] - step);
   }
+  double most = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     // where nothing had to change nothing does, not even the last digit
     const double bounded = low[i] == high[i] ? low[i] : 0.5 * (low[i] + high[i]);

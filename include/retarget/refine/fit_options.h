@@ -13,11 +13,13 @@ namespace retarget {
 /// residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
 /// without one.
 struct TrackingWeights {
-  double hips_position = 25.0;  ///< Per metre.
+  double hips_position = 28.0;  ///< Per metre.
   double hips_rotation = 16.0;  ///< Per radian.
   double torso_rotation = 16.0;
-  double leg_position = 10.0;  ///< Thighs and shanks.
-  double leg_rotation = 8.0;
+  double thigh_position = 0.0;
+  double thigh_rotation = 8.0;
+  double shank_position = 10.0;
+  double shank_rotation = 8.0;
   double foot_position = 30.0;  ///< Horizontally, and in height for a foot that does not stand.
   double foot_rotation = 16.0;
   double upper_arm_position = 5.0;
