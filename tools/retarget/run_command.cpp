@@ -64,6 +64,9 @@ Result<void> check_usage(const RunOptions& options) {
   if (options.output.empty()) {
     return usage_failure("no output is given", "add -o FILE, or -o - for standard output");
   }
+  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
+    return usage_failure("--fit-config and --without belong to --method fit", "add --method fit");
+  }
   if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
     return usage_failure("--frames and --start/--end both choose a part of the clip",
                          "give one of them");
