@@ -158,6 +158,7 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
     if (task.foot < 0) continue;
     // the target is the scaled ankle but for the mapping's offsets
     std::vector<double> offsets;
+    offsets.reserve(at(clip_.frame_count));
     for (int frame = 0; frame < clip_.frame_count; ++frame) {
       offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
                         scale * feet_.at(frame, task.foot).ankle.z());
@@ -361,6 +362,7 @@ Result<FitResult> Fit::run() {
   const HumanClipInfo info = poser.info();
   const TargetBuilder targets = make_targets(tables_, info, run_.retarget);
   std::vector<int> target_of_bone;
+  target_of_bone.reserve(kBoneCount);
   for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));
   model_ = make_fit_model(*robot_, tables_, limits_, target_of_bone, options_);
   FitReport& report = result.report;

@@ -153,6 +153,7 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
   if (frames == 0) return result;
   const double size = source.leg_length / kLeg;
   std::vector<double> lowest;
+  lowest.reserve(static_cast<std::size_t>(frames));
   for (int frame = 0; frame < frames; ++frame) {
     double z = source.at(frame, 0).toe.z();
     for (int foot = 1; foot < source.foot_count; ++foot) {
@@ -189,6 +190,7 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
   FootPlan plan;
   plan.foot_count = source.foot_count;
   plan.ends.resize(2 * source.feet.size());
+  plan.upright.reserve(source.feet.size());
   for (const SourceFoot& foot : source.feet) {
     plan.upright.push_back(std::clamp((foot.up - kLyingFoot) / kUprightRange, 0.0, 1.0));
   }

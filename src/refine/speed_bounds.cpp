@@ -14,6 +14,7 @@ double bound_steps(std::span<double> values, double lower, double upper, double 
   }
   if (inside) return 0.0;
   std::vector<double> low;
+  low.reserve(values.size());
   for (const double value : values) low.push_back(std::clamp(value, lower, upper));
   std::vector<double> high = low;
   for (std::size_t i = 1; i < values.size(); ++i) {
