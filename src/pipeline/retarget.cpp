@@ -39,6 +39,9 @@ class ClipSolver {
   Result<RetargetResult> solve(const HumanClipInfo& human, HumanPoseSource poses);
 
  private:
+  void place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target);
+  Result<void> settle(std::span<const Pose> world_from_target);
+  Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
 
@@ -70,7 +73,12 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
   for (int frame = 0; frame < human.frame_count; ++frame) {
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
-    if (auto solved = solve_frame(frame, stream.next(), result); !solved) {
+    const std::span<const Pose> world_from_target = stream.next();
+    if (frame == 0 && options_.settle_first_frame) {
+      place_root(targets, world_from_target);
+      if (auto settled = settle(world_from_target); !settled) return failure(settled.error());
+    }
+    if (auto solved = solve_frame(frame, world_from_target, result); !solved) {
       return failure(solved.error());
     }
   }
@@ -78,8 +86,41 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   return result;
 }
 
-Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,
-                                     RetargetResult& result) {
+// the robot's root where the mapping wants it
+void ClipSolver::place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target) {
+  const auto bone = find_bone(tables_.human_root);
+  const int target = bone ? targets.target_of(*bone) : -1;
+  if (target < 0) return;
+  const Pose& pose = world_from_target[static_cast<std::size_t>(target)];
+  if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
+  std::ranges::copy(pose.translation, qpos_.begin());
+  const Eigen::Quaterniond rotation = pose.rotation.normalized();
+  qpos_[3] = rotation.w();
+  qpos_[4] = rotation.x();
+  qpos_[5] = rotation.y();
+  qpos_[6] = rotation.z();
+}
+
+Result<void> ClipSolver::settle(std::span<const Pose> world_from_target) {
+  constexpr int kMostRounds = 50;
+  constexpr double kSettled = 1e-4;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<double> before = qpos_;
+    double error = 0.0;
+    const auto solved = solve_passes(0, world_from_target, error);
+    if (!solved) return failure(solved.error());
+    double change = 0.0;
+    for (std::size_t i = 0; i < qpos_.size(); ++i) {
+      change = std::max(change, std::abs(qpos_[i] - before[i]));
+    }
+    if (change < kSettled) break;
+  }
+  return {};
+}
+
+// all passes over one frame; the steps that they took
+Result<int> ClipSolver::solve_passes(int frame, std::span<const Pose> world_from_target,
+                                     double& error) {
   if (!all_finite(world_from_target)) {
     return input_failure(
         clip_name_, "frame " + std::to_string(frame) + ": positions are too large to compute with");
@@ -93,13 +134,22 @@ Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from
                                               "are not finite");
     }
     steps += solved.steps;
-    if (pass == passes_ - 1) result.mean_error += solved.errors[solved.steps];
+    if (pass == passes_ - 1) error = solved.errors[solved.steps];
   }
+  return steps;
+}
+
+Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,
+                                     RetargetResult& result) {
+  double error = 0.0;
+  const auto steps = solve_passes(frame, world_from_target, error);
+  if (!steps) return failure(steps.error());
+  result.mean_error += error;
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
   if (options_.frame_solved) options_.frame_solved(frame, qpos_);
-  result.steps += steps;
-  result.most_steps = std::max(result.most_steps, steps);
+  result.steps += *steps;
+  result.most_steps = std::max(result.most_steps, *steps);
   return {};
 }
 

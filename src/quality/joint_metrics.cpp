@@ -74,19 +74,12 @@ void measure_limits(const Draft& draft, const LimitSet& limits) {
 std::vector<double> speed_limits(const Draft& draft) {
   const Robot& robot = draft.clip.robot();
   const auto& given = robot.profile().speed_limits;
-  draft.report.assumed_speed_limit = draft.options.assumed_speed_limit;
+  draft.report.assumed_speed_limit = robot.profile().default_speed_limit;
   std::vector<double> limits;
   for (const int j : robot.output_joints()) {
-    const RobotJoint& joint = robot.joints()[j];
-    const auto found = given.find(joint.name);
-    if (found != given.end()) {
-      ++draft.report.speed_limits_given;
-      limits.push_back(found->second);
-    } else {
-      ++draft.report.speed_limits_assumed;
-      limits.push_back(joint.type == RobotJoint::Type::kHinge ? draft.options.assumed_speed_limit
-                                                              : HUGE_VAL);
-    }
+    const bool is_given = given.contains(robot.joints()[j].name);
+    ++(is_given ? draft.report.speed_limits_given : draft.report.speed_limits_assumed);
+    limits.push_back(robot.speed_limit(j));
   }
   return limits;
 }

@@ -181,10 +181,19 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->type_name("SET|FILE")
       ->group(kRobot);
   app.add_option("--method", options.method,
-                 "gmr: the published two-pass inverse kinematics, frame by\nframe")
-      ->type_name("gmr")
-      ->check(silent(CLI::IsMember({"gmr"})))
+                 "fit: a motion that the robot can follow, the whole clip at\nonce; gmr: the "
+                 "published two-pass inverse kinematics, frame\nby frame")
+      ->type_name("fit|gmr")
+      ->check(silent(CLI::IsMember({"fit", "gmr"})))
       ->capture_default_str()
+      ->group(kRobot);
+  app.add_option("--fit-config", options.fit_config, "Weights and other options of the fit, JSON")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--without", options.without,
+                 "Terms that the fit leaves out: floor, self-collision,\ncontact, ...")
+      ->type_name("TERM,...")
+      ->delimiter(',')
       ->group(kRobot);
 
   app.add_option("--scale", options.scale,

@@ -52,6 +52,8 @@ struct RunOptions {
   std::string limits;     ///< Empty: the method's own.
   std::string ik_config;  ///< Empty: the robot's own.
   std::string method = "gmr";
+  std::string fit_config;            ///< Options of the fit, JSON; empty: the defaults.
+  std::vector<std::string> without;  ///< Terms of the fit to leave out.
   std::string engine = "fast";
   std::string scale = "auto";
 

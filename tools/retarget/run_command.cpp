@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "csv_sink.h"
+#include "fit_run.h"
 #include "interrupt.h"
 #include "limit_lines.h"
 #include "retarget/base/file.h"
@@ -52,6 +53,9 @@ Result<void> check_usage(const RunOptions& options) {
   }
   if (options.output.empty()) {
     return usage_failure("no output is given", "add -o FILE, or -o - for standard output");
+  }
+  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
+    return usage_failure("--fit-config and --without belong to --method fit", "add --method fit");
   }
   if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
     return usage_failure("--frames and --start/--end both choose a part of the clip",
@@ -144,6 +148,18 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
     console.progress("solving frame", frame, source.clip.frame_count());
     return !InterruptGuard::interrupted();
   };
+  if (options.method == "fit") {
+    auto fitted = run_fit(source.clip, source.human, setup.robot, setup.tables, setup.limits,
+                          options, retarget_options, console);
+    if (!fitted) return failure(fitted.error());
+    for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
+      sink.add(fitted->clip.qpos(frame));
+    }
+    RetargetResult result;
+    result.steps = fitted->steps;
+    result.clip = std::move(fitted->clip);
+    return result;
+  }
   retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),

@@ -23,6 +23,10 @@ struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   HeightScale height_scale = HeightScale::kPublished;
   IkOptions ik;
+  /// Begin with the root on its target and solve the first frame until it settles, so that nothing
+  /// of the way there is left in the motion; the published method solves it once, from the model's
+  /// zero configuration.
+  bool settle_first_frame = false;
   /// Make the targets ahead of the solver on a second thread; the result is the same.
   bool targets_ahead = false;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.

@@ -24,8 +24,6 @@ struct QualitySource {
 struct QualityOptions {
   /// self_1cm_pct and self_max_cm look at every so-manieth frame, by MuJoCo's contact depths.
   int self_collision_stride = 5;
-  /// Speed limit of hinges that have none in the robot's profile, rad/s.
-  double assumed_speed_limit = 20.0;
   std::size_t faults_per_metric = 10;
 };
 

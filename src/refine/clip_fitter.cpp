@@ -1,0 +1,331 @@
+#include "refine/clip_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "refine/block_chain.h"
+#include "refine/joint_speeds.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kBase = FitModel::kBaseDofs;
+
+// constant damping, on the diagonal: joints and the root's rotation, the root's position
+constexpr double kDamping = 1.0, kPositionDamping = 100.0;
+// damping of single frames, times the diagonal: raised where a step made the frame's cost rise.
+// A faster decay lets frames swing between two states.
+constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7,
+                 kDampingMost = 2.0, kDampingLeast = 1e-3;
+constexpr double kCostRise = 1.02, kCostNoise = 0.1;
+// largest change of a variable by one step: joints and the root's rotation (rad), its position (m)
+constexpr double kLargestTurn = 0.15, kLargestMove = 0.2;
+constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
+constexpr double kPairsWithin = 0.04;  // metres
+
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+// the solver of one window
+class WindowFitter {
+ public:
+  WindowFitter(const FitModel& model, const FitOptions& options, const FitWindow& window,
+               FitClip& clip);
+
+  bool run(const std::function<bool()>& keep_going);
+
+ private:
+  // a variable that is held at its limit, with its row of the system
+  struct Held {
+    int frame, dof;
+    std::vector<double> row;  // the frame's Hessian
+    double gradient, before, after;
+  };
+
+  void iterate(bool move_anchors, bool look_for_pairs);
+  void fill_frame(int frame, bool move_anchors, bool look_for_pairs);
+  void adapt_damping(int local, double cost);
+  void add_steps(int frame, double* h, double* g);
+  void hold_limits(int frame, double* h, double* g);
+  void release_limits();
+  void apply(int frame);
+  void add_to_anchors(int frame);
+  void finish_anchors();
+  [[nodiscard]] bool owns(int phase) const;
+  [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
+  signed char& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  const FitWindow& window_;
+  FitClip& clip_;
+  int dofs_;
+  bool before_, after_;  // whether a fixed frame lies next to the window
+  FrameTerms terms_;
+  FitPose pose_;
+  JointSpeeds speeds_;
+  BlockChain chain_;
+  std::vector<std::vector<std::uint32_t>> pairs_;  // by frame
+  std::vector<double> damping_, cost_;             // by frame
+  std::vector<signed char> held_;                  // by frame and dof: -1 lower, 1 upper limit
+  std::vector<Held> rows_;
+  std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
+  std::vector<Eigen::Vector2d> anchor_sums_;
+  std::vector<int> anchor_counts_;
+};
+
+WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
+                           const FitWindow& window, FitClip& clip)
+    : model_(model),
+      options_(options),
+      window_(window),
+      clip_(clip),
+      dofs_(model.dof_count()),
+      before_(window.fixed_ends && window.begin > 0),
+      after_(window.fixed_ends && window.end < clip.frame_count),
+      terms_(model, options),
+      pose_(model),
+      speeds_(model, options, clip.frame_time),
+      chain_(dofs_),
+      pairs_(at(window.end - window.begin)),
+      damping_(pairs_.size(), 0.0),
+      cost_(pairs_.size(), 1e300),
+      held_(pairs_.size() * at(dofs_), 0),
+      steps_before_(at(dofs_)),
+      steps_after_(at(dofs_)),
+      anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
+      anchor_counts_(clip.anchors.size(), 0) {}
+
+bool WindowFitter::run(const std::function<bool()>& keep_going) {
+  for (int i = 0; i < options_.iterations; ++i) {
+    if (keep_going && !keep_going()) return false;
+    iterate(i < options_.anchor_iterations, i % kPairsEvery == 0);
+  }
+  return true;
+}
+
+bool WindowFitter::owns(int phase) const {
+  const ContactPhase& p = clip_.feet.phases[at(phase)];
+  return p.begin >= window_.begin && p.end <= window_.end;
+}
+
+void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
+  const int first = std::max(window_.begin - (before_ ? 1 + window_.context : 0), 0);
+  const int last = std::min(window_.end + (after_ ? 1 + window_.context : 0), clip_.frame_count);
+  speeds_.update(model_, clip_, first, last);
+  chain_.begin(window_.end - window_.begin);
+  rows_.clear();
+  if (move_anchors) {
+    std::ranges::fill(anchor_counts_, 0);
+    std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
+  }
+  if (before_) speeds_.terms(window_.begin - 1, steps_after_);
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    fill_frame(frame, move_anchors, look_for_pairs);
+    // H is positive definite but for values that are not finite, and those stay as they are
+    if (!chain_.eliminate(local(frame))) return;
+  }
+  chain_.substitute();
+  release_limits();
+  for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
+  if (move_anchors) finish_anchors();
+}
+
+void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
+  const int t = local(frame);
+  pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+  if (move_anchors) add_to_anchors(frame);
+  if (look_for_pairs && options_.self_collision) {
+    terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
+  }
+  double* const h = chain_.block(t);
+  double* const g = chain_.right(t);
+  TermCosts costs{};
+  terms_.assemble(pose_, clip_.goals(frame, model_.tasks.size()), pairs_[at(t)], g, h,
+                  chain_.stride(), costs);
+  double cost = 0.0;
+  for (const double part : costs) cost += part;
+  adapt_damping(t, cost);
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
+  }
+  add_steps(frame, h, g);
+  hold_limits(frame, h, g);
+  for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
+}
+
+void WindowFitter::adapt_damping(int t, double cost) {
+  double& damping = damping_[at(t)];
+  if (cost > kCostRise * cost_[at(t)] + kCostNoise) {
+    damping = std::min(kDampingMost, std::max(damping, kDampingStart) * kDampingGrowth);
+  } else {
+    damping = damping < kDampingLeast ? 0.0 : damping * kDampingDecay;
+  }
+  cost_[at(t)] = cost;
+}
+
+// the steps to this frame and from it
+void WindowFitter::add_steps(int frame, double* h, double* g) {
+  std::swap(steps_before_, steps_after_);
+  const bool from = frame > window_.begin || before_;
+  const bool to = frame + 1 < window_.end || after_;
+  if (to) speeds_.terms(frame, steps_after_);
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    if (from) {
+      diagonal += steps_before_[at(i)].weight;
+      g[i] += steps_before_[at(i)].force;
+    }
+    if (to) {
+      diagonal += steps_after_[at(i)].weight;
+      g[i] -= steps_after_[at(i)].force;
+    }
+    if (frame > window_.begin) coupling[i] = -steps_before_[at(i)].weight;
+  }
+}
+
+// variables at a limit stay there for this step; their rows tell afterwards which way they want
+void WindowFitter::hold_limits(int frame, double* h, double* g) {
+  const int stride = chain_.stride();
+  const bool from = frame > window_.begin, to = frame + 1 < window_.end;
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = kBase; i < dofs_; ++i) {
+    if (from && held(frame - 1, i) != 0) coupling[i] = 0.0;
+    if (held(frame, i) == 0) continue;
+    Held row{frame, i, std::vector<double>(at(dofs_)), g[i], 0.0, 0.0};
+    for (int j = 0; j < dofs_; ++j) {
+      row.row[at(j)] = h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)];
+    }
+    row.before = from ? -steps_before_[at(i)].weight : 0.0;
+    row.after = to ? -steps_after_[at(i)].weight : 0.0;
+    rows_.push_back(std::move(row));
+    coupling[i] = 0.0;
+  }
+  for (int i = kBase; i < dofs_; ++i) {
+    if (held(frame, i) == 0) continue;
+    double* const row = h + static_cast<std::ptrdiff_t>(i) * stride;
+    std::fill_n(row, i, 0.0);
+    for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
+    row[i] = 1.0;
+    g[i] = 0.0;
+  }
+}
+
+// lets go of variables that the solved step, not the gradient before it, draws back inside
+void WindowFitter::release_limits() {
+  for (const Held& row : rows_) {
+    const auto x = chain_.solution(local(row.frame));
+    double force = row.gradient;
+    for (int j = 0; j < dofs_; ++j) force += row.row[at(j)] * x[at(j)];
+    if (row.before != 0.0) {
+      force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
+    }
+    if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
+    signed char& side = held(row.frame, row.dof);
+    if (side * force > 0.0) side = 0;
+  }
+}
+
+void WindowFitter::apply(int frame) {
+  const auto x = chain_.solution(local(frame));
+  const auto qpos = clip_.frame(frame, model_.configuration_size);
+  for (int k = 0; k < 3; ++k) qpos[at(k)] += std::clamp(x[at(k)], -kLargestMove, kLargestMove);
+  Vector3d turn(x[3], x[4], x[5]);
+  const double angle = turn.norm();
+  if (angle > kLargestTurn) turn *= kLargestTurn / angle;
+  const Quaterniond rotation =
+      (Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) * exp_so3(turn)).normalized();
+  qpos[3] = rotation.w();
+  qpos[4] = rotation.x();
+  qpos[5] = rotation.y();
+  qpos[6] = rotation.z();
+  for (int i = kBase; i < dofs_; ++i) {
+    signed char& side = held(frame, i);
+    if (side != 0) continue;
+    double& value = qpos[at(model_.links[at(i - kBase + 1)].qpos_address)];
+    value += std::clamp(x[at(i)], -kLargestTurn, kLargestTurn);
+    if (value < model_.lower[at(i)]) {
+      value = model_.lower[at(i)];
+      side = -1;
+    } else if (value > model_.upper[at(i)]) {
+      value = model_.upper[at(i)];
+      side = 1;
+    }
+  }
+}
+
+void WindowFitter::add_to_anchors(int frame) {
+  const auto ends = clip_.feet.ends_of(frame);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i].phase < 0 || !owns(ends[i].phase)) continue;
+    const FitFoot& foot = model_.feet[i / 2];
+    anchor_sums_[at(ends[i].phase)] +=
+        (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
+    ++anchor_counts_[at(ends[i].phase)];
+  }
+}
+
+void WindowFitter::finish_anchors() {
+  for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {
+    if (anchor_counts_[i] > 0) clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i];
+  }
+}
+
+}  // namespace
+
+bool fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                FitClip& clip, const std::function<bool()>& keep_going) {
+  return WindowFitter(model, options, window, clip).run(keep_going);
+}
+
+void place_anchors(const FitModel& model, FitClip& clip) {
+  std::vector<int> counts(clip.feet.phases.size(), 0);
+  clip.anchors.assign(counts.size(), Eigen::Vector2d::Zero());
+  FitPose pose(model);
+  for (int frame = 0; frame < clip.frame_count; ++frame) {
+    const auto ends = clip.feet.ends_of(frame);
+    if (std::ranges::all_of(ends, [](const FootEndGoal& end) { return end.phase < 0; })) continue;
+    pose.update(model, clip.frame(frame, model.configuration_size));
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (ends[i].phase < 0) continue;
+      const FitFoot& foot = model.feet[i / 2];
+      clip.anchors[at(ends[i].phase)] +=
+          (pose.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
+      ++counts[at(ends[i].phase)];
+    }
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) clip.anchors[i] /= std::max(counts[i], 1);
+}
+
+std::vector<TermCosts> frame_costs(const FitModel& model, const FitOptions& options,
+                                   const FitClip& clip) {
+  const int dofs = model.dof_count();
+  std::vector<TermCosts> costs(at(clip.frame_count), TermCosts{});
+  FrameTerms terms(model, options);
+  FitPose pose(model);
+  JointSpeeds speeds(model, options, clip.frame_time);
+  speeds.update(model, clip, 0, clip.frame_count);
+  std::vector<double> gradient(at(dofs)), hessian(at(dofs) * at(dofs));
+  std::vector<std::uint32_t> pairs;
+  std::vector<StepTerm> steps(at(dofs));
+  for (int frame = 0; frame < clip.frame_count; ++frame) {
+    pose.update(model, clip.frame(frame, model.configuration_size));
+    if (options.self_collision) terms.find_near_pairs(pose, 0.0, pairs);
+    terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
+                   hessian.data(), dofs, costs[at(frame)]);
+    if (frame + 1 < clip.frame_count) {
+      speeds.terms(frame, steps);
+      speeds.add_costs(frame, costs[at(frame)]);
+    }
+  }
+  return costs;
+}
+
+}  // namespace retarget

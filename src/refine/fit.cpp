@@ -1,0 +1,420 @@
+#include "retarget/refine/fit.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+#include <thread>
+
+#include "refine/clip_fitter.h"
+#include "refine/fit_model.h"
+#include "refine/foot_plan.h"
+#include "refine/speed_bounds.h"
+
+namespace retarget {
+namespace {
+
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+// scales of the root's and the feet's paths, by what the targets do when bones are lifted
+struct PathScales {
+  double root = 1.0, foot = 1.0;
+};
+PathScales path_scales(const TargetBuilder& targets, int root_bone) {
+  std::vector<Pose> low(kBoneCount), high(kBoneCount), all(kBoneCount);
+  for (Pose& pose : all) pose.translation.z() = 1.0;
+  const int foot_bone = find_bone("LeftFootMod").value();
+  std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
+  targets.build(low, at_rest);
+  targets.build(all, raised);
+  PathScales scales;
+  const auto rise = [&](int bone) {
+    const int target = targets.target_of(bone);
+    return target < 0 ? 1.0
+                      : (raised[at(target)].translation - at_rest[at(target)].translation).z();
+  };
+  scales.root = rise(root_bone);
+  // everything raised, the feet are raised as the root is; by the feet alone, by their own scale
+  scales.foot = scales.root;
+  if (targets.target_of(foot_bone) >= 0) {
+    high[at(foot_bone)].translation.z() = 1.0;
+    targets.build(high, raised);
+    scales.foot = rise(foot_bone);
+  }
+  return scales;
+}
+
+// turns the root quaternion to the side of the one before
+void keep_sign(std::span<const double> before, std::span<double> now) {
+  double dot = 0.0;
+  for (std::size_t i = 3; i < 7; ++i) dot += before[i] * now[i];
+  if (dot >= 0.0) return;
+  for (std::size_t i = 3; i < 7; ++i) now[i] = -now[i];
+}
+
+// one clip on its way through all stages
+class Fit {
+ public:
+  Fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
+      const std::shared_ptr<const Robot>& robot, const IkTables& tables, const LimitSet& limits,
+      const FitOptions& options, const FitRun& run)
+      : source_(clip),
+        mapping_(mapping),
+        clip_name_(clip_name),
+        robot_(robot),
+        tables_(tables),
+        limits_(limits),
+        options_(options),
+        run_(run) {}
+
+  Result<FitResult> run();
+
+ private:
+  void read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets);
+  void read_feet(std::span<const Pose> bones);
+  double floor_height(const StandingHeights& standing, double scale) const;
+  void start_from(const RobotClip& first);
+  void lift_out_of_floor();
+  bool refine();
+  bool run_windows(const std::vector<FitWindow>& windows, double begin, double share);
+  void keep_bounds(FitReport& report);
+  void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                    FitReport& report) const;
+
+  const Clip& source_;
+  const HumanMapping& mapping_;
+  const std::string& clip_name_;
+  const std::shared_ptr<const Robot>& robot_;
+  const IkTables& tables_;
+  const LimitSet& limits_;
+  FitOptions options_;
+  const FitRun& run_;
+
+  FitModel model_;
+  FitClip clip_;
+  SourceFeet feet_;
+  std::vector<Eigen::Vector3d> path_;  // by frame: what is added to the published targets
+};
+
+// thigh and shank, metres
+double leg_length(std::span<const Pose> bones) {
+  const auto joint = [&](const char* name) {
+    return bones[at(find_bone(name).value())].translation;
+  };
+  return (joint("LeftUpLeg") - joint("LeftLeg")).norm() +
+         (joint("LeftLeg") - joint("LeftFoot")).norm();
+}
+
+// whether the source has what foot contacts are found from
+bool has_feet(const HumanClipInfo& info) {
+  return std::ranges::all_of(
+      std::array{"LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe", "RightFoot", "RightToe"},
+      [&](const char* name) { return info.has(find_bone(name).value()); });
+}
+
+void Fit::read_feet(std::span<const Pose> bones) {
+  for (const FitFoot& foot : model_.feet) {
+    const Pose& ankle = bones[at(find_bone(foot.left ? "LeftFoot" : "RightFoot").value())];
+    const Pose& toe = bones[at(find_bone(foot.left ? "LeftToe" : "RightToe").value())];
+    // a canonical foot's y axis points up and its z axis sideways while it stands
+    feet_.feet.push_back({ankle.translation, toe.translation,
+                          (toe.rotation * Eigen::Vector3d::UnitY()).z(),
+                          (toe.rotation * Eigen::Vector3d::UnitZ()).z()});
+  }
+}
+
+void Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets) {
+  const int root = find_bone(tables_.human_root).value();
+  const PathScales scales = path_scales(targets, root);
+  std::vector<Pose> bones(kBoneCount), world_from_target(at(targets.target_count()));
+  feet_.foot_count = static_cast<int>(model_.feet.size());
+  feet_.frame_time = clip_.frame_time = info.rate.frame_time();
+  clip_.frame_count = info.frame_count;
+  for (int frame = 0; frame < info.frame_count; ++frame) {
+    poser.pose(frame, bones);
+    targets.build(bones, world_from_target);
+    if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones);
+    read_feet(bones);
+    // the whole robot goes as its feet go: feet that stand stay in one place
+    path_.emplace_back((scales.foot - scales.root) * bones[at(root)].translation);
+    for (const FitTask& task : model_.tasks) {
+      const Pose& pose = world_from_target[at(task.target)];
+      clip_.targets.push_back({pose.translation + path_.back(),
+                               pose.rotation.normalized() * task.link_from_body.conjugate()});
+    }
+  }
+}
+
+// where the sole of a standing foot's target lies
+double Fit::floor_height(const StandingHeights& standing, double scale) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    if (task.foot < 0) continue;
+    // the target is the scaled ankle but for the mapping's offsets
+    std::vector<double> offsets;
+    offsets.reserve(at(clip_.frame_count));
+    for (int frame = 0; frame < clip_.frame_count; ++frame) {
+      offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
+                        scale * feet_.at(frame, task.foot).ankle.z());
+    }
+    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+    std::ranges::nth_element(offsets, middle);
+    sum += scale * standing.ankle + *middle - model_.feet[at(task.foot)].body_height;
+    ++count;
+  }
+  return count == 0 ? 0.0 : sum / count;
+}
+
+void Fit::start_from(const RobotClip& first) {
+  for (int frame = 0; frame < clip_.frame_count; ++frame) {
+    const auto qpos = first.qpos(frame);
+    clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
+    const auto now = clip_.frame(frame, model_.configuration_size);
+    for (std::size_t k = 0; k < 3; ++k) now[k] += path_[at(frame)][static_cast<int>(k)];
+  }
+}
+
+// raises the root of single frames until nothing is below the floor
+void Fit::lift_out_of_floor() {
+  FitPose pose(model_);
+  for (int frame = 0; frame < clip_.frame_count; ++frame) {
+    const auto qpos = clip_.frame(frame, model_.configuration_size);
+    pose.update(model_, qpos);
+    double lowest = 0.0;
+    for (std::size_t link = 0; link < model_.links.size(); ++link) {
+      const Frame& world = pose.world_from_link[link];
+      for (const FloorPoint& point : model_.floor_points[link]) {
+        lowest = std::min(lowest, (world * point.position).z() - point.radius);
+      }
+    }
+    for (const FitFoot& foot : model_.feet) {
+      for (const FitFoot::End& end : foot.ends) {
+        for (const auto& point : end.points) {
+          lowest = std::min(lowest, (pose.world_from_link[at(foot.link)] * point).z());
+        }
+      }
+    }
+    qpos[2] -= lowest;
+  }
+}
+
+// windows side by side, then those over their seams
+bool Fit::refine() {
+  const int frames = clip_.frame_count;
+  const double per_window = std::max(2.0, options_.window / clip_.frame_time);
+  const int count = std::max(1, static_cast<int>(std::lround(frames / per_window)));
+  std::vector<FitWindow> windows, seams;
+  for (int i = 0; i < count; ++i) {
+    const auto border = [&](int k) {
+      return static_cast<int>(static_cast<std::int64_t>(frames) * k / count);
+    };
+    windows.push_back({border(i), border(i + 1), false});
+  }
+  const int half =
+      std::min(static_cast<int>(std::lround(options_.seam / clip_.frame_time)), frames / count / 4);
+  // frames that count for a seam's smoothing must not be another seam's
+  constexpr double kContext = 0.3;  // seconds
+  const int context = std::clamp(static_cast<int>(std::ceil(kContext / clip_.frame_time)), 0,
+                                 std::max(0, (frames / count - 2 * half) / 2 - 1));
+  for (int i = 1; i < count && half > 0; ++i) {
+    const int border = windows[at(i)].begin;
+    seams.push_back({border - half, border + half, true, context});
+  }
+  const double total = static_cast<double>(frames) + 2.0 * half * static_cast<double>(seams.size());
+  return run_windows(windows, 0.0, frames / total) &&
+         run_windows(seams, frames / total, 1.0 - frames / total);
+}
+
+// windows do not touch each other's frames, so that it does not matter which thread takes which
+bool Fit::run_windows(const std::vector<FitWindow>& windows, double begin, double share) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<std::int64_t> done = 0;
+  std::atomic<bool> stopped = false;
+  const double rounds = static_cast<double>(windows.size()) * std::max(1, options_.iterations);
+  const auto work = [&](bool caller) {
+    while (!stopped) {
+      const std::size_t i = next++;
+      if (i >= windows.size()) return;
+      fit_window(model_, options_, windows[i], clip_, [&] {
+        const auto rounds_done = static_cast<double>(done++);
+        if (caller && run_.keep_going && !run_.keep_going(begin + share * rounds_done / rounds)) {
+          stopped = true;
+        }
+        return !stopped;
+      });
+    }
+  };
+  const unsigned wanted = options_.threads > 0 ? static_cast<unsigned>(options_.threads)
+                                               : std::thread::hardware_concurrency();
+  std::vector<std::thread> others;
+  while (others.size() + 1 < std::min<std::size_t>(wanted, windows.size())) {
+    try {
+      others.emplace_back(work, false);
+    } catch (const std::system_error&) {
+      // without further threads the caller's does it
+      break;
+    }
+  }
+  work(true);
+  for (std::thread& thread : others) thread.join();
+  return !stopped;
+}
+
+void Fit::keep_bounds(FitReport& report) {
+  constexpr double kNoChange = 1e-4;  // rad or m; less is not told
+  constexpr double kRounding = 1e-12;
+  double grid = 1.0;
+  for (int i = 0; i < options_.decimals; ++i) grid *= 0.1;
+  const double per_unit = std::round(1.0 / grid);
+  std::vector<double> before, now(at(clip_.frame_count));
+  for (std::size_t link = 1; link < model_.links.size(); ++link) {
+    const std::size_t dof = link + FitModel::kBaseDofs - 1;
+    const auto address = at(model_.links[link].qpos_address);
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      now[at(t)] = clip_.frame(t, model_.configuration_size)[address];
+    }
+    before = now;
+    // bounds that hold for rounded numbers too
+    double lower = std::ceil(model_.lower[dof] * per_unit) / per_unit;
+    double upper = std::floor(model_.upper[dof] * per_unit) / per_unit;
+    if (lower > upper) lower = upper = 0.5 * (model_.lower[dof] + model_.upper[dof]);
+    double step = model_.speed_limit[dof] * clip_.frame_time;
+    if (!model_.links[link].slides) {
+      step = std::min({step, options_.speed_most * clip_.frame_time, options_.largest_step});
+    }
+    step = std::max(step - grid - kRounding, 0.5 * step);
+    if (bound_steps(now, lower, upper, step) == 0.0) continue;
+    FitBoundReport bound{model_.links[link].joint, 0, 0, 0.0};
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      const double change = std::abs(now[at(t)] - before[at(t)]);
+      clip_.frame(t, model_.configuration_size)[address] = now[at(t)];
+      if (change > kNoChange) ++bound.frames;
+      if (change > bound.largest) {
+        bound.largest = change;
+        bound.worst_frame = t;
+      }
+    }
+    if (bound.frames > 0) report.bounded.push_back(bound);
+  }
+}
+
+void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                       FitReport& report) const {
+  constexpr std::array kNames = {"position",       "rotation",       "foot-height",
+                                 "contact",        "contact-height", "floor",
+                                 "self-collision", "smoothness",     "speed"};
+  static_assert(kNames.size() == kTermCount);
+  constexpr std::size_t kWorst = 5;
+  const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));
+  for (std::size_t term = 0; term < kTermCount; ++term) {
+    FitTermReport entry;
+    entry.name = kNames[term];
+    std::vector<int> order;
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      entry.before += before[at(t)][term] / clip_.frame_count;
+      entry.after += after[at(t)][term] / clip_.frame_count;
+      if (after[at(t)][term] > 0.0) order.push_back(t);
+    }
+    std::ranges::stable_sort(order,
+                             [&](int a, int b) { return after[at(a)][term] > after[at(b)][term]; });
+    for (const int t : order) {
+      if (entry.worst.size() == kWorst) break;
+      const bool near =
+          std::ranges::any_of(entry.worst, [&](int other) { return std::abs(other - t) < apart; });
+      if (!near) entry.worst.push_back(t);
+    }
+    report.terms.push_back(std::move(entry));
+  }
+}
+
+// The limits of the first stage: where the robot has a narrower set for the published method,
+// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
+LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
+  LimitSet result = limits;
+  const auto own = load_limits(robot, robot.limits_for("gmr"));
+  if (!own) return result;
+  for (std::size_t i = 0; i < result.lower.size(); ++i) {
+    const double lower = std::max(limits.lower[i], own->lower[i]);
+    const double upper = std::min(limits.upper[i], own->upper[i]);
+    if (lower > upper) continue;
+    result.lower[i] = lower;
+    result.upper[i] = upper;
+  }
+  return result;
+}
+
+Result<FitResult> Fit::run() {
+  // the first stage also finds every fault of mapping and source
+  RetargetOptions first_options = run_.retarget;
+  first_options.settle_first_frame = true;
+  auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
+                        first_limits(*robot_, limits_), first_options);
+  if (!first) return failure(first.error());
+  FitResult result;
+  result.steps = first->steps;
+  HumanPoser poser(source_, mapping_);
+  const HumanClipInfo info = poser.info();
+  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
+    poser.pose(frame, world_from_bone);
+  };
+  const auto made =
+      make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale);
+  if (!made) return failure(made.error());
+  const TargetBuilder& targets = *made;
+  std::vector<int> target_of_bone;
+  target_of_bone.reserve(kBoneCount);
+  for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));
+  model_ = make_fit_model(*robot_, tables_, limits_, target_of_bone, options_);
+  FitReport& report = result.report;
+  if (model_.feet.empty()) {
+    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
+  } else if (!has_feet(info)) {
+    model_.feet.clear();
+    for (FitTask& task : model_.tasks) task.foot = -1;
+    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
+  }
+  if (model_.shapes.empty()) {
+    report.notes.emplace_back("the robot has no collision shapes: no self-collision");
+  }
+  read_source(info, poser, targets);
+  if (!model_.feet.empty()) {
+    const double scale = path_scales(targets, find_bone(tables_.human_root).value()).foot;
+    const StandingHeights standing = find_standing_heights(feet_, options_);
+    report.floor_found = standing.found;
+    report.floor_height = floor_height(standing, scale);
+    clip_.feet = plan_feet(feet_, standing, scale, options_);
+  }
+  for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
+  for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;
+  report.contact_phases = static_cast<int>(clip_.feet.phases.size());
+  start_from(first->clip);
+  if (options_.floor) lift_out_of_floor();
+  place_anchors(model_, clip_);
+  const std::vector<TermCosts> before = frame_costs(model_, options_, clip_);
+  if (!refine()) return interrupted_failure();
+  keep_bounds(report);
+  report_terms(before, frame_costs(model_, options_, clip_), report);
+  result.clip = RobotClip(robot_, info.rate, info.frame_count);
+  for (int t = 0; t < clip_.frame_count; ++t) {
+    const auto now = clip_.frame(t, model_.configuration_size);
+    if (t > 0) keep_sign(clip_.frame(t - 1, model_.configuration_size), now);
+    std::ranges::copy(now, result.clip.qpos(t).begin());
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
+                      const std::shared_ptr<const Robot>& robot, const IkTables& tables,
+                      const LimitSet& limits, const FitOptions& options, const FitRun& run) {
+  return Fit(clip, mapping, clip_name, robot, tables, limits, options, run).run();
+}
+
+}  // namespace retarget

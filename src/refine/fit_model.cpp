@@ -1,0 +1,390 @@
+#include "refine/fit_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <string_view>
+
+#include "ik/moving_tree.h"
+#include "retarget/human/bones.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Frame to_frame(const Pose& pose) {
+  return {pose.rotation.normalized().toRotationMatrix(), pose.translation};
+}
+
+// where each body hangs: its link, or -1 where it does not move at all
+struct Hanging {
+  int link = -1;
+  Pose link_from_body;
+};
+
+class ModelMaker {
+ public:
+  ModelMaker(const Robot& robot, const IkTables& tables, const LimitSet& limits,
+             std::span<const int> target_of_bone, const FitOptions& options)
+      : robot_(robot),
+        tables_(tables),
+        limits_(limits),
+        target_of_bone_(target_of_bone),
+        options_(options) {}
+
+  FitModel make();
+
+ private:
+  void add_links();
+  void add_smoothness();
+  void add_tasks();
+  void add_feet();
+  void add_shapes();
+  void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
+  void add_pairs();
+  [[nodiscard]] int link_of_bone(std::string_view bone) const;
+  [[nodiscard]] int body_above(int link) const;
+  [[nodiscard]] std::vector<int> chain_to_root(int link) const;
+
+  const Robot& robot_;
+  const IkTables& tables_;
+  const LimitSet& limits_;
+  std::span<const int> target_of_bone_;
+  const FitOptions& options_;
+  FitModel model_;
+  std::vector<Hanging> hanging_;  // by body
+  std::vector<int> shape_body_;   // by shape
+};
+
+FitModel ModelMaker::make() {
+  model_.configuration_size = robot_.configuration_size();
+  add_links();
+  add_smoothness();
+  add_tasks();
+  add_feet();
+  add_shapes();
+  add_pairs();
+  return std::move(model_);
+}
+
+void ModelMaker::add_links() {
+  std::vector<int> bodies(robot_.bodies().size());
+  std::iota(bodies.begin(), bodies.end(), 0);
+  const MovingTree tree(robot_, bodies);
+  model_.links.emplace_back();
+  model_.links.front().body = robot_.root_body();
+  model_.dof_parent = {-1, 0, 1, 2, 3, 4};
+  constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
+  model_.lower.assign(FitModel::kBaseDofs, -kInfinity);
+  model_.upper.assign(FitModel::kBaseDofs, kInfinity);
+  model_.speed_limit.assign(FitModel::kBaseDofs, kInfinity);
+  for (const MovingTree::Node& node : tree.nodes()) {
+    const RobotJoint& joint = robot_.joints()[static_cast<std::size_t>(node.joint)];
+    FitLink link;
+    link.parent = node.parent + 1;
+    link.body = joint.body;
+    link.slides = node.slides;
+    link.qpos_address = node.qpos_address;
+    link.reference = node.reference;
+    link.parent_from_link = to_frame(node.parent_from_node);
+    link.joint = joint.name;
+    model_.links.push_back(link);
+    model_.dof_parent.push_back(kLastOfBase + link.parent);
+    model_.lower.push_back(limits_.lower[static_cast<std::size_t>(node.joint)]);
+    model_.upper.push_back(limits_.upper[static_cast<std::size_t>(node.joint)]);
+    model_.speed_limit.push_back(robot_.speed_limit(node.joint));
+  }
+  for (const MovingTree::Attachment& attachment : tree.attachments()) {
+    if (attachment.node == MovingTree::kWorld) {
+      hanging_.emplace_back();
+    } else {
+      hanging_.push_back({attachment.node + 1, attachment.node_from_body});
+    }
+  }
+}
+
+int ModelMaker::link_of_bone(std::string_view bone) const {
+  for (const IkTable& table : tables_.tables) {
+    for (const IkRow& row : table.rows) {
+      if (row.bone != bone) continue;
+      const auto body = robot_.find_body(row.body);
+      if (body) return hanging_[static_cast<std::size_t>(*body)].link;
+    }
+  }
+  return -1;
+}
+
+std::vector<int> ModelMaker::chain_to_root(int link) const {
+  std::vector<int> chain;
+  for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
+    chain.push_back(link);
+  }
+  return chain;
+}
+
+// arms are what carries one hand and not the other; wrists what comes behind the forearm
+void ModelMaker::add_smoothness() {
+  const auto& o = options_;
+  const int dofs = model_.dof_count();
+  model_.smoothness.assign(static_cast<std::size_t>(dofs), o.smoothness_leg);
+  std::fill_n(model_.smoothness.begin(), 3, o.smoothness_root_position);
+  std::fill_n(model_.smoothness.begin() + 3, 3, o.smoothness_root_rotation);
+  const std::vector<int> left = chain_to_root(link_of_bone("LeftHand"));
+  const std::vector<int> right = chain_to_root(link_of_bone("RightHand"));
+  const auto mark = [&](const std::vector<int>& arm, const std::vector<int>& other, int forearm) {
+    bool wrist = std::ranges::find(arm, forearm) != arm.end();
+    for (const int link : arm) {
+      if (std::ranges::find(other, link) != other.end()) break;
+      if (link == forearm) wrist = false;
+      model_.smoothness[static_cast<std::size_t>(link + FitModel::kBaseDofs - 1)] =
+          wrist ? o.smoothness_wrist : o.smoothness_arm;
+    }
+  };
+  mark(left, right, link_of_bone("LeftForeArm"));
+  mark(right, left, link_of_bone("RightForeArm"));
+}
+
+void ModelMaker::add_tasks() {
+  if (!options_.tracking) return;
+  const IkTable& table = tables_.tables[tables_.tables[1].used ? 1 : 0];
+  const TrackingWeights& w = options_.weights;
+  struct Class {
+    std::string_view end;  // of the bone's name
+    double position, rotation;
+  };
+  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation},
+                              Class{"Leg", w.shank_position, w.shank_rotation},
+                              Class{"FootMod", w.foot_position, w.foot_rotation},
+                              Class{"Foot", w.foot_position, w.foot_rotation},
+                              Class{"ForeArm", w.forearm_position, w.forearm_rotation},
+                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation},
+                              Class{"Hand", w.hand_position, w.hand_rotation},
+                              Class{"Hips", w.hips_position, w.hips_rotation},
+                              Class{"Spine2", w.hips_position, w.torso_rotation},
+                              Class{"", w.other_position, w.other_rotation}};
+  for (const IkRow& row : table.rows) {
+    const auto bone = find_bone(row.bone);
+    if (!row.has_weight() || !bone || target_of_bone_[static_cast<std::size_t>(*bone)] < 0) {
+      continue;
+    }
+    const int body = robot_.find_body(row.body).value_or(0);
+    const Hanging& hanging = hanging_[static_cast<std::size_t>(body)];
+    if (hanging.link < 0) continue;
+    const Class& kind = *std::ranges::find_if(
+        classes, [&](const Class& c) { return std::string_view(row.bone).ends_with(c.end); });
+    FitTask task;
+    task.body = row.body;
+    task.link = hanging.link;
+    task.target = target_of_bone_[static_cast<std::size_t>(*bone)];
+    task.position = hanging.link_from_body.translation;
+    task.link_from_body = hanging.link_from_body.rotation.normalized();
+    task.horizontal_weight = task.height_weight = row.position_weight > 0.0 ? kind.position : 0.0;
+    task.rotation_weight = row.rotation_weight > 0.0 ? kind.rotation : 0.0;
+    model_.tasks.push_back(task);
+  }
+}
+
+// the points of one end of a sole, in the body's frame
+FitFoot::End make_end(const std::vector<Eigen::Vector3d>& corners,
+                      const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& outwards,
+                      const Frame& link_from_body) {
+  FitFoot::End end;
+  for (const auto& corner : corners) end.middle += corner / static_cast<double>(corners.size());
+  double reach = 0.0;
+  for (const auto& point : all) reach = std::max(reach, outwards.dot(point - end.middle));
+  end.tip = link_from_body * (end.middle + reach * outwards);
+  end.middle = link_from_body * end.middle;
+  for (const auto& point : all) end.points.push_back(link_from_body * point);
+  return end;
+}
+
+// which end of a sole each of its points belongs to: by its label, else by where it lies
+std::vector<int> ends_of_points(const Sole& sole) {
+  std::vector<int> ends;
+  if (sole.labels.size() == sole.points.size()) {
+    for (const std::string& label : sole.labels) {
+      const bool heel = label.starts_with("heel"), toe = label.starts_with("toe");
+      ends.push_back(heel ? kHeel : toe ? kToe : -1);
+    }
+    if (std::ranges::count(ends, kHeel) > 0 && std::ranges::count(ends, kToe) > 0) return ends;
+  }
+  // the sole's longest line runs from heel to toe, and the ankle stands nearer to the heel
+  ends.assign(sole.points.size(), kHeel);
+  double longest = 0.0;
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = from;
+  for (const auto& a : sole.points) {
+    for (const auto& b : sole.points) {
+      if ((b - a).norm() <= longest) continue;
+      longest = (b - a).norm();
+      from = a.norm() <= b.norm() ? a : b;
+      to = a.norm() <= b.norm() ? b : a;
+    }
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if ((sole.points[i] - 0.5 * (from + to)).dot(to - from) > 0.0) ends[i] = kToe;
+  }
+  return ends;
+}
+
+void ModelMaker::add_feet() {
+  model_.is_foot.assign(model_.links.size(), 0);
+  for (const Sole& sole : robot_.profile().soles) {
+    const Hanging& hanging = hanging_[static_cast<std::size_t>(sole.body)];
+    if (hanging.link < 0 || sole.points.size() < 2) continue;
+    const std::vector<int> ends = ends_of_points(sole);
+    std::array<std::vector<Eigen::Vector3d>, 2> all, corners;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (ends[i] < 0) continue;
+      const auto end = static_cast<std::size_t>(ends[i]);
+      all[end].push_back(sole.points[i]);
+      const bool tip = i < sole.labels.size() && sole.labels[i].ends_with("_tip");
+      if (!tip) corners[end].push_back(sole.points[i]);
+    }
+    FitFoot foot;
+    if (all[kHeel].empty() || all[kToe].empty()) continue;
+    for (const std::size_t end : {kHeel, kToe}) {
+      if (corners[end].empty()) corners[end] = all[end];
+    }
+    const auto mean = [](const std::vector<Eigen::Vector3d>& points) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const auto& point : points) sum += point;
+      return Eigen::Vector3d(sum / static_cast<double>(points.size()));
+    };
+    const Eigen::Vector3d forward = (mean(corners[kToe]) - mean(corners[kHeel])).normalized();
+    const Frame link_from_body = to_frame(hanging.link_from_body);
+    foot.link = hanging.link;
+    foot.left = sole.side == "left";
+    foot.body = sole.body;
+    foot.ends[kHeel] = make_end(corners[kHeel], all[kHeel], -forward, link_from_body);
+    foot.ends[kToe] = make_end(corners[kToe], all[kToe], forward, link_from_body);
+    // distance of the origin from the heel-toe line is its height, for ankles stand above it
+    const Eigen::Vector3d heel = mean(corners[kHeel]);
+    const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
+    const Eigen::Vector3d sideways = above.cross(forward).normalized();
+    foot.sideways = link_from_body.rotation * sideways;
+    for (const std::size_t end : {kHeel, kToe}) {
+      for (const auto& corner : corners[end]) {
+        foot.ends[end].half_width = std::max(foot.ends[end].half_width,
+                                             std::abs(sideways.dot(corner - mean(corners[end]))));
+      }
+    }
+    foot.body_height = (heel - forward * forward.dot(heel)).norm();
+    for (FitTask& task : model_.tasks) {
+      if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
+    }
+    model_.is_foot[static_cast<std::size_t>(foot.link)] = 1;
+    model_.feet.push_back(foot);
+  }
+}
+
+// a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
+constexpr double kLargestRounding = 0.02;
+
+RoundedShape rounded(const CollisionShape& shape, const Frame& link_from_shape, int link) {
+  RoundedShape result;
+  result.link = link;
+  result.centre = link_from_shape.translation;
+  result.radius = shape.radius;
+  result.half_axes.fill(Eigen::Vector3d::Zero());
+  if (shape.type == CollisionShape::Type::kCapsule) {
+    result.half_axes[0] = shape.half_length * link_from_shape.rotation.col(2);
+    result.axis_count = 1;
+    result.reach = shape.half_length + shape.radius;
+  } else if (shape.type == CollisionShape::Type::kBox) {
+    result.radius = std::min(shape.half_size.minCoeff(), kLargestRounding);
+    for (int i = 0; i < 3; ++i) {
+      const double half = shape.half_size[i] - result.radius;
+      if (half <= 0.0) continue;
+      result.half_axes[static_cast<std::size_t>(result.axis_count)] =
+          half * link_from_shape.rotation.col(i);
+      ++result.axis_count;
+    }
+    result.reach = shape.half_size.norm();
+  } else {
+    result.reach = shape.radius;
+  }
+  return result;
+}
+
+void ModelMaker::add_floor_points(const CollisionShape& shape, const Frame& link_from_shape) {
+  const int link = hanging_[static_cast<std::size_t>(shape.body)].link;
+  auto& points = model_.floor_points[static_cast<std::size_t>(link)];
+  const auto add = [&](const Eigen::Vector3d& in_shape, double radius) {
+    points.push_back({link_from_shape * in_shape, radius});
+    double& reach = model_.floor_reach[static_cast<std::size_t>(link)];
+    reach = std::max(reach, points.back().position.norm() + radius);
+  };
+  switch (shape.type) {
+    case CollisionShape::Type::kSphere:
+      add(Eigen::Vector3d::Zero(), shape.radius);
+      break;
+    case CollisionShape::Type::kCapsule:
+      add({0.0, 0.0, shape.half_length}, shape.radius);
+      add({0.0, 0.0, -shape.half_length}, shape.radius);
+      break;
+    case CollisionShape::Type::kBox:
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+                                   (corner & 4) != 0 ? 1.0 : -1.0);
+        add(shape.half_size.cwiseProduct(sign), 0.0);
+      }
+      break;
+  }
+}
+
+void ModelMaker::add_shapes() {
+  model_.floor_points.resize(model_.links.size());
+  model_.floor_reach.assign(model_.links.size(), 0.0);
+  for (const CollisionShape& shape : robot_.collision_shapes()) {
+    const Hanging& hanging = hanging_[static_cast<std::size_t>(shape.body)];
+    if (hanging.link < 0) continue;
+    const Frame link_from_shape = to_frame(hanging.link_from_body * shape.body_from_shape);
+    model_.shapes.push_back(rounded(shape, link_from_shape, hanging.link));
+    shape_body_.push_back(shape.body);
+    add_floor_points(shape, link_from_shape);
+  }
+}
+
+// the link of the moving body that carries a link's body; a body may have several joints
+int ModelMaker::body_above(int link) const {
+  const int body = model_.links[static_cast<std::size_t>(link)].body;
+  while (link >= 0 && model_.links[static_cast<std::size_t>(link)].body == body) {
+    link = model_.links[static_cast<std::size_t>(link)].parent;
+  }
+  return link;
+}
+
+// all pairs but those of one link, of neighbours in the tree, and those whose contact is no fault
+void ModelMaker::add_pairs() {
+  std::set<std::pair<int, int>> allowed;
+  for (const auto& [a, b] : robot_.profile().allowed_self_contact) {
+    allowed.insert({a, b});
+    allowed.insert({b, a});
+  }
+  const int count = static_cast<int>(model_.shapes.size());
+  for (int a = 0; a < count; ++a) {
+    const int link_a = model_.shapes[static_cast<std::size_t>(a)].link;
+    for (int b = a + 1; b < count; ++b) {
+      const int link_b = model_.shapes[static_cast<std::size_t>(b)].link;
+      if (link_a == link_b || body_above(link_a) == link_b || body_above(link_b) == link_a)
+        continue;
+      if (allowed.contains({shape_body_[static_cast<std::size_t>(a)],
+                            shape_body_[static_cast<std::size_t>(b)]})) {
+        continue;
+      }
+      model_.pairs.push_back({a, b});
+    }
+  }
+}
+
+}  // namespace
+
+FitModel make_fit_model(const Robot& robot, const IkTables& tables, const LimitSet& limits,
+                        std::span<const int> target_of_bone, const FitOptions& options) {
+  return ModelMaker(robot, tables, limits, target_of_bone, options).make();
+}
+
+}  // namespace retarget

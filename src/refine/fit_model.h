@@ -1,0 +1,118 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "retarget/pipeline/ik_tables.h"
+#include "retarget/refine/fit_options.h"
+#include "retarget/robot/limits.h"
+#include "retarget/robot/robot.h"
+
+namespace retarget {
+
+/// A rigid transform with its rotation as a matrix: many points pass through it.
+struct Frame {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
+    return translation + rotation * point;
+  }
+};
+
+/// A body of the tree that moves against its parent: the root (link 0) or what one joint moves.
+/// Its frame has the joint's axis as z and its origin at the joint's anchor.
+struct FitLink {
+  int parent = -1;  ///< Index of a link with a smaller number; -1: the root.
+  int body = 0;     ///< The robot's body that it is, or is a part of the way to.
+  bool slides = false;
+  int qpos_address = 0;
+  double reference = 0.0;
+  Frame parent_from_link;  ///< At the joint's reference.
+  std::string joint;       ///< Name, for people.
+};
+
+/// A robot body that follows a target.
+struct FitTask {
+  int link = 0;
+  int target = 0;                                      ///< Index into the targets of a frame.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Of the body, in the link.
+  Eigen::Quaterniond link_from_body = Eigen::Quaterniond::Identity();
+  double horizontal_weight = 0.0, height_weight = 0.0;  ///< Per metre.
+  double rotation_weight = 0.0;                         ///< Per radian.
+  int foot = -1;                                        ///< Index of the foot it is; -1: none.
+  std::string body;
+};
+
+/// A foot: where its sole may touch, in the link's frame.
+struct FitFoot {
+  /// One end of a sole: heel or toe.
+  struct End {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< Of its corners: what is pinned.
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the middle line.
+    std::vector<Eigen::Vector3d> points;               ///< All of them.
+    double half_width = 0.0;                           ///< From the middle line to the corners.
+  };
+  int link = 0;
+  bool left = true;
+  std::array<End, 2> ends;                              ///< Heel, toe.
+  Eigen::Vector3d sideways = Eigen::Vector3d::UnitY();  ///< Along the sole, square to its length.
+  double body_height = 0.0;                             ///< Of the body's origin above the sole.
+  int body = 0;
+};
+inline constexpr int kHeel = 0, kToe = 1;
+
+/// A point that must not go below the floor by more than its radius.
+struct FloorPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+/// A collision shape as a point, line, rectangle or box with a radius around it.
+struct RoundedShape {
+  int link = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< In the link's frame.
+  std::array<Eigen::Vector3d, 3> half_axes;          ///< The first axis_count count.
+  int axis_count = 0;
+  double radius = 0.0;
+  double reach = 0.0;  ///< Radius of a ball about the centre that holds the shape.
+};
+
+/// Two shapes that must stay apart.
+struct ShapePair {
+  int a = 0, b = 0;
+};
+
+/// All that a fit takes from robot, mapping and options; the same for every frame. Immutable.
+///
+/// Degrees of freedom: 0-2 the root's position in the world, 3-5 its rotation in its own axes,
+/// then one per link but the root.
+struct FitModel {
+  static constexpr int kBaseDofs = 6;
+
+  std::vector<FitLink> links;
+  std::vector<int> dof_parent;       ///< The degree of freedom that carries each; -1: none.
+  std::vector<double> lower, upper;  ///< By degree of freedom; infinite for the root.
+  std::vector<double> speed_limit;   ///< By degree of freedom, rad/s or m/s; infinite: none.
+  std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
+  std::vector<FitTask> tasks;
+  std::vector<FitFoot> feet;
+  std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
+  std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
+  std::vector<char> is_foot;        ///< By link.
+  std::vector<RoundedShape> shapes;
+  std::vector<ShapePair> pairs;
+  int configuration_size = 0;
+
+  [[nodiscard]] int dof_count() const { return kBaseDofs - 1 + static_cast<int>(links.size()); }
+};
+
+/// @param target_of_bone  index of a bone's target, -1: none; kBoneCount entries.
+[[nodiscard]] FitModel make_fit_model(const Robot& robot, const IkTables& tables,
+                                      const LimitSet& limits, std::span<const int> target_of_bone,
+                                      const FitOptions& options);
+
+}  // namespace retarget

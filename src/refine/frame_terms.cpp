@@ -1,0 +1,263 @@
+#include "refine/frame_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "refine/shape_distance.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// up to this slope a foot's middle line is as good as its edge
+constexpr double kLevelLean = 0.1;
+
+double square(double x) {
+  return x * x;
+}
+
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+}  // namespace
+
+FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
+    : model_(model),
+      options_(options),
+      stiffness_(model.links.size()),
+      force_(model.links.size()),
+      centres_(model.shapes.size()),
+      row_(at(model.dof_count()), 0.0),
+      carries_(at(model.dof_count()), 0) {
+  row_dofs_.reserve(row_.size());
+}
+
+// the coordinate `axis` of a point of a link at `from_root` of the root's origin: residual r with
+// the Jacobian n.(v + w x d), where v is the linear and w the angular velocity
+void FrameTerms::add_row(int link, int axis, const Vector3d& from_root, double weight,
+                         double residual) {
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  // d x n has two entries
+  const double at_next = from_root[last], at_last = -from_root[next];
+  Matrix6d& a = stiffness_[at(link)];
+  Vector6d& b = force_[at(link)];
+  const double w_next = weight * at_next, w_last = weight * at_last, force = weight * residual;
+  a(axis, axis) += weight;
+  a(3 + next, axis) += w_next;
+  a(axis, 3 + next) += w_next;
+  a(3 + last, axis) += w_last;
+  a(axis, 3 + last) += w_last;
+  a(3 + next, 3 + next) += w_next * at_next;
+  a(3 + last, 3 + last) += w_last * at_last;
+  a(3 + next, 3 + last) += w_next * at_last;
+  a(3 + last, 3 + next) += w_next * at_last;
+  b[axis] += force;
+  b[3 + next] += force * at_next;
+  b[3 + last] += force * at_last;
+}
+
+void FrameTerms::add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.world_from_link[0].translation;
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    const TaskTarget& target = goals.targets[k];
+    const Frame& world = pose.world_from_link[at(task.link)];
+    if (task.horizontal_weight > 0.0 || task.height_weight > 0.0) {
+      const Vector3d point = world * task.position;
+      const Vector3d error = point - target.position, arm = point - origin;
+      // an upright foot has its height from the clearance of heel and toe
+      const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
+      const double horizontal = square(task.horizontal_weight);
+      const double vertical = square(task.height_weight) * lying;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double weight = axis < 2 ? horizontal : vertical;
+        add_row(task.link, axis, arm, weight, error[axis]);
+        costs[kTermPosition] += weight * square(error[axis]);
+      }
+    }
+    if (task.rotation_weight > 0.0) {
+      const double weight = square(task.rotation_weight);
+      const Vector3d error =
+          log_so3(Quaterniond(world.rotation) * target.world_from_link.conjugate());
+      stiffness_[at(task.link)].bottomRightCorner<3, 3>().diagonal().array() += weight;
+      force_[at(task.link)].tail<3>() += weight * error;
+      costs[kTermRotation] += weight * error.squaredNorm();
+    }
+  }
+}
+
+void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
+                              const FootEndGoal& goal, double upright,
+                              std::span<const Eigen::Vector2d> anchors, TermCosts& costs) {
+  const Frame& world = pose.world_from_link[at(foot.link)];
+  const Vector3d& origin = pose.world_from_link[0].translation;
+  const Vector3d middle = world * end.middle, tip = world * end.tip;
+  // a rolling foot stands on the tip beyond its corners
+  const Vector3d& low = tip.z() < middle.z() ? tip : middle;
+  const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
+  if (pinned) {
+    const Eigen::Vector2d error = middle.head<2>() - anchors[at(goal.phase)];
+    const double weight = square(options_.contact_weight);
+    for (int axis = 0; axis < 2; ++axis) {
+      add_row(foot.link, axis, middle - origin, weight, error[axis]);
+    }
+    costs[kTermContactPlace] += weight * error.squaredNorm();
+  }
+  if (level) {
+    // a foot on its edge stands on its corners
+    const Vector3d sideways = world.rotation * foot.sideways;
+    Vector3d stands = low;
+    double error = low.z();
+    if (std::abs(sideways.z()) > kLevelLean) {
+      stands -= std::copysign(end.half_width, sideways.z()) * sideways;
+      error = stands.z() + kLevelLean * end.half_width;
+    }
+    const double weight = square(options_.contact_height_weight);
+    add_row(foot.link, 2, stands - origin, weight, error);
+    costs[kTermContactHeight] += weight * square(error);
+  } else if (options_.foot_height && upright > 0.0) {
+    const double error = low.z() - goal.clearance;
+    const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
+    const double weight = square(options_.foot_height_near +
+                                 far * (options_.foot_height_far - options_.foot_height_near)) *
+                          upright;
+    add_row(foot.link, 2, low - origin, weight, error);
+    costs[kTermFootHeight] += weight * square(error);
+  }
+  if (!options_.floor) return;
+  const double weight = square(options_.sole_floor_weight);
+  for (const Vector3d& point : end.points) {
+    const Vector3d place = world * point;
+    const double depth = place.z() - (level ? 0.0 : options_.sole_margin);
+    if (depth >= 0.0) continue;
+    add_row(foot.link, 2, place - origin, weight, depth);
+    costs[kTermFloor] += weight * square(depth);
+  }
+}
+
+void FrameTerms::add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs) {
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    const FitFoot& foot = model_.feet[f];
+    for (const std::size_t end : {kHeel, kToe}) {
+      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals.upright[f],
+                   goals.anchors, costs);
+    }
+  }
+}
+
+void FrameTerms::add_floor(const FitPose& pose, TermCosts& costs) {
+  const Vector3d& origin = pose.world_from_link[0].translation;
+  const double weight = square(options_.body_floor_weight);
+  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+    // the bottom of a foot's shapes is its sole, which has its own rows
+    const double margin = model_.is_foot[link] != 0 ? -options_.sole_margin : options_.body_margin;
+    const Frame& world = pose.world_from_link[link];
+    if (model_.floor_points[link].empty() ||
+        world.translation.z() > model_.floor_reach[link] + margin) {
+      continue;
+    }
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      const double depth =
+          world.translation.z() + world.rotation.row(2).dot(point.position) - point.radius - margin;
+      if (depth >= 0.0) continue;
+      add_row(static_cast<int>(link), 2, world * point.position - origin, weight, depth);
+      costs[kTermFloor] += weight * square(depth);
+    }
+  }
+}
+
+void FrameTerms::find_near_pairs(const FitPose& pose, double within,
+                                 std::vector<std::uint32_t>& pairs) {
+  for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
+    const RoundedShape& shape = model_.shapes[i];
+    centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
+  }
+  pairs.clear();
+  for (std::size_t i = 0; i < model_.pairs.size(); ++i) {
+    const auto [a, b] = model_.pairs[i];
+    const double reach = model_.shapes[at(a)].reach + model_.shapes[at(b)].reach + within;
+    if ((centres_[at(a)] - centres_[at(b)]).squaredNorm() < square(reach)) {
+      pairs.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+}
+
+// a row over the two chains below their common carrier
+void FrameTerms::add_pair(const FitPose& pose, const ShapePair& pair, double* gradient,
+                          double* hessian, int stride, TermCosts& costs) {
+  const RoundedShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
+  const ShapeDistance found =
+      shape_distance(a, pose.world_from_link[at(a.link)], b, pose.world_from_link[at(b.link)]);
+  const double residual = found.distance - options_.self_collision_margin;
+  if (residual >= 0.0) return;
+  const double weight = square(options_.self_collision_weight);
+  costs[kTermSelfCollision] += weight * square(residual);
+  const Vector3d& origin = pose.world_from_link[0].translation;
+  const Vector3d torque_a = (found.on_a - origin).cross(found.normal);
+  const Vector3d torque_b = (found.on_b - origin).cross(found.normal);
+  constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
+  for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) carries_[at(i)] = 1;
+  row_dofs_.clear();
+  for (int i = kLastOfBase + b.link; i >= 0; i = model_.dof_parent[at(i)]) {
+    if (carries_[at(i)] != 0) {
+      carries_[at(i)] = 0;
+      continue;
+    }
+    row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque_b.dot(pose.angular[at(i)]));
+    row_dofs_.push_back(i);
+  }
+  for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) {
+    if (carries_[at(i)] == 0) continue;
+    carries_[at(i)] = 0;
+    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque_a.dot(pose.angular[at(i)]);
+    row_dofs_.push_back(i);
+  }
+  for (const int i : row_dofs_) {
+    const double scaled = weight * row_[at(i)];
+    gradient[i] += scaled * residual;
+    double* const out = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    for (const int j : row_dofs_) {
+      if (j <= i) out[j] += scaled * row_[at(j)];
+    }
+  }
+}
+
+void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
+                          std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
+                          int stride, TermCosts& costs) {
+  for (auto& stiffness : stiffness_) stiffness.setZero();
+  for (auto& force : force_) force.setZero();
+  add_targets(pose, goals, costs);
+  add_feet(pose, goals, costs);
+  if (options_.floor) add_floor(pose, costs);
+  for (std::size_t link = model_.links.size() - 1; link > 0; --link) {
+    const std::size_t parent = at(model_.links[link].parent);
+    stiffness_[parent] += stiffness_[link];
+    force_[parent] += force_[link];
+  }
+  const int dofs = model_.dof_count();
+  for (int i = 0; i < dofs; ++i) {
+    const std::size_t link = i < FitModel::kBaseDofs ? 0 : at(i - FitModel::kBaseDofs + 1);
+    double* const row = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    std::fill_n(row, i + 1, 0.0);
+    Vector6d motion;
+    motion << pose.linear[at(i)], pose.angular[at(i)];
+    Vector6d f;
+    f.noalias() = stiffness_[link] * motion;
+    gradient[i] = force_[link].dot(motion);
+    for (int j = i; j >= 0; j = model_.dof_parent[at(j)]) {
+      row[j] = f.head<3>().dot(pose.linear[at(j)]) + f.tail<3>().dot(pose.angular[at(j)]);
+    }
+  }
+  if (!options_.self_collision) return;
+  for (const std::uint32_t pair : pairs) {
+    add_pair(pose, model_.pairs[pair], gradient, hessian, stride, costs);
+  }
+}
+
+}  // namespace retarget

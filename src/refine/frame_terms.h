@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "refine/fit_model.h"
+#include "refine/fit_pose.h"
+#include "retarget/math/se3.h"
+
+namespace retarget {
+
+/// What a fit weighs against each other; see docs/fit.md.
+enum FitTerm : unsigned char {
+  kTermPosition,
+  kTermRotation,
+  kTermFootHeight,
+  kTermContactPlace,
+  kTermContactHeight,
+  kTermFloor,
+  kTermSelfCollision,
+  kTermSmoothness,
+  kTermSpeed,
+  kTermCount
+};
+
+using TermCosts = std::array<double, kTermCount>;
+
+/// Where a task's body should be, its rotation given as that of its link.
+struct TaskTarget {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond world_from_link = Eigen::Quaterniond::Identity();
+};
+
+/// What one end of a foot, heel or toe, should do in a frame.
+struct FootEndGoal {
+  double clearance = 0.0;  ///< Metres above the floor.
+  int phase = -1;          ///< Contact phase; -1: none.
+  bool level = false;      ///< In contact, its height is that of the floor as well.
+};
+
+/// A frame's goals.
+struct FrameGoals {
+  std::span<const TaskTarget> targets;       ///< By task.
+  std::span<const FootEndGoal> ends;         ///< Two a foot: heel, toe.
+  std::span<const double> upright;           ///< By foot, 0 to 1: 0 for feet that lie or kneel.
+  std::span<const Eigen::Vector2d> anchors;  ///< Place of each contact phase.
+};
+
+/// The terms of the cost that concern one frame alone: cost, gradient and Gauss-Newton Hessian.
+/// Owns its scratch memory.
+class FrameTerms {
+ public:
+  FrameTerms(const FitModel& model, const FitOptions& options);
+
+  /// Adds up one frame.
+  /// @param pairs     indices of the model's shape pairs that may be near.
+  /// @param gradient  dof_count() values, written.
+  /// @param hessian   rows of `stride` values: the lower triangle is written, all of it.
+  /// @param costs     added to.
+  void assemble(const FitPose& pose, const FrameGoals& goals, std::span<const std::uint32_t> pairs,
+                double* gradient, double* hessian, int stride, TermCosts& costs);
+
+  /// Pairs of shapes that are less than `within` metres apart, or little more.
+  void find_near_pairs(const FitPose& pose, double within, std::vector<std::uint32_t>& pairs);
+
+ private:
+  void add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
+                    const FootEndGoal& goal, double upright,
+                    std::span<const Eigen::Vector2d> anchors, TermCosts& costs);
+  void add_floor(const FitPose& pose, TermCosts& costs);
+  void add_pair(const FitPose& pose, const ShapePair& pair, double* gradient, double* hessian,
+                int stride, TermCosts& costs);
+  void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,
+               double residual);
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  std::vector<Matrix6d> stiffness_;  // by link: of what hangs on it alone, then of all it carries
+  std::vector<Vector6d> force_;
+  std::vector<Eigen::Vector3d> centres_;  // of shapes, in the world
+  std::vector<double> row_;
+  std::vector<int> row_dofs_;
+  std::vector<char> carries_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "refine/clip_fitter.h"
+#include "refine/fit_model.h"
+#include "retarget/refine/fit_options.h"
+
+namespace retarget {
+
+/// What a step from a frame to the next adds to the cost, for one degree of freedom: half of it is
+/// weight/2 (change of the step)^2 + force (change of the step).
+struct StepTerm {
+  double weight = 0.0;
+  double force = 0.0;
+};
+
+/// The terms of the cost that couple neighbouring frames. Those are few numbers, for they couple
+/// each degree of freedom with itself alone:
+///
+///     (w / dt)^2 |v - s|^2    v the step, s the smoothed step: argmin |v - s|^2 + (T/dt)^2 |D s|^2
+///     (u / dt)^2 max(0, |v| - limit dt)^2
+///
+/// s is brought up to date before every iteration and constant in it; as its minimisation is part
+/// of the whole one, costs only fall by it. Together they penalise accelerations without a second
+/// neighbour in the system.
+class JointSpeeds {
+ public:
+  JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time);
+
+  /// Takes the steps of frames [first, last).
+  void update(const FitModel& model, const FitClip& clip, int first, int last);
+
+  /// Of the step from `frame` to the next one, which must be among those taken.
+  void terms(int frame, std::span<StepTerm> terms) const;
+  void add_costs(int frame, TermCosts& costs) const;
+
+ private:
+  [[nodiscard]] const double* row(const std::vector<double>& values, int frame) const {
+    return values.data() + static_cast<std::size_t>(frame - first_) * smooth_weight_.size();
+  }
+
+  std::vector<double> smooth_weight_;  // by dof; w / dt squared
+  std::vector<double> soft_step_;      // by dof; where the speed's term begins
+  double speed_weight_;                // u / dt squared
+  double smoothing_;                   // T / dt squared
+  int first_ = 0;
+  std::vector<double> steps_, smooth_, factors_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,36 @@
+#pragma once
+
+/// Loops that are compiled twice on x86-64: with baseline instructions and, for processors that
+/// have it, with AVX2. Products and sums are never fused (AVX2 alone has no such instructions) and
+/// loops keep their order, so both give the same bits.
+
+#if defined(__GNUC__)
+#define RETARGET_INLINE __attribute__((always_inline)) inline
+#else
+#define RETARGET_INLINE inline
+#endif
+
+#if defined(__GNUC__) && defined(__x86_64__)
+#define RETARGET_WIDE(type, name, parameters, body)      \
+  __attribute__((target("avx2"))) type name parameters { \
+    return body;                                         \
+  }
+#else
+#define RETARGET_WIDE(type, name, parameters, body) \
+  type name parameters {                            \
+    return body;                                    \
+  }
+#endif
+
+namespace retarget {
+
+/// Whether the functions made by RETARGET_WIDE may be called.
+inline bool has_wide_vectors() {
+#if defined(__GNUC__) && defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") != 0;
+#else
+  return false;
+#endif
+}
+
+}  // namespace retarget

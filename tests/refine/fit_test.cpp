@@ -1,0 +1,236 @@
+// The whole fit on the repository's samples: guarantees, feet, odd clips, windows and threads.
+
+#include "retarget/refine/fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/motion/clip_range.h"
+#include "retarget/motion/resample.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using testing::HasSubstr;
+
+Clip sample(const std::string& name) {
+  auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
+  EXPECT_TRUE(clip.has_value());
+  return std::move(clip->clip);
+}
+
+class FitTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { robot_ = load_g1(); }
+  static void TearDownTestSuite() { robot_.reset(); }
+
+  void SetUp() override {
+    const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+    ASSERT_TRUE(tables.has_value());
+    tables_ = *tables;
+    const auto limits = load_limits(*robot_, "official");
+    ASSERT_TRUE(limits.has_value());
+    limits_ = *limits;
+  }
+
+  FitResult fitted(const Clip& clip, const FitOptions& options = {}) {
+    const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+    EXPECT_TRUE(mapping.has_value());
+    auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, options);
+    EXPECT_TRUE(result.has_value()) << describe(result.error());
+    return std::move(*result);
+  }
+
+  // what must hold for every motion, of the numbers as they are printed
+  void expect_guarantees(const RobotClip& clip, const FitOptions& options = {}) {
+    const double dt = clip.rate().frame_time();
+    const auto printed = [](double x) { return std::round(x * 1e6) / 1e6; };
+    constexpr double kSlack = 1e-9;
+    for (int t = 0; t < clip.frame_count(); ++t) {
+      const auto q = clip.qpos(t);
+      for (const double x : q) ASSERT_TRUE(std::isfinite(x));
+      double norm = 0.0, dot = 0.0;
+      for (std::size_t i = 3; i < 7; ++i) {
+        norm += q[i] * q[i];
+        if (t > 0) dot += q[i] * clip.qpos(t - 1)[i];
+      }
+      EXPECT_NEAR(norm, 1.0, 1e-9);
+      EXPECT_GE(dot, 0.0);
+      for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
+        const RobotJoint& joint = robot_->joints()[j];
+        const auto address = static_cast<std::size_t>(joint.qpos_address);
+        const double now = printed(q[address]);
+        EXPECT_GE(now, limits_.lower[j] - kSlack) << joint.name << " " << t;
+        EXPECT_LE(now, limits_.upper[j] + kSlack) << joint.name << " " << t;
+        if (t == 0) continue;
+        const double step = std::abs(now - printed(clip.qpos(t - 1)[address]));
+        const double limit = robot_->profile().speed_limits.at(joint.name);
+        EXPECT_LE(step, limit * dt + kSlack) << joint.name << " " << t;
+        EXPECT_LE(step, options.largest_step + kSlack) << joint.name << " " << t;
+      }
+    }
+  }
+
+  // heights of all sole points of a foot, lowest of each frame
+  std::vector<double> sole_heights(const RobotClip& clip) {
+    std::vector<Pose> bodies(robot_->bodies().size());
+    std::vector<double> heights;
+    for (int t = 0; t < clip.frame_count(); ++t) {
+      forward_kinematics(*robot_, clip.qpos(t), bodies);
+      double lowest = 1e9;
+      for (const Sole& sole : robot_->profile().soles) {
+        for (const auto& point : sole.points) {
+          lowest = std::min(lowest, (bodies[static_cast<std::size_t>(sole.body)] * point).z());
+        }
+      }
+      heights.push_back(lowest);
+    }
+    return heights;
+  }
+
+  static std::shared_ptr<const Robot> robot_;
+  IkTables tables_;
+  LimitSet limits_;
+};
+std::shared_ptr<const Robot> FitTest::robot_;
+
+TEST_F(FitTest, AWalkStandsOnTheFloorAndDoesNotSlide) {
+  const FitResult result = fitted(cut(sample("walk.bvh"), 60, 120));
+  expect_guarantees(result.clip);
+  EXPECT_TRUE(result.report.floor_found);
+  EXPECT_GT(result.report.contact_phases, 2);
+  // one foot is always down, and none below the floor
+  for (const double height : sole_heights(result.clip)) {
+    EXPECT_GT(height, -0.01);
+    EXPECT_LT(height, 0.02);
+  }
+  // a frame's contact costs little: a millimetre off its place costs 0.16
+  const auto contact = std::ranges::find(result.report.terms, "contact", &FitTermReport::name);
+  ASSERT_NE(contact, result.report.terms.end());
+  EXPECT_LT(contact->after, 0.5);
+  EXPECT_LT(contact->after, contact->before);
+}
+
+TEST_F(FitTest, SamplesKeepTheGuarantees) {
+  for (const char* name : {"get_up.bvh", "squat.bvh", "turn_in_place.bvh", "wave.bvh"}) {
+    SCOPED_TRACE(name);
+    FitOptions options;
+    options.iterations = 3;
+    expect_guarantees(fitted(cut(sample(name), 40, 58), options).clip);
+  }
+}
+
+TEST_F(FitTest, NarrowLimitsHoldAndAreSaid) {
+  // no joint may turn faster than a quarter of a turn in a second
+  FitOptions options;
+  options.speed_most = 0.6;
+  options.iterations = 2;
+  const FitResult result = fitted(cut(sample("walk.bvh"), 60, 90), options);
+  expect_guarantees(result.clip);
+  ASSERT_FALSE(result.report.bounded.empty());
+  EXPECT_GT(result.report.bounded.front().largest, 0.0);
+  const double dt = result.clip.rate().frame_time();
+  for (int t = 1; t < result.clip.frame_count(); ++t) {
+    for (std::size_t i = 7; i < result.clip.qpos(t).size(); ++i) {
+      EXPECT_LE(std::abs(result.clip.qpos(t)[i] - result.clip.qpos(t - 1)[i]), 0.6 * dt);
+    }
+  }
+}
+
+TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
+  const Clip whole = sample("walk.bvh");
+  for (const int frames : {1, 2, 3}) {
+    const FitResult result = fitted(cut(whole, 10, 10 + frames));
+    EXPECT_EQ(result.clip.frame_count(), frames);
+    expect_guarantees(result.clip);
+  }
+}
+
+TEST_F(FitTest, ThreadsDoNotChangeABit) {
+  FitOptions options;
+  options.window = 0.5;
+  options.seam = 0.1;
+  options.iterations = 3;
+  options.threads = 1;
+  const Clip clip = cut(sample("walk.bvh"), 0, 48);
+  const RobotClip one = fitted(clip, options).clip;
+  options.threads = 3;
+  const RobotClip three = fitted(clip, options).clip;
+  for (int t = 0; t < one.frame_count(); ++t) {
+    ASSERT_TRUE(std::ranges::equal(one.qpos(t), three.qpos(t))) << t;
+  }
+}
+
+TEST_F(FitTest, WindowsAgreeWithTheWholeClip) {
+  const Clip clip = cut(sample("walk.bvh"), 40, 110);
+  FitOptions options;
+  options.iterations = 8;
+  options.self_collision = false;
+  options.window = 1000.0;
+  const RobotClip whole = fitted(clip, options).clip;
+  options.window = 1.1;
+  options.seam = 0.27;
+  const RobotClip windows = fitted(clip, options).clip;
+  expect_guarantees(windows);
+  double sum = 0.0, most = 0.0;
+  for (int t = 0; t < whole.frame_count(); ++t) {
+    for (std::size_t i = 0; i < whole.qpos(t).size(); ++i) {
+      const double difference = std::abs(whole.qpos(t)[i] - windows.qpos(t)[i]);
+      sum += difference / static_cast<double>(whole.qpos(t).size() * whole.frame_count());
+      most = std::max(most, difference);
+    }
+  }
+  EXPECT_LT(sum, 0.003);
+  EXPECT_LT(most, 0.1);
+}
+
+TEST_F(FitTest, TheFrameRateDoesNotMatter) {
+  const Clip clip = cut(sample("walk.bvh"), 60, 90);
+  const auto faster = resample(clip, frame_rate_from_fps(60.0), {});
+  ASSERT_TRUE(faster.has_value());
+  FitOptions options;
+  options.iterations = 8;
+  options.self_collision = false;
+  const RobotClip at_30 = fitted(clip, options).clip, at_60 = fitted(*faster, options).clip;
+  expect_guarantees(at_60);
+  double sum = 0.0;
+  for (int t = 0; t < at_30.frame_count(); ++t) {
+    for (std::size_t i = 0; i < at_30.qpos(t).size(); ++i) {
+      sum += std::abs(at_30.qpos(t)[i] - at_60.qpos(2 * t)[i]);
+    }
+  }
+  EXPECT_LT(sum / (36.0 * at_30.frame_count()), 0.01);
+}
+
+TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
+  const auto bare = load_robot(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
+  ASSERT_TRUE(bare.has_value());
+  const Clip clip = cut(sample("walk.bvh"), 0, 10);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  FitOptions options;
+  options.iterations = 2;
+  const auto result = fit(clip, *mapping, "clip", *bare, tables_, (*bare)->model_limits(), options);
+  ASSERT_TRUE(result.has_value());
+  ASSERT_FALSE(result->report.notes.empty());
+  EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
+}
+
+TEST_F(FitTest, CanBeStopped) {
+  const Clip clip = cut(sample("walk.bvh"), 0, 20);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  FitRun run;
+  run.keep_going = [](double) { return false; };
+  const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, {}, run);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+}
+
+}  // namespace
+}  // namespace retarget
