@@ -168,7 +168,8 @@ class Output(ToolTest):
         help_text = self.run_tool("--help")
         self.assert_done(help_text)
         offered = help_text.stdout
-        for command in (["inspect"], ["edit", "rest"], ["edit", "transfer"], ["edit", "lafan"]):
+        for command in (["inspect"], ["edit", "rest"], ["edit", "transfer"], ["edit", "lafan"],
+                        ["evaluate"], ["robots", "list"], ["robots", "check"], ["robots", "add"]):
             offered += self.run_tool(*command, "--help").stdout
         for line in (SOURCE / "README.md").read_text().splitlines():
             if re.match(r" +retarget ", line):

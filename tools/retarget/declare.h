@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "options.h"
+
+namespace retarget::cli {
+
+/// Declares the options of the default command.
+void add_run_options(CLI::App& app, RunOptions& options);
+
+/// Declare the other commands with their options.
+CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
+CLI::App* add_edit_command(CLI::App& app, EditOptions& options);
+CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options);
+CLI::App* add_robots_command(CLI::App& app, RobotsOptions& options);
+
+}  // namespace retarget::cli

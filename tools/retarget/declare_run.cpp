@@ -1,0 +1,124 @@
+#include "declare.h"
+#include "declare_shared.h"
+
+namespace retarget::cli {
+
+void add_run_options(CLI::App& app, RunOptions& options) {
+  add_motion_options(app, options);
+  add_source_options(app, options.source);
+  app.add_option("--start", options.start_s, "Begin at this time of the source, seconds")
+      ->type_name("S")
+      ->check(number_from(0.0, kLongestTime))
+      ->group(kInput);
+  app.add_option("--end", options.end_s, "End at this time of the source, seconds, inclusive")
+      ->type_name("S")
+      ->check(number_from(0.0, kLongestTime))
+      ->group(kInput);
+  app.add_option("--frames", options.frames,
+                 "Source frames from A up to, not including, B; either may be left out")
+      ->type_name("A:B")
+      ->group(kInput);
+
+  add_human_options(app, options.human);
+
+  app.add_option("--robot", options.robot, "Robot by name, or a robot folder")
+      ->type_name("NAME")
+      ->group(kRobot);
+  app.add_option("--robot-xml", options.robot_xml,
+                 "Any other robot: its MJCF model; meshes are not needed")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--robot-profile", options.robot_profile,
+                 "Output joint order, limit sets and soles of --robot-xml, JSON")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--dof", options.dof,
+                 "Variant of the robot whose other joints are held and not\nwritten: 29, 27, 23 "
+                 "or 23-pbhc for the G1 (default: all)")
+      ->type_name("NAME")
+      ->group(kRobot);
+  app.add_option("--ik-config", options.ik_config,
+                 "Mapping from human bones to robot bodies, JSON\n"
+                 "(default: the robot's own)")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--limits", options.limits,
+                 "Joint limits: a set of the robot (official, gmr), or\n"
+                 "a JSON or MJCF file (default: gmr with --method gmr)")
+      ->type_name("SET|FILE")
+      ->group(kRobot);
+  app.add_option("--method", options.method,
+                 "fit: a motion that the robot can follow, the whole clip at\nonce; gmr: the "
+                 "published two-pass inverse kinematics, frame\nby frame")
+      ->type_name("fit|gmr")
+      ->check(silent(CLI::IsMember({"fit", "gmr"})))
+      ->capture_default_str()
+      ->group(kRobot);
+  app.add_option("--fit-config", options.fit_config, "Weights and other options of the fit, JSON")
+      ->type_name("FILE")
+      ->group(kRobot);
+  app.add_option("--without", options.without,
+                 "Terms that the fit leaves out: floor, self-collision,\ncontact, ...")
+      ->type_name("TERM,...")
+      ->delimiter(',')
+      ->group(kRobot);
+
+  app.add_option("--scale", options.scale,
+                 "How the body's size scales the motion: table as published\n(default of LAFAN1); "
+                 "limbs gives legs, trunk and arms the\nrobot's lengths (default of all others); "
+                 "height brings every\nbody to one size first (default with --height)")
+      ->type_name("auto|table|height|limbs")
+      ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))
+      ->capture_default_str()
+      ->group(kRobot);
+  app.add_option("--engine", options.engine,
+                 "Implementation of the inverse kinematics; both take the\nsame steps")
+      ->type_name("fast|reference")
+      ->check(silent(CLI::IsMember({"fast", "reference"})))
+      ->capture_default_str()
+      ->group(kRobot);
+
+  app.add_option("--fps", options.fps, "Output rate in frames per second, or `source`")
+      ->type_name("N|source")
+      ->capture_default_str()
+      ->group(kTime);
+  app.add_option("--interpolation", options.interpolation, "Between source frames")
+      ->type_name("linear|cubic")
+      ->check(silent(CLI::IsMember({"linear", "cubic"})))
+      ->capture_default_str()
+      ->group(kTime);
+  app.add_flag("--no-antialias", options.no_antialias,
+               "Do not low-pass a source that is faster than the output")
+      ->group(kTime);
+
+  app.add_option("-o,--output", options.output, "CSV to write; - writes standard output")
+      ->type_name("FILE")
+      ->group(kOutput);
+  app.add_option("--precision", options.precision, "Digits after the decimal point, 0 to 17")
+      ->type_name("N")
+      ->check(silent(CLI::Range(0, 17)))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_option("--csv-delimiter", options.delimiter, "Between columns")
+      ->type_name("comma|space|tab")
+      ->check(silent(CLI::IsMember({"comma", "space", "tab"})))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_flag("--csv-header", options.header, "Write a first line that names the columns")
+      ->group(kOutput);
+  app.add_option("--csv-quat", options.quaternion, "Order of the root quaternion")
+      ->type_name("xyzw|wxyz")
+      ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_flag("--normalize-start", options.normalize_start,
+               "Move and turn the motion so that it starts at x = y = 0,\nfacing +x")
+      ->group(kOutput);
+  app.add_option("--report", options.report,
+                 "Write how good the motion is, JSON as of retarget evaluate")
+      ->type_name("FILE")
+      ->group(kOutput);
+  add_common_options(app, options.common);
+}
+
+}  // namespace retarget::cli
