@@ -1,6 +1,7 @@
 #include "retarget/quality/measure.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "quality/joint_metrics.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/human/foot_contacts.h"
+#include "retarget/pipeline/limit_diagnosis.h"
 
 namespace retarget {
 namespace {
@@ -26,6 +28,43 @@ FootContacts contacts_of(const HumanClip& human, int frames) {
   // what stands is learned from the part that is compared
   return frames == human.frame_count ? find_foot_contacts(human)
                                      : find_foot_contacts(first_frames(human, frames));
+}
+
+constexpr double kDegrees = 57.295779513082321;
+
+LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int frames) {
+  LimitedJoint joint;
+  joint.joint = robot.joints()[static_cast<std::size_t>(found.joint)].name;
+  joint.at_upper = found.at_upper;
+  joint.frames = found.frames;
+  joint.frames_pct = 100.0 * found.frames / frames;
+  if (found.push) {
+    joint.task = kBoneNames[static_cast<std::size_t>(found.push->bone)];
+    joint.rotation = found.push->rotation;
+    joint.shortfall = (joint.rotation ? kDegrees : 100.0) * found.push->shortfall;
+  }
+  joint.wider_set = found.wider_set;
+  if (std::isfinite(found.wider_by)) joint.wider = found.wider_by;
+  return joint;
+}
+
+// joints that stand at a limit, and the tasks that push them
+void find_limited_joints(const Draft& draft, const LimitSet& limits, const QualitySource& source) {
+  constexpr double kLeastShare = 0.05;
+  const HumanClip& human = *source.human;
+  if (human.frame_count < draft.clip.frame_count()) return;
+  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
+    std::ranges::copy(human.frame(frame), world_from_bone.begin());
+  };
+  const auto targets =
+      make_targets(human, poses, {}, draft.clip.robot(), *source.tables, source.scale);
+  // a body that lacks what the mapping needs has no targets
+  if (!targets) return;
+  for (const JointAtLimit& found :
+       joints_at_limits(draft.clip, *source.tables, *targets, poses, limits, kLeastShare)) {
+    draft.report.limited_joints.push_back(
+        limited_joint(found, draft.clip.robot(), draft.clip.frame_count()));
+  }
 }
 
 }  // namespace
@@ -50,6 +89,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     report.source_frames = frames;
     measure_contacts(draft, tracks, contacts_of(*source->human, frames), frames);
     if (tracked) measure_tracking(draft, tracks, *source, frames);
+    if (tracked) find_limited_joints(draft, limits, *source);
   }
   std::ranges::sort(report.values, {}, &MetricValue::metric);
   return report;

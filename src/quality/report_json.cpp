@@ -11,6 +11,21 @@ Json json_of(const std::optional<double>& value) {
   return value ? Json(*value) : Json();
 }
 
+Json json_of(const LimitedJoint& joint) {
+  Json json = {{"joint", joint.joint},
+               {"side", joint.at_upper ? "upper" : "lower"},
+               {"frames", joint.frames},
+               {"frames_pct", joint.frames_pct}};
+  json["task"] = joint.task.empty() ? Json() : Json(joint.task);
+  if (!joint.task.empty()) {
+    json["part"] = joint.rotation ? "rotation" : "position";
+    json[joint.rotation ? "short_deg" : "short_cm"] = joint.shortfall;
+  }
+  json["wider_set"] = joint.wider_set.empty() ? Json() : Json(joint.wider_set);
+  if (!joint.wider_set.empty()) json["wider_by"] = json_of(joint.wider);
+  return json;
+}
+
 void add_lists(Json& json, const QualityReport& report) {
   json["limit_sets"] = Json::object();
   for (const LimitSetResult& set : report.limit_sets) {
@@ -30,6 +45,10 @@ void add_lists(Json& json, const QualityReport& report) {
                                 {"position_p95_cm", json_of(row.position_p95_cm)},
                                 {"rotation_deg", json_of(row.rotation_deg)},
                                 {"rotation_p95_deg", json_of(row.rotation_p95_deg)}});
+  }
+  json["limited_joints"] = Json::array();
+  for (const LimitedJoint& joint : report.limited_joints) {
+    json["limited_joints"].push_back(json_of(joint));
   }
   json["segments"] = Json::array();
   for (const SegmentAngle& segment : report.segments) {

@@ -1,10 +1,9 @@
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "retarget/base/number_text.h"
 #include "retarget/quality/report.h"
 
 namespace retarget {
@@ -14,15 +13,7 @@ namespace {
 std::string text_of(double value) {
   const double size = std::abs(value);
   const int decimals = size >= 1000.0 ? 0 : size >= 100.0 ? 1 : size >= 1.0 ? 2 : 4;
-  std::array<char, 400> digits;
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                          std::chars_format::fixed, decimals);
-  std::string text(digits.data(), end);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
+  return number_text(value, decimals);
 }
 
 std::string cell_of(const QualityReport& report, const Metric& metric) {

@@ -48,6 +48,7 @@ class TrackingMeasure {
     collect_rows(size_ratio(source));
     root_bone_ = find_bone(tables_.human_root).value_or(0);
     root_body_ = kept(draft.clip.robot().find_body(tables_.robot_root).value_or(0)).value_or(0);
+    if (source.scale == HeightScale::kLimbs) collect_limb_targets();
     find_yaw();
   }
 
@@ -56,6 +57,7 @@ class TrackingMeasure {
  private:
   [[nodiscard]] double size_ratio(const QualitySource& source) const;
   void collect_rows(double ratio);
+  void collect_limb_targets();
   void find_yaw();
   void measure_rows() const;
   void measure_limbs() const;
@@ -73,6 +75,10 @@ class TrackingMeasure {
     return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
   }
   [[nodiscard]] Vector3d want(int frame, const Row& row) const {
+    if (!limb_targets_.empty()) {
+      return limb_targets_[static_cast<std::size_t>(frame) * kBoneCount +
+                           static_cast<std::size_t>(row.bone)];
+    }
     return row.scale *
            (bone_pose(frame, row.bone).translation - bone_pose(frame, root_bone_).translation);
   }
@@ -93,6 +99,7 @@ class TrackingMeasure {
   const IkTables& tables_;
   const int frames_;
   std::vector<Row> rows_;
+  std::vector<Vector3d> limb_targets_;  // kBoneCount a frame, from the root; empty: not by limbs
   int root_bone_ = 0, root_body_ = 0;
   Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // a yaw
 };
@@ -116,6 +123,31 @@ void TrackingMeasure::collect_rows(double ratio) {
       const auto index = kept(*body);
       if (!index) continue;
       rows_.push_back({&row, table, *index, *bone, scale == nullptr ? 1.0 : ratio * *scale});
+    }
+  }
+}
+
+// limb by limb a target is no multiple of its bone's way from the root
+void TrackingMeasure::collect_limb_targets() {
+  const HumanPoseSource poses = [this](int frame, std::span<Pose> world_from_bone) {
+    std::ranges::copy(human_.frame(frame), world_from_bone.begin());
+  };
+  const auto targets =
+      make_targets(human_, poses, {}, draft_.clip.robot(), tables_, HeightScale::kLimbs);
+  // limbs that cannot be measured: as by height
+  if (!targets) return;
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
+  limb_targets_.assign(static_cast<std::size_t>(frames_) * kBoneCount, Vector3d::Zero());
+  const int root = targets->target_of(root_bone_);
+  if (root < 0) return limb_targets_.clear();
+  for (int frame = 0; frame < frames_; ++frame) {
+    targets->build(human_.frame(frame), world_from_target);
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      const int target = targets->target_of(bone);
+      if (target < 0) continue;
+      limb_targets_[static_cast<std::size_t>(frame) * kBoneCount + static_cast<std::size_t>(bone)] =
+          world_from_target[static_cast<std::size_t>(target)].translation -
+          world_from_target[static_cast<std::size_t>(root)].translation;
     }
   }
 }

@@ -110,7 +110,7 @@ bool WindowFitter::run(const std::function<bool()>& keep_going) {
 }
 
 bool WindowFitter::owns(int phase) const {
-  const ContactPhase& p = clip_.feet.phases[at(phase)];
+  const PlantedPhase& p = clip_.feet.phases[at(phase)];
   return p.begin >= window_.begin && p.end <= window_.end;
 }
 

@@ -82,7 +82,7 @@ struct RoundedShape {
 };
 
 /// Two shapes that must stay apart.
-struct ShapePair {
+struct FitPair {
   int a = 0, b = 0;
 };
 
@@ -104,7 +104,7 @@ struct FitModel {
   std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
   std::vector<char> is_foot;        ///< By link.
   std::vector<RoundedShape> shapes;
-  std::vector<ShapePair> pairs;
+  std::vector<FitPair> pairs;
   int configuration_size = 0;
 
   [[nodiscard]] int dof_count() const { return kBaseDofs - 1 + static_cast<int>(links.size()); }

@@ -20,7 +20,7 @@ struct SourceFoot {
 };
 
 /// A time in which one end of a foot stays where it is.
-struct ContactPhase {
+struct PlantedPhase {
   int begin = 0, end = 0;  ///< Frames [begin, end).
   int foot = 0;            ///< Index of the robot's foot.
   int foot_end = kHeel;
@@ -53,7 +53,7 @@ struct FootPlan {
   int foot_count = 0;
   std::vector<FootEndGoal> ends;  ///< Frame-major, two a foot.
   std::vector<double> upright;    ///< Frame-major, one a foot.
-  std::vector<ContactPhase> phases;
+  std::vector<PlantedPhase> phases;
 
   [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
   [[nodiscard]] std::span<const double> upright_of(int frame) const;

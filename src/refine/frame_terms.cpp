@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refine/shape_distance.h"
+#include "refine/fit_distance.h"
 #include "retarget/math/so3.h"
 
 namespace retarget {
@@ -188,11 +188,11 @@ void FrameTerms::find_near_pairs(const FitPose& pose, double within,
 }
 
 // a row over the two chains below their common carrier
-void FrameTerms::add_pair(const FitPose& pose, const ShapePair& pair, double* gradient,
+void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* gradient,
                           double* hessian, int stride, TermCosts& costs) {
   const RoundedShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
-  const ShapeDistance found =
-      shape_distance(a, pose.world_from_link[at(a.link)], b, pose.world_from_link[at(b.link)]);
+  const FitDistance found =
+      fit_distance(a, pose.world_from_link[at(a.link)], b, pose.world_from_link[at(b.link)]);
   const double residual = found.distance - options_.self_collision_margin;
   if (residual >= 0.0) return;
   const double weight = square(options_.self_collision_weight);

@@ -74,7 +74,7 @@ class FrameTerms {
                     const FootEndGoal& goal, double upright,
                     std::span<const Eigen::Vector2d> anchors, TermCosts& costs);
   void add_floor(const FitPose& pose, TermCosts& costs);
-  void add_pair(const FitPose& pose, const ShapePair& pair, double* gradient, double* hessian,
+  void add_pair(const FitPose& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);
   void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,
                double residual);

@@ -167,6 +167,19 @@ class EvaluateCommand(ToolTest):
         self.assertEqual(report["motions"][0]["file"], "wave.csv")
         self.assertIn("definition", report["metrics"]["acc_p99"])
 
+    def test_joints_at_a_limit_are_in_summary_and_report(self):
+        result = self.run_tool("--bvh", SOURCE / "data" / "walk.bvh", "--robot", "unitree_g1",
+                               "-o", "w.csv", "--report", "run.json")
+        self.assert_done(result)
+        motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+        self.assertTrue(motion["limited_joints"])
+        for joint in motion["limited_joints"]:
+            self.assertGreaterEqual(joint["frames_pct"], 5.0)
+            self.assertIn(f"{joint['joint']} at its {joint['side']} limit", result.stderr)
+            self.assertIn(f"task {joint['task']} {joint['part']}", result.stderr)
+            self.assertGreater(joint["short_deg" if joint["part"] == "rotation" else "short_cm"],
+                               0.0)
+
     def test_with_a_source_at_another_rate(self):
         clip = tool.sample("wave")
         for fps in ("source", "12"):

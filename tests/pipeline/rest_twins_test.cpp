@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "human/hand_made_maps.h"
 #include "human/twins.h"
 #include "retarget/bvh/read_bvh.h"
@@ -27,9 +29,9 @@ RobotClip robot_motion(const Clip& clip) {
 }
 
 TEST(RestTwins, OfAAndIPosesMoveTheRobotAlike) {
-  for (const char* name : {"walk", "wave"}) {
-    const std::string file = std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh";
-    const Clip clip = load_bvh(file).value().clip;
+  for (const char* name : {"walk.bvh", "wave.bvh"}) {
+    const std::filesystem::path data(RETARGET_SOURCE_DIR "/data");
+    const Clip clip = load_bvh((data / name).string()).value().clip;
     const RobotClip of_t = robot_motion(with_t_pose_as_zero(clip));
     for (const double lowered : {0.8, M_PI / 2}) {
       const RobotClip of_twin = robot_motion(with_t_pose_as_zero(clip, lowered));

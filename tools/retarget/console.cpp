@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <array>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -98,18 +96,6 @@ void Console::progress(std::string_view what, int done, int total) {
 void Console::end_progress() {
   if (progress_shown_) put("\r\033[K");
   progress_shown_ = false;
-}
-
-std::string number_text(double value, int decimals) {
-  std::array<char, 400> digits;
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                          std::chars_format::fixed, decimals);
-  std::string text(digits.data(), end);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
 }
 
 std::string count_text(long count, std::string_view noun) {

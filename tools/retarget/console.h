@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "retarget/base/number_text.h"
 #include "retarget/base/result.h"
 
 namespace retarget::cli {
@@ -47,9 +48,6 @@ class Console {
   bool progress_shown_ = false;
   double last_progress_s_ = -1.0;
 };
-
-/// A number with so many decimals, without trailing zeros: 9.97, 30.
-[[nodiscard]] std::string number_text(double value, int decimals);
 
 /// `1 frame`, `2 frames`.
 [[nodiscard]] std::string count_text(long count, std::string_view noun);

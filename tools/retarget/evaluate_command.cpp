@@ -105,7 +105,7 @@ Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
   if (!source) return failure(source.error());
   measures.tables = std::move(*tables);
   measures.human = to_human(source->clip, source->human.calibration.mapping);
-  measures.scale = tracking_scale(run, *source);
+  measures.scale = choose_scale(source->human, *robot.robot, *measures.tables, run);
   measures.rate = source->clip.rate();
   measures.source = fs::path(source_name(run.source)).filename().string();
   return {};

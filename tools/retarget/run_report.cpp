@@ -32,7 +32,9 @@ Result<void> write_run_report(const RunOptions& options, const RunReportInputs& 
                                        moved.rate(), options.output);
   if (!printed) return failure(printed.error());
   const HumanClip human = to_human(inputs.source.clip, inputs.source.human.calibration.mapping);
-  const QualitySource source{&human, &inputs.tables, tracking_scale(options, inputs.source)};
+  const QualitySource source{
+      &human, &inputs.tables,
+      choose_scale(inputs.source.human, inputs.motion.robot(), inputs.tables, options)};
   QualityReport report = measure_quality(*printed, inputs.limits, &source);
   report.file = options.output == "-" ? "-" : fs::path(options.output).filename().string();
   report.source = fs::path(source_name(options.source)).filename().string();

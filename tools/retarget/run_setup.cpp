@@ -124,13 +124,6 @@ Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robo
   return load_ik_tables(mapping, robot.robot.get());
 }
 
-HeightScale tracking_scale(const RunOptions& options, const Source& source) {
-  const bool published = source.human.calibration.rest_pose == "lafan1";
-  return options.scale == "table" || (options.scale == "auto" && published)
-             ? HeightScale::kPublished
-             : HeightScale::kNormalised;
-}
-
 HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkTables& tables,
                          const RunOptions& options) {
   if (options.scale == "table") return HeightScale::kPublished;

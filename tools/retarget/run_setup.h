@@ -45,10 +45,6 @@ struct ChosenRobot {
 [[nodiscard]] Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
                                             const std::filesystem::path& data_folder);
 
-/// How the body's size counts in the targets that tracking is measured against, by --scale and the
-/// kind of source: the table's scales as published, or with every body brought to one size.
-[[nodiscard]] HeightScale tracking_scale(const RunOptions& options, const Source& source);
-
 /// How the body's size scales the motion: as --scale says, else as is best for the source.
 [[nodiscard]] HeightScale choose_scale(const HumanSource& human, const Robot& robot,
                                        const IkTables& tables, const RunOptions& options);

@@ -16,8 +16,7 @@ namespace retarget {
 struct QualitySource {
   const HumanClip* human = nullptr;  ///< At the motion's rate; may be longer or shorter.
   const IkTables* tables = nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
-  /// How the human's size counts: kPublished as the published method, anything else as
-  /// kNormalised.
+  /// How the targets were scaled.
   HeightScale scale = HeightScale::kPublished;
 };
 

@@ -44,6 +44,19 @@ struct SegmentAngle {
   double mean_deg = 0.0, p95_deg = 0.0;
 };
 
+/// A joint that stands at a limit in many frames, and what pushes it there.
+struct LimitedJoint {
+  std::string joint;
+  bool at_upper = false;
+  int frames = 0;
+  double frames_pct = 0.0;
+  std::string task;             ///< Bone that is followed; empty: nothing pushes.
+  bool rotation = false;        ///< The task's rotation; else its position.
+  double shortfall = 0.0;       ///< Of the task: degrees, or cm.
+  std::string wider_set;        ///< A limit set of the robot that is wider there; empty: none,
+  std::optional<double> wider;  ///< by so much, rad or m; nothing: it has no limit there.
+};
+
 /// A run of frames in which something is wrong.
 struct Fault {
   std::string metric;  ///< The key of the metric it counts for.
@@ -80,6 +93,8 @@ struct QualityReport {
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
+  /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
+  std::vector<LimitedJoint> limited_joints;
   std::vector<Fault> faults;  ///< By metric; the worst first.
   std::vector<GateResult> gates;
 

@@ -1,6 +1,6 @@
 // Distances of rounded shapes: closed forms, and many points of both shapes for the rest.
 
-#include "refine/shape_distance.h"
+#include "refine/fit_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -28,35 +28,35 @@ Frame moved(const Vector3d& by) {
   return {Eigen::Matrix3d::Identity(), by};
 }
 
-TEST(ShapeDistance, OfBalls) {
+TEST(FitDistance, OfBalls) {
   const auto found =
-      shape_distance(shape({}, 0.1), moved({0, 0, 0}), shape({}, 0.2), moved({1, 0, 0}));
+      fit_distance(shape({}, 0.1), moved({0, 0, 0}), shape({}, 0.2), moved({1, 0, 0}));
   EXPECT_NEAR(found.distance, 0.7, 1e-15);
   EXPECT_TRUE(found.normal.isApprox(Vector3d(-1, 0, 0)));
 }
 
-TEST(ShapeDistance, OfCrossedCapsules) {
-  const auto found = shape_distance(shape({{1, 0, 0}}, 0.1), moved({0.3, 0, 0}),
-                                    shape({{0, 1, 0}}, 0.2), moved({0, 0.4, -0.25}));
+TEST(FitDistance, OfCrossedCapsules) {
+  const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0.3, 0, 0}),
+                                  shape({{0, 1, 0}}, 0.2), moved({0, 0.4, -0.25}));
   EXPECT_NEAR(found.distance, -0.05, 1e-15);
   EXPECT_TRUE(found.on_a.isApprox(Vector3d(1e-300, 0, 0), 1e-12) || found.on_a.norm() < 1e-12);
   EXPECT_TRUE(found.normal.isApprox(Vector3d(0, 0, 1)));
 }
 
-TEST(ShapeDistance, OfACapsuleEndAndAPlate) {
-  const auto found = shape_distance(shape({{0, 0, 0.5}}, 0.1), moved({0.2, 0.1, 1.0}),
-                                    shape({{0.4, 0, 0}, {0, 0.3, 0}}, 0.05), moved({0, 0, 0}));
+TEST(FitDistance, OfACapsuleEndAndAPlate) {
+  const auto found = fit_distance(shape({{0, 0, 0.5}}, 0.1), moved({0.2, 0.1, 1.0}),
+                                  shape({{0.4, 0, 0}, {0, 0.3, 0}}, 0.05), moved({0, 0, 0}));
   EXPECT_NEAR(found.distance, 0.5 - 0.15, 1e-12);
 }
 
-TEST(ShapeDistance, WhereCoresMeetThereIsAWayOut) {
-  const auto found = shape_distance(shape({{1, 0, 0}}, 0.1), moved({0, 0.5, 0}),
-                                    shape({{0, 1, 0}}, 0.2), moved({0, 0, 0}));
+TEST(FitDistance, WhereCoresMeetThereIsAWayOut) {
+  const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0, 0.5, 0}),
+                                  shape({{0, 1, 0}}, 0.2), moved({0, 0, 0}));
   EXPECT_NEAR(found.distance, -0.3, 1e-9);
   EXPECT_NEAR(found.normal.norm(), 1.0, 1e-12);
 }
 
-TEST(ShapeDistance, NoPairOfPointsIsNearer) {
+TEST(FitDistance, NoPairOfPointsIsNearer) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
@@ -67,7 +67,7 @@ TEST(ShapeDistance, NoPairOfPointsIsNearer) {
     for (int i = 0; i < (round / 4) % 4; ++i) b_axes.push_back((0.5 - 0.1 * i) * Vector3d::Unit(i));
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
     const Frame at_a = moved(2.0 * vector()), at_b = moved(vector());
-    const auto found = shape_distance(a, at_a, b, at_b);
+    const auto found = fit_distance(a, at_a, b, at_b);
     double least = 1e9;
     for (int sample = 0; sample < 3000; ++sample) {
       Vector3d p = at_a.translation, q = at_b.translation;

@@ -1,4 +1,4 @@
-#include "refine/shape_distance.h"
+#include "refine/fit_distance.h"
 
 #include <algorithm>
 #include <array>
@@ -61,10 +61,10 @@ void nearest_on_lines(const Core& a, const Core& b, Vector3d& on_a, Vector3d& on
 
 }  // namespace
 
-ShapeDistance shape_distance(const RoundedShape& a, const Frame& world_from_a,
-                             const RoundedShape& b, const Frame& world_from_b) {
+FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const RoundedShape& b,
+                         const Frame& world_from_b) {
   const Core core_a(a, world_from_a), core_b(b, world_from_b);
-  ShapeDistance result;
+  FitDistance result;
   if (core_a.count == 1 && core_b.count == 1) {
     nearest_on_lines(core_a, core_b, result.on_a, result.on_b);
   } else {

@@ -7,7 +7,7 @@
 namespace retarget {
 
 /// How far two rounded shapes are apart.
-struct ShapeDistance {
+struct FitDistance {
   double distance = 0.0;       ///< Metres; negative: they overlap by as much.
   Eigen::Vector3d normal;      ///< Unit, in the world; a moved along it moves away from b.
   Eigen::Vector3d on_a, on_b;  ///< Nearest points of the shapes' cores, in the world.
@@ -18,7 +18,7 @@ struct ShapeDistance {
 /// Lines by their closed form (Ericson, "Real-Time Collision Detection", section 5.1.9), rectangles
 /// and boxes by projecting back and forth. Where the cores meet, shapes are driven apart along the
 /// line between their centres.
-[[nodiscard]] ShapeDistance shape_distance(const RoundedShape& a, const Frame& world_from_a,
-                                           const RoundedShape& b, const Frame& world_from_b);
+[[nodiscard]] FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a,
+                                       const RoundedShape& b, const Frame& world_from_b);
 
 }  // namespace retarget

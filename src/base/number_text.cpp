@@ -1,0 +1,21 @@
+#include "retarget/base/number_text.h"
+
+#include <array>
+#include <charconv>
+
+namespace retarget {
+
+std::string number_text(double value, int decimals) {
+  // the largest double has 309 digits before the point
+  std::array<char, 400> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                          std::chars_format::fixed, decimals);
+  std::string text(digits.data(), end);
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+
+}  // namespace retarget
