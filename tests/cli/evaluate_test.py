@@ -224,6 +224,8 @@ class EvaluateCommand(ToolTest):
         self.assert_fails(self.evaluate("-", "-"), 2, "once only")
         self.assert_fails(self.evaluate(self.good, "--json", "no/r.json"), 2, "no")
         self.assert_fails(self.retarget("--report", "-"), 2, "--report needs a file")
+        self.assert_fails(self.evaluate(self.good, "--bvh", "a.bvh", "--smpl", "a.npz"), 2,
+                          "--bvh and --smpl both name a motion")
         self.assert_fails(self.retarget("--report", "no/r.json"), 2, "no")
 
     def test_a_source_that_ends_early_is_said(self):

@@ -43,9 +43,6 @@ Result<void> check_usage(const EvaluateOptions& options) {
   if (!run.robot_profile.empty() && run.robot_xml.empty()) {
     return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
   }
-  if (!run.source.file.empty() && !run.smpl_file.empty()) {
-    return usage_failure("--bvh and --smpl both name a motion", "give one of them");
-  }
   const bool source = !run.source.file.empty() || !run.smpl_file.empty();
   if (!source && (run.start_s >= 0.0 || run.fps == "source")) {
     return usage_failure(
@@ -113,10 +110,7 @@ Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
 
 Result<Measures> load_measures(const EvaluateOptions& options, Console& console) {
   RunOptions run = options.run;
-  if (!run.smpl_file.empty()) {
-    run.source.file = run.smpl_file;
-    run.source.smpl = true;
-  }
+  if (auto chosen = choose_motion_file(run); !chosen) return failure(chosen.error());
   const auto data_folder = data_folder_of(run.common);
   if (!data_folder) return failure(data_folder.error());
   Measures measures;

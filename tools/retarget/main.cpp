@@ -91,14 +91,6 @@ int main_with(int argc, char** argv) {
     return robots(robots_options, console);
   }
   Console console(run_options.common.quiet);
-  if (!run_options.smpl_file.empty()) {
-    if (!run_options.source.file.empty()) {
-      return console.fail(
-          usage_failure("--bvh and --smpl both name a motion", "give one of them").value());
-    }
-    run_options.source.file = run_options.smpl_file;
-    run_options.source.smpl = true;
-  }
   return run(run_options, console);
 }
 

@@ -168,8 +168,9 @@ Result<RetargetResult> solve(const Source& source, const Setup& setup, const Run
   return result;
 }
 
-Result<void> run_checked(const RunOptions& options, Console& console) {
+Result<void> run_checked(RunOptions options, Console& console) {
   const auto start = std::chrono::steady_clock::now();
+  if (auto chosen = choose_motion_file(options); !chosen) return chosen;
   if (auto usage = check_usage(options); !usage) return usage;
   const auto data_folder = data_folder_of(options.common);
   if (!data_folder) return failure(data_folder.error());

@@ -65,6 +65,16 @@ Result<std::optional<FrameRate>> output_rate(const std::string& text) {
   return frame_rate_from_fps(fps);
 }
 
+Result<void> choose_motion_file(RunOptions& options) {
+  if (options.smpl_file.empty()) return {};
+  if (!options.source.file.empty()) {
+    return usage_failure("--bvh and --smpl both name a motion", "give one of them");
+  }
+  options.source.file = options.smpl_file;
+  options.source.smpl = true;
+  return {};
+}
+
 Result<Source> load_source(const RunOptions& options, const fs::path& data_folder,
                            Console& console) {
   auto motion = read_source(options.source, false, console);

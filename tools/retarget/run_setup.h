@@ -31,6 +31,9 @@ struct ChosenRobot {
 /// The folder that holds robots/ and configs/.
 [[nodiscard]] Result<std::filesystem::path> data_folder_of(const CommonOptions& options);
 
+/// Makes the file of --smpl the source; --bvh beside it is refused.
+[[nodiscard]] Result<void> choose_motion_file(RunOptions& options);
+
 /// The motion file and the human in it; says what was found.
 [[nodiscard]] Result<Source> load_source(const RunOptions& options,
                                          const std::filesystem::path& data_folder,
