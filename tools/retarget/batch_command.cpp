@@ -1,0 +1,252 @@
+// `retarget batch`: folders of clips to folders of motions.
+
+#include <algorithm>
+#include <filesystem>
+#include <list>
+#include <set>
+#include <system_error>
+
+#include "batch_manifests.h"
+#include "batch_runner.h"
+#include "commands.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+#include "retarget/batch/folder_lock.h"
+#include "retarget/batch/shard.h"
+#include "run_setup.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockName = ".retarget-batch.lock";
+
+Result<void> check_batch_usage(const BatchOptions& options) {
+  const RunOptions& run = options.run;
+  if (options.inputs.empty() && options.lists.empty()) {
+    return usage_failure("no motion files are given",
+                         "retarget batch clips/ -o out/ --robot unitree_g1; "
+                         "retarget batch --help shows more");
+  }
+  if (options.robots.empty() && run.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robots.empty() && !run.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (options.robots.size() > 1 && !run.ik_config.empty()) {
+    return usage_failure("--ik-config is a mapping to one robot, and there are several",
+                         "run a batch for each robot");
+  }
+  if (!run.robot_profile.empty() && run.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!run.robot_xml.empty() && run.ik_config.empty()) {
+    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+  }
+  if (options.resume && options.redo) {
+    return usage_failure("--resume and --redo exclude each other", "give one of them");
+  }
+  if (std::ranges::find(options.inputs, "-") != options.inputs.end()) {
+    return usage_failure("a batch reads no motion from standard input",
+                         "--list - reads names of files there");
+  }
+  return check_run_options(run);
+}
+
+Result<std::string> make_output_folder(const std::string& given) {
+  std::string folder = given;
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    return usage_failure("the output \"" + folder + "\" is not a folder");
+  }
+  fs::create_directories(folder, error);
+  if (!error) return folder;
+  return run_failure(folder,
+                     "cannot make the folder: " + std::generic_category().message(error.value()));
+}
+
+// robots, loaded once; in a list, since tasks point to them
+Result<std::list<BatchRobot>> load_batch_robots(const BatchOptions& options,
+                                                const fs::path& data_folder, Console& console) {
+  std::vector<std::string> names = options.robots;
+  if (names.empty()) names.emplace_back();
+  std::list<BatchRobot> robots;
+  for (const std::string& name : names) {
+    BatchRobot robot;
+    robot.run = options.run;
+    robot.run.robot = name;
+    robot.run.measure = !options.no_quality;
+    auto setup = load_robot_setup(robot.run, data_folder, console);
+    if (!setup) return failure(setup.error());
+    robot.setup = std::move(*setup);
+    robot.name = fs::path(robot.setup.robot->name()).filename().string();
+    if (names.size() > 1) robot.folder = robot.name + "/";
+    auto fingerprint = batch_fingerprint(options, robot.run, robot.setup, data_folder);
+    if (!fingerprint) return failure(fingerprint.error());
+    robot.fingerprint = std::move(*fingerprint);
+    if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
+      return usage_failure("the robot \"" + robot.name + "\" is given twice");
+    }
+    console.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
+                              robot.setup.tables.file);
+    robots.push_back(std::move(robot));
+  }
+  return robots;
+}
+
+// all that a batch needs before its first clip
+struct BatchPlan {
+  std::vector<BatchInput> inputs;
+  std::list<BatchRobot> robots;
+  std::vector<BatchTask> tasks;  // that are left to do
+  std::size_t unchanged = 0;
+  std::uint64_t bytes = 0;
+};
+
+Result<std::vector<BatchInput>> plan_inputs(const BatchOptions& options, const Shard& shard,
+                                            Console& console) {
+  InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
+  auto found = find_inputs(search);
+  if (!found) return failure(found.error());
+  for (const std::string& note : found->notes) console.line("inputs", note);
+  std::vector<std::string> reserved;
+  if (options.robots.size() < 2) reserved.emplace_back("summary");
+  if (auto distinct = check_distinct_outputs(found->inputs, reserved); !distinct) {
+    return failure(distinct.error());
+  }
+  const std::size_t all = found->inputs.size();
+  auto inputs = take_shard(std::move(found->inputs), shard);
+  console.line("inputs",
+               count_text(static_cast<long>(inputs.size()), "clip") +
+                   (shard.count > 1 ? " of " + std::to_string(all) + ", part " + options.shard
+                                    : std::string()));
+  return inputs;
+}
+
+// longest first, what is done already left out
+void plan_tasks(const FinishedClips& finished, BatchPlan& plan) {
+  for (const BatchInput& input : plan.inputs) {
+    for (const BatchRobot& robot : plan.robots) {
+      const auto found =
+          finished.find(input.relative, robot.name, robot.fingerprint.hash, input.path);
+      if (found.state == RecordState::kSame) {
+        ++plan.unchanged;
+        continue;
+      }
+      plan.tasks.push_back({&input, &robot, found.entry});
+      plan.bytes += input.bytes;
+    }
+  }
+}
+
+// own entries that stay: all but those of clips that are done again
+std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const BatchPlan& plan) {
+  std::set<std::pair<std::string, std::string>> redone;
+  for (const BatchTask& task : plan.tasks) {
+    if (task.candidate == nullptr) redone.emplace(task.input->relative, task.robot->name);
+  }
+  std::vector<ManifestEntry> kept = latest_entries(manifests.own);
+  std::erase_if(kept, [&](const ManifestEntry& entry) {
+    return redone.contains({entry.relative, entry.robot});
+  });
+  return kept;
+}
+
+Result<void> write_options(const std::string& folder, const std::list<BatchRobot>& robots) {
+  std::string text = "[";
+  for (const BatchRobot& robot : robots) {
+    text += (text.size() > 1 ? ",\n" : "\n") + robot.fingerprint.description;
+  }
+  return write_file(folder + "/options.json", text + "\n]\n");
+}
+
+Result<ExitCode> run_batch(BatchOptions options, Console& console) {
+  if (auto usage = check_batch_usage(options); !usage) return failure(usage.error());
+  Shard shard;
+  if (!options.shard.empty()) {
+    const auto parsed = parse_shard(options.shard);
+    if (!parsed) return failure(parsed.error());
+    shard = *parsed;
+  }
+  const auto data_folder = data_folder_of(options.run.common);
+  if (!data_folder) return failure(data_folder.error());
+  BatchPlan plan;
+  auto robots = load_batch_robots(options, *data_folder, console);
+  if (!robots) return failure(robots.error());
+  plan.robots = std::move(*robots);
+  auto inputs = plan_inputs(options, shard, console);
+  if (!inputs) return failure(inputs.error());
+  plan.inputs = std::move(*inputs);
+
+  const auto folder = make_output_folder(options.output);
+  if (!folder) return failure(folder.error());
+  const auto kind = options.shard.empty() ? FolderLock::Kind::kAlone : FolderLock::Kind::kShared;
+  const auto lock = FolderLock::take(*folder, kLockName, kind);
+  if (!lock) return failure(lock.error());
+  const auto shard_lock = FolderLock::take(
+      *folder, shard_file_name(".retarget-batch", shard, ".lock"), FolderLock::Kind::kAlone);
+  if (!options.shard.empty() && !shard_lock) return failure(shard_lock.error());
+  if (!lock->is_held()) {
+    console.line("lock", "none: " + *folder +
+                             " is on a file system without locks; do not start a "
+                             "second batch there");
+  }
+
+  auto manifests = open_manifests(*folder, shard, options, console);
+  if (!manifests) return failure(manifests.error());
+  std::vector<ManifestEntry> known = manifests->own;
+  known.insert(known.end(), manifests->others.begin(), manifests->others.end());
+  const FinishedClips finished(std::move(known), *folder);
+  plan_tasks(finished, plan);
+  if (plan.unchanged > 0) {
+    console.line("resume", std::to_string(plan.unchanged) + " of " +
+                               std::to_string(plan.unchanged + plan.tasks.size()) +
+                               " are done and have not changed");
+  }
+  if (auto written = write_options(*folder, plan.robots); !written) {
+    return failure(written.error());
+  }
+  auto writer = ManifestWriter::begin(manifests->path, kept_entries(*manifests, plan));
+  if (!writer) return failure(writer.error());
+  *manifests = {};
+
+  BatchProgress progress(console, plan.tasks.size(), plan.bytes);
+  const BatchContext context{*folder, *data_folder, finished, **writer, progress};
+  const auto ran = run_batch_tasks(plan.tasks, options, context);
+  console.end_progress();
+  console.line("done", std::to_string(progress.done()) + " of " +
+                           count_text(static_cast<long>(plan.tasks.size()), "clip") + ", " +
+                           std::to_string(progress.failed()) + " failed; " + progress.work_text());
+  if (!ran && ran.error().kind == ErrorKind::kInterrupted) {
+    console.line("", "the same call with --resume goes on from here");
+  }
+  if (!ran) return failure(ran.error());
+  if (auto ended = finish_manifests(*folder, shard, console); !ended) {
+    return failure(ended.error());
+  }
+  return progress.failed() > 0 ? kRunFailed : kDone;
+}
+
+Result<ExitCode> merge_batch(const BatchOptions& options, Console& console) {
+  std::error_code error;
+  if (!fs::is_directory(options.output, error)) {
+    return usage_failure("\"" + options.output + "\" is not the output folder of a batch");
+  }
+  const auto lock = FolderLock::take(options.output, kLockName, FolderLock::Kind::kAlone);
+  if (!lock) return failure(lock.error());
+  const auto failed = merge_manifests(options.output, options.inputs, console);
+  if (!failed) return failure(failed.error());
+  return *failed > 0 ? kRunFailed : kDone;
+}
+
+}  // namespace
+
+ExitCode batch(const BatchOptions& options, Console& console) {
+  const auto code = options.merge ? merge_batch(options, console) : run_batch(options, console);
+  return code ? *code : console.fail(code.error());
+}
+
+}  // namespace retarget::cli
