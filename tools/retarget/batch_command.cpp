@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <list>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -21,29 +22,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLockName = ".retarget-batch.lock";
+constexpr const char* kLockStem = ".retarget-batch";
 
 Result<void> check_batch_usage(const BatchOptions& options) {
-  const RunOptions& run = options.run;
+  RunOptions run = options.run;
+  if (!options.robots.empty()) run.robot = options.robots.front();
   if (options.inputs.empty() && options.lists.empty()) {
     return usage_failure("no motion files are given",
                          "retarget batch clips/ -o out/ --robot unitree_g1; "
                          "retarget batch --help shows more");
   }
-  if (options.robots.empty() && run.robot_xml.empty()) {
-    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
-  }
-  if (!options.robots.empty() && !run.robot_xml.empty()) {
-    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
-  }
   if (options.robots.size() > 1 && !run.ik_config.empty()) {
     return usage_failure("--ik-config is a mapping to one robot, and there are several",
                          "run a batch for each robot");
-  }
-  if (!run.robot_profile.empty() && run.robot_xml.empty()) {
-    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
-  }
-  if (!run.robot_xml.empty() && run.ik_config.empty()) {
-    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
   }
   if (options.resume && options.redo) {
     return usage_failure("--resume and --redo exclude each other", "give one of them");
@@ -52,7 +43,7 @@ Result<void> check_batch_usage(const BatchOptions& options) {
     return usage_failure("a batch reads no motion from standard input",
                          "--list - reads names of files there");
   }
-  return check_run_options(run);
+  return check_solving_options(run);
 }
 
 Result<std::string> make_output_folder(const std::string& given) {
@@ -183,12 +174,16 @@ Result<ExitCode> run_batch(BatchOptions options, Console& console) {
 
   const auto folder = make_output_folder(options.output);
   if (!folder) return failure(folder.error());
-  const auto kind = options.shard.empty() ? FolderLock::Kind::kAlone : FolderLock::Kind::kShared;
-  const auto lock = FolderLock::take(*folder, kLockName, kind);
+  const bool is_part = shard.count > 1;
+  const auto lock = FolderLock::take(
+      *folder, kLockName, is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
   if (!lock) return failure(lock.error());
-  const auto shard_lock = FolderLock::take(
-      *folder, shard_file_name(".retarget-batch", shard, ".lock"), FolderLock::Kind::kAlone);
-  if (!options.shard.empty() && !shard_lock) return failure(shard_lock.error());
+  std::optional<Result<FolderLock>> part_lock;
+  if (is_part) {
+    part_lock = FolderLock::take(*folder, shard_file_name(kLockStem, shard, ".lock"),
+                                 FolderLock::Kind::kAlone);
+    if (!*part_lock) return failure(part_lock->error());
+  }
   if (!lock->is_held()) {
     console.line("lock", "none: " + *folder +
                              " is on a file system without locks; do not start a "

@@ -64,7 +64,7 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
                              const RunOptions& options, CsvSink& sink, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
-  retarget_options.targets_ahead = true;
+  retarget_options.targets_ahead = options.threads != 1;
   retarget_options.height_scale = choose_scale(source.human, *setup.robot, setup.tables, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
@@ -90,7 +90,39 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
   return result;
 }
 
+// joints that stay at a limit, and why
+void print_joints(const RobotClip& motion, const Source& source, const RobotSetup& setup,
+                  const RunOptions& options, Console& console) {
+  const auto at_limits = joints_at_limits(
+      motion, source.clip, source.human.calibration.mapping, setup.tables,
+      choose_scale(source.human, *setup.robot, setup.tables, options), setup.limits, kNamedAtLimit);
+  print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
+}
+
 }  // namespace
+
+Result<void> check_solving_options(const RunOptions& options) {
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!options.robot_xml.empty() && options.ik_config.empty()) {
+    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+  }
+  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
+    return usage_failure("--fit-config and --without belong to --method fit", "leave out --method");
+  }
+  if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
+    return usage_failure("--frames and --start/--end both choose a part of the clip",
+                         "give one of them");
+  }
+  return {};
+}
 
 Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                     const std::filesystem::path& data_folder, Console& console) {
@@ -110,8 +142,8 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
   return setup;
 }
 
-Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                      const std::filesystem::path& data_folder, Console& console) {
+Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
+                             const std::filesystem::path& data_folder, Console& console) {
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
@@ -137,23 +169,25 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, of_clip.limits, console);
-  const auto at_limits =
-      joints_at_limits(motion, source->clip, source->human.calibration.mapping, of_clip.tables,
-                       choose_scale(source->human, *of_clip.robot, of_clip.tables, options),
-                       of_clip.limits, kNamedAtLimit);
-  print_joints_at_limits(at_limits, *of_clip.robot, of_clip.limits, console);
+  if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  if (auto written = (*sink)->finish(); !written) return written;
+  if (auto written = (*sink)->finish(); !written) return failure(written.error());
+  ClipOutcome outcome{motion.frame_count(), motion.rate().fps(), {options.output}, std::nullopt};
+  if (options.measure || !options.report.empty()) {
+    auto report = measure_run(
+        options, {motion, *source, of_clip.tables, of_clip.limits, csv_options(options)},
+        data_folder);
+    if (!report) return failure(report.error());
+    outcome.quality = std::move(*report);
+  }
   if (!options.report.empty()) {
-    const RunReportInputs inputs{motion, *source, of_clip.tables, of_clip.limits,
-                                 csv_options(options)};
-    if (auto written = write_run_report(options, inputs, data_folder, console); !written) {
-      return written;
-    }
+    auto written = write_run_report(options.report, *outcome.quality, console);
+    if (!written) return failure(written.error());
+    outcome.files.push_back(options.report);
   }
   console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
                             number_text(seconds_since(start), 2) + " s");
-  return {};
+  return outcome;
 }
 
 }  // namespace retarget::cli

@@ -2,11 +2,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "console.h"
 #include "options.h"
 #include "retarget/base/result.h"
 #include "retarget/pipeline/ik_tables.h"
+#include "retarget/quality/report.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot.h"
 
@@ -19,14 +23,26 @@ struct RobotSetup {
   IkTables tables;
 };
 
+/// Options of robot, method and time that contradict each other are kUsage errors.
+[[nodiscard]] Result<void> check_solving_options(const RunOptions& options);
+
 /// Robot, limits and mapping as the options name them.
 [[nodiscard]] Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                                   const std::filesystem::path& data_folder,
                                                   Console& console);
 
+/// What became of a clip.
+struct ClipOutcome {
+  int frames = 0;                        ///< Of the motion that was written,
+  double fps = 0;                        ///< and its rate.
+  std::vector<std::string> files;        ///< That were written, the motion first.
+  std::optional<QualityReport> quality;  ///< Where it was asked for.
+};
+
 /// One clip from its file to the files that the options name: the motion, the report. Ctrl-C stops
 /// between two frames and leaves nothing behind.
-[[nodiscard]] Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                                    const std::filesystem::path& data_folder, Console& console);
+[[nodiscard]] Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
+                                           const std::filesystem::path& data_folder,
+                                           Console& console);
 
 }  // namespace retarget::cli

@@ -35,6 +35,8 @@ class Console {
   /// Prints nothing and takes notes; they must live as long.
   explicit Console(ConsoleNotes& notes);
 
+  /// Whether anybody reads the summary.
+  [[nodiscard]] bool is_read() const { return !quiet_ && notes_ == nullptr; }
   /// A line of the summary: a short label, then what there is to say. Silent when quiet.
   void line(std::string_view label, std::string_view text);
   void warn(const std::vector<Warning>& warnings, std::string_view file);
