@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <list>
+#include <memory>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -146,6 +147,24 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   return kept;
 }
 
+// what a killed run left of outputs that were not whole; nobody else writes there now
+void remove_unfinished(const std::string& folder, const BatchPlan& plan) {
+  std::set<fs::path> folders = {folder};
+  for (const BatchTask& task : plan.tasks) {
+    folders.insert(
+        fs::path(folder + "/" + task.robot->folder + task.input->relative).parent_path());
+  }
+  for (const fs::path& place : folders) {
+    std::error_code error;
+    std::vector<fs::path> unfinished;
+    for (fs::directory_iterator at(place, error); !error && at != fs::directory_iterator();
+         at.increment(error)) {
+      if (is_temporary_name(at->path().filename().string())) unfinished.push_back(at->path());
+    }
+    for (const fs::path& file : unfinished) fs::remove(file, error);
+  }
+}
+
 Result<void> write_options(const std::string& folder, const std::list<BatchRobot>& robots) {
   std::string text = "[";
   for (const BatchRobot& robot : robots) {
@@ -154,75 +173,108 @@ Result<void> write_options(const std::string& folder, const std::list<BatchRobot
   return write_file(folder + "/options.json", text + "\n]\n");
 }
 
-Result<ExitCode> run_batch(BatchOptions options, Console& console) {
-  if (auto usage = check_batch_usage(options); !usage) return failure(usage.error());
-  Shard shard;
-  if (!options.shard.empty()) {
-    const auto parsed = parse_shard(options.shard);
-    if (!parsed) return failure(parsed.error());
-    shard = *parsed;
+// what keeps other batches out of the folder, or of one part of it
+struct BatchLocks {
+  FolderLock folder;
+  std::optional<FolderLock> part;
+};
+
+Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Console& console) {
+  const bool is_part = shard.count > 1;
+  auto lock = FolderLock::take(folder, kLockName,
+                               is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
+  if (!lock) return failure(lock.error());
+  if (!lock->is_held()) {
+    console.line("lock", "none: the file system of " + folder +
+                             " has no locks; do not start a second batch there");
   }
-  const auto data_folder = data_folder_of(options.run.common);
-  if (!data_folder) return failure(data_folder.error());
+  BatchLocks locks{std::move(*lock), std::nullopt};
+  if (!is_part) return locks;
+  auto part = FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
+                               FolderLock::Kind::kAlone);
+  if (!part) return failure(part.error());
+  locks.part = std::move(*part);
+  return locks;
+}
+
+// robots and inputs
+Result<BatchPlan> plan_batch(const BatchOptions& options, const Shard& shard,
+                             const fs::path& data_folder, Console& console) {
   BatchPlan plan;
-  auto robots = load_batch_robots(options, *data_folder, console);
+  auto robots = load_batch_robots(options, data_folder, console);
   if (!robots) return failure(robots.error());
   plan.robots = std::move(*robots);
   auto inputs = plan_inputs(options, shard, console);
   if (!inputs) return failure(inputs.error());
   plan.inputs = std::move(*inputs);
+  return plan;
+}
 
-  const auto folder = make_output_folder(options.output);
-  if (!folder) return failure(folder.error());
-  const bool is_part = shard.count > 1;
-  const auto lock = FolderLock::take(
-      *folder, kLockName, is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
-  if (!lock) return failure(lock.error());
-  std::optional<Result<FolderLock>> part_lock;
-  if (is_part) {
-    part_lock = FolderLock::take(*folder, shard_file_name(kLockStem, shard, ".lock"),
-                                 FolderLock::Kind::kAlone);
-    if (!*part_lock) return failure(part_lock->error());
-  }
-  if (!lock->is_held()) {
-    console.line("lock", "none: " + *folder +
-                             " is on a file system without locks; do not start a "
-                             "second batch there");
-  }
-
-  auto manifests = open_manifests(*folder, shard, options, console);
-  if (!manifests) return failure(manifests.error());
-  std::vector<ManifestEntry> known = manifests->own;
-  known.insert(known.end(), manifests->others.begin(), manifests->others.end());
-  const FinishedClips finished(std::move(known), *folder);
+// leaves out what is done, and begins the manifest with it
+Result<std::unique_ptr<ManifestWriter>> begin_manifest(BatchManifests manifests,
+                                                       const FinishedClips& finished,
+                                                       BatchPlan& plan, Console& console) {
   plan_tasks(finished, plan);
   if (plan.unchanged > 0) {
     console.line("resume", std::to_string(plan.unchanged) + " of " +
                                std::to_string(plan.unchanged + plan.tasks.size()) +
                                " are done and have not changed");
   }
-  if (auto written = write_options(*folder, plan.robots); !written) {
-    return failure(written.error());
-  }
-  auto writer = ManifestWriter::begin(manifests->path, kept_entries(*manifests, plan));
-  if (!writer) return failure(writer.error());
-  *manifests = {};
+  return ManifestWriter::begin(manifests.path, kept_entries(manifests, plan));
+}
 
+// the clips of the plan, and what is told of them
+Result<std::size_t> work_through(const BatchPlan& plan, const BatchOptions& options,
+                                 const std::string& folder, const fs::path& data_folder,
+                                 const FinishedClips& finished, ManifestWriter& manifest,
+                                 Console& console) {
+  if (plan.tasks.empty()) return std::size_t{0};
   BatchProgress progress(console, plan.tasks.size(), plan.bytes);
-  const BatchContext context{*folder, *data_folder, finished, **writer, progress};
-  const auto ran = run_batch_tasks(plan.tasks, options, context);
+  const auto ran =
+      run_batch_tasks(plan.tasks, options, {folder, data_folder, finished, manifest, progress});
   console.end_progress();
-  console.line("done", std::to_string(progress.done()) + " of " +
+  console.line("done", std::to_string(progress.done() + progress.unchanged()) + " of " +
                            count_text(static_cast<long>(plan.tasks.size()), "clip") + ", " +
                            std::to_string(progress.failed()) + " failed; " + progress.work_text());
-  if (!ran && ran.error().kind == ErrorKind::kInterrupted) {
-    console.line("", "the same call with --resume goes on from here");
+  if (ran) return progress.failed();
+  if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());
+  Error stopped = ran.error();
+  stopped.message = "interrupted; clips that were not done have no output";
+  stopped.hint = "the same call with --resume goes on from here";
+  return failure(std::move(stopped));
+}
+
+Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
+  if (auto usage = check_batch_usage(options); !usage) return failure(usage.error());
+  const Result<Shard> shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
+  if (!shard) return failure(shard.error());
+  const auto data_folder = data_folder_of(options.run.common);
+  if (!data_folder) return failure(data_folder.error());
+  auto plan = plan_batch(options, *shard, *data_folder, console);
+  if (!plan) return failure(plan.error());
+
+  const auto folder = make_output_folder(options.output);
+  if (!folder) return failure(folder.error());
+  const auto locks = take_locks(*folder, *shard, console);
+  if (!locks) return failure(locks.error());
+  auto manifests = open_manifests(*folder, *shard, options, console);
+  if (!manifests) return failure(manifests.error());
+  std::vector<ManifestEntry> known = manifests->own;
+  known.insert(known.end(), manifests->others.begin(), manifests->others.end());
+  const FinishedClips finished(std::move(known), *folder);
+  auto manifest = begin_manifest(std::move(*manifests), finished, *plan, console);
+  if (!manifest) return failure(manifest.error());
+  if (shard->count == 1 && locks->folder.is_held()) remove_unfinished(*folder, *plan);
+  if (auto written = write_options(*folder, plan->robots); !written) {
+    return failure(written.error());
   }
-  if (!ran) return failure(ran.error());
-  if (auto ended = finish_manifests(*folder, shard, console); !ended) {
+  const auto failed =
+      work_through(*plan, options, *folder, *data_folder, finished, **manifest, console);
+  if (!failed) return failure(failed.error());
+  if (auto ended = finish_manifests(*folder, *shard, console); !ended) {
     return failure(ended.error());
   }
-  return progress.failed() > 0 ? kRunFailed : kDone;
+  return *failed > 0 ? kRunFailed : kDone;
 }
 
 Result<ExitCode> merge_batch(const BatchOptions& options, Console& console) {

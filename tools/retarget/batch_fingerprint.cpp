@@ -28,8 +28,8 @@ std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-// name and hash of every file of a folder
-Result<Json> folder_hashes(const fs::path& folder) {
+// the hash of the names and contents of a folder's files
+Result<std::string> folder_hash(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
@@ -43,7 +43,7 @@ Result<Json> folder_hashes(const fs::path& folder) {
     if (!hash) return failure(hash.error());
     json[file.filename().string()] = *hash;
   }
-  return json;
+  return hash_bytes(json_text(json));
 }
 
 // the model as compiled, with all that it includes
@@ -107,12 +107,12 @@ Result<BatchFingerprint> batch_fingerprint(const BatchOptions& options, const Ru
   if (auto added = add_robot(run, setup, data_folder, print); !added) {
     return failure(added.error());
   }
-  auto dialects = folder_hashes(data_folder / "configs" / "skeletons");
+  const auto dialects = folder_hash(data_folder / "configs" / "skeletons");
   if (!dialects) return failure(dialects.error());
-  print.hashed["skeletons"] = std::move(*dialects);
-  auto gates = folder_hashes(data_folder / "configs" / "quality");
+  print.hashed["skeletons"] = *dialects;
+  const auto gates = folder_hash(data_folder / "configs" / "quality");
   if (!gates) return failure(gates.error());
-  print.hashed["quality"] = std::move(*gates);
+  print.hashed["quality"] = *gates;
 
   auto hash = hash_bytes(json_text(print.hashed));
   if (!hash) return failure(hash.error());

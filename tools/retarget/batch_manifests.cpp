@@ -72,7 +72,7 @@ void print_worst(const std::vector<ManifestEntry>& entries, Console& console) {
   for (std::size_t i = 0; i < std::min(kNamedWorst, missed.size()); ++i) {
     const ManifestEntry& entry = *missed[i];
     console.line(i == 0 ? "worst" : "",
-                 entry.relative + ": " +
+                 entry.relative + " on " + entry.robot + ": " +
                      count_text(static_cast<long>(entry.quality->missed.size()), "gate") +
                      " missed, furthest " + entry.quality->worst);
   }
@@ -145,8 +145,8 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   const std::string path = folder + "/" + kStem + kEnd;
   const std::vector<std::string> parts = manifests_beside(folder, path);
   std::vector<std::string> all = parts;
-  all.push_back(path);
   std::error_code ignored;
+  if (fs::exists(path, ignored)) all.push_back(path);
   for (const std::string& name : further) {
     if (!fs::exists(name, ignored)) return input_failure(name, "there is no such manifest");
     all.push_back(name);

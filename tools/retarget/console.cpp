@@ -51,7 +51,9 @@ ExitCode exit_code(ErrorKind kind) {
 Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(::isatty(STDERR_FILENO) != 0),
-      colour_(terminal_ && colours_wanted()) {}
+      colour_(terminal_ && colours_wanted()),
+      // a line now and then has time
+      last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
 
 Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
 

@@ -60,7 +60,7 @@ class Console {
   bool colour_ = false;
   ConsoleNotes* notes_ = nullptr;
   bool progress_shown_ = false;
-  double last_progress_s_ = -1.0;
+  double last_progress_s_ = 0.0;
 };
 
 /// `1 frame`, `2 frames`.
