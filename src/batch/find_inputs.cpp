@@ -127,10 +127,11 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
     entries.increment(error);
   }
   above_.pop_back();
-  if (error) {
-    found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
-                           std::generic_category().message(error.value()));
-  }
+  if (!error) return;
+  found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
+                         std::generic_category().message(error.value()));
+  // whose clips must not be missed unnoticed: it counts as one that fails
+  add_input(folder.string(), relative.empty() ? folder.filename().string() : relative, nullptr);
 }
 
 // what a file that is named keeps of its path

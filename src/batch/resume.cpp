@@ -22,6 +22,7 @@ Result<FileRecord> record_file(const std::string& path, std::string name) {
   if (::stat(path.c_str(), &info) != 0) {
     return input_failure(path, "cannot read the file: " + std::generic_category().message(errno));
   }
+  if (S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
   if (!S_ISREG(info.st_mode)) return input_failure(path, "cannot read the file: not a file");
   auto hash = hash_file(path);
   if (!hash) return failure(hash.error());

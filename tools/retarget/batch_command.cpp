@@ -47,9 +47,13 @@ Result<void> check_batch_usage(const BatchOptions& options) {
   return check_solving_options(run);
 }
 
-Result<std::string> make_output_folder(const std::string& given) {
-  std::string folder = given;
+std::string without_last_slash(std::string folder) {
   while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return folder;
+}
+
+Result<std::string> make_output_folder(const std::string& given) {
+  std::string folder = without_last_slash(given);
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     return usage_failure("the output \"" + folder + "\" is not a folder");
@@ -278,13 +282,14 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
 }
 
 Result<ExitCode> merge_batch(const BatchOptions& options, Console& console) {
+  const std::string folder = without_last_slash(options.output);
   std::error_code error;
-  if (!fs::is_directory(options.output, error)) {
-    return usage_failure("\"" + options.output + "\" is not the output folder of a batch");
+  if (!fs::is_directory(folder, error)) {
+    return usage_failure("\"" + folder + "\" is not the output folder of a batch");
   }
-  const auto lock = FolderLock::take(options.output, kLockName, FolderLock::Kind::kAlone);
+  const auto lock = FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone);
   if (!lock) return failure(lock.error());
-  const auto failed = merge_manifests(options.output, options.inputs, console);
+  const auto failed = merge_manifests(folder, options.inputs, console);
   if (!failed) return failure(failed.error());
   return *failed > 0 ? kRunFailed : kDone;
 }
