@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -131,6 +132,17 @@ TEST_F(FindInputsTest, ExcludedFilesAndTheOutputFolder) {
   const auto found = find_inputs(search);
   EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
   EXPECT_THAT(found->notes, ElementsAre(HasSubstr("outputs go there"), HasSubstr("left out 2")));
+}
+
+TEST_F(FindInputsTest, FoldersThatCannotBeReadAreClipsThatFail) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
+  make("in/walk.bvh");
+  make("in/closed/run.bvh");
+  fs::permissions(at("in/closed"), fs::perms::none);
+  const auto found = find({at("in")});
+  fs::permissions(at("in/closed"), fs::perms::owner_all);
+  EXPECT_THAT(relatives(found), ElementsAre("closed", "walk.bvh"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("cannot read the folder")));
 }
 
 TEST_F(FindInputsTest, NothingToDoIsAnError) {

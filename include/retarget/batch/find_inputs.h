@@ -41,7 +41,7 @@ struct FoundInputs {
 };
 
 /// Finds the motion files: in folders all whose name ends in .bvh or .npz in any letter case, else
-/// those that are named.
+/// those that are named. A folder that cannot be read is an input itself, whose reading fails.
 ///
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
 /// folders, and the `._NAME` files of macOS archives, are passed over. A file of a list that is not
