@@ -109,8 +109,8 @@ class Outputs(BatchTest):
         self.assertEqual(self.outputs("four"), ["other.csv", "walk.csv"])
 
     def test_quality_of_every_motion_and_the_worst_first(self):
-        self.write("in/wave.bvh", short_clip("wave", 20))
-        self.write("in/get_up.bvh", short_clip("get_up", 60))
+        self.write("in/wave.bvh", short_clip("wave", 10))
+        self.write("in/get_up.bvh", short_clip("get_up", 20))
         self.write("in/bad.bvh", "HIERARCHY\n")
         result = self.batch("--method", "gmr", fast=False)
         self.assertEqual(result.returncode, 1, result.stderr)
@@ -270,14 +270,14 @@ class Resume(BatchTest):
         self.assertFalse(left.exists())
 
     def test_interrupt_keeps_what_is_done(self):
-        for i in range(60):
-            self.clips(f"{i}.bvh", frames=30)
+        for i in range(30):
+            self.clips(f"{i}.bvh", frames=12)
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=number):
                 command = [TOOL, "batch", "in", "-o", f"out{number}", "--robot", "unitree_g1", *FAST]
                 run = subprocess.Popen(command, cwd=self.folder, stderr=subprocess.PIPE, text=True)
                 deadline = time.monotonic() + 60
-                while len(self.outputs(f"out{number}")) < 3:
+                while len(self.outputs(f"out{number}")) < 2:
                     self.assertLess(time.monotonic(), deadline)
                     time.sleep(0.01)
                 run.send_signal(number)
@@ -288,9 +288,9 @@ class Resume(BatchTest):
                 self.assertTrue(all(e["status"] == "done" for e in entries))
                 self.assertEqual(sorted(e["outputs"][0]["file"] for e in entries),
                                  self.outputs(f"out{number}"))
-                self.assertLess(len(entries), 60)
+                self.assertLess(len(entries), 30)
         self.assert_done(self.batch("--resume", output=f"out{signal.SIGINT}"))
-        self.assertEqual(len(self.outputs(f"out{signal.SIGINT}")), 60)
+        self.assertEqual(len(self.outputs(f"out{signal.SIGINT}")), 30)
 
 
 class Shards(BatchTest):
@@ -359,8 +359,8 @@ class Shards(BatchTest):
 
 class Machine(BatchTest):
     def test_second_run_in_the_same_folder_is_refused(self):
-        for i in range(40):
-            self.clips(f"{i}.bvh", frames=60)
+        for i in range(20):
+            self.clips(f"{i}.bvh", frames=20)
         command = [TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", *FAST]
         first = subprocess.Popen(command, cwd=self.folder, stderr=subprocess.DEVNULL)
         try:
@@ -377,7 +377,7 @@ class Machine(BatchTest):
             first.wait()
         # a killed run's lock is gone with it
         self.assert_done(self.batch("--resume"))
-        self.assertEqual(len(self.outputs()), 40)
+        self.assertEqual(len(self.outputs()), 20)
 
     @unittest.skipIf(os.geteuid() == 0, "root may write anywhere")
     def test_read_only_output_folder(self):
@@ -408,7 +408,7 @@ class Machine(BatchTest):
         self.assertEqual(self.outputs(), ["a.csv", "b.csv"])
 
     def test_full_disk_that_has_no_room_for_the_manifest(self):
-        for i in range(30):
+        for i in range(16):
             self.clips(f"{i:02}.bvh")
         script = 'ulimit -f 4; exec "$0" "$@"'
         result = subprocess.run(["bash", "-c", script, TOOL, "batch", "in", "-o", "out", "--robot",
@@ -416,10 +416,10 @@ class Machine(BatchTest):
                                 stderr=subprocess.PIPE)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("cannot write the manifest", result.stderr)
-        self.assertLess(len(self.outputs()), 30)
+        self.assertLess(len(self.outputs()), 16)
         self.assertTrue((self.folder / "out/manifest.jsonl").read_bytes().endswith(b"\n"))
         self.assert_done(self.batch("--resume"))
-        self.assertEqual(len(self.outputs()), 30)
+        self.assertEqual(len(self.outputs()), 16)
 
 
 if __name__ == "__main__":
