@@ -59,9 +59,9 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
     made.detail = static_cast<std::uint8_t>(part);
     return push(std::move(made));
   }
-  return fault("the pickle names " + printable(module) + "." + printable(name) +
-                   ", which is refused",
-               refusal_hint(printable(module) + "."));
+  return fault(
+      "the pickle names " + printable(module) + "." + printable(name) + ", which is refused",
+      refusal_hint(printable(module) + "."));
 }
 
 Result<void> PickleReader::call() {
@@ -177,8 +177,7 @@ Result<void> PickleReader::make_array(Node target, const PickleNode& type, const
   }
   auto layout = npy_layout(header);
   if (!layout) return fault(layout.error().message, layout.error().hint);
-  document_.arrays_.push_back(
-      npy_with_data(std::move(*layout), std::string(data), fortran_order));
+  document_.arrays_.push_back(npy_with_data(std::move(*layout), std::string(data), fortran_order));
   PickleNode& made = node(target);
   made.kind = Kind::kArray;
   made.integer = static_cast<std::int64_t>(document_.arrays_.size()) - 1;

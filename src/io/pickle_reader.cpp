@@ -1,7 +1,5 @@
 #include "io/pickle_reader.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <bit>
 #include <utility>
@@ -14,48 +12,6 @@ namespace {
 using Kind = PickleNode::Kind;
 
 constexpr std::size_t kMostNodes = 2'000'000;
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
-
-bool is_zlib(std::string_view bytes) {
-  return bytes.starts_with("\x78\x01") || bytes.starts_with("\x78\x5e") ||
-         bytes.starts_with("\x78\x9c") || bytes.starts_with("\x78\xda");
-}
-
-// all of a zlib or gzip stream; memory grows with what really comes out of it
-Result<std::string> unpack(std::string_view bytes, const std::string& file) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20;
-  constexpr int kZlibOrGzip = MAX_WBITS + 32;
-  z_stream stream{};
-  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) {
-    return run_failure(file, "not enough memory to unpack the file");
-  }
-  std::string unpacked;
-  std::size_t fed = 0;
-  int state = Z_OK;
-  while (state == Z_OK && unpacked.size() <= kMostUnpacked) {
-    if (stream.avail_in == 0) {
-      const std::size_t size = std::min(bytes.size() - fed, kPiece);
-      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + fed));
-      stream.avail_in = static_cast<uInt>(size);
-      fed += size;
-    }
-    const std::size_t used = unpacked.size();
-    unpacked.resize(used + kPiece);
-    stream.next_out = reinterpret_cast<Bytef*>(unpacked.data() + used);
-    stream.avail_out = static_cast<uInt>(kPiece);
-    state = inflate(&stream, Z_NO_FLUSH);
-    unpacked.resize(unpacked.size() - stream.avail_out);
-  }
-  inflateEnd(&stream);
-  if (unpacked.size() > kMostUnpacked) {
-    return input_failure(file, "unpacked, the file has more than 1 GiB: no motion is that large");
-  }
-  if (state != Z_STREAM_END) {
-    return input_failure(file, "the compressed file is damaged or cut off");
-  }
-  return unpacked;
-}
-
 std::uint64_t unsigned_of(std::string_view bytes) {
   return little_endian(bytes, 0, bytes.size());
 }
@@ -70,36 +26,6 @@ std::int64_t signed_of(std::string_view bytes) {
 }
 
 }  // namespace
-
-const PickleNode* PickleDocument::find(const PickleNode& dictionary, std::string_view key) const {
-  if (dictionary.kind != Kind::kDict) return nullptr;
-  for (std::size_t i = dictionary.items.size(); i >= 2; i -= 2) {
-    const PickleNode& found = at(dictionary.items[i - 2]);
-    if (found.kind == Kind::kText && found.text == key) return &at(dictionary.items[i - 1]);
-  }
-  return nullptr;
-}
-
-std::vector<std::string> PickleDocument::keys(const PickleNode& dictionary) const {
-  std::vector<std::string> names;
-  if (dictionary.kind != Kind::kDict) return names;
-  for (std::size_t i = 0; i < dictionary.items.size(); i += 2) {
-    const PickleNode& key = at(dictionary.items[i]);
-    if (key.kind == Kind::kText) names.emplace_back(key.text);
-  }
-  return names;
-}
-
-std::optional<double> PickleDocument::number(const PickleNode& node) const {
-  if (node.kind == Kind::kInteger || node.kind == Kind::kBool) {
-    return static_cast<double>(node.integer);
-  }
-  if (node.kind == Kind::kNumber) return node.number;
-  if (node.kind != Kind::kArray) return std::nullopt;
-  const NpyArray& found = array(node);
-  if (!found.is_number() || found.element_count() != 1) return std::nullopt;
-  return found.numbers().front();
-}
 
 Failure PickleReader::fault(const std::string& message, std::string hint) const {
   return input_failure(file_, message + " (byte " + std::to_string(opcode_at_) + " of the pickle)",
@@ -182,8 +108,7 @@ Result<bool> PickleReader::read_plain(PickleOp op) {
       const auto bytes = take(static_cast<std::uint64_t>(size));
       if (!bytes) return failure(bytes.error());
       const bool has_sign = op == PickleOp::kBinInt || op == PickleOp::kLong1;
-      made.integer =
-          has_sign ? signed_of(*bytes) : static_cast<std::int64_t>(unsigned_of(*bytes));
+      made.integer = has_sign ? signed_of(*bytes) : static_cast<std::int64_t>(unsigned_of(*bytes));
       break;
     }
     case PickleOp::kBinFloat: {
@@ -408,9 +333,9 @@ Result<void> PickleReader::read() {
       continue;
     }
     bool known = false;
-    for (const auto group : {&PickleReader::read_plain, &PickleReader::read_bytes,
-                             &PickleReader::read_container, &PickleReader::read_memo,
-                             &PickleReader::read_object}) {
+    for (const auto group :
+         {&PickleReader::read_plain, &PickleReader::read_bytes, &PickleReader::read_container,
+          &PickleReader::read_memo, &PickleReader::read_object}) {
       const auto done = (this->*group)(op);
       if (!done) return failure(done.error());
       known = *done;
@@ -426,30 +351,6 @@ Result<void> PickleReader::read() {
   if (!root) return failure(root.error());
   document_.root_ = *root;
   return {};
-}
-
-bool looks_like_pickle(std::string_view bytes) {
-  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) return true;
-  return bytes.size() >= 2 && bytes[0] == '\x80' && bytes[1] >= 0 && bytes[1] <= 5;
-}
-
-Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
-  PickleDocument document;
-  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) {
-    auto unpacked = unpack(bytes, file);
-    if (!unpacked) return failure(unpacked.error());
-    document.unpacked_ = std::move(*unpacked);
-    // a short text would move with its object
-    document.unpacked_.reserve(64);
-    bytes = document.unpacked_;
-  }
-  if (!bytes.starts_with('\x80')) {
-    return input_failure(file, "the file is no pickle of protocol 2 or later",
-                         "write it with Python 3's pickle.dump");
-  }
-  PickleReader reader(bytes, file, document);
-  if (auto done = reader.read(); !done) return failure(done.error());
-  return document;
 }
 
 }  // namespace retarget

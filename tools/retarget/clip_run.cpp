@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "csv_sink.h"
 #include "fit_run.h"
 #include "interrupt.h"
 #include "limit_lines.h"
@@ -13,22 +15,13 @@
 #include "retarget/robot/limit_distance.h"
 #include "run_report.h"
 #include "run_setup.h"
+#include "sidecar.h"
 
 namespace retarget::cli {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-RobotCsvOptions csv_options(const RunOptions& options) {
-  RobotCsvOptions csv;
-  csv.precision = options.precision;
-  csv.delimiter = options.delimiter == "comma" ? ',' : options.delimiter == "space" ? ' ' : '\t';
-  csv.header = options.header;
-  csv.quaternion_order =
-      options.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
-  return csv;
 }
 
 void print_limits(const RobotClip& clip, const LimitSet& limits, Console& console) {
@@ -61,7 +54,7 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
 }
 
 Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
-                             const RunOptions& options, CsvSink& sink, Console& console) {
+                             const RunOptions& options, MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = true;
@@ -75,19 +68,49 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
                           options, retarget_options, console);
     if (!fitted) return failure(fitted.error());
     for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
-      sink.add(fitted->clip.qpos(frame));
+      outputs.add(fitted->clip.qpos(frame));
     }
     RetargetResult result;
     result.steps = fitted->steps;
     result.clip = std::move(fitted->clip);
     return result;
   }
-  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
+  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),
                          setup.robot, setup.tables, setup.limits, retarget_options);
   console.end_progress();
   return result;
+}
+
+// the motion's files, their sidecars, the report
+Result<std::vector<WrittenFile>> write_results(const RunOptions& options, const RobotSetup& setup,
+                                               const Source& source, const RobotClip& motion,
+                                               const std::filesystem::path& data_folder,
+                                               MotionOutputs& outputs, Console& console) {
+  std::optional<QualityReport> report;
+  if (options.sidecar || !options.report.empty()) {
+    const auto write = write_options(options);
+    if (!write) return failure(write.error());
+    const RunReportInputs inputs{motion, source, setup.tables, setup.limits, write->csv};
+    auto measured = measure_run(options, inputs, data_folder);
+    if (!measured) return failure(measured.error());
+    report = std::move(*measured);
+  }
+  SidecarText sidecar;
+  if (options.sidecar) {
+    auto read = files_read(options, data_folder);
+    if (!read) return failure(read.error());
+    sidecar = [&, read = std::move(*read)](const WrittenFile& file) {
+      return sidecar_text(options, setup, source, file, *report, read);
+    };
+  }
+  auto files = outputs.finish(motion, sidecar);
+  if (!files || options.report.empty()) return files;
+  if (auto written = write_run_report(options, *report, console); !written) {
+    return failure(written.error());
+  }
+  return files;
 }
 
 }  // namespace
@@ -111,7 +134,8 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
 }
 
 Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                      const std::filesystem::path& data_folder, Console& console) {
+                      const std::filesystem::path& data_folder, Console& console,
+                      ClipRecord* record) {
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
@@ -125,10 +149,10 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto sink =
-      CsvSink::open(options.output, of_clip.robot, {csv_options(options), options.normalize_start});
-  if (!sink) return failure(sink.error());
-  const auto result = solve(*source, of_clip, options, **sink, console);
+  auto outputs =
+      MotionOutputs::open(options, of_clip.robot, record != nullptr && record->in_memory);
+  if (!outputs) return failure(outputs.error());
+  const auto result = solve(*source, of_clip, options, **outputs, console);
   if (!result) return failure(result.error());
   const RobotClip& motion = result->clip;
   console.line("solved",
@@ -143,16 +167,11 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
                        of_clip.limits, kNamedAtLimit);
   print_joints_at_limits(at_limits, *of_clip.robot, of_clip.limits, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  if (auto written = (*sink)->finish(); !written) return written;
-  if (!options.report.empty()) {
-    const RunReportInputs inputs{motion, *source, of_clip.tables, of_clip.limits,
-                                 csv_options(options)};
-    if (auto written = write_run_report(options, inputs, data_folder, console); !written) {
-      return written;
-    }
-  }
-  console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
-                            number_text(seconds_since(start), 2) + " s");
+  auto files = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
+  if (!files) return failure(files.error());
+  console.line("wrote",
+               outputs_text(*files) + " in " + number_text(seconds_since(start), 2) + " s");
+  if (record != nullptr) record->files = std::move(*files);
   return {};
 }
 

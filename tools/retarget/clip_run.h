@@ -5,6 +5,7 @@
 
 #include "console.h"
 #include "options.h"
+#include "outputs.h"
 #include "retarget/base/result.h"
 #include "retarget/pipeline/ik_tables.h"
 #include "retarget/robot/limits.h"
@@ -24,9 +25,17 @@ struct RobotSetup {
                                                   const std::filesystem::path& data_folder,
                                                   Console& console);
 
-/// One clip from its file to the files that the options name: the motion, the report. Ctrl-C stops
-/// between two frames and leaves nothing behind.
+/// What a run made.
+struct ClipRecord {
+  bool in_memory = false;          ///< Set by the caller: make hashes alone and write nothing.
+  std::vector<WrittenFile> files;  ///< With their hashes.
+};
+
+/// One clip from its file to the files that the options name: the motion, sidecars, the report.
+/// Ctrl-C stops between two frames and leaves nothing behind.
+/// @param record  filled; may be null.
 [[nodiscard]] Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                                    const std::filesystem::path& data_folder, Console& console);
+                                    const std::filesystem::path& data_folder, Console& console,
+                                    ClipRecord* record = nullptr);
 
 }  // namespace retarget::cli

@@ -56,6 +56,7 @@ class PickleDocument {
 
  private:
   friend class PickleReader;
+  friend Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file);
   std::string unpacked_;  // the bytes of a compressed file
   std::deque<PickleNode> nodes_;
   std::deque<NpyArray> arrays_;
