@@ -175,8 +175,8 @@ class MotionInterpreter {
   }
 
   Result<QuaternionOrder> find_order(const RobotClip& clip) {
-    if (options_.quaternion) return *options_.quaternion;
     if (raw_.order) return *raw_.order;
+    if (options_.quaternion) return *options_.quaternion;
     const OrderGuess guess = guess_order(weigh_orders(clip, raw_), raw_.usual);
     const bool is_csv = raw_.format == MotionFormat::kCsv;
     if (!guess.order) {

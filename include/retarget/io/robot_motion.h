@@ -18,7 +18,7 @@ struct ReadMotionOptions {
   std::optional<MotionFormat> format;         ///< In place of what the content says.
   std::optional<FrameRate> rate;              ///< Of the file, whatever it says itself.
   FrameRate default_rate{30, 1};              ///< Of CSVs without a time column.
-  std::optional<QuaternionOrder> quaternion;  ///< Of the root's quaternion.
+  std::optional<QuaternionOrder> quaternion;  ///< Of the root, where no header tells.
   std::optional<bool> degrees;                ///< Hinges of a CSV; false: radians.
   std::optional<double> metres_per_unit;      ///< Root position of a CSV.
   std::string variant;                        ///< Of the robot: whose joints the columns are.
