@@ -118,8 +118,8 @@ Result<void> PickleReader::encode(const PickleNode& arguments) {
     return fault("the pickle encodes a text in a way that is not read");
   }
   const std::string_view text = node(arguments.items[0]).text;
-  array_bytes_ += text.size();
-  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
+  encoded_bytes_ += text.size();
+  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its texts without end");
   std::string bytes;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto first = static_cast<unsigned char>(text[i]);

@@ -81,7 +81,8 @@ class PickleReader {
   std::vector<Node> stack_;
   std::vector<std::size_t> marks_;
   std::map<std::uint64_t, Node> memo_;
-  std::size_t array_bytes_ = 0;  // of all arrays and encoded texts
+  std::size_t array_bytes_ = 0;    // of all arrays together
+  std::size_t encoded_bytes_ = 0;  // of all encoded texts
 };
 
 }  // namespace retarget

@@ -18,6 +18,8 @@ constexpr double kStands = 0.7;
 // the better slip as a share of the worse, which must be something
 constexpr double kClearlyLess = 0.6;
 constexpr double kSlips = 1e-4;
+// below this a robot hardly moves, metres a frame
+constexpr double kStandsStill = 2e-3;
 
 // points that may touch the floor: the soles', else the bodies' origins
 struct FloorPoint {
@@ -114,8 +116,8 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
                    " mm a frame";
     return guess;
   }
-  // both stand; a robot that turns its back all the time is the rarer one
-  if (up[static_cast<std::size_t>(usual)] > kStands &&
+  // both stand still; a robot that turns its back all the time is the rarer one
+  if (most < kStandsStill && up[static_cast<std::size_t>(usual)] > kStands &&
       up[static_cast<std::size_t>(other(usual))] > kStands) {
     guess.order = usual;
     guess.by_habit = true;

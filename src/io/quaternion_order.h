@@ -25,7 +25,7 @@ struct OrderGuess {
 [[nodiscard]] OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw);
 
 /// Of both readings the one that stands upright; else the one whose feet slip less; where both
-/// stand upright and slip alike, the usual one. (The dot product of neighbouring quaternions is the
+/// stand upright and hardly move, the usual one. (The dot product of neighbouring quaternions is the
 /// same for both readings, so that continuity of the rotation alone tells nothing; that of the
 /// standing foot does.)
 [[nodiscard]] OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual);

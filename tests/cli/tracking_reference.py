@@ -13,9 +13,10 @@ import numpy as np
 
 
 def slerp(a, b, s):
+    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
     if np.dot(a, b) < 0:
         b = -b
-    angle = np.arccos(np.clip(np.dot(a, b), -1, 1))
+    angle = 2 * np.arctan2(np.linalg.norm(a - b), np.linalg.norm(a + b))
     if angle < 1e-9:
         return a
     return (np.sin((1 - s) * angle) * a + np.sin(s * angle) * b) / np.sin(angle)

@@ -194,7 +194,7 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
     }
     auto hash = hash_bytes(*bytes);
     if (!hash) return failure(hash.error());
-    written_.push_back({items_[i], std::move(*hash)});
+    written_[i] = {items_[i], std::move(*hash)};
     if (in_memory_) continue;
     auto file = OutputFile::create(items_[i].path);
     if (!file) return failure(file.error());
@@ -206,12 +206,13 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
 
 Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
                                                        const SidecarText& sidecar) {
+  written_.resize(items_.size());
   if (auto written = write_others(motion); !written) return failure(written.error());
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!sinks_[i]) continue;
     auto hash = sinks_[i]->flush();
     if (!hash) return failure(hash.error());
-    written_.push_back({items_[i], std::move(*hash)});
+    written_[i] = {items_[i], std::move(*hash)};
   }
   if (sidecar && !in_memory_) {
     for (const WrittenFile& written : written_) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "options.h"
+#include "retarget/base/result.h"
 
 namespace retarget::cli {
 
