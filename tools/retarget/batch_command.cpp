@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -11,6 +12,7 @@
 #include "batch_manifests.h"
 #include "batch_runner.h"
 #include "commands.h"
+#include "outputs.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
 #include "retarget/batch/folder_lock.h"
@@ -44,6 +46,9 @@ Result<void> check_batch_usage(const BatchOptions& options) {
     return usage_failure("a batch reads no motion from standard input",
                          "--list - reads names of files there");
   }
+  run.output = batch_output(run, "clip.bvh");
+  if (auto outputs = plan_outputs(run); !outputs) return failure(outputs.error());
+  if (auto writing = write_options(run); !writing) return failure(writing.error());
   return check_solving_options(run);
 }
 
@@ -102,6 +107,27 @@ struct BatchPlan {
   std::uint64_t bytes = 0;
 };
 
+// with several formats a.soma.bvh and a.bvh may both want a.soma.csv
+Result<void> check_distinct_files(const std::vector<BatchInput>& inputs,
+                                  const OutputOptions& options) {
+  if (options.formats.size() < 2) return {};
+  std::map<std::string, const BatchInput*> owners;
+  OutputOptions of_clip = options;
+  for (const BatchInput& input : inputs) {
+    of_clip.output = batch_output(options, input.relative);
+    const auto items = plan_outputs(of_clip);
+    if (!items) return failure(items.error());
+    for (const OutputItem& item : *items) {
+      const auto [owner, is_new] = owners.emplace(item.path, &input);
+      if (is_new) continue;
+      return usage_failure("\"" + owner->second->path + "\" and \"" + input.path +
+                               "\" would both be written to \"" + item.path + "\"",
+                           "rename one of them, or write one format at a time");
+    }
+  }
+  return {};
+}
+
 Result<std::vector<BatchInput>> plan_inputs(const BatchOptions& options, const Shard& shard,
                                             Console& console) {
   InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
@@ -111,6 +137,9 @@ Result<std::vector<BatchInput>> plan_inputs(const BatchOptions& options, const S
   std::vector<std::string> reserved;
   if (options.robots.size() < 2) reserved.emplace_back("summary");
   if (auto distinct = check_distinct_outputs(found->inputs, reserved); !distinct) {
+    return failure(distinct.error());
+  }
+  if (auto distinct = check_distinct_files(found->inputs, options.run); !distinct) {
     return failure(distinct.error());
   }
   const std::size_t all = found->inputs.size();
@@ -169,7 +198,7 @@ void remove_unfinished(const std::string& folder, const BatchPlan& plan) {
   }
 }
 
-Result<void> write_options(const std::string& folder, const std::list<BatchRobot>& robots) {
+Result<void> write_options_file(const std::string& folder, const std::list<BatchRobot>& robots) {
   std::string text = "[";
   for (const BatchRobot& robot : robots) {
     text += (text.size() > 1 ? ",\n" : "\n") + robot.fingerprint.description;
@@ -269,7 +298,7 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   auto manifest = begin_manifest(std::move(*manifests), finished, *plan, console);
   if (!manifest) return failure(manifest.error());
   if (shard->count == 1 && locks->folder.is_held()) remove_unfinished(*folder, *plan);
-  if (auto written = write_options(*folder, plan->robots); !written) {
+  if (auto written = write_options_file(*folder, plan->robots); !written) {
     return failure(written.error());
   }
   const auto failed =

@@ -52,6 +52,7 @@ class BatchWorker {
   [[nodiscard]] ManifestEntry entry_of(const BatchTask& task) const;
   Result<void> solve(const BatchTask& task, ManifestEntry& entry) const;
   Result<void> run(const BatchTask& task, const std::string& output, ManifestEntry& entry) const;
+  static void remove_outputs(const BatchTask& task, const std::string& output);
   bool is_done_already(const BatchTask& task);
   void append(const ManifestEntry& entry);
 
@@ -91,7 +92,10 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
   entry.frames = outcome->frames;
   entry.fps = outcome->fps;
   if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
-  for (const std::string& file : outcome->files) {
+  std::vector<std::string> files;
+  for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
+  files.insert(files.end(), outcome->others.begin(), outcome->others.end());
+  for (const std::string& file : files) {
     auto record = record_file(file, file.substr(context_.output_folder.size() + 1));
     if (!record) return failure(record.error());
     entry.outputs.push_back(std::move(*record));
@@ -99,12 +103,24 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
   return {};
 }
 
+void BatchWorker::remove_outputs(const BatchTask& task, const std::string& output) {
+  OutputOptions options = task.robot->run;
+  options.output = output;
+  const auto items = plan_outputs(options);
+  if (!items) return;
+  std::error_code ignored;
+  for (const OutputItem& item : *items) {
+    fs::remove(item.path, ignored);
+    if (options.sidecar) fs::remove(item.path + ".json", ignored);
+  }
+}
+
 Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) const {
   auto input = record_file(task.input->path, task.input->path);
   if (!input) return failure(input.error());
   entry.input = std::move(*input);
   const std::string output = context_.output_folder + "/" + task.robot->folder +
-                             output_stem(task.input->relative) + ".csv";
+                             batch_output(task.robot->run, task.input->relative);
   std::error_code error;
   fs::create_directories(fs::path(output).parent_path(), error);
   if (error) {
@@ -113,7 +129,7 @@ Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) con
   }
   auto done = run(task, output, entry);
   // what an earlier run made of a clip that now fails must not be taken for its motion
-  if (!done && done.error().kind != ErrorKind::kInterrupted) fs::remove(output, error);
+  if (!done && done.error().kind != ErrorKind::kInterrupted) remove_outputs(task, output);
   return done;
 }
 
@@ -185,6 +201,13 @@ std::uint64_t memory_bound(const BatchOptions& options) {
 }
 
 }  // namespace
+
+std::string batch_output(const OutputOptions& options, const std::string& relative) {
+  // of several formats each has an ending of its own in place of this one
+  const auto format =
+      options.formats.size() == 1 ? format_from_name(options.formats.front()) : MotionFormat::kCsv;
+  return output_stem(relative) + std::string(format_ending(format.value_or(MotionFormat::kCsv)));
+}
 
 Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOptions& options,
                              const BatchContext& context) {

@@ -42,6 +42,10 @@ struct BatchContext {
   BatchProgress& progress;
 };
 
+/// Where a clip's motion goes, below its robot's folder: the name to give to -o.
+/// @param relative  BatchInput::relative.
+[[nodiscard]] std::string batch_output(const OutputOptions& options, const std::string& relative);
+
 /// Does the tasks on several threads and writes what came of them into the manifest. A clip that
 /// fails is no error, a manifest that cannot be written is. Ctrl-C ends it (kInterrupted); clips
 /// that were being solved are then as if they had not been begun.

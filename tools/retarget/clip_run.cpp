@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "csv_sink.h"
 #include "fit_run.h"
 #include "interrupt.h"
 #include "limit_lines.h"
@@ -13,22 +15,13 @@
 #include "retarget/robot/limit_distance.h"
 #include "run_report.h"
 #include "run_setup.h"
+#include "sidecar.h"
 
 namespace retarget::cli {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-RobotCsvOptions csv_options(const RunOptions& options) {
-  RobotCsvOptions csv;
-  csv.precision = options.precision;
-  csv.delimiter = options.delimiter == "comma" ? ',' : options.delimiter == "space" ? ' ' : '\t';
-  csv.header = options.header;
-  csv.quaternion_order =
-      options.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
-  return csv;
 }
 
 void print_limits(const RobotClip& clip, const LimitSet& limits, Console& console) {
@@ -61,7 +54,7 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
 }
 
 Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
-                             const RunOptions& options, CsvSink& sink, Console& console) {
+                             const RunOptions& options, MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = options.threads != 1;
@@ -75,14 +68,14 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
                           options, retarget_options, console);
     if (!fitted) return failure(fitted.error());
     for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
-      sink.add(fitted->clip.qpos(frame));
+      outputs.add(fitted->clip.qpos(frame));
     }
     RetargetResult result;
     result.steps = fitted->steps;
     result.clip = std::move(fitted->clip);
     return result;
   }
-  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
+  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),
                          setup.robot, setup.tables, setup.limits, retarget_options);
@@ -97,6 +90,46 @@ void print_joints(const RobotClip& motion, const Source& source, const RobotSetu
       motion, source.clip, source.human.calibration.mapping, setup.tables,
       choose_scale(source.human, *setup.robot, setup.tables, options), setup.limits, kNamedAtLimit);
   print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
+}
+
+// the motion's files, their sidecars, the report
+Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& setup,
+                                  const Source& source, const RobotClip& motion,
+                                  const std::filesystem::path& data_folder, MotionOutputs& outputs,
+                                  Console& console) {
+  ClipOutcome outcome;
+  outcome.frames = motion.frame_count();
+  outcome.fps = motion.rate().fps();
+  if (options.measure || options.sidecar || !options.report.empty()) {
+    const auto write = write_options(options);
+    if (!write) return failure(write.error());
+    const RunReportInputs inputs{motion, source, setup.tables, setup.limits, write->csv};
+    auto measured = measure_run(options, inputs, data_folder);
+    if (!measured) return failure(measured.error());
+    outcome.quality = std::move(*measured);
+  }
+  SidecarText sidecar;
+  if (options.sidecar) {
+    auto read = files_read(options, data_folder);
+    if (!read) return failure(read.error());
+    sidecar = [&, read = std::move(*read)](const WrittenFile& file) {
+      return sidecar_text(options, setup, source, file, *outcome.quality, read);
+    };
+  }
+  auto files = outputs.finish(motion, sidecar);
+  if (!files) return failure(files.error());
+  outcome.motions = std::move(*files);
+  if (options.sidecar) {
+    for (const WrittenFile& file : outcome.motions) {
+      outcome.others.push_back(file.item.path + ".json");
+    }
+  }
+  if (options.report.empty()) return outcome;
+  if (auto written = write_run_report(options.report, *outcome.quality, console); !written) {
+    return failure(written.error());
+  }
+  outcome.others.push_back(options.report);
+  return outcome;
 }
 
 }  // namespace
@@ -143,7 +176,8 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
 }
 
 Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
-                             const std::filesystem::path& data_folder, Console& console) {
+                             const std::filesystem::path& data_folder, Console& console,
+                             Writing writing) {
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
@@ -157,10 +191,9 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto sink =
-      CsvSink::open(options.output, of_clip.robot, {csv_options(options), options.normalize_start});
-  if (!sink) return failure(sink.error());
-  const auto result = solve(*source, of_clip, options, **sink, console);
+  auto outputs = MotionOutputs::open(options, of_clip.robot, writing == Writing::kHashes);
+  if (!outputs) return failure(outputs.error());
+  const auto result = solve(*source, of_clip, options, **outputs, console);
   if (!result) return failure(result.error());
   const RobotClip& motion = result->clip;
   console.line("solved",
@@ -171,21 +204,9 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   print_limits(motion, of_clip.limits, console);
   if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  if (auto written = (*sink)->finish(); !written) return failure(written.error());
-  ClipOutcome outcome{motion.frame_count(), motion.rate().fps(), {options.output}, std::nullopt};
-  if (options.measure || !options.report.empty()) {
-    auto report = measure_run(
-        options, {motion, *source, of_clip.tables, of_clip.limits, csv_options(options)},
-        data_folder);
-    if (!report) return failure(report.error());
-    outcome.quality = std::move(*report);
-  }
-  if (!options.report.empty()) {
-    auto written = write_run_report(options.report, *outcome.quality, console);
-    if (!written) return failure(written.error());
-    outcome.files.push_back(options.report);
-  }
-  console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
+  auto outcome = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
+  if (!outcome) return outcome;
+  console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return outcome;
 }

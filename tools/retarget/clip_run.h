@@ -8,6 +8,7 @@
 
 #include "console.h"
 #include "options.h"
+#include "outputs.h"
 #include "retarget/base/result.h"
 #include "retarget/pipeline/ik_tables.h"
 #include "retarget/quality/report.h"
@@ -34,15 +35,19 @@ struct RobotSetup {
 /// What became of a clip.
 struct ClipOutcome {
   int frames = 0;                        ///< Of the motion that was written,
-  double fps = 0;                        ///< and its rate.
-  std::vector<std::string> files;        ///< That were written, the motion first.
+  double fps = 0.0;                      ///< and its rate.
+  std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
+  std::vector<std::string> others;       ///< Sidecars and the report.
   std::optional<QualityReport> quality;  ///< Where it was asked for.
 };
 
-/// One clip from its file to the files that the options name: the motion, the report. Ctrl-C stops
-/// between two frames and leaves nothing behind.
+/// Whether a run writes its files or makes their hashes alone.
+enum class Writing : unsigned char { kFiles, kHashes };
+
+/// One clip from its file to the files that the options name: the motion, sidecars, the report.
+/// Ctrl-C stops between two frames and leaves nothing behind.
 [[nodiscard]] Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
                                            const std::filesystem::path& data_folder,
-                                           Console& console);
+                                           Console& console, Writing writing = Writing::kFiles);
 
 }  // namespace retarget::cli

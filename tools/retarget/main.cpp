@@ -62,6 +62,12 @@ int main_with(int argc, char** argv) {
   const CLI::App* edit_command = add_edit_command(app, edit_options);
   EvaluateOptions evaluate_options;
   const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_options);
+  ConvertOptions convert_options;
+  const CLI::App* convert_command = add_convert_command(app, convert_options);
+  CompareOptions compare_options;
+  const CLI::App* compare_command = add_compare_command(app, compare_options);
+  VerifyOptions verify_options;
+  const CLI::App* verify_command = add_verify_command(app, verify_options);
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
@@ -92,6 +98,18 @@ int main_with(int argc, char** argv) {
   if (evaluate_command->parsed()) {
     Console console(evaluate_options.run.common.quiet);
     return evaluate(evaluate_options, console);
+  }
+  if (convert_command->parsed()) {
+    Console console(convert_options.run.common.quiet);
+    return convert(convert_options, console);
+  }
+  if (compare_command->parsed()) {
+    Console console(compare_options.run.common.quiet);
+    return compare(compare_options, console);
+  }
+  if (verify_command->parsed()) {
+    Console console(verify_options.common.quiet);
+    return verify(verify_options, console);
   }
   if (robots_command->parsed()) {
     Console console(robots_options.common.quiet);

@@ -1,16 +1,13 @@
-// The default command: one motion file to one robot CSV.
-
-#include <filesystem>
+// The default command: one motion file to a robot's motion files.
 
 #include "clip_run.h"
 #include "commands.h"
+#include "outputs.h"
 #include "retarget/base/file.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 Result<void> check_usage(const RunOptions& options) {
   if (options.source.file.empty()) {
@@ -19,28 +16,13 @@ Result<void> check_usage(const RunOptions& options) {
                          "-o walk.csv; retarget --help shows more");
   }
   if (auto solving = check_solving_options(options); !solving) return solving;
-  if (options.output.empty()) {
-    return usage_failure("no output is given", "add -o FILE, or -o - for standard output");
-  }
-  for (const std::string_view end : {".npz", ".pkl"}) {
-    if (options.output.ends_with(end)) {
-      return usage_failure(
-          "the output \"" + options.output + "\" is no CSV: CSV is what is written",
-          "give a name that ends in .csv");
-    }
-  }
-  std::error_code ignored;
-  if (options.output != "-" && fs::equivalent(options.source.file, options.output, ignored)) {
-    return usage_failure("the output would overwrite the input \"" + options.source.file + "\"",
-                         "give another name with -o");
-  }
   if (options.report == "-") {
     return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
   }
   if (!options.report.empty()) {
     if (auto folder = check_output_folder(options.report); !folder) return folder;
   }
-  return check_output_folder(options.output);
+  return check_outputs(options, options.source.file, {options.report, options.human.write_map});
 }
 
 Result<void> run_checked(RunOptions options, Console& console) {

@@ -6,6 +6,7 @@
 #include "options.h"
 #include "retarget/io/robot_csv.h"
 #include "retarget/quality/gates.h"
+#include "retarget/quality/report.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot_clip.h"
 #include "run_setup.h"
@@ -29,7 +30,7 @@ struct RunReportInputs {
                                                 const RunReportInputs& inputs,
                                                 const std::filesystem::path& data_folder);
 
-/// Writes --report.
+/// Writes --report and says how many gates were missed.
 [[nodiscard]] Result<void> write_run_report(const std::string& path, const QualityReport& report,
                                             Console& console);
 
