@@ -240,12 +240,13 @@ Result<FoundInputs> InputFinder::run() {
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);
   // a file that was named twice, perhaps by its folder and by itself
-  const auto doubles = std::ranges::unique(found_.inputs, [](const auto& a, const auto& b) {
+  const auto is_same = [](const BatchInput& a, const BatchInput& b) {
     std::error_code ignored;
     return a.relative == b.relative &&
            (a.path == b.path || fs::equivalent(a.path, b.path, ignored));
-  });
-  found_.inputs.erase(doubles.begin(), doubles.end());
+  };
+  auto& inputs = found_.inputs;
+  inputs.erase(std::unique(inputs.begin(), inputs.end(), is_same), inputs.end());
   return std::move(found_);
 }
 

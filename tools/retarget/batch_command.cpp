@@ -244,7 +244,7 @@ Result<BatchPlan> plan_batch(const BatchOptions& options, const Shard& shard,
 }
 
 // leaves out what is done, and begins the manifest with it
-Result<std::unique_ptr<ManifestWriter>> begin_manifest(BatchManifests manifests,
+Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& manifests,
                                                        const FinishedClips& finished,
                                                        BatchPlan& plan, Console& console) {
   plan_tasks(finished, plan);
@@ -295,7 +295,7 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   std::vector<ManifestEntry> known = manifests->own;
   known.insert(known.end(), manifests->others.begin(), manifests->others.end());
   const FinishedClips finished(std::move(known), *folder);
-  auto manifest = begin_manifest(std::move(*manifests), finished, *plan, console);
+  auto manifest = begin_manifest(*manifests, finished, *plan, console);
   if (!manifest) return failure(manifest.error());
   if (shard->count == 1 && locks->folder.is_held()) remove_unfinished(*folder, *plan);
   if (auto written = write_options_file(*folder, plan->robots); !written) {

@@ -35,7 +35,8 @@ std::vector<std::string> manifests_beside(const std::string& folder, const std::
        at.increment(error)) {
     const std::string name = at->path().filename().string();
     const bool is_manifest = name.starts_with(kStem) && name.ends_with(kEnd);
-    if (is_manifest && folder + "/" + name != own) found.push_back(folder + "/" + name);
+    const std::string path = (fs::path(folder) / name).string();
+    if (is_manifest && path != own) found.push_back(path);
   }
   std::ranges::sort(found);
   return found;
@@ -108,7 +109,7 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
   if (!options.resume) {
     for (const std::string& path : {manifests.path, whole}) {
       if (!fs::exists(path, ignored)) continue;
-      return usage_failure("\"" + folder + "\" holds a batch already: " + path,
+      return usage_failure(path + " is there: the folder holds a batch already",
                            "--resume goes on with it, --redo does all of it again");
     }
     return manifests;

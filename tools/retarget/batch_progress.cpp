@@ -1,13 +1,14 @@
 #include "batch_progress.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace retarget::cli {
 namespace {
 
 // two units at most: 3 h 20 min, 45 s
 std::string duration_text(double seconds) {
-  const auto whole = static_cast<long>(seconds + 0.5);
+  const long whole = std::lround(seconds);
   if (whole >= 3600) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
   }
