@@ -57,7 +57,7 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
                              const RunOptions& options, MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
-  retarget_options.targets_ahead = true;
+  retarget_options.targets_ahead = options.threads != 1;
   retarget_options.height_scale = choose_scale(source.human, *setup.robot, setup.tables, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
@@ -83,37 +83,79 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
   return result;
 }
 
+// joints that stay at a limit, and why
+void print_joints(const RobotClip& motion, const Source& source, const RobotSetup& setup,
+                  const RunOptions& options, Console& console) {
+  const auto at_limits = joints_at_limits(
+      motion, source.clip, source.human.calibration.mapping, setup.tables,
+      choose_scale(source.human, *setup.robot, setup.tables, options), setup.limits, kNamedAtLimit);
+  print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
+}
+
 // the motion's files, their sidecars, the report
-Result<std::vector<WrittenFile>> write_results(const RunOptions& options, const RobotSetup& setup,
-                                               const Source& source, const RobotClip& motion,
-                                               const std::filesystem::path& data_folder,
-                                               MotionOutputs& outputs, Console& console) {
-  std::optional<QualityReport> report;
-  if (options.sidecar || !options.report.empty()) {
+Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& setup,
+                                  const Source& source, const RobotClip& motion,
+                                  const std::filesystem::path& data_folder, MotionOutputs& outputs,
+                                  Console& console) {
+  ClipOutcome outcome;
+  outcome.frames = motion.frame_count();
+  outcome.fps = motion.rate().fps();
+  if (options.measure || options.sidecar || !options.report.empty()) {
     const auto write = write_options(options);
     if (!write) return failure(write.error());
     const RunReportInputs inputs{motion, source, setup.tables, setup.limits, write->csv};
     auto measured = measure_run(options, inputs, data_folder);
     if (!measured) return failure(measured.error());
-    report = std::move(*measured);
+    outcome.quality = std::move(*measured);
   }
   SidecarText sidecar;
   if (options.sidecar) {
     auto read = files_read(options, data_folder);
     if (!read) return failure(read.error());
     sidecar = [&, read = std::move(*read)](const WrittenFile& file) {
-      return sidecar_text(options, setup, source, file, *report, read);
+      return sidecar_text(options, setup, source, file, *outcome.quality, read);
     };
   }
   auto files = outputs.finish(motion, sidecar);
-  if (!files || options.report.empty()) return files;
-  if (auto written = write_run_report(options, *report, console); !written) {
+  if (!files) return failure(files.error());
+  outcome.motions = std::move(*files);
+  if (options.sidecar) {
+    for (const WrittenFile& file : outcome.motions) {
+      outcome.others.push_back(file.item.path + ".json");
+    }
+  }
+  if (options.report.empty()) return outcome;
+  if (auto written = write_run_report(options.report, *outcome.quality, console); !written) {
     return failure(written.error());
   }
-  return files;
+  outcome.others.push_back(options.report);
+  return outcome;
 }
 
 }  // namespace
+
+Result<void> check_solving_options(const RunOptions& options) {
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!options.robot_xml.empty() && options.ik_config.empty()) {
+    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+  }
+  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
+    return usage_failure("--fit-config and --without belong to --method fit", "leave out --method");
+  }
+  if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
+    return usage_failure("--frames and --start/--end both choose a part of the clip",
+                         "give one of them");
+  }
+  return {};
+}
 
 Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                     const std::filesystem::path& data_folder, Console& console) {
@@ -133,9 +175,9 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
   return setup;
 }
 
-Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                      const std::filesystem::path& data_folder, Console& console,
-                      ClipRecord* record) {
+Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
+                             const std::filesystem::path& data_folder, Console& console,
+                             Writing writing) {
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
@@ -149,8 +191,7 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto outputs =
-      MotionOutputs::open(options, of_clip.robot, record != nullptr && record->in_memory);
+  auto outputs = MotionOutputs::open(options, of_clip.robot, writing == Writing::kHashes);
   if (!outputs) return failure(outputs.error());
   const auto result = solve(*source, of_clip, options, **outputs, console);
   if (!result) return failure(result.error());
@@ -161,18 +202,13 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, of_clip.limits, console);
-  const auto at_limits =
-      joints_at_limits(motion, source->clip, source->human.calibration.mapping, of_clip.tables,
-                       choose_scale(source->human, *of_clip.robot, of_clip.tables, options),
-                       of_clip.limits, kNamedAtLimit);
-  print_joints_at_limits(at_limits, *of_clip.robot, of_clip.limits, console);
+  if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  auto files = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
-  if (!files) return failure(files.error());
-  console.line("wrote",
-               outputs_text(*files) + " in " + number_text(seconds_since(start), 2) + " s");
-  if (record != nullptr) record->files = std::move(*files);
-  return {};
+  auto outcome = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
+  if (!outcome) return outcome;
+  console.line("wrote", outputs_text(outcome->motions) + " in " +
+                            number_text(seconds_since(start), 2) + " s");
+  return outcome;
 }
 
 }  // namespace retarget::cli

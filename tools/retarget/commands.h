@@ -7,6 +7,7 @@ namespace retarget::cli {
 
 /// Each command does its work and gives the exit code of the process.
 [[nodiscard]] ExitCode run(const RunOptions& options, Console& console);
+[[nodiscard]] ExitCode batch(const BatchOptions& options, Console& console);
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, Console& console);
 [[nodiscard]] ExitCode edit(const EditOptions& options, Console& console);
 [[nodiscard]] ExitCode evaluate(const EvaluateOptions& options, Console& console);

@@ -10,6 +10,7 @@ namespace retarget::cli {
 void add_run_options(CLI::App& app, RunOptions& options);
 
 /// Declare the other commands with their options.
+CLI::App* add_batch_command(CLI::App& app, BatchOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
 CLI::App* add_edit_command(CLI::App& app, EditOptions& options);
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options);

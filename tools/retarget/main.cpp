@@ -24,6 +24,7 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
 Examples:
   retarget --bvh walk.bvh --robot unitree_g1 -o walk.csv
   retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
+  retarget batch clips/ -o out/ --robot unitree_g1
   retarget inspect walk.bvh
   retarget evaluate walk.csv --robot unitree_g1 --bvh walk.bvh)";
 
@@ -53,6 +54,8 @@ int main_with(int argc, char** argv) {
 
   RunOptions run_options;
   add_run_options(app, run_options);
+  BatchOptions batch_options;
+  const CLI::App* batch_command = add_batch_command(app, batch_options);
   InspectOptions inspect_options;
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
   EditOptions edit_options;
@@ -80,6 +83,10 @@ int main_with(int argc, char** argv) {
         usage_failure(error.what(), "retarget --help lists the options").value());
   }
   turn_write_signals_into_errors();
+  if (batch_command->parsed()) {
+    Console console(batch_options.run.common.quiet);
+    return batch(batch_options, console);
+  }
   if (inspect_command->parsed()) {
     Console console(inspect_options.common.quiet);
     return inspect(inspect_options, console);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retarget::cli {
@@ -80,6 +81,29 @@ struct RunOptions : OutputOptions {
   bool no_antialias = false;
 
   std::string report;  ///< JSON of the motion's quality; empty: none.
+
+  bool measure = false;  ///< Measure the motion's quality, whether it is written or not.
+  int threads = 0;       ///< Of one clip; 0: as many as serve. The result is the same.
+};
+
+/// `retarget batch`: many clips, to one robot or several.
+struct BatchOptions {
+  RunOptions run;                    ///< Of every clip but for its file, robot and output.
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
+  std::vector<std::string> lists;    ///< Files of names.
+  std::string base;                  ///< Folder below which named files keep their tree.
+  std::vector<std::string> exclude;  ///< Shell patterns.
+  std::vector<std::string> robots;
+  std::string output;      ///< Folder.
+  int jobs = 0;            ///< Clips at a time; 0: as many as there are processors.
+  double memory_gb = 0.0;  ///< That clips may need together; 0: three quarters of what there is.
+  bool resume = false;
+  bool redo = false;
+  std::string shard;  ///< `I/N`; empty: all of it.
+  bool merge = false;
+  bool no_quality = false;
+  /// Every option that may change a clip's output, as given or by default; filled by the parser.
+  std::vector<std::pair<std::string, std::vector<std::string>>> deciding;
 };
 
 /// `retarget evaluate`: how good robot motions are.

@@ -15,25 +15,7 @@ Result<void> check_usage(const RunOptions& options) {
                          "retarget --bvh walk.bvh --robot unitree_g1 "
                          "-o walk.csv; retarget --help shows more");
   }
-  if (options.robot.empty() && options.robot_xml.empty()) {
-    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
-  }
-  if (!options.robot.empty() && !options.robot_xml.empty()) {
-    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
-  }
-  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
-    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
-  }
-  if (!options.robot_xml.empty() && options.ik_config.empty()) {
-    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
-  }
-  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
-    return usage_failure("--fit-config and --without belong to --method fit", "leave out --method");
-  }
-  if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
-    return usage_failure("--frames and --start/--end both choose a part of the clip",
-                         "give one of them");
-  }
+  if (auto solving = check_solving_options(options); !solving) return solving;
   if (options.report == "-") {
     return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
   }
@@ -50,7 +32,9 @@ Result<void> run_checked(RunOptions options, Console& console) {
   if (!data_folder) return failure(data_folder.error());
   const auto setup = load_robot_setup(options, *data_folder, console);
   if (!setup) return failure(setup.error());
-  return run_clip(options, *setup, *data_folder, console);
+  const auto outcome = run_clip(options, *setup, *data_folder, console);
+  if (!outcome) return failure(outcome.error());
+  return {};
 }
 
 }  // namespace

@@ -42,14 +42,12 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   return report;
 }
 
-Result<void> write_run_report(const RunOptions& options, const QualityReport& report,
+Result<void> write_run_report(const std::string& path, const QualityReport& report,
                               Console& console) {
-  if (auto written = write_file(options.report, report_json({&report, 1})); !written) {
-    return written;
-  }
+  if (auto written = write_file(path, report_json({&report, 1})); !written) return written;
   const auto missed =
       std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
-  console.line("report", options.report + ": " + count_text(missed, "gate") + " of " +
+  console.line("report", path + ": " + count_text(missed, "gate") + " of " +
                              std::to_string(report.gates.size()) + " missed");
   return {};
 }

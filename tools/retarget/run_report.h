@@ -25,13 +25,13 @@ struct RunReportInputs {
   RobotCsvOptions csv;
 };
 
-/// Measures the motion as it was printed.
+/// Measures the motion as it was printed and holds it against the default gates.
 [[nodiscard]] Result<QualityReport> measure_run(const RunOptions& options,
                                                 const RunReportInputs& inputs,
                                                 const std::filesystem::path& data_folder);
 
 /// Writes --report and says how many gates were missed.
-[[nodiscard]] Result<void> write_run_report(const RunOptions& options, const QualityReport& report,
+[[nodiscard]] Result<void> write_run_report(const std::string& path, const QualityReport& report,
                                             Console& console);
 
 }  // namespace retarget::cli

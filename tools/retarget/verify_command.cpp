@@ -117,10 +117,9 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   run.output = sidecar->output;
   const auto setup = load_robot_setup(run, *data_folder, console);
   if (!setup) return failure(setup.error());
-  ClipRecord record;
-  record.in_memory = true;
-  if (auto done = run_clip(run, *setup, *data_folder, console, &record); !done) return done;
-  const std::string& made = record.files.front().hash;
+  const auto outcome = run_clip(run, *setup, *data_folder, console, Writing::kHashes);
+  if (!outcome) return failure(outcome.error());
+  const std::string& made = outcome->motions.front().hash;
 
   const std::string output = (beside / sidecar->output).string();
   std::error_code ignored;
