@@ -172,11 +172,16 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
     if (found > kRootColumns && joints.error().hint.starts_with("--source-dof")) {
       return failure(joints.error());
     }
-    return input_failure(file, "the lines have " + std::to_string(found) + " columns, the robot " +
-                                   robot.name() + " needs " +
-                                   std::to_string(kRootColumns + robot.output_joints().size()) +
-                                   ": 7 of the root and " +
-                                   std::to_string(robot.output_joints().size()) + " joints");
+    const std::size_t joint_count = robot.output_joints().size();
+    return failure({.kind = ErrorKind::kInput,
+                    .file = file,
+                    .line = table.lines.front(),
+                    .column = 1,
+                    .message = "this line has " + std::to_string(found) + " columns, the robot " +
+                               robot.name() + " needs " +
+                               std::to_string(kRootColumns + joint_count) + ": 7 of the root and " +
+                               std::to_string(joint_count) + " joints",
+                    .hint = {}});
   }
   if (first == 1) columns.frame = 0;
   for (int i = 0; i < 3; ++i) columns.position[i] = first + i;

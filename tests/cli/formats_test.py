@@ -456,6 +456,22 @@ class Comparing(FormatsTest):
                                       "unitree_g1"))
 
 
+class Evaluating(FormatsTest):
+    def test_every_format_is_measured(self):
+        self.converted(GOLDEN / "walk.csv", "out", "--format", ",".join(FORMATS))
+        figures = {}
+        for name in FORMATS.values():
+            self.assert_done(self.run_tool("evaluate", name, "--robot", "unitree_g1", "--gate",
+                                           "none", "--json", "report.json"))
+            report = json.loads((self.folder / "report.json").read_text())
+            motion = report["motions"][0] if "motions" in report else report
+            figures[name] = motion["frames"], motion["fps"]
+        self.assertEqual(figures["out.csv"], (301, 30))
+        self.assertEqual(figures["out.gmr.pkl"], (301, 30))
+        self.assertEqual(figures["out.mjlab.npz"], (500, 50))
+        self.assertEqual(figures["out.soma.csv"], (301, 120))
+
+
 class Provenance(FormatsTest):
     def setUp(self):
         super().setUp()

@@ -15,6 +15,8 @@ void add_output_options(CLI::App& app, OutputOptions& options) {
                  "go to files named after -o, each\nwith an ending of its own")
       ->type_name("FORMAT,...")
       ->delimiter(',')
+      ->take_all()
+      ->allow_extra_args(false)
       ->check(silent(CLI::IsMember(format_names())))
       ->group(kOutput);
   app.add_option("--precision", options.precision, "CSV: digits after the decimal point, 0 to 17")
