@@ -11,6 +11,7 @@
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
 #include "refine/foot_plan.h"
+#include "refine/sized_options.h"
 #include "refine/speed_bounds.h"
 
 namespace retarget {
@@ -367,6 +368,8 @@ Result<FitResult> Fit::run() {
       make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
+  const auto limbs = robot_limbs(*robot_, tables_);
+  if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
   std::vector<int> target_of_bone;
   target_of_bone.reserve(kBoneCount);
   for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));

@@ -147,6 +147,11 @@ void ModelMaker::add_smoothness() {
   mark(right, left, link_of_bone("RightForeArm"));
 }
 
+// what a mapping holds less important than usual is less important here too
+double importance(double weight, double usual) {
+  return weight > 0.0 ? std::sqrt(std::min(1.0, weight / usual)) : 0.0;
+}
+
 void ModelMaker::add_tasks() {
   if (!options_.tracking) return;
   const IkTable& table = tables_.tables[tables_.tables[1].used ? 1 : 0];
@@ -154,17 +159,18 @@ void ModelMaker::add_tasks() {
   struct Class {
     std::string_view end;  // of the bone's name
     double position, rotation;
+    double usual_position, usual_rotation;  // weights of the mapping that these are for
   };
-  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation},
-                              Class{"Leg", w.shank_position, w.shank_rotation},
-                              Class{"FootMod", w.foot_position, w.foot_rotation},
-                              Class{"Foot", w.foot_position, w.foot_rotation},
-                              Class{"ForeArm", w.forearm_position, w.forearm_rotation},
-                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation},
-                              Class{"Hand", w.hand_position, w.hand_rotation},
-                              Class{"Hips", w.hips_position, w.hips_rotation},
-                              Class{"Spine2", w.hips_position, w.torso_rotation},
-                              Class{"", w.other_position, w.other_rotation}};
+  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation, 10.0, 5.0},
+                              Class{"Leg", w.shank_position, w.shank_rotation, 10.0, 5.0},
+                              Class{"FootMod", w.foot_position, w.foot_rotation, 50.0, 10.0},
+                              Class{"Foot", w.foot_position, w.foot_rotation, 50.0, 10.0},
+                              Class{"ForeArm", w.forearm_position, w.forearm_rotation, 10.0, 5.0},
+                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0},
+                              Class{"Hand", w.hand_position, w.hand_rotation, 10.0, 5.0},
+                              Class{"Hips", w.hips_position, w.hips_rotation, 100.0, 5.0},
+                              Class{"Spine2", w.hips_position, w.torso_rotation, 10.0, 10.0},
+                              Class{"", w.other_position, w.other_rotation, 10.0, 5.0}};
   for (const IkRow& row : table.rows) {
     const auto bone = find_bone(row.bone);
     if (!row.has_weight() || !bone || target_of_bone_[static_cast<std::size_t>(*bone)] < 0) {
@@ -181,8 +187,9 @@ void ModelMaker::add_tasks() {
     task.target = target_of_bone_[static_cast<std::size_t>(*bone)];
     task.position = hanging.link_from_body.translation;
     task.link_from_body = hanging.link_from_body.rotation.normalized();
-    task.horizontal_weight = task.height_weight = row.position_weight > 0.0 ? kind.position : 0.0;
-    task.rotation_weight = row.rotation_weight > 0.0 ? kind.rotation : 0.0;
+    task.horizontal_weight = task.height_weight =
+        kind.position * importance(row.position_weight, kind.usual_position);
+    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation);
     model_.tasks.push_back(task);
   }
 }
@@ -231,6 +238,7 @@ std::vector<int> ends_of_points(const Sole& sole) {
 
 void ModelMaker::add_feet() {
   model_.is_foot.assign(model_.links.size(), 0);
+  model_.foot_of_link.assign(model_.links.size(), -1);
   for (const Sole& sole : robot_.profile().soles) {
     const Hanging& hanging = hanging_[static_cast<std::size_t>(sole.body)];
     if (hanging.link < 0 || sole.points.size() < 2) continue;
@@ -276,12 +284,16 @@ void ModelMaker::add_feet() {
       if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
     }
     model_.is_foot[static_cast<std::size_t>(foot.link)] = 1;
+    const int ankle = model_.links[static_cast<std::size_t>(foot.link)].parent;
+    for (const int link : {foot.link, ankle}) {
+      model_.foot_of_link[static_cast<std::size_t>(link)] = static_cast<int>(model_.feet.size());
+    }
     model_.feet.push_back(foot);
   }
 }
 
 // a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
-constexpr double kLargestRounding = 0.02;
+constexpr double kLargestRounding = 0.008;
 
 RoundedShape rounded(const CollisionShape& shape, const Frame& link_from_shape, int link) {
   RoundedShape result;

@@ -103,6 +103,7 @@ struct FitModel {
   std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
   std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
   std::vector<char> is_foot;        ///< By link.
+  std::vector<int> foot_of_link;    ///< Index of the foot that a link is or carries next; -1: none.
   std::vector<RoundedShape> shapes;
   std::vector<FitPair> pairs;
   int configuration_size = 0;

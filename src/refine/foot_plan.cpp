@@ -15,7 +15,8 @@ constexpr double kNearLowest = 0.05;    // metres
 constexpr double kLowestShare = 0.02;   // of frames
 constexpr double kLeastStanding = 0.7;  // seconds of both feet together
 
-// speeds are taken over this time, or over two frames where they are longer apart
+// Speeds are taken over two frames or over this time, whichever says slower: the short one sees a
+// foot come to rest early at any frame rate, the long one is not misled by noise of fast sources.
 constexpr double kSpeedTime = 1.0 / 15.0;
 
 // height of a foot's up vector: none of its clearance counts below the first, all beyond both
@@ -36,13 +37,19 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// m/s, over a short time about the frame
-double speed(const SourceFeet& source, int frame, int foot, int end) {
-  const int half = std::max(1, static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time)));
+// m/s, over `half` frames on either side
+double speed_over(const SourceFeet& source, int frame, int foot, int end, int half) {
   const int from = std::max(frame - half, 0), to = std::min(frame + half, source.frame_count() - 1);
   if (to == from) return 0.0;
   return (end_of(source.at(to, foot), end) - end_of(source.at(from, foot), end)).norm() /
          (source.frame_time * (to - from));
+}
+
+// m/s, over a short time about the frame
+double speed(const SourceFeet& source, int frame, int foot, int end) {
+  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time));
+  const double shortly = speed_over(source, frame, foot, end, 1);
+  return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, foot, end, half));
 }
 
 // one end of one foot

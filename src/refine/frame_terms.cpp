@@ -197,6 +197,10 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   if (residual >= 0.0) return;
   const double weight = square(options_.self_collision_weight);
   costs[kTermSelfCollision] += weight * square(residual);
+  const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
+  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -residual > foot_overlap_.depth) {
+    foot_overlap_ = {-residual, foot_a, foot_b, found.normal.head<2>()};
+  }
   const Vector3d& origin = pose.world_from_link[0].translation;
   const Vector3d torque_a = (found.on_a - origin).cross(found.normal);
   const Vector3d torque_b = (found.on_b - origin).cross(found.normal);
@@ -232,6 +236,7 @@ void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
                           int stride, TermCosts& costs) {
   for (auto& stiffness : stiffness_) stiffness.setZero();
   for (auto& force : force_) force.setZero();
+  foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);
   if (options_.floor) add_floor(pose, costs);
