@@ -44,6 +44,7 @@ class ModelMaker {
   void add_feet();
   void add_shapes();
   void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
+  void add_foot_shapes();
   void add_pairs();
   [[nodiscard]] int link_of_bone(std::string_view bone) const;
   [[nodiscard]] int body_above(int link) const;
@@ -66,6 +67,7 @@ FitModel ModelMaker::make() {
   add_tasks();
   add_feet();
   add_shapes();
+  add_foot_shapes();
   add_pairs();
   return std::move(model_);
 }
@@ -357,6 +359,18 @@ void ModelMaker::add_shapes() {
     model_.shapes.push_back(rounded(shape, link_from_shape, hanging.link));
     shape_body_.push_back(shape.body);
     add_floor_points(shape, link_from_shape);
+  }
+}
+
+// what of a foot's shapes belongs to its heel, and what to its toe
+void ModelMaker::add_foot_shapes() {
+  for (FitFoot& foot : model_.feet) {
+    const Eigen::Vector3d forward = foot.ends[kToe].middle - foot.ends[kHeel].middle;
+    const Eigen::Vector3d middle = 0.5 * (foot.ends[kToe].middle + foot.ends[kHeel].middle);
+    for (const FloorPoint& point : model_.floor_points[static_cast<std::size_t>(foot.link)]) {
+      const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToe : kHeel;
+      foot.ends[end].shape_points.push_back(point);
+    }
   }
 }
 

@@ -142,6 +142,20 @@ class EndPlanner {
   FootPlan& plan_;
 };
 
+// while all feet are in the air nothing but their clearance says how high the body flies
+void stress_flights(int frames, FootPlan& plan) {
+  constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
+  constexpr double kImportance = 4.0;
+  const std::size_t ends = 2 * static_cast<std::size_t>(plan.foot_count);
+  for (int frame = 0; frame < frames; ++frame) {
+    const std::span now(plan.ends.data() + static_cast<std::size_t>(frame) * ends, ends);
+    double lowest = kWholly;
+    for (const FootEndGoal& end : now) lowest = std::min(lowest, end.clearance);
+    const double share = std::max(0.0, (lowest - kAloft) / (kWholly - kAloft));
+    for (FootEndGoal& end : now) end.importance = 1.0 + share * (kImportance - 1.0);
+  }
+}
+
 }  // namespace
 
 std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
@@ -205,6 +219,7 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
     EndPlanner(source, standing.ankle, scale, options, foot, kHeel, plan).run();
     EndPlanner(source, standing.toe, scale, options, foot, kToe, plan).run();
   }
+  stress_flights(source.frame_count(), plan);
   return plan;
 }
 

@@ -15,6 +15,8 @@ using Eigen::Vector3d;
 
 // up to this slope a foot's middle line is as good as its edge
 constexpr double kLevelLean = 0.1;
+// metres that a foot's shapes may stick out of its sole
+constexpr double kShapeBelowSole = 0.005;
 
 double square(double x) {
   return x * x;
@@ -117,15 +119,23 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
       stands -= std::copysign(end.half_width, sideways.z()) * sideways;
       error = stands.z() + kLevelLean * end.half_width;
     }
+    // a shape around the sole that ends beyond it is what touches when the foot rolls
+    for (const FloorPoint& point : end.shape_points) {
+      const Vector3d place = world * point.position;
+      const double height = place.z() - point.radius + kShapeBelowSole;
+      if (height >= error) continue;
+      error = height;
+      stands = place;
+    }
     const double weight = square(options_.contact_height_weight);
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
   } else if (options_.foot_height && upright > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
-    const double weight = square(options_.foot_height_near +
-                                 far * (options_.foot_height_far - options_.foot_height_near)) *
-                          upright;
+    const double near = options_.foot_height_near;
+    const double weight =
+        square(goal.importance * (near + far * (options_.foot_height_far - near))) * upright;
     add_row(foot.link, 2, low - origin, weight, error);
     costs[kTermFootHeight] += weight * square(error);
   }

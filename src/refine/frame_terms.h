@@ -37,9 +37,10 @@ struct TaskTarget {
 
 /// What one end of a foot, heel or toe, should do in a frame.
 struct FootEndGoal {
-  double clearance = 0.0;  ///< Metres above the floor.
-  int phase = -1;          ///< Contact phase; -1: none.
-  bool level = false;      ///< In contact, its height is that of the floor as well.
+  double clearance = 0.0;   ///< Metres above the floor.
+  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight.
+  int phase = -1;           ///< Contact phase; -1: none.
+  bool level = false;       ///< In contact, its height is that of the floor as well.
 };
 
 /// A frame's goals.
