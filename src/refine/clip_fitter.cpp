@@ -234,7 +234,8 @@ void WindowFitter::release_limits() {
     }
     if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
     signed char& side = held(row.frame, row.dof);
-    if (side * force > 0.0) side = 0;
+    const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
+    if (side * force > 0.0 && !fixed) side = 0;
   }
 }
 
