@@ -142,17 +142,27 @@ class EndPlanner {
   FootPlan& plan_;
 };
 
-// while all feet are in the air nothing but their clearance says how high the body flies
-void stress_flights(int frames, FootPlan& plan) {
+// While all feet are in the air nothing but their clearance says how high the body flies. What lasts
+// longer stands on something.
+void stress_flights(int frames, double frame_time, FootPlan& plan) {
   constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
+  constexpr double kLongestFlight = 1.0;           // seconds
   constexpr double kImportance = 4.0;
   const std::size_t ends = 2 * static_cast<std::size_t>(plan.foot_count);
-  for (int frame = 0; frame < frames; ++frame) {
-    const std::span now(plan.ends.data() + static_cast<std::size_t>(frame) * ends, ends);
-    double lowest = kWholly;
-    for (const FootEndGoal& end : now) lowest = std::min(lowest, end.clearance);
-    const double share = std::max(0.0, (lowest - kAloft) / (kWholly - kAloft));
-    for (FootEndGoal& end : now) end.importance = 1.0 + share * (kImportance - 1.0);
+  const auto at_frame = [&](int frame) {
+    return std::span(plan.ends.data() + static_cast<std::size_t>(frame) * ends, ends);
+  };
+  const auto lowest = [&](int frame) {
+    return std::ranges::min(at_frame(frame), {}, &FootEndGoal::clearance).clearance;
+  };
+  for (int begin = 0; begin < frames;) {
+    int end = begin;
+    while (end < frames && lowest(end) > kAloft) ++end;
+    for (int frame = begin; frame < end && (end - begin) * frame_time <= kLongestFlight; ++frame) {
+      const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
+      for (FootEndGoal& goal : at_frame(frame)) goal.importance = 1.0 + share * (kImportance - 1.0);
+    }
+    begin = end + 1;
   }
 }
 
@@ -219,7 +229,7 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
     EndPlanner(source, standing.ankle, scale, options, foot, kHeel, plan).run();
     EndPlanner(source, standing.toe, scale, options, foot, kToe, plan).run();
   }
-  stress_flights(source.frame_count(), plan);
+  if (plan.foot_count > 0) stress_flights(source.frame_count(), source.frame_time, plan);
   return plan;
 }
 

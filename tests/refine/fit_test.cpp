@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/motion/clip_range.h"
@@ -140,6 +141,54 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreSaid) {
       EXPECT_LE(std::abs(result.clip.qpos(t)[i] - result.clip.qpos(t - 1)[i]), 0.6 * dt);
     }
   }
+}
+
+TEST_F(FitTest, BoundsHoldForSourcesThatNobodyCouldFollow) {
+  // every joint anywhere in every frame, the root metres away from where it was
+  const Clip walk = sample("walk.bvh");
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    Clip clip = cut(walk, 0, 25);
+    for (int t = 0; t < clip.frame_count(); ++t) {
+      for (auto& rotation : clip.rotations(t)) {
+        rotation = Eigen::Quaterniond(normal(random), normal(random), normal(random),
+                                      normal(random) + 1e-3)
+                       .normalized();
+      }
+      for (auto& translation : clip.translations(t)) {
+        translation += 100.0 * Eigen::Vector3d(normal(random), normal(random), normal(random));
+      }
+    }
+    for (const int iterations : {0, 5}) {
+      FitOptions options;
+      options.iterations = iterations;
+      const FitResult result = fitted(clip, options);
+      expect_guarantees(result.clip, options);
+      EXPECT_FALSE(result.report.bounded.empty());
+    }
+  }
+}
+
+TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
+  // the T1 is small and its feet are not: a source whose feet stand side by side
+  const auto robot = load_robot(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
+                                RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
+  const auto tables =
+      load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json");
+  ASSERT_TRUE(robot.has_value() && tables.has_value());
+  Clip clip = cut(sample("wave.bvh"), 0, 40);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  const auto result =
+      fit(clip, *mapping, "clip", *robot, *tables, (*robot)->model_limits(), FitOptions{});
+  ASSERT_TRUE(result.has_value());
+  const auto overlap =
+      std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
+  ASSERT_NE(overlap, result->report.terms.end());
+  EXPECT_GT(overlap->before, 1.0);
+  EXPECT_LT(overlap->after, 0.1);
 }
 
 TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
