@@ -19,9 +19,9 @@ struct SourceFlight {
 /// standing height for ContactOptions::shortest, while the hips rise and fall as what falls freely
 /// does. The second keeps out feet that are lifted while something else carries the body.
 ///
-/// With T the time of the flight and z the hips' height, free fall has z rise above the straight line
-/// between its ends by g T^2 / 8; two fifths of that are asked for, as the hips are not the centre of
-/// mass.
+/// With T the time of the flight and z the hips' height, free fall has z rise above the straight
+/// line between its ends by g T^2 / 8; two fifths of that are asked for, as the hips are not the
+/// centre of mass.
 [[nodiscard]] std::vector<SourceFlight> find_flights(const HumanClip& human,
                                                      const FootContacts& contacts, int frames,
                                                      const ContactOptions& options = {});

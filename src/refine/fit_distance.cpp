@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 
 constexpr double kTiny = 1e-12;    // square metres
 constexpr double kMeeting = 1e-6;  // metres; cores this near have no normal
-constexpr int kProjections = 24;   // of each of two cores on the other
+constexpr double kPerhapsMeeting = 0.02;
+constexpr int kProjections = 24;  // of each of two cores on the other
 
 // the core of a shape in the world
 struct Core {
@@ -59,8 +60,9 @@ void nearest_on_lines(const Core& a, const Core& b, Vector3d& on_a, Vector3d& on
   on_b = b.centre + t * v;
 }
 
-// The least way that parts two cores that meet: square to a face of one of them or to an edge of each.
-// That is exact for boxes (Gottschalk, Lin and Manocha, "OBBTree", 1996) and for flatter cores.
+// The least way that parts two cores that meet: square to a face of one of them or to an edge of
+// each. That is exact for boxes, and for rectangles with anything (Gottschalk, Lin and Manocha,
+// "OBBTree", 1996). Where the depth is not above 0 they do not meet.
 class WayOut {
  public:
   WayOut(const Core& a, const Core& b) : a_(a), b_(b) {
@@ -73,14 +75,12 @@ class WayOut {
     }
   }
 
-  /// Whether there is one: of two points, or a line and a point, there is none.
-  [[nodiscard]] bool found() const { return side_ != 0; }
   [[nodiscard]] double depth() const { return depth_; }
   /// Unit, from b to a.
   [[nodiscard]] const Vector3d& normal() const { return normal_; }
 
-  /// Where they touch: the corner, or the middle of the edge or side, that is deepest in the other's
-  /// face; for edges where they cross.
+  /// Where they touch: the corner, or the middle of the edge or side, that is deepest in the
+  /// other's face; for edges where they cross.
   [[nodiscard]] Vector3d point() const {
     const Vector3d of_a = deepest(a_, -normal_, edge_a_), of_b = deepest(b_, normal_, edge_b_);
     if (side_ == 1) return a_.nearest(of_b);
@@ -126,7 +126,7 @@ class WayOut {
     const double apart = n.dot(a_.centre - b_.centre);
     const double depth = extent(a_, n) + extent(b_, n) - std::abs(apart);
     // faces before edges where they are equal
-    if (found() && depth >= depth_ - (side == 3 ? kMeeting : 0.0)) return;
+    if (side_ != 0 && depth >= depth_ - (side == 3 ? kMeeting : 0.0)) return;
     depth_ = depth;
     normal_ = apart < 0.0 ? Vector3d(-n) : n;
     side_ = side;
@@ -140,6 +140,15 @@ class WayOut {
   int side_ = 0;  // whose face: 1 a's, 2 b's, 3 an edge of each
   int edge_a_ = -1, edge_b_ = -1;
 };
+
+// where lines cross they part square to both; what has no such way goes from centre to centre
+Vector3d normal_of_crossing(const Core& a, const Core& b) {
+  Vector3d way = Vector3d::Zero();
+  if (a.count == 1 && b.count == 1) way = a.axes[0].cross(b.axes[0]);
+  if (way.squaredNorm() < kTiny) way = a.centre - b.centre;
+  if (way.squaredNorm() < kTiny) return Vector3d::UnitZ();
+  return (way.dot(a.centre - b.centre) < 0.0 ? -1.0 : 1.0) * way.normalized();
+}
 
 }  // namespace
 
@@ -160,13 +169,15 @@ FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const
   }
   Vector3d way = result.on_a - result.on_b;
   double length = way.norm();
-  if (length < kMeeting) {
+  result.normal = length < kMeeting ? normal_of_crossing(core_a, core_b) : Vector3d(way / length);
+  // projections of cores that meet close in on each other slowly
+  if (length < kPerhapsMeeting && std::max(core_a.count, core_b.count) > 1) {
     const WayOut out(core_a, core_b);
-    result.normal = out.normal();
-    length = -std::max(out.depth(), 0.0);
-    if (out.found()) result.on_a = result.on_b = out.point();
-  } else {
-    result.normal = way / length;
+    if (out.depth() > 0.0) {
+      result.normal = out.normal();
+      length = -out.depth();
+      result.on_a = result.on_b = out.point();
+    }
   }
   result.distance = length - a.radius - b.radius;
   return result;

@@ -142,8 +142,8 @@ class EndPlanner {
   FootPlan& plan_;
 };
 
-// While all feet are in the air nothing but their clearance says how high the body flies. What lasts
-// longer stands on something.
+// While all feet are in the air nothing but their clearance says how high the body flies. What
+// lasts longer stands on something.
 void stress_flights(int frames, double frame_time, FootPlan& plan) {
   constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
   constexpr double kLongestFlight = 1.0;           // seconds

@@ -178,7 +178,7 @@ TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
   const auto tables =
       load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json");
   ASSERT_TRUE(robot.has_value() && tables.has_value());
-  Clip clip = cut(sample("wave.bvh"), 0, 40);
+  const Clip clip = cut(sample("wave.bvh"), 0, 8);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
   ASSERT_TRUE(mapping.has_value());
   const auto result =
@@ -187,8 +187,9 @@ TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
   const auto overlap =
       std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
   ASSERT_NE(overlap, result->report.terms.end());
-  EXPECT_GT(overlap->before, 1.0);
-  EXPECT_LT(overlap->after, 0.1);
+  EXPECT_GT(overlap->before, 100.0);
+  // what is left is less than the margin
+  EXPECT_LT(overlap->after, 4.0);
 }
 
 TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
