@@ -66,7 +66,7 @@ class OddSources(ToolTest):
         self.assertLess(max(lengths) - min(lengths), 0.1)
 
     def test_standing_still_for_a_minute_stands_still(self):
-        rows = self.fit(self.make("stand_still", 30, "--duration", "60"))
+        rows = self.fit(self.make("stand_still", 10, "--duration", "60"))
         self.assertEqual(len(rows), 1801)
         # breathing moves the root by two millimetres
         self.assertLess(numpy.ptp(rows[:, :3], axis=0).max(), 0.01)
