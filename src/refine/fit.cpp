@@ -12,15 +12,12 @@
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
 #include "refine/foot_plan.h"
+#include "refine/shorthand.h"
 #include "refine/sized_options.h"
 #include "refine/speed_bounds.h"
 
 namespace retarget {
 namespace {
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 // scales of the root's and the feet's paths, by what the targets do when bones are lifted
 struct PathScales {

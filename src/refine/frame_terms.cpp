@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "refine/fit_distance.h"
+#include "refine/shorthand.h"
 #include "retarget/math/so3.h"
 
 namespace retarget {
@@ -17,14 +18,6 @@ using Eigen::Vector3d;
 constexpr double kLevelLean = 0.1;
 // metres that a foot's shapes may stick out of its sole
 constexpr double kShapeBelowSole = 0.005;
-
-double square(double x) {
-  return x * x;
-}
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 }  // namespace
 
