@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "pipeline/target_stream.h"
@@ -40,7 +41,9 @@ class ClipSolver {
 
  private:
   void place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target);
-  Result<void> settle(std::span<const Pose> world_from_target);
+  Result<void> settle_first(const TargetBuilder& targets, std::span<const Pose> world_from_target);
+  Result<double> settle(std::span<const Pose> world_from_target);
+  [[nodiscard]] std::vector<std::vector<double>> starts() const;
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
@@ -75,8 +78,9 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
     const std::span<const Pose> world_from_target = stream.next();
     if (frame == 0 && options_.settle_first_frame) {
-      place_root(targets, world_from_target);
-      if (auto settled = settle(world_from_target); !settled) return failure(settled.error());
+      if (auto settled = settle_first(targets, world_from_target); !settled) {
+        return failure(settled.error());
+      }
     }
     if (auto solved = solve_frame(frame, world_from_target, result); !solved) {
       return failure(solved.error());
@@ -101,12 +105,50 @@ void ClipSolver::place_root(const TargetBuilder& targets, std::span<const Pose> 
   qpos_[6] = rotation.z();
 }
 
-Result<void> ClipSolver::settle(std::span<const Pose> world_from_target) {
+// configurations to begin with: all joints at 0, the T-pose, the middle of the ranges
+std::vector<std::vector<double>> ClipSolver::starts() const {
+  std::vector<std::vector<double>> all(3, robot_->zero_configuration());
+  for (std::size_t i = 0; i < robot_->joints().size(); ++i) {
+    const RobotJoint& joint = robot_->joints()[i];
+    const auto address = static_cast<std::size_t>(joint.qpos_address);
+    const auto& t_pose = robot_->profile().t_pose;
+    if (const auto found = t_pose.find(joint.name); found != t_pose.end()) {
+      all[1][address] = found->second;
+    }
+    const double middle = 0.5 * (limits_.lower[i] + limits_.upper[i]);
+    if (std::isfinite(middle)) all[2][address] = middle;
+  }
+  return all;
+}
+
+// Solves the first frame from several configurations and takes the best: on the way from a single
+// one a limb may run into its limits and stay there.
+Result<void> ClipSolver::settle_first(const TargetBuilder& targets,
+                                      std::span<const Pose> world_from_target) {
+  constexpr double kClearlyBetter = 0.95;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> best;
+  for (std::vector<double>& start : starts()) {
+    qpos_ = std::move(start);
+    place_root(targets, world_from_target);
+    const auto error = settle(world_from_target);
+    if (!error) return failure(error.error());
+    if (*error < kClearlyBetter * least) {
+      least = *error;
+      best = qpos_;
+    }
+  }
+  qpos_ = best;
+  return {};
+}
+
+// @return the error that is left
+Result<double> ClipSolver::settle(std::span<const Pose> world_from_target) {
   constexpr int kMostRounds = 50;
   constexpr double kSettled = 1e-4;
+  double error = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<double> before = qpos_;
-    double error = 0.0;
     const auto solved = solve_passes(0, world_from_target, error);
     if (!solved) return failure(solved.error());
     double change = 0.0;
@@ -115,7 +157,7 @@ Result<void> ClipSolver::settle(std::span<const Pose> world_from_target) {
     }
     if (change < kSettled) break;
   }
-  return {};
+  return error;
 }
 
 // all passes over one frame; the steps that they took

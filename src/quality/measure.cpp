@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
+#include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
 #include "quality/tracking_metrics.h"
@@ -28,6 +30,29 @@ FootContacts contacts_of(const HumanClip& human, int frames) {
   // what stands is learned from the part that is compared
   return frames == human.frame_count ? find_foot_contacts(human)
                                      : find_foot_contacts(first_frames(human, frames));
+}
+
+// how far the target of a foot rises when the foot is lifted by a metre
+std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
+  const HumanClip& human = *source.human;
+  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
+    std::ranges::copy(human.frame(frame), world_from_bone.begin());
+  };
+  const auto targets = make_targets(human, poses, {}, robot, *source.tables, source.scale);
+  if (!targets) return std::nullopt;
+  for (const char* bone : {"LeftFootMod", "LeftFoot", "RightFootMod", "RightFoot"}) {
+    const int index_of_bone = find_bone(bone).value();
+    const int target = targets->target_of(index_of_bone);
+    if (target < 0) continue;
+    std::vector<Pose> low(kBoneCount), high(kBoneCount);
+    high[static_cast<std::size_t>(index_of_bone)].translation.z() = 1.0;
+    std::vector<Pose> from(static_cast<std::size_t>(targets->target_count())), to = from;
+    targets->build(low, from);
+    targets->build(high, to);
+    const auto index = static_cast<std::size_t>(target);
+    return (to[index].translation - from[index].translation).z();
+  }
+  return std::nullopt;
 }
 
 LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int frames) {
@@ -85,7 +110,12 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   if (source != nullptr) {
     const int frames = std::min(clip.frame_count(), source->human->frame_count);
     report.source_frames = frames;
-    measure_contacts(draft, tracks, contacts_of(*source->human, frames), frames);
+    const FootContacts contacts = contacts_of(*source->human, frames);
+    measure_contacts(draft, tracks, contacts, frames);
+    const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
+    if (scale) {
+      measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);
+    }
     if (tracked) measure_tracking(draft, tracks, *source, frames);
     if (tracked) find_limited_joints(draft, limits, *source);
   }

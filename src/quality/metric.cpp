@@ -79,6 +79,14 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "PHUMA and OmniRetarget, contact preservation"},
     {"contact_kept_pct", "%", "Of those in which the source foot is planted: the robot's stands.",
      "OmniRetarget, contact preservation"},
+    {"flights", "count",
+     "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
+     "rise and fall as in free fall.",
+     kContacts},
+    {"flight_peak_max_cm", "cm",
+     "Largest difference, over flights, of the robot's peak sole height (of the lowest sole point) "
+     "from the source's peak clearance of the lower foot, scaled.",
+     kOwn},
     {"track_pos_cm", "cm",
      "Distance of mapped bodies from their scaled bones, both from the root, a constant yaw "
      "removed: rows of table 2 with position weight, the root left out. Mean and 95th percentile.",

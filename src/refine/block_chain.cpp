@@ -22,8 +22,8 @@ RETARGET_INLINE bool multiply_plain(const double* __restrict a, const double* __
 RETARGET_WIDE(bool, multiply_wide,
               (const double* a, const double* x, double sign, int size, double* y),
               multiply_plain(a, x, sign, size, y))
-void multiply(const double* a, const double* x, double sign, int size, double* y) {
-  if (has_wide_vectors()) {
+void multiply(bool wide, const double* a, const double* x, double sign, int size, double* y) {
+  if (wide) {
     multiply_wide(a, x, sign, size, y);
   } else {
     multiply_plain(a, x, sign, size, y);
@@ -43,8 +43,8 @@ RETARGET_INLINE bool add_coupled_plain(const double* __restrict n, const double*
 }
 RETARGET_WIDE(bool, add_coupled_wide, (const double* n, const double* c, int size, double* h),
               add_coupled_plain(n, c, size, h))
-void add_coupled(const double* n, const double* c, int size, double* h) {
-  if (has_wide_vectors()) {
+void add_coupled(bool wide, const double* n, const double* c, int size, double* h) {
+  if (wide) {
     add_coupled_wide(n, c, size, h);
   } else {
     add_coupled_plain(n, c, size, h);
@@ -53,8 +53,10 @@ void add_coupled(const double* n, const double* c, int size, double* h) {
 
 }  // namespace
 
-BlockChain::BlockChain(int size)
-    : size_(size), stride_((size + kInverseBlock - 1) / kInverseBlock * kInverseBlock) {
+BlockChain::BlockChain(int size, bool wide)
+    : size_(size),
+      stride_((size + kInverseBlock - 1) / kInverseBlock * kInverseBlock),
+      wide_(wide) {
   scratch_.resize(index(2 * kInverseBlock) * index(stride_));
 }
 
@@ -75,14 +77,14 @@ bool BlockChain::eliminate(int t) {
   }
   if (t > 0) {
     const double* const c = coupling(t);
-    add_coupled(block(t - 1), c, stride_, h);
+    add_coupled(wide_, block(t - 1), c, stride_, h);
     // what the block before contributes when it is eliminated: its solution without this one
     const double* const before = solution_.data() + index(t - 1) * index(stride_);
     double* const b = right(t);
     for (int j = 0; j < size_; ++j) b[j] -= c[j] * before[j];
   }
-  if (!negative_inverse(h, stride_, scratch_.data())) return false;
-  multiply(h, right(t), -1.0, stride_, solution_.data() + index(t) * index(stride_));
+  if (!negative_inverse(h, stride_, scratch_.data(), wide_)) return false;
+  multiply(wide_, h, right(t), -1.0, stride_, solution_.data() + index(t) * index(stride_));
   return true;
 }
 
@@ -94,7 +96,7 @@ void BlockChain::substitute() {
     const double* const c = coupling(t + 1);
     double* const correction = coupled.data() + stride_;
     for (int j = 0; j < stride_; ++j) coupled[index(j)] = c[j] * next[j];
-    multiply(block(t), coupled.data(), 1.0, stride_, correction);
+    multiply(wide_, block(t), coupled.data(), 1.0, stride_, correction);
     for (int j = 0; j < size_; ++j) x[j] += correction[j];
   }
 }

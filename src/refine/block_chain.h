@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "refine/wide_vectors.h"
+
 namespace retarget {
 
 /// Solves symmetric positive definite systems whose blocks form a chain: block t is coupled with
@@ -16,7 +18,8 @@ namespace retarget {
 class BlockChain {
  public:
   /// @param size  of a block, more than 0.
-  explicit BlockChain(int size);
+  /// @param wide  use wide vectors; results are the same.
+  explicit BlockChain(int size, bool wide = has_wide_vectors());
 
   /// Begins a system of so many blocks.
   void begin(int blocks);
@@ -46,6 +49,7 @@ class BlockChain {
 
   int size_;
   int stride_;
+  bool wide_;
   int blocks_ = 0;
   std::vector<double> inverse_, right_, coupling_, solution_, scratch_;
 };

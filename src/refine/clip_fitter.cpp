@@ -52,6 +52,7 @@ class WindowFitter {
   void release_limits();
   void apply(int frame);
   void add_to_anchors(int frame);
+  void push_anchors_apart(int frame);
   void finish_anchors();
   [[nodiscard]] bool owns(int phase) const;
   [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
@@ -73,6 +74,7 @@ class WindowFitter {
   std::vector<Held> rows_;
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
   std::vector<Eigen::Vector2d> anchor_sums_;
+  std::vector<Eigen::Vector2d> anchor_pushes_;
   std::vector<int> anchor_counts_;
 };
 
@@ -96,6 +98,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
       anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
+      anchor_pushes_(anchor_sums_),
       anchor_counts_(clip.anchors.size(), 0) {}
 
 bool WindowFitter::run(const std::function<bool()>& keep_going) {
@@ -120,6 +123,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   if (move_anchors) {
     std::ranges::fill(anchor_counts_, 0);
     std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
+    std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
   }
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   for (int frame = window_.begin; frame < window_.end; ++frame) {
@@ -145,6 +149,7 @@ void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs)
   TermCosts costs{};
   terms_.assemble(pose_, clip_.goals(frame, model_.tasks.size()), pairs_[at(t)], g, h,
                   chain_.stride(), costs);
+  if (move_anchors) push_anchors_apart(frame);
   double cost = 0.0;
   for (const double part : costs) cost += part;
   adapt_damping(t, cost);
@@ -270,9 +275,35 @@ void WindowFitter::add_to_anchors(int frame) {
   }
 }
 
+// Two feet that stand in each other have places in each other: their means alone would come apart
+// too slowly, for the frames in which one foot stands alone hold it back.
+void WindowFitter::push_anchors_apart(int frame) {
+  const FootOverlap& overlap = terms_.foot_overlap();
+  if (overlap.depth <= 0.0) return;
+  const auto ends = clip_.feet.ends_of(frame);
+  const auto planted = [&](int foot) {
+    return ends[at(2 * foot)].phase >= 0 || ends[at(2 * foot + 1)].phase >= 0;
+  };
+  if (!planted(overlap.foot_a) || !planted(overlap.foot_b)) return;
+  const Eigen::Vector2d half = 0.5 * overlap.depth * overlap.normal;
+  const auto push = [&](int foot, const Eigen::Vector2d& way) {
+    for (int end = 2 * foot; end < 2 * foot + 2; ++end) {
+      const int phase = ends[at(end)].phase;
+      if (phase < 0 || !owns(phase)) continue;
+      if (way.squaredNorm() > anchor_pushes_[at(phase)].squaredNorm()) {
+        anchor_pushes_[at(phase)] = way;
+      }
+    }
+  };
+  push(overlap.foot_a, half);
+  push(overlap.foot_b, -half);
+}
+
 void WindowFitter::finish_anchors() {
   for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {
-    if (anchor_counts_[i] > 0) clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i];
+    if (anchor_counts_[i] > 0) {
+      clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i] + anchor_pushes_[i];
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <system_error>
 #include <thread>
 
@@ -12,6 +13,7 @@
 #include "refine/fit_model.h"
 #include "refine/foot_plan.h"
 #include "refine/shorthand.h"
+#include "refine/sized_options.h"
 #include "refine/speed_bounds.h"
 
 namespace retarget {
@@ -105,6 +107,29 @@ double leg_length(std::span<const Pose> bones) {
   };
   return (joint("LeftUpLeg") - joint("LeftLeg")).norm() +
          (joint("LeftLeg") - joint("LeftFoot")).norm();
+}
+
+// by frame: how many contacts begin before it and end after it
+std::vector<int> contacts_across(const std::vector<PlantedPhase>& phases, int frames) {
+  std::vector<int> counts(at(frames) + 1, 0);
+  for (const PlantedPhase& phase : phases) {
+    if (phase.begin + 1 >= phase.end) continue;
+    ++counts[at(phase.begin) + 1];
+    --counts[at(phase.end)];
+  }
+  std::partial_sum(counts.begin(), counts.end(), counts.begin());
+  return counts;
+}
+
+// the frame near another with the least count, of several the nearest one
+int best_cut(const std::vector<int>& counts, int frame, int most_away) {
+  int best = frame;
+  for (int away = 1; away <= most_away; ++away) {
+    for (const int cut : {frame - away, frame + away}) {
+      if (counts[at(cut)] < counts[at(best)]) best = cut;
+    }
+  }
+  return best;
 }
 
 // whether the source has what foot contacts are found from
@@ -204,22 +229,26 @@ void Fit::lift_out_of_floor() {
 
 // windows side by side, then those over their seams
 bool Fit::refine() {
+  // the place of a contact that a window cuts cannot move, so windows end where few are under way
+  constexpr double kMovable = 0.25;  // of a window
   const int frames = clip_.frame_count;
   const double per_window = std::max(2.0, options_.window / clip_.frame_time);
   const int count = std::max(1, static_cast<int>(std::lround(frames / per_window)));
+  const std::vector<int> contacts = contacts_across(clip_.feet.phases, frames);
   std::vector<FitWindow> windows, seams;
-  for (int i = 0; i < count; ++i) {
-    const auto border = [&](int k) {
-      return static_cast<int>(static_cast<std::int64_t>(frames) * k / count);
-    };
-    windows.push_back({border(i), border(i + 1), false});
+  for (int i = 0, begin = 0; i < count; ++i) {
+    const auto nominal = static_cast<int>(static_cast<std::int64_t>(frames) * (i + 1) / count);
+    const int away = static_cast<int>(kMovable * frames / count);
+    const int end = i + 1 == count ? frames : best_cut(contacts, nominal, away);
+    windows.push_back({begin, end, false});
+    begin = end;
   }
   const int half =
-      std::min(static_cast<int>(std::lround(options_.seam / clip_.frame_time)), frames / count / 4);
+      std::min(static_cast<int>(std::lround(options_.seam / clip_.frame_time)), frames / count / 8);
   // frames that count for a seam's smoothing must not be another seam's
   constexpr double kContext = 0.3;  // seconds
   const int context = std::clamp(static_cast<int>(std::ceil(kContext / clip_.frame_time)), 0,
-                                 std::max(0, (frames / count - 2 * half) / 2 - 1));
+                                 std::max(0, (frames / count / 2 - 2 * half) / 2 - 1));
   for (int i = 1; i < count && half > 0; ++i) {
     const int border = windows[at(i)].begin;
     seams.push_back({border - half, border + half, true, context});
@@ -365,6 +394,8 @@ Result<FitResult> Fit::run() {
       make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
+  const auto limbs = robot_limbs(*robot_, tables_);
+  if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
   std::vector<int> target_of_bone;
   target_of_bone.reserve(kBoneCount);
   for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));

@@ -16,8 +16,7 @@ struct FitDistance {
 /// Distance of two shapes in the world; each with the frame of its link.
 ///
 /// Lines by their closed form (Ericson, "Real-Time Collision Detection", section 5.1.9), rectangles
-/// and boxes by projecting back and forth. Where the cores meet, shapes are driven apart along the
-/// line between their centres.
+/// and boxes by projecting back and forth; where the cores meet, by the least way that parts them.
 [[nodiscard]] FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a,
                                        const RoundedShape& b, const Frame& world_from_b);
 

@@ -45,6 +45,7 @@ class ModelMaker {
   void hold_unmapped_joints();
   void add_shapes();
   void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
+  void add_foot_shapes();
   void add_pairs();
   [[nodiscard]] int link_of_bone(std::string_view bone) const;
   [[nodiscard]] int body_above(int link) const;
@@ -70,6 +71,7 @@ FitModel ModelMaker::make() {
   add_feet();
   hold_unmapped_joints();
   add_shapes();
+  add_foot_shapes();
   add_pairs();
   return std::move(model_);
 }
@@ -151,6 +153,11 @@ void ModelMaker::add_smoothness() {
   mark(right, left, link_of_bone("RightForeArm"));
 }
 
+// what a mapping holds less important than usual is less important here too
+double importance(double weight, double usual) {
+  return weight > 0.0 ? std::sqrt(std::min(1.0, weight / usual)) : 0.0;
+}
+
 void ModelMaker::add_tasks() {
   if (!options_.tracking) return;
   const IkTable& table = tables_.tables[tables_.tables[1].used ? 1 : 0];
@@ -158,17 +165,18 @@ void ModelMaker::add_tasks() {
   struct Class {
     std::string_view end;  // of the bone's name
     double position, rotation;
+    double usual_position, usual_rotation;  // weights of the mapping that these are for
   };
-  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation},
-                              Class{"Leg", w.shank_position, w.shank_rotation},
-                              Class{"FootMod", w.foot_position, w.foot_rotation},
-                              Class{"Foot", w.foot_position, w.foot_rotation},
-                              Class{"ForeArm", w.forearm_position, w.forearm_rotation},
-                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation},
-                              Class{"Hand", w.hand_position, w.hand_rotation},
-                              Class{"Hips", w.hips_position, w.hips_rotation},
-                              Class{"Spine2", w.hips_position, w.torso_rotation},
-                              Class{"", w.other_position, w.other_rotation}};
+  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation, 10.0, 5.0},
+                              Class{"Leg", w.shank_position, w.shank_rotation, 10.0, 5.0},
+                              Class{"FootMod", w.foot_position, w.foot_rotation, 50.0, 10.0},
+                              Class{"Foot", w.foot_position, w.foot_rotation, 50.0, 10.0},
+                              Class{"ForeArm", w.forearm_position, w.forearm_rotation, 10.0, 5.0},
+                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0},
+                              Class{"Hand", w.hand_position, w.hand_rotation, 10.0, 5.0},
+                              Class{"Hips", w.hips_position, w.hips_rotation, 100.0, 5.0},
+                              Class{"Spine2", w.hips_position, w.torso_rotation, 10.0, 10.0},
+                              Class{"", w.other_position, w.other_rotation, 10.0, 5.0}};
   for (const IkRow& row : table.rows) {
     const auto bone = find_bone(row.bone);
     if (!row.has_weight() || !bone || target_of_bone_[static_cast<std::size_t>(*bone)] < 0) {
@@ -185,8 +193,9 @@ void ModelMaker::add_tasks() {
     task.target = target_of_bone_[static_cast<std::size_t>(*bone)];
     task.position = hanging.link_from_body.translation;
     task.link_from_body = hanging.link_from_body.rotation.normalized();
-    task.horizontal_weight = task.height_weight = row.position_weight > 0.0 ? kind.position : 0.0;
-    task.rotation_weight = row.rotation_weight > 0.0 ? kind.rotation : 0.0;
+    task.horizontal_weight = task.height_weight =
+        kind.position * importance(row.position_weight, kind.usual_position);
+    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation);
     model_.tasks.push_back(task);
   }
 }
@@ -235,6 +244,7 @@ std::vector<int> ends_of_points(const Sole& sole) {
 
 void ModelMaker::add_feet() {
   model_.is_foot.assign(model_.links.size(), 0);
+  model_.foot_of_link.assign(model_.links.size(), -1);
   for (const Sole& sole : robot_.profile().soles) {
     const Hanging& hanging = hanging_[static_cast<std::size_t>(sole.body)];
     if (hanging.link < 0 || sole.points.size() < 2) continue;
@@ -280,12 +290,16 @@ void ModelMaker::add_feet() {
       if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
     }
     model_.is_foot[static_cast<std::size_t>(foot.link)] = 1;
+    const int ankle = model_.links[static_cast<std::size_t>(foot.link)].parent;
+    for (const int link : {foot.link, ankle}) {
+      model_.foot_of_link[static_cast<std::size_t>(link)] = static_cast<int>(model_.feet.size());
+    }
     model_.feet.push_back(foot);
   }
 }
 
 // a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
-constexpr double kLargestRounding = 0.02;
+constexpr double kLargestRounding = 0.008;
 
 RoundedShape rounded(const CollisionShape& shape, const Frame& link_from_shape, int link) {
   RoundedShape result;
@@ -375,6 +389,18 @@ void ModelMaker::add_shapes() {
     model_.shapes.push_back(rounded(shape, link_from_shape, hanging.link));
     shape_body_.push_back(shape.body);
     add_floor_points(shape, link_from_shape);
+  }
+}
+
+// what of a foot's shapes belongs to its heel, and what to its toe
+void ModelMaker::add_foot_shapes() {
+  for (FitFoot& foot : model_.feet) {
+    const Eigen::Vector3d forward = foot.ends[kToe].middle - foot.ends[kHeel].middle;
+    const Eigen::Vector3d middle = 0.5 * (foot.ends[kToe].middle + foot.ends[kHeel].middle);
+    for (const FloorPoint& point : model_.floor_points[static_cast<std::size_t>(foot.link)]) {
+      const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToe : kHeel;
+      foot.ends[end].shape_points.push_back(point);
+    }
   }
 }
 

@@ -47,6 +47,12 @@ struct FitTask {
   std::string body;
 };
 
+/// A point that must not go below the floor by more than its radius.
+struct FloorPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
 /// A foot: where its sole may touch, in the link's frame.
 struct FitFoot {
   /// One end of a sole: heel or toe.
@@ -55,6 +61,7 @@ struct FitFoot {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();     ///< Outermost point of the middle line.
     std::vector<Eigen::Vector3d> points;               ///< All of them.
     double half_width = 0.0;                           ///< From the middle line to the corners.
+    std::vector<FloorPoint> shape_points;  ///< Of the foot's shapes, nearer to this end.
   };
   int link = 0;
   bool left = true;
@@ -64,12 +71,6 @@ struct FitFoot {
   int body = 0;
 };
 inline constexpr int kHeel = 0, kToe = 1;
-
-/// A point that must not go below the floor by more than its radius.
-struct FloorPoint {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double radius = 0.0;
-};
 
 /// A collision shape as a point, line, rectangle or box with a radius around it.
 struct RoundedShape {
@@ -103,6 +104,7 @@ struct FitModel {
   std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
   std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
   std::vector<char> is_foot;        ///< By link.
+  std::vector<int> foot_of_link;    ///< Index of the foot that a link is or carries next; -1: none.
   std::vector<RoundedShape> shapes;
   std::vector<FitPair> pairs;
   int configuration_size = 0;

@@ -15,7 +15,8 @@ constexpr double kNearLowest = 0.05;    // metres
 constexpr double kLowestShare = 0.02;   // of frames
 constexpr double kLeastStanding = 0.7;  // seconds of both feet together
 
-// speeds are taken over this time, or over two frames where they are longer apart
+// Speeds are taken over two frames or over this time, whichever says slower: the short one sees a
+// foot come to rest early at any frame rate, the long one is not misled by noise of fast sources.
 constexpr double kSpeedTime = 1.0 / 15.0;
 
 // height of a foot's up vector: none of its clearance counts below the first, all beyond both
@@ -36,13 +37,19 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// m/s, over a short time about the frame
-double speed(const SourceFeet& source, int frame, int foot, int end) {
-  const int half = std::max(1, static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time)));
+// m/s, over `half` frames on either side
+double speed_over(const SourceFeet& source, int frame, int foot, int end, int half) {
   const int from = std::max(frame - half, 0), to = std::min(frame + half, source.frame_count() - 1);
   if (to == from) return 0.0;
   return (end_of(source.at(to, foot), end) - end_of(source.at(from, foot), end)).norm() /
          (source.frame_time * (to - from));
+}
+
+// m/s, over a short time about the frame
+double speed(const SourceFeet& source, int frame, int foot, int end) {
+  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time));
+  const double shortly = speed_over(source, frame, foot, end, 1);
+  return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, foot, end, half));
 }
 
 // one end of one foot
@@ -135,6 +142,30 @@ class EndPlanner {
   FootPlan& plan_;
 };
 
+// While all feet are in the air nothing but their clearance says how high the body flies. What
+// lasts longer stands on something.
+void stress_flights(int frames, double frame_time, FootPlan& plan) {
+  constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
+  constexpr double kLongestFlight = 1.0;           // seconds
+  constexpr double kImportance = 4.0;
+  const std::size_t ends = 2 * static_cast<std::size_t>(plan.foot_count);
+  const auto at_frame = [&](int frame) {
+    return std::span(plan.ends.data() + static_cast<std::size_t>(frame) * ends, ends);
+  };
+  const auto lowest = [&](int frame) {
+    return std::ranges::min(at_frame(frame), {}, &FootEndGoal::clearance).clearance;
+  };
+  for (int begin = 0; begin < frames;) {
+    int end = begin;
+    while (end < frames && lowest(end) > kAloft) ++end;
+    for (int frame = begin; frame < end && (end - begin) * frame_time <= kLongestFlight; ++frame) {
+      const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
+      for (FootEndGoal& goal : at_frame(frame)) goal.importance = 1.0 + share * (kImportance - 1.0);
+    }
+    begin = end + 1;
+  }
+}
+
 }  // namespace
 
 std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
@@ -198,6 +229,7 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
     EndPlanner(source, standing.ankle, scale, options, foot, kHeel, plan).run();
     EndPlanner(source, standing.toe, scale, options, foot, kToe, plan).run();
   }
+  if (plan.foot_count > 0) stress_flights(source.frame_count(), source.frame_time, plan);
   return plan;
 }
 

@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 
 // up to this slope a foot's middle line is as good as its edge
 constexpr double kLevelLean = 0.1;
+// metres that a foot's shapes may stick out of its sole
+constexpr double kShapeBelowSole = 0.005;
 
 }  // namespace
 
@@ -110,15 +112,23 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
       stands -= std::copysign(end.half_width, sideways.z()) * sideways;
       error = stands.z() + kLevelLean * end.half_width;
     }
+    // a shape around the sole that ends beyond it is what touches when the foot rolls
+    for (const FloorPoint& point : end.shape_points) {
+      const Vector3d place = world * point.position;
+      const double height = place.z() - point.radius + kShapeBelowSole;
+      if (height >= error) continue;
+      error = height;
+      stands = place;
+    }
     const double weight = square(options_.contact_height_weight);
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
   } else if (options_.foot_height && upright > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
-    const double weight = square(options_.foot_height_near +
-                                 far * (options_.foot_height_far - options_.foot_height_near)) *
-                          upright;
+    const double near = options_.foot_height_near;
+    const double weight =
+        square(goal.importance * (near + far * (options_.foot_height_far - near))) * upright;
     add_row(foot.link, 2, low - origin, weight, error);
     costs[kTermFootHeight] += weight * square(error);
   }
@@ -190,6 +200,10 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   if (residual >= 0.0) return;
   const double weight = square(options_.self_collision_weight);
   costs[kTermSelfCollision] += weight * square(residual);
+  const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
+  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -residual > foot_overlap_.depth) {
+    foot_overlap_ = {-residual, foot_a, foot_b, found.normal.head<2>()};
+  }
   const Vector3d& origin = pose.world_from_link[0].translation;
   const Vector3d torque_a = (found.on_a - origin).cross(found.normal);
   const Vector3d torque_b = (found.on_b - origin).cross(found.normal);
@@ -225,6 +239,7 @@ void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
                           int stride, TermCosts& costs) {
   for (auto& stiffness : stiffness_) stiffness.setZero();
   for (auto& force : force_) force.setZero();
+  foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);
   if (options_.floor) add_floor(pose, costs);

@@ -37,9 +37,10 @@ struct TaskTarget {
 
 /// What one end of a foot, heel or toe, should do in a frame.
 struct FootEndGoal {
-  double clearance = 0.0;  ///< Metres above the floor.
-  int phase = -1;          ///< Contact phase; -1: none.
-  bool level = false;      ///< In contact, its height is that of the floor as well.
+  double clearance = 0.0;   ///< Metres above the floor.
+  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight.
+  int phase = -1;           ///< Contact phase; -1: none.
+  bool level = false;       ///< In contact, its height is that of the floor as well.
 };
 
 /// A frame's goals.
@@ -48,6 +49,13 @@ struct FrameGoals {
   std::span<const FootEndGoal> ends;         ///< Two a foot: heel, toe.
   std::span<const double> upright;           ///< By foot, 0 to 1: 0 for feet that lie or kneel.
   std::span<const Eigen::Vector2d> anchors;  ///< Place of each contact phase.
+};
+
+/// How deep one foot is in another.
+struct FootOverlap {
+  double depth = 0.0;  ///< Metres; 0: feet are apart.
+  int foot_a = 0, foot_b = 0;
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< a moved along it moves away from b.
 };
 
 /// The terms of the cost that concern one frame alone: cost, gradient and Gauss-Newton Hessian.
@@ -63,6 +71,9 @@ class FrameTerms {
   /// @param costs     added to.
   void assemble(const FitPose& pose, const FrameGoals& goals, std::span<const std::uint32_t> pairs,
                 double* gradient, double* hessian, int stride, TermCosts& costs);
+
+  /// The deepest overlap of one foot with another in the frame that was assembled last.
+  [[nodiscard]] const FootOverlap& foot_overlap() const { return foot_overlap_; }
 
   /// Pairs of shapes that are less than `within` metres apart, or little more.
   void find_near_pairs(const FitPose& pose, double within, std::vector<std::uint32_t>& pairs);
@@ -87,6 +98,7 @@ class FrameTerms {
   std::vector<double> row_;
   std::vector<int> row_dofs_;
   std::vector<char> carries_;
+  FootOverlap foot_overlap_;
 };
 
 }  // namespace retarget

@@ -95,9 +95,8 @@ RETARGET_WIDE(bool, sweep_wide, (double* a, int size, double* scratch), sweep(a,
 
 }  // namespace
 
-bool negative_inverse(double* a, int size, double* scratch) {
-  if (has_wide_vectors()) return sweep_wide(a, size, scratch);
-  return sweep(a, size, scratch);
+bool negative_inverse(double* a, int size, double* scratch, bool wide) {
+  return wide ? sweep_wide(a, size, scratch) : sweep(a, size, scratch);
 }
 
 }  // namespace retarget

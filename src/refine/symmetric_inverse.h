@@ -13,10 +13,11 @@ inline constexpr int kInverseBlock = 4;
 ///                written. 16-byte aligned.
 /// @param size    a multiple of kInverseBlock.
 /// @param scratch 2 * kInverseBlock * size values.
+/// @param wide    take the wider vectors; has_wide_vectors() says whether the processor has them.
 /// @return false where a pivot block is not positive definite; `a` is then of no use.
 ///
-/// On x86-64 wider vectors are taken where the processor has them; as every number comes of the same
-/// operations in the same order, bits are the same.
-[[nodiscard]] bool negative_inverse(double* a, int size, double* scratch);
+/// As every number comes of the same operations in the same order, bits are the same with and
+/// without wide vectors.
+[[nodiscard]] bool negative_inverse(double* a, int size, double* scratch, bool wide);
 
 }  // namespace retarget

@@ -5,8 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "retarget/math/so3.h"
+#include "retarget/robot/shape_distance.h"
 
 namespace retarget {
 namespace {
@@ -49,11 +53,60 @@ TEST(FitDistance, OfACapsuleEndAndAPlate) {
   EXPECT_NEAR(found.distance, 0.5 - 0.15, 1e-12);
 }
 
-TEST(FitDistance, WhereCoresMeetThereIsAWayOut) {
+TEST(FitDistance, LinesThatCrossPartSquareToBoth) {
   const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0, 0.5, 0}),
                                   shape({{0, 1, 0}}, 0.2), moved({0, 0, 0}));
   EXPECT_NEAR(found.distance, -0.3, 1e-9);
-  EXPECT_NEAR(found.normal.norm(), 1.0, 1e-12);
+  EXPECT_NEAR(std::abs(found.normal.z()), 1.0, 1e-12);
+}
+
+TEST(FitDistance, ABoxInABoxGoesOutTheShortestWay) {
+  // 0.3 of two metres along x lie in each other, more along y and z
+  const auto found =
+      fit_distance(shape({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05), moved({1.7, 0.2, 0}),
+                   shape({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05), moved({0, 0, 0}));
+  EXPECT_NEAR(found.distance, -0.4, 1e-12);
+  EXPECT_TRUE(found.normal.isApprox(Vector3d(1, 0, 0)));
+}
+
+// boxes in each other: as the exact distance has it, and its change as the normal and point say
+TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto vector = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
+  int seen = 0;
+  for (int round = 0; round < 200; ++round) {
+    const Vector3d size_a(0.5, 0.3, 0.2), size_b(0.4, 0.4, 0.1);
+    std::vector<Vector3d> a_axes, b_axes;
+    for (int i = 0; i < 3; ++i) {
+      a_axes.emplace_back(size_a[i] * Vector3d::Unit(i));
+      b_axes.emplace_back(size_b[i] * Vector3d::Unit(i));
+    }
+    const Frame at_b = moved(Vector3d::Zero());
+    Frame at_a{exp_so3(2.0 * vector()).toRotationMatrix(), 0.3 * vector()};
+    const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
+    const auto found = fit_distance(a, at_a, b, at_b);
+    PlacedShape box_a, box_b;
+    box_a.type = box_b.type = CollisionShape::Type::kBox;
+    box_a.centre = at_a.translation;
+    box_a.half_size = size_a;
+    box_a.world_from_box = at_a.rotation;
+    box_a.bounding_radius = size_a.norm();
+    box_b.half_size = size_b;
+    box_b.bounding_radius = size_b.norm();
+    const ShapeDistance exact = shape_distance(box_a, box_b);
+    if (exact.distance > -1e-3) continue;
+    ++seen;
+    EXPECT_NEAR(found.distance, exact.distance, 1e-9) << round;
+    // a small turn and way of a
+    const Vector3d turn = 1e-7 * vector(), way = 1e-7 * vector();
+    at_a.rotation = exp_so3(turn).toRotationMatrix() * at_a.rotation;
+    const Vector3d arm = found.on_a - at_a.translation;
+    at_a.translation += way;
+    const double change = fit_distance(a, at_a, b, at_b).distance - found.distance;
+    EXPECT_NEAR(change, found.normal.dot(way + turn.cross(arm)), 1e-10) << round;
+  }
+  EXPECT_GT(seen, 100);
 }
 
 TEST(FitDistance, NoPairOfPointsIsNearer) {
@@ -76,7 +129,7 @@ TEST(FitDistance, NoPairOfPointsIsNearer) {
       least = std::min(least, (p - q).norm());
     }
     EXPECT_LE(found.distance, least + 2e-3) << round;
-    EXPECT_NEAR((found.on_a - found.on_b).norm(), found.distance, 1e-9);
+    EXPECT_NEAR((found.on_a - found.on_b).norm(), std::max(found.distance, 0.0), 1e-9);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/motion/clip_range.h"
@@ -109,7 +110,7 @@ TEST_F(FitTest, AWalkStandsOnTheFloorAndDoesNotSlide) {
     EXPECT_GT(height, -0.01);
     EXPECT_LT(height, 0.02);
   }
-  // a frame's contact costs little: a millimetre off its place costs 0.16
+  // a frame's contact costs little: a millimetre off its place costs 0.25
   const auto contact = std::ranges::find(result.report.terms, "contact", &FitTermReport::name);
   ASSERT_NE(contact, result.report.terms.end());
   EXPECT_LT(contact->after, 0.5);
@@ -140,6 +141,55 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreSaid) {
       EXPECT_LE(std::abs(result.clip.qpos(t)[i] - result.clip.qpos(t - 1)[i]), 0.6 * dt);
     }
   }
+}
+
+TEST_F(FitTest, BoundsHoldForSourcesThatNobodyCouldFollow) {
+  // every joint anywhere in every frame, the root metres away from where it was
+  const Clip walk = sample("walk.bvh");
+  for (const unsigned seed : {1U}) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    Clip clip = cut(walk, 0, 10);
+    for (int t = 0; t < clip.frame_count(); ++t) {
+      for (auto& rotation : clip.rotations(t)) {
+        rotation = Eigen::Quaterniond(normal(random), normal(random), normal(random),
+                                      normal(random) + 1e-3)
+                       .normalized();
+      }
+      for (auto& translation : clip.translations(t)) {
+        translation += 100.0 * Eigen::Vector3d(normal(random), normal(random), normal(random));
+      }
+    }
+    for (const int iterations : {0, 3}) {
+      FitOptions options;
+      options.iterations = iterations;
+      const FitResult result = fitted(clip, options);
+      expect_guarantees(result.clip, options);
+      EXPECT_FALSE(result.report.bounded.empty());
+    }
+  }
+}
+
+TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
+  // the T1 is small and its feet are not: a source whose feet stand side by side
+  const auto robot = load_robot(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
+                                RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
+  const auto tables =
+      load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json");
+  ASSERT_TRUE(robot.has_value() && tables.has_value());
+  const Clip clip = cut(sample("wave.bvh"), 0, 8);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  const auto result =
+      fit(clip, *mapping, "clip", *robot, *tables, (*robot)->model_limits(), FitOptions{});
+  ASSERT_TRUE(result.has_value());
+  const auto overlap =
+      std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
+  ASSERT_NE(overlap, result->report.terms.end());
+  EXPECT_GT(overlap->before, 100.0);
+  // what is left is less than the margin
+  EXPECT_LT(overlap->after, 4.0);
 }
 
 TEST_F(FitTest, ClipsOfOneAndTwoFrames) {

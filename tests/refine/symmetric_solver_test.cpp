@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cstring>
 #include <random>
 #include <vector>
 
@@ -28,7 +29,7 @@ TEST(NegativeInverse, IsTheInverseWithAMinus) {
       // what is above the diagonal must not count
       for (int j = 0; j <= i; ++j) a[static_cast<std::size_t>(i * size + j)] = wanted(i, j);
     }
-    ASSERT_TRUE(negative_inverse(a.data(), size, scratch.data()));
+    ASSERT_TRUE(negative_inverse(a.data(), size, scratch.data(), false));
     const Eigen::Map<const Eigen::MatrixXd> found(a.data(), size, size);
     EXPECT_LT((found * wanted + Eigen::MatrixXd::Identity(size, size)).cwiseAbs().maxCoeff(), 1e-9);
     EXPECT_EQ(found, found.transpose().eval());
@@ -39,9 +40,52 @@ TEST(NegativeInverse, SaysWhatIsNotPositiveDefinite) {
   std::vector<double> a(16, 0.0), scratch(64);
   for (std::size_t i = 0; i < 4; ++i) a[5 * i] = 1.0;
   a[10] = -1.0;
-  EXPECT_FALSE(negative_inverse(a.data(), 4, scratch.data()));
+  EXPECT_FALSE(negative_inverse(a.data(), 4, scratch.data(), false));
   a[10] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(negative_inverse(a.data(), 4, scratch.data()));
+  EXPECT_FALSE(negative_inverse(a.data(), 4, scratch.data(), false));
+}
+
+TEST(NegativeInverse, IsTheSameToTheLastBitWithWideVectors) {
+  if (!has_wide_vectors()) GTEST_SKIP() << "the processor has no wide vectors";
+  std::mt19937 random(3);
+  for (const int size : {4, 12, 36, 40}) {
+    const Eigen::MatrixXd matrix = random_positive(size, random);
+    std::vector<double> plain(matrix.data(), matrix.data() + matrix.size()), wide = plain;
+    std::vector<double> scratch(static_cast<std::size_t>(8 * size));
+    ASSERT_TRUE(negative_inverse(plain.data(), size, scratch.data(), false));
+    ASSERT_TRUE(negative_inverse(wide.data(), size, scratch.data(), true));
+    EXPECT_EQ(std::memcmp(plain.data(), wide.data(), plain.size() * sizeof(double)), 0) << size;
+  }
+}
+
+TEST(BlockChain, IsTheSameToTheLastBitWithWideVectors) {
+  if (!has_wide_vectors()) GTEST_SKIP() << "the processor has no wide vectors";
+  constexpr int kSize = 35, kBlocks = 5;
+  std::vector<std::vector<double>> solutions;
+  for (const bool wide : {false, true}) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    BlockChain chain(kSize, wide);
+    chain.begin(kBlocks);
+    for (int t = 0; t < kBlocks; ++t) {
+      const Eigen::MatrixXd h =
+          random_positive(kSize, random) + 2.0 * Eigen::MatrixXd::Identity(kSize, kSize);
+      for (int i = 0; i < kSize; ++i) {
+        for (int j = 0; j <= i; ++j) chain.block(t)[i * chain.stride() + j] = h(i, j);
+        chain.right(t)[i] = uniform(random);
+        chain.coupling(t)[i] = uniform(random);
+      }
+      ASSERT_TRUE(chain.eliminate(t));
+    }
+    chain.substitute();
+    auto& all = solutions.emplace_back();
+    for (int t = 0; t < kBlocks; ++t) {
+      all.insert(all.end(), chain.solution(t).begin(), chain.solution(t).end());
+    }
+  }
+  EXPECT_EQ(
+      std::memcmp(solutions[0].data(), solutions[1].data(), solutions[0].size() * sizeof(double)),
+      0);
 }
 
 TEST(BlockChain, SolvesAsADenseSolverDoes) {

@@ -50,7 +50,7 @@ struct FitOptions {
   double foot_height_far = 40.0;    ///< The same `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight = 400.0;         ///< Planted heel or toe to its place, per metre.
+  double contact_weight = 500.0;         ///< Planted heel or toe to its place, per metre.
   double contact_height_weight = 400.0;  ///< The same to the floor.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
@@ -84,7 +84,7 @@ struct FitOptions {
 
   // solver
   int iterations = 14;        ///< Gauss-Newton steps.
-  int anchor_iterations = 6;  ///< Of these, how many also move the places of contacts.
+  int anchor_iterations = 8;  ///< Of these, how many also move the places of contacts.
   double window = 20.0;       ///< Seconds that are solved together.
   double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.
   int threads = 0;            ///< 0: as many as the machine has. The result is the same.

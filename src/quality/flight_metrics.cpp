@@ -1,0 +1,86 @@
+#include "quality/flight_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "quality/fault_list.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kFreeFallShare = 0.4;
+constexpr double kInCm = 100.0;
+
+// how far the lower end of the lower foot is above its standing height
+double clearance(const HumanClip& human, const FootContacts& contacts, int frame) {
+  double least = HUGE_VAL;
+  const auto look = [&](const char* name, double standing) {
+    const int bone = find_bone(name).value();
+    if (!human.has(bone)) return;
+    least = std::min(least, human.frame(frame)[bone].translation.z() - standing);
+  };
+  for (const char* ankle : {"LeftFoot", "RightFoot"}) look(ankle, contacts.standing_ankle_height);
+  for (const char* toe : {"LeftToe", "RightToe"}) look(toe, contacts.standing_toe_height);
+  return std::isfinite(least) ? least : 0.0;
+}
+
+bool falls_freely(const HumanClip& human, const SourceFlight& flight) {
+  const int hips = find_bone("Hips").value();
+  const int last = flight.end - 1, steps = last - flight.begin;
+  if (!human.has(hips) || steps < 2) return false;
+  const auto height = [&](int frame) { return human.frame(frame)[hips].translation.z(); };
+  const double first = height(flight.begin), slope = (height(last) - first) / steps;
+  double rise = 0.0;
+  for (int frame = flight.begin; frame <= last; ++frame) {
+    rise = std::max(rise, height(frame) - first - slope * (frame - flight.begin));
+  }
+  const double time = steps * human.rate.frame_time();
+  return rise >= kFreeFallShare * kGravity * time * time / 8.0;
+}
+
+}  // namespace
+
+std::vector<SourceFlight> find_flights(const HumanClip& human, const FootContacts& contacts,
+                                       int frames, const ContactOptions& options) {
+  std::vector<SourceFlight> flights;
+  if (contacts.phases[0].empty() && contacts.phases[1].empty()) return flights;
+  SourceFlight flight;
+  bool aloft = false;
+  for (int frame = 0; frame <= frames; ++frame) {
+    const double height = frame < frames ? clearance(human, contacts, frame) : 0.0;
+    const bool now = height > options.begin_height * contacts.scale;
+    if (now && !aloft) flight = {frame, frame, 0.0};
+    if (now) flight.peak = std::max(flight.peak, height);
+    if (!now && aloft) {
+      flight.end = frame;
+      const double time = (flight.end - flight.begin) * human.rate.frame_time();
+      if (time > options.shortest - 1e-9 && falls_freely(human, flight)) flights.push_back(flight);
+    }
+    aloft = now;
+  }
+  return flights;
+}
+
+void measure_flights(const Draft& draft, const BodyTracks& tracks,
+                     const std::vector<SourceFlight>& flights, double scale) {
+  if (flights.empty() || tracks.soles.empty()) return;
+  constexpr double kFarOff = 0.02;  // metres
+  FaultList faults("flight_peak_max_cm", "m");
+  double most = 0.0;
+  for (const SourceFlight& flight : flights) {
+    double peak = -HUGE_VAL;
+    for (int frame = flight.begin; frame < flight.end; ++frame) {
+      peak = std::max(peak, tracks.lowest_sole[static_cast<std::size_t>(frame)].height);
+    }
+    const double off = std::abs(peak - scale * flight.peak);
+    most = std::max(most, off);
+    if (off <= kFarOff) continue;
+    for (int frame = flight.begin; frame < flight.end; ++frame) faults.add("soles", frame, off);
+  }
+  draft.set("flights", static_cast<double>(flights.size()));
+  draft.set("flight_peak_max_cm", kInCm * most);
+  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
+}  // namespace retarget

@@ -1,0 +1,84 @@
+// The first frame of a run that settles it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/pipeline/retarget.h"
+#include "support/shared_data.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+const std::filesystem::path kRoot = RETARGET_SOURCE_DIR;
+
+// the first frame of a clip again and again
+Clip first_frame(const std::filesystem::path& bvh, int frames) {
+  const auto file = load_bvh(bvh.string());
+  EXPECT_TRUE(file.has_value());
+  Clip clip = cut(file->clip, 0, frames);
+  for (int frame = 1; frame < frames; ++frame) {
+    std::ranges::copy(clip.rotations(0), clip.rotations(frame).begin());
+    std::ranges::copy(clip.translations(0), clip.translations(frame).begin());
+  }
+  return clip;
+}
+
+RobotClip solved(const Clip& clip, const std::string& name,
+                 const std::shared_ptr<const Robot>& robot, bool settle) {
+  const auto tables =
+      load_ik_tables((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string());
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  EXPECT_TRUE(tables.has_value() && mapping.has_value());
+  RetargetOptions options;
+  options.settle_first_frame = settle;
+  const auto result =
+      retarget(clip, *mapping, "clip", robot, *tables, robot->model_limits(), options);
+  EXPECT_TRUE(result.has_value());
+  return result->clip;
+}
+
+// how far the joints go from the first frame to the last
+double way(const RobotClip& clip) {
+  double most = 0.0;
+  for (std::size_t i = 7; i < clip.qpos(0).size(); ++i) {
+    most = std::max(most, std::abs(clip.qpos(clip.frame_count() - 1)[i] - clip.qpos(0)[i]));
+  }
+  return most;
+}
+
+TEST(SettledFirstFrame, HoldsNothingOfTheWayThere) {
+  const auto robot = load_g1();
+  const Clip clip = first_frame(kRoot / "data" / "get_up.bvh", 20);
+  const double published = way(solved(clip, "unitree_g1", robot, false));
+  const double settled = way(solved(clip, "unitree_g1", robot, true));
+  EXPECT_LT(settled, 2e-3);
+  EXPECT_GT(published, 3.0 * settled);
+}
+
+TEST(SettledFirstFrame, DoesNotJamALimbAtItsLimits) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  const auto folder = kRoot / "robots" / "stanford_toddy";
+  const auto robot = load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
+  ASSERT_TRUE(robot.has_value());
+  const Clip source = first_frame(*shared / "data" / "lafan1" / "dance1_subject2.bvh", 1);
+  const RobotClip clip = solved(source, "stanford_toddy", *robot, true);
+  // from all joints at 0 two joints of the right shoulder end at their limits and stay there
+  int at_limits = 0;
+  for (const char* name : {"right_sho_pitch", "right_sho_roll", "right_sho_yaw"}) {
+    const int joint = (*robot)->find_joint(name).value();
+    const auto index = static_cast<std::size_t>(joint);
+    const double value =
+        clip.qpos(0)[static_cast<std::size_t>((*robot)->joints()[index].qpos_address)];
+    if (value < (*robot)->model_limits().lower[index] + 1e-3) ++at_limits;
+    if (value > (*robot)->model_limits().upper[index] - 1e-3) ++at_limits;
+  }
+  EXPECT_LT(at_limits, 2);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,91 @@
+// Flights of a human whose height over time is that of a thrown stone, and a robot's soles in them.
+
+#include "quality/flight_metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+#include "retarget/human/foot_contacts.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kFps = 30.0, kGravity = 9.81;
+
+// stands but for what its hips and feet are raised by
+HumanClip raised_human(int frames, const std::function<double(int)>& hips,
+                       const std::function<double(int)>& feet) {
+  HumanClip human;
+  human.rate = {30, 1};
+  human.frame_count = frames;
+  human.sources.assign(kBoneCount, "");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  for (const auto& [name, side, height, is_foot] : {std::tuple{"Hips", 0.0, 0.95, false},
+                                                    {"LeftUpLeg", 0.1, 0.93, false},
+                                                    {"LeftLeg", 0.1, 0.5, false},
+                                                    {"LeftFoot", 0.1, 0.08, true},
+                                                    {"LeftToe", 0.1, 0.02, true},
+                                                    {"RightUpLeg", -0.1, 0.93, false},
+                                                    {"RightLeg", -0.1, 0.5, false},
+                                                    {"RightFoot", -0.1, 0.08, true},
+                                                    {"RightToe", -0.1, 0.02, true}}) {
+    const int bone = find_bone(name).value();
+    human.sources[static_cast<std::size_t>(bone)] = name;
+    for (int i = 0; i < frames; ++i) {
+      human.world_from_bone[static_cast<std::size_t>(i * kBoneCount + bone)].translation =
+          Eigen::Vector3d(0.0, side, height + (is_foot ? feet(i) : hips(i)));
+    }
+  }
+  return human;
+}
+
+// thrown up in frame 30, back 12 frames later
+double thrown(int frame) {
+  const double t = (frame - 30) / kFps, flight = 12 / kFps;
+  return frame < 30 || frame > 42 ? 0.0 : 0.5 * kGravity * t * (flight - t);
+}
+
+TEST(Flights, AreFoundWithTheirPeaks) {
+  const HumanClip human = raised_human(90, thrown, thrown);
+  const auto flights = find_flights(human, find_foot_contacts(human), 90);
+  ASSERT_EQ(flights.size(), 1U);
+  EXPECT_GE(flights[0].begin, 31);
+  EXPECT_LE(flights[0].end, 42);
+  EXPECT_NEAR(flights[0].peak, thrown(36), 1e-12);
+}
+
+TEST(Flights, FeetThatAreLiftedWhileSeatedAreNone) {
+  const HumanClip human = raised_human(
+      90, [](int) { return -0.3; }, thrown);
+  EXPECT_TRUE(find_flights(human, find_foot_contacts(human), 90).empty());
+}
+
+TEST(Flights, ThePeaksOfTheSolesAreHeldAgainstTheScaledOnes) {
+  const auto robot = load_g1();
+  const auto& sole = robot->profile().soles.front();
+  RobotClip clip(robot, {30, 1}, 90);
+  BodyTracks tracks;
+  tracks.soles.push_back({&sole, {}});
+  for (int frame = 0; frame < 90; ++frame) {
+    tracks.lowest_sole.push_back({0.8 * thrown(frame) - (frame == 36 ? 0.0 : 0.01), sole.body});
+  }
+  const HumanClip human = raised_human(90, thrown, thrown);
+  const auto flights = find_flights(human, find_foot_contacts(human), 90);
+  for (const auto& [scale, wanted] :
+       {std::pair{0.8, 0.0}, {0.9, 10.0 * thrown(36)}, {0.75, 5.0 * thrown(36)}}) {
+    QualityReport report;
+    const QualityOptions options;
+    measure_flights({clip, options, report}, tracks, flights, scale);
+    ASSERT_NE(report.find("flight_peak_max_cm"), nullptr);
+    EXPECT_EQ(report.find("flights")->value, 1.0);
+    EXPECT_NEAR(report.find("flight_peak_max_cm")->value, wanted, 1e-9) << scale;
+    EXPECT_EQ(report.faults.size(), wanted > 2.0 ? 1U : 0U) << scale;
+  }
+}
+
+}  // namespace
+}  // namespace retarget
