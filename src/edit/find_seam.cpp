@@ -67,7 +67,7 @@ class SeamFinder {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
         const int lost = (a_.frame_count - 1 - i) + j;
         const double missing = 1.0 - distance_.frames_at(i, j) / static_cast<double>(window_);
-        const double cost = map.distances[at] * (1.0 + missing) + cost_of_frame * lost;
+        const double cost = map.distances[at] * (1.0 + 0.5 * missing) + cost_of_frame * lost;
         if (cost >= best.cost || (of_same_support && !same_support(i, j))) continue;
         best = {i, j, cost};
       }

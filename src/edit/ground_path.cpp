@@ -107,14 +107,16 @@ GroundPose GroundPath::at(double along) const {
   const double wanted = along - lengths_[part];
   double low = begin, high = begin + 1.0 / kParts;
   double u = begin + wanted / (*after - lengths_[part]) / kParts;
-  for (int round = 0; round < 50; ++round) {
+  constexpr double kClose = 1e-15;
+  for (int round = 0; round < 40; ++round) {
     const double miss = length_between(segment, begin, u) - wanted;
     (miss > 0.0 ? high : low) = u;
     const double speed = derivative(segment, u).norm();
     double next = speed > 0.0 ? u - miss / speed : 0.5 * (low + high);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - u) < 1e-16 || miss == 0.0) break;
+    const bool close = std::abs(next - u) <= kClose;
     u = next;
+    if (close) break;
   }
   return straight_on(segment, u, 0.0);
 }

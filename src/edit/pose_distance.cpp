@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "retarget/human/bone_map.h"
 #include "retarget/math/trigonometry.h"
@@ -16,12 +17,6 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 Eigen::Vector3d apply(const GroundPose& pose, const Eigen::Vector3d& point) {
   const Eigen::Vector2d flat = pose * Eigen::Vector2d(point.head<2>());
   return {flat.x(), flat.y(), point.z()};
-}
-
-Eigen::Vector2d centre(std::span<const Eigen::Vector3d> points) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector3d& point : points) sum += point.head<2>();
-  return sum / static_cast<double>(points.size());
 }
 
 }  // namespace
@@ -71,7 +66,21 @@ std::vector<int> common_bones(const HumanClipInfo& a, const HumanClipInfo& b) {
 }
 
 WindowDistance::WindowDistance(const PoseClouds& a, const PoseClouds& b, int length)
-    : a_(a), b_(b), length_(length) {}
+    : a_(a), b_(b), length_(length), sums_a_(sums_of(a)), sums_b_(sums_of(b)) {}
+
+std::vector<WindowDistance::CloudSums> WindowDistance::sums_of(const PoseClouds& clouds) {
+  std::vector<CloudSums> result;
+  for (int i = 0; i < clouds.frame_count(); ++i) {
+    CloudSums sums;
+    for (const Eigen::Vector3d& point : clouds.frame(i)) {
+      sums.x += point.x();
+      sums.y += point.y();
+      sums.squares += point.x() * point.x() + point.y() * point.y();
+    }
+    result.push_back(sums);
+  }
+  return result;
+}
 
 int WindowDistance::frames_at(int i, int j) const {
   return std::min({length_, a_.frame_count() - i, b_.frame_count() - j});
@@ -109,25 +118,45 @@ double WindowDistance::with_foretold(int i, int j, const CloudAlignment& aligned
 }
 
 WindowDistance::PairSums WindowDistance::pair(int i, int j) const {
-  const auto a = a_.frame(i), b = b_.frame(j);
+  // the coordinates one after the other
+  const double* a = a_.frame(i).data()->data();
+  const double* b = b_.frame(j).data()->data();
+  const std::size_t count = 3 * a_.point_count();
   PairSums sums;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    sums.dot += a[k].x() * b[k].x() + a[k].y() * b[k].y();
-    sums.cross += b[k].x() * a[k].y() - b[k].y() * a[k].x();
-    const double rise = a[k].z() - b[k].z();
-    sums.squares += a[k].head<2>().squaredNorm() + b[k].head<2>().squaredNorm() + rise * rise;
+  for (std::size_t k = 0; k < count; k += 3) {
+    sums.dot += a[k] * b[k] + a[k + 1] * b[k + 1];
+    sums.cross += b[k] * a[k + 1] - b[k + 1] * a[k];
+    sums.rise += (a[k + 2] - b[k + 2]) * (a[k + 2] - b[k + 2]);
   }
   return sums;
 }
 
-double WindowDistance::from_sums(const PairSums& sums, int i, int j, int frames) const {
+CloudAlignment WindowDistance::from_sums(const PairSums& sums, int i, int j, int frames) const {
+  CloudSums a, b;
+  for (int k = 0; k < frames; ++k) {
+    for (const auto& [sum, one] : {std::pair(&a, &sums_a_[static_cast<std::size_t>(i + k)]),
+                                   std::pair(&b, &sums_b_[static_cast<std::size_t>(j + k)])}) {
+      sum->x += one->x;
+      sum->y += one->y;
+      sum->squares += one->squares;
+    }
+  }
   const auto count = static_cast<double>(a_.point_count()) * frames;
-  const Eigen::Vector2d a = centre(a_.frames(i, i + frames)), b = centre(b_.frames(j, j + frames));
-  const double along = sums.dot / count - a.dot(b);
-  const double across = sums.cross / count - cross(b, a);
-  const double spread = sums.squares / count - a.squaredNorm() - b.squaredNorm();
-  const double rest = spread - 2.0 * std::sqrt(along * along + across * across);
-  return std::sqrt(std::max(rest, 0.0));
+  const double along = sums.dot - (a.x * b.x + a.y * b.y) / count;
+  const double across = sums.cross - (b.x * a.y - b.y * a.x) / count;
+  const double spread =
+      a.squares - (a.x * a.x + a.y * a.y) / count + b.squares - (b.x * b.x + b.y * b.y) / count;
+  const double rest = spread + sums.rise - 2.0 * std::sqrt(along * along + across * across);
+  CloudAlignment result;
+  result.distance = std::sqrt(std::max(rest, 0.0) / count);
+  if (frames < length_) {
+    const GroundPose turn{Eigen::Vector2d::Zero(), portable::atan2(across, along)};
+    result.a_from_b = {Eigen::Vector2d(a.x, a.y) / count -
+                           turn * Eigen::Vector2d(Eigen::Vector2d(b.x, b.y) / count),
+                       turn.heading};
+    result.distance = with_foretold(i, j, result);
+  }
+  return result;
 }
 
 std::vector<float> WindowDistance::map(int i_begin, int i_end, int j_begin, int j_end) const {
@@ -150,10 +179,9 @@ std::vector<float> WindowDistance::map(int i_begin, int i_end, int j_begin, int 
         const PairSums& one = sums[static_cast<std::size_t>(row - first + k)];
         window.dot += one.dot;
         window.cross += one.cross;
-        window.squares += one.squares;
+        window.rise += one.rise;
       }
-      const double distance =
-          frames < length_ ? at(i, j).distance : from_sums(window, i, j, frames);
+      const double distance = from_sums(window, i, j, frames).distance;
       const auto place = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
       result[place + static_cast<std::size_t>(row + diagonal)] = static_cast<float>(distance);
     }

@@ -33,10 +33,11 @@ void crossfade(Clip& result, const Clip& a, const Clip& b, const SeamRegion& reg
 // what fades in b: at the seam b is a's pose, and steps as a stepped
 void fade_in(Clip& result, const Clip& a, const Clip& b, const SeamRegion& region) {
   const int at_a = region.begin, at_b = region.begin - region.b_shift;
-  // steps towards the seam where there are any, else away from it
-  const int step_a = at_a > 0 ? at_a : std::min(1, a.frame_count() - 1);
-  const int step_b = at_b > 0 ? at_b : std::min(1, b.frame_count() - 1);
-  const bool steps = step_a > 0 && step_b > 0;
+  // steps at one time: to the seam, or on from it where both clips have one; else they are not
+  // known to differ
+  const int after = at_a > 0 && at_b > 0 ? 0 : 1;
+  const int step_a = at_a + after, step_b = at_b + after;
+  const bool steps = step_a < a.frame_count() && step_b < b.frame_count();
   const double length = region.end - region.begin;
   const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
     return log_so3(to * from.conjugate());

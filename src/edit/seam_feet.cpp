@@ -52,10 +52,10 @@ class FootJoiner {
 
   // a foot that stands in both
   [[nodiscard]] PlantedFoot from_both(const ContactPhase& in_a, const ContactPhase& in_b) const {
+    // compared in a frame that both clips have
     const int middle = (std::max(in_a.begin, in_b.begin) + std::min(in_a.end, in_b.end)) / 2;
-    const int at_a = std::clamp(middle, in_a.begin, in_a.end - 1);
-    const int at_b = std::clamp(middle, in_b.begin, in_b.end - 1);
-    const Pose a_from_b = between_places(of_b(at_b), a_[at_a]).in_space();
+    const int both = std::clamp(middle, region_.b_begin, static_cast<int>(a_.size()) - 1);
+    const Pose a_from_b = between_places(of_b(both), a_[both]).in_space();
     PlantedFoot plant{0, in_a.begin, {}};
     for (int frame = in_a.begin; frame < in_b.end; ++frame) {
       double of_a = region_.weight_of_a(frame);

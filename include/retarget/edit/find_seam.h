@@ -16,7 +16,7 @@ struct SeamOptions {
   bool search_all = false;    ///< Search both clips as a whole.
   /// What it costs to leave out a second of either clip, metres of distance: of equally good seams
   /// the one that keeps most is taken.
-  double cost_of_second = 0.005;
+  double cost_of_second = 0.01;
   double threshold = 0.15;  ///< Seams with the same support foot are preferred below this, metres.
 };
 
@@ -47,7 +47,7 @@ struct SeamSearch {
 /// Finds where b goes on best from a: the least distance of Kovar, Gleicher and Pighin (2002) over
 /// windows of bone positions (all bones alike), each window turned and moved over the ground as
 /// fits best; see WindowDistance. Where the clips share less than a window, the distance counts
-/// more by the share that is missing. Pairs of frames with the same feet planted are preferred.
+/// more by half the share that is missing. Pairs of frames with the same feet planted are preferred.
 ///
 /// @param a_file, b_file  for messages.
 /// @return kInput errors: a clip without frames; no bones in common. kUsage errors: more than 16

@@ -66,17 +66,22 @@ class WindowDistance {
   [[nodiscard]] std::vector<float> map(int i_begin, int i_end, int j_begin, int j_end) const;
 
  private:
-  // sums over the points of a pair of frames, that the best alignment follows from
-  struct PairSums {
-    double dot = 0.0, cross = 0.0, squares = 0.0;
+  // sums over the points of frames or windows, that the best alignment follows from
+  struct CloudSums {
+    double x = 0.0, y = 0.0, squares = 0.0;
   };
+  struct PairSums {
+    double dot = 0.0, cross = 0.0, rise = 0.0;
+  };
+  static std::vector<CloudSums> sums_of(const PoseClouds& clouds);
   [[nodiscard]] PairSums pair(int i, int j) const;
-  [[nodiscard]] double from_sums(const PairSums& sums, int i, int j, int frames) const;
+  [[nodiscard]] CloudAlignment from_sums(const PairSums& sums, int i, int j, int frames) const;
   [[nodiscard]] double with_foretold(int i, int j, const CloudAlignment& aligned) const;
 
   const PoseClouds& a_;
   const PoseClouds& b_;
   int length_;
+  std::vector<CloudSums> sums_a_, sums_b_;  // per frame
 };
 
 }  // namespace retarget
