@@ -20,7 +20,12 @@ Result<ConcatenateOptions> concatenate_options(const SeamCliOptions& options) {
   result.blend = options.blend == "inertial" ? SeamBlend::kInertial : SeamBlend::kCrossfade;
   result.force = options.force;
   result.seam.search_all = options.search == "all";
-  if (result.seam.search_all) return result;
+  if (result.seam.search_all) {
+    // who searches everywhere would rather have a good seam than all of both clips
+    constexpr double kCostOfSecond = 0.001;
+    result.seam.cost_of_second = kCostOfSecond;
+    return result;
+  }
   const std::string& text = options.search;
   double seconds = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);

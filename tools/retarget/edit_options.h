@@ -51,7 +51,7 @@ struct SeamCliOptions {
   std::string search = "2";  ///< Seconds, or `all`.
   double window_s = 1.0 / 3.0;
   std::string blend = "crossfade";
-  double threshold_cm = 15.0;
+  double threshold_cm = 20.0;
   bool force = false;
   std::string matrix;  ///< PGM to write; empty: none.
 };

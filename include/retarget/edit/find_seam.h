@@ -17,7 +17,7 @@ struct SeamOptions {
   /// What it costs to leave out a second of either clip, metres of distance: of equally good seams
   /// the one that keeps most is taken.
   double cost_of_second = 0.01;
-  double threshold = 0.15;  ///< Seams with the same support foot are preferred below this, metres.
+  double threshold = 0.2;  ///< Seams with the same support foot are preferred below this, metres.
 };
 
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
