@@ -23,7 +23,7 @@ constexpr double kExactLargest = 12.0;  // degrees
 
 // the pose that is brought to T, and the axes it gives
 struct Rest {
-  Candidate candidate;
+  RestCandidate candidate;
   JointFromBone axes;
   std::string name;
 };
@@ -51,15 +51,15 @@ class Calibrator {
   [[nodiscard]] bool has_lafan1_axes() const;
   [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result) const;
   [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result) const;
-  [[nodiscard]] std::optional<Candidate> candidate(JointPoses pose,
-                                                   const Eigen::Vector3d& up) const;
-  [[nodiscard]] std::optional<Candidate> zero_candidate(const Body& body) const;
-  [[nodiscard]] std::optional<std::pair<int, Candidate>> best_frame() const;
+  [[nodiscard]] std::optional<RestCandidate> candidate(JointPoses pose,
+                                                       const Eigen::Vector3d& up) const;
+  [[nodiscard]] std::optional<RestCandidate> zero_candidate(const Body& body) const;
+  [[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame() const;
   [[nodiscard]] std::optional<Rest> rest_of_dialect() const;
   [[nodiscard]] Result<Rest> find_rest() const;
   [[nodiscard]] Result<Rest> told_rest() const;
   [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
-  [[nodiscard]] Result<Rest> taken(std::optional<Candidate> candidate, std::string name) const;
+  [[nodiscard]] Result<Rest> taken(std::optional<RestCandidate> candidate, std::string name) const;
   [[nodiscard]] Result<Unit> find_unit(const Rest& rest) const;
   void doubt_sides();
   void doubt_height(const Calibration& found);
@@ -146,7 +146,8 @@ bool Calibrator::stands_otherwise(const SignedAxis& custom) const {
   return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
 }
 
-std::optional<Candidate> Calibrator::candidate(JointPoses pose, const Eigen::Vector3d& up) const {
+std::optional<RestCandidate> Calibrator::candidate(JointPoses pose,
+                                                   const Eigen::Vector3d& up) const {
   std::optional<BodyFromFile> axes;
   if (!options_.forward) {
     axes = body_axes(body_, pose, up);
@@ -154,11 +155,11 @@ std::optional<Candidate> Calibrator::candidate(JointPoses pose, const Eigen::Vec
     axes = told_axes(options_.forward->direction(), up);
   }
   if (!axes) return std::nullopt;
-  return Candidate{std::move(pose), *axes};
+  return RestCandidate{std::move(pose), *axes};
 }
 
 // a zero pose is built along its own axes, which need not be those of the movement
-std::optional<Candidate> Calibrator::zero_candidate(const Body& body) const {
+std::optional<RestCandidate> Calibrator::zero_candidate(const Body& body) const {
   JointPoses pose = zero_pose(body.skeleton());
   const auto trunk = trunk_direction(body, pose);
   if (!trunk) return std::nullopt;
@@ -167,8 +168,8 @@ std::optional<Candidate> Calibrator::zero_candidate(const Body& body) const {
   return found;
 }
 
-std::optional<std::pair<int, Candidate>> Calibrator::best_frame() const {
-  std::optional<std::pair<int, Candidate>> best;
+std::optional<std::pair<int, RestCandidate>> Calibrator::best_frame() const {
+  std::optional<std::pair<int, RestCandidate>> best;
   double least = 0.0;
   for (std::size_t i = 0; i < view_.poses.size(); ++i) {
     auto found = candidate(view_.poses[i], view_.up.direction());
@@ -182,7 +183,7 @@ std::optional<std::pair<int, Candidate>> Calibrator::best_frame() const {
   return best;
 }
 
-Result<Rest> Calibrator::taken(std::optional<Candidate> found, std::string name) const {
+Result<Rest> Calibrator::taken(std::optional<RestCandidate> found, std::string name) const {
   if (!found) {
     return input_failure(file_, "the " + name + " shows no facing: hips and shoulders lie along up",
                          "choose another rest pose, or give --forward");
@@ -236,7 +237,7 @@ Result<Rest> Calibrator::told_rest() const {
 std::optional<Rest> Calibrator::rest_of_dialect() const {
   constexpr double kMostOff = 20.0;  // degrees
   const std::string& known = map_.facts.rest_pose;
-  std::optional<Candidate> pose;
+  std::optional<RestCandidate> pose;
   if (known == "zero") pose = zero_candidate(body_);
   if (known == "first" && clip_.frame_count() > 0) {
     pose = candidate(frame_pose(clip_, 0), view_.up.direction());

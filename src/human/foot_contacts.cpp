@@ -5,11 +5,11 @@
 namespace retarget {
 namespace {
 
-struct Side {
+struct FootBones {
   int hip, knee, ankle, toe;
 };
 
-std::array<Side, 2> sides() {
+std::array<FootBones, 2> bones_of_feet() {
   const auto bone = [](const char* name) { return *find_bone(name); };
   return {{{bone("LeftUpLeg"), bone("LeftLeg"), bone("LeftFoot"), bone("LeftToe")},
            {bone("RightUpLeg"), bone("RightLeg"), bone("RightFoot"), bone("RightToe")}}};
@@ -27,7 +27,7 @@ std::vector<Eigen::Vector3d> track_of(const HumanClip& human, int bone) {
 
 double leg_length(const HumanClip& human) {
   if (human.frame_count == 0) return 0.0;
-  for (const Side& side : sides()) {
+  for (const FootBones& side : bones_of_feet()) {
     if (!human.has(side.hip) || !human.has(side.knee) || !human.has(side.ankle)) continue;
     std::vector<double> lengths;
     lengths.reserve(human.frame_count);
@@ -46,9 +46,9 @@ FootContacts find_foot_contacts(const HumanClip& human, const ContactOptions& op
   if (!(leg > 0.0)) return {};
   std::array<FootTrack, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
-    feet[foot].ankle = track_of(human, sides()[foot].ankle);
+    feet[foot].ankle = track_of(human, bones_of_feet()[foot].ankle);
     // a toe without its ankle says nothing of a foot
-    if (!feet[foot].ankle.empty()) feet[foot].toe = track_of(human, sides()[foot].toe);
+    if (!feet[foot].ankle.empty()) feet[foot].toe = track_of(human, bones_of_feet()[foot].toe);
   }
   return find_contact_phases(feet, leg, human.rate, options);
 }

@@ -227,7 +227,7 @@ class Learner {
 }  // namespace
 
 JointFromBone learned_axes(const Body& body, const std::vector<JointPoses>& poses,
-                           const Eigen::Vector3d& up, const Candidate& best) {
+                           const Eigen::Vector3d& up, const RestCandidate& best) {
   return Learner(body, poses, up, bring_to_t(body, best)).learn();
 }
 

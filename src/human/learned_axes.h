@@ -26,7 +26,7 @@ namespace retarget {
 /// @param up     the file's up axis, unit length.
 /// @param best   the pose nearest to a T-pose.
 [[nodiscard]] JointFromBone learned_axes(const Body& body, const std::vector<JointPoses>& poses,
-                                         const Eigen::Vector3d& up, const Candidate& best);
+                                         const Eigen::Vector3d& up, const RestCandidate& best);
 
 /// Axes of a rest pose, with those of upper arm, forearm and hand learned where the movement bends
 /// the elbow more than 20 degrees off: arms of a rest pose may be turned any way about themselves.

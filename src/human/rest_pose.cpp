@@ -5,7 +5,7 @@
 #include <string>
 
 #include "retarget/human/canonical_pose.h"
-#include "retarget/math/trigonometry.h"
+#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {
@@ -23,12 +23,12 @@ Eigen::Vector3d outward(const std::string& side) {
 
 constexpr double kDegree = 57.295779513082321;
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return kDegree * portable::atan2(a.cross(b).norm(), a.dot(b));
+double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return kDegree * angle_between(a, b);
 }
 
 // unit direction of a bone in the body's axes
-std::optional<Eigen::Vector3d> heading(const Body& body, const Candidate& candidate,
+std::optional<Eigen::Vector3d> heading(const Body& body, const RestCandidate& candidate,
                                        const std::string& bone) {
   const auto way = along(body.segment(bone), candidate.pose);
   if (!way) return std::nullopt;
@@ -36,7 +36,7 @@ std::optional<Eigen::Vector3d> heading(const Body& body, const Candidate& candid
 }
 
 // the foot's direction on the floor after a turn; nothing when it hardly has one
-std::optional<Eigen::Vector3d> foot_heading(const Body& body, const Candidate& candidate,
+std::optional<Eigen::Vector3d> foot_heading(const Body& body, const RestCandidate& candidate,
                                             const std::string& side, const Eigen::Matrix3d& turn) {
   for (const char* part : {"Foot", "Toe"}) {
     auto way = heading(body, candidate, side + part);
@@ -48,7 +48,7 @@ std::optional<Eigen::Vector3d> foot_heading(const Body& body, const Candidate& c
   return std::nullopt;
 }
 
-bool arm_is_well_formed(const Body& body, const Candidate& candidate, const std::string& side) {
+bool arm_is_well_formed(const Body& body, const RestCandidate& candidate, const std::string& side) {
   const auto upper = heading(body, candidate, side + "Arm");
   const auto lower = heading(body, candidate, side + "ForeArm");
   if (!upper) return true;
@@ -58,14 +58,14 @@ bool arm_is_well_formed(const Body& body, const Candidate& candidate, const std:
   constexpr double kMostBent = 35.0;     // degrees at the elbow
   return std::abs(upper->x()) < kMostAhead && upper->z() < kMostRaised &&
          upper->dot(outward(side)) > kMostInward &&
-         (!lower || angle_between(*upper, *lower) < kMostBent);
+         (!lower || degrees_between(*upper, *lower) < kMostBent);
 }
 
-bool leg_is_well_formed(const Body& body, const Candidate& candidate, const std::string& side) {
+bool leg_is_well_formed(const Body& body, const RestCandidate& candidate, const std::string& side) {
   constexpr double kMostSplayed = 35.0;  // degrees
   for (const char* part : {"UpLeg", "Leg"}) {
     const auto way = heading(body, candidate, side + part);
-    if (way && angle_between(*way, -up()) > kMostSplayed) return false;
+    if (way && degrees_between(*way, -up()) > kMostSplayed) return false;
   }
   const auto foot = foot_heading(body, candidate, side, Eigen::Matrix3d::Identity());
   return !foot || foot->dot(ahead()) > 0.5;
@@ -81,7 +81,8 @@ Eigen::Matrix3d turned_on(const std::optional<Eigen::Vector3d>& way, const Eigen
 // rotations in the body's axes that bring the joints of a pose to the T-pose
 class Straightening {
  public:
-  Straightening(const Body& body, const Candidate& candidate) : body_(body), candidate_(candidate) {
+  Straightening(const Body& body, const RestCandidate& candidate)
+      : body_(body), candidate_(candidate) {
     turns_.fill(Eigen::Matrix3d::Identity());
     for (const std::string side : {"Left", "Right"}) {
       straighten_arm(side);
@@ -132,16 +133,16 @@ class Straightening {
   }
 
   const Body& body_;
-  const Candidate& candidate_;
+  const RestCandidate& candidate_;
   std::array<Eigen::Matrix3d, kMappedBoneCount> turns_;
 };
 
 }  // namespace
 
-Deviation deviation_from_t(const Body& body, const Candidate& candidate) {
+Deviation deviation_from_t(const Body& body, const RestCandidate& candidate) {
   std::vector<double> angles;
   const auto hold = [&](const std::optional<Eigen::Vector3d>& way, const Eigen::Vector3d& target) {
-    if (way) angles.push_back(angle_between(*way, target));
+    if (way) angles.push_back(degrees_between(*way, target));
   };
   for (const std::string side : {"Left", "Right"}) {
     hold(heading(body, candidate, side + "Arm"), outward(side));
@@ -158,10 +159,10 @@ Deviation deviation_from_t(const Body& body, const Candidate& candidate) {
   return {sum / static_cast<double>(angles.size()), *std::ranges::max_element(angles)};
 }
 
-bool is_well_formed(const Body& body, const Candidate& candidate) {
+bool is_well_formed(const Body& body, const RestCandidate& candidate) {
   constexpr double kMostLeaning = 20.0;  // degrees
   const auto trunk = trunk_direction(body, candidate.pose);
-  if (trunk && angle_between(candidate.axes * *trunk, up()) > kMostLeaning) return false;
+  if (trunk && degrees_between(candidate.axes * *trunk, up()) > kMostLeaning) return false;
   for (const std::string side : {"Left", "Right"}) {
     if (!arm_is_well_formed(body, candidate, side)) return false;
     if (!leg_is_well_formed(body, candidate, side)) return false;
@@ -169,7 +170,7 @@ bool is_well_formed(const Body& body, const Candidate& candidate) {
   return true;
 }
 
-JointFromBone bring_to_t(const Body& body, const Candidate& candidate) {
+JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate) {
   const Straightening straightening(body, candidate);
   JointFromBone joint_from_bone;
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {

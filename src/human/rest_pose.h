@@ -9,7 +9,7 @@
 namespace retarget {
 
 /// A pose and the body's axes in it.
-struct Candidate {
+struct RestCandidate {
   JointPoses pose;
   BodyFromFile axes = BodyFromFile::Identity();
   /// Built with the skeleton rather than taken by a person: the soles of legs that stand astride
@@ -23,13 +23,13 @@ struct Deviation {
   double mean = 180.0;
   double largest = 180.0;
 };
-[[nodiscard]] Deviation deviation_from_t(const Body& body, const Candidate& candidate);
+[[nodiscard]] Deviation deviation_from_t(const Body& body, const RestCandidate& candidate);
 
 /// Whether a pose is one that a skeleton's maker would build: trunk up, straight legs down, the
 /// arms straight and in the body's frontal plane anywhere from the thighs to a little above the
 /// shoulders (T, A or I), toes ahead. Bones pointing along a local axis whatever their place in
 /// the body, as in many zero poses, are not.
-[[nodiscard]] bool is_well_formed(const Body& body, const Candidate& candidate);
+[[nodiscard]] bool is_well_formed(const Body& body, const RestCandidate& candidate);
 
 /// Rotation of each mapped bone's canonical axes in its joint; nothing for a bone without a joint.
 using JointFromBone = std::array<std::optional<Eigen::Matrix3d>, kMappedBoneCount>;
@@ -42,6 +42,6 @@ using JointFromBone = std::array<std::optional<Eigen::Matrix3d>, kMappedBoneCoun
 /// carrying the forearm along and this one's the hand, so an A-pose's arms go up about the body's
 /// forward axis and keep their twist. Feet are turned about the vertical until they point
 /// ahead, in a built pose after the shin's turn.
-[[nodiscard]] JointFromBone bring_to_t(const Body& body, const Candidate& candidate);
+[[nodiscard]] JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate);
 
 }  // namespace retarget

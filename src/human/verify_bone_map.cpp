@@ -17,7 +17,7 @@ constexpr double kLeastLegRatio = 0.7, kMostLegRatio = 1.4;  // thigh per shin
 constexpr double kUnequal = 0.15, kNoPair = 0.5;
 // what a doubt takes from the confidence
 constexpr double kDoubt = 0.85;
-constexpr double kLeastEvidence = 0.1;
+constexpr double kLeastSwapEvidence = 0.1;
 
 void doubt(Verdict& verdict, std::string text) {
   verdict.doubts.push_back(std::move(text));
@@ -128,7 +128,7 @@ void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdic
 
 void check_sides(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   if (!source.poses.from_motion) return;
-  if (left_is_left(source, map) > -kLeastEvidence) return;
+  if (left_is_left(source, map) > -kLeastSwapEvidence) return;
   doubt(verdict, "toes and knees point backwards: left and right may be exchanged in the source");
 }
 

@@ -9,8 +9,8 @@ namespace retarget {
 namespace {
 
 // squared angle below which the published method changes from closed forms to their limits
-constexpr double kSmallAngleSquared = 1e-10;
-constexpr double kSmallAngle = 1e-10;
+constexpr double kSmallSquaredAngleSquared = 1e-10;
+constexpr double kSmallSquaredAngle = 1e-10;
 
 // the block that couples rotation into translation in the left Jacobian of SE(3),
 // Q(v, w) of Barfoot's eq. 7.86, for angles that are not small
@@ -46,7 +46,7 @@ Pose exp_se3(const Vector6d& twist) {
   const double angle_squared = w.squaredNorm();
   const Eigen::Matrix3d W = skew(w);
   Eigen::Matrix3d V;
-  if (angle_squared < kSmallAngleSquared) {
+  if (angle_squared < kSmallSquaredAngleSquared) {
     V = Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
   } else {
     const double angle = std::sqrt(angle_squared);
@@ -62,7 +62,7 @@ Vector6d log_se3(const Pose& a_from_b) {
   const double angle_squared = w.squaredNorm();
   const Eigen::Matrix3d W = skew(w);
   Eigen::Matrix3d V_inverse = Eigen::Matrix3d::Identity() - 0.5 * W;
-  if (angle_squared < kSmallAngleSquared) {
+  if (angle_squared < kSmallSquaredAngleSquared) {
     V_inverse += W * W / 12.0;
   } else {
     const double angle = std::sqrt(angle_squared);
@@ -79,7 +79,7 @@ Eigen::Matrix3d left_jacobian_inverse_so3(const Eigen::Vector3d& w) {
   const double angle_squared = w.squaredNorm();
   const double angle = std::sqrt(angle_squared);
   const auto [sine, cosine] = portable::sin_cos(angle);
-  const double beta = angle < kSmallAngle
+  const double beta = angle < kSmallSquaredAngle
                           ? 1.0 / 12.0
                           : (1.0 - angle * sine / (2.0 * (1.0 - cosine))) / angle_squared;
   const Eigen::Matrix3d W = skew(w);
@@ -89,7 +89,7 @@ Eigen::Matrix3d left_jacobian_inverse_so3(const Eigen::Vector3d& w) {
 Matrix6d left_jacobian_inverse_se3(const Vector6d& x) {
   Matrix6d inverse = Matrix6d::Identity();
   const Eigen::Vector3d w = x.tail<3>();
-  if (w.squaredNorm() < kSmallAngleSquared) return inverse;
+  if (w.squaredNorm() < kSmallSquaredAngleSquared) return inverse;
   const Eigen::Matrix3d rotation = left_jacobian_inverse_so3(w);
   inverse.topLeftCorner<3, 3>() = rotation;
   inverse.bottomRightCorner<3, 3>() = rotation;

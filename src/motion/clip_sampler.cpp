@@ -10,7 +10,7 @@ namespace retarget {
 namespace {
 
 // in frames; times computed from frame numbers are off by rounding
-constexpr double kSnapTolerance = 1e-9;
+constexpr double kWholeFrameTolerance = 1e-9;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void ClipSampler::sample(double time, std::span<Eigen::Quaterniond> rotations,
   if (!(place > 0.0)) return sample(0, 0.0, rotations, translations);
   if (place >= last) return sample(last, 0.0, rotations, translations);
   const double nearest = std::round(place);
-  if (std::abs(place - nearest) <= kSnapTolerance) {
+  if (std::abs(place - nearest) <= kWholeFrameTolerance) {
     return sample(static_cast<int>(nearest), 0.0, rotations, translations);
   }
   const double frame = std::floor(place);

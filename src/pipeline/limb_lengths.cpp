@@ -10,7 +10,6 @@ namespace retarget {
 namespace {
 
 constexpr std::array<const char*, 2> kSides = {"Left", "Right"};
-constexpr const char* kHint = "scale with --scale table or height";
 
 // a limb of one side: the bones that it consists of, the bodies that follow them
 struct LimbBones {
@@ -113,8 +112,9 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb) const {
     auto body = body_of(limb.bones[i]);
     if (!body) body = body_of(limb.other[i]);
     if (!body) {
-      return config_failure(
-          tables_.file, "no body follows " + limb.other[i] + ": limbs cannot be measured", kHint);
+      return config_failure(tables_.file,
+                            "no body follows " + limb.other[i] + ": limbs cannot be measured",
+                            kOtherScaleHint);
     }
     bodies[i] = *body;
   }
@@ -124,7 +124,7 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb) const {
     return config_failure(tables_.file,
                           "the bodies of " + limb.bones[0] + ", " + limb.bones[1] + " and " +
                               limb.other[2] + " do not follow each other: limbs cannot be measured",
-                          kHint);
+                          kOtherScaleHint);
   }
   chain.lower = static_cast<std::size_t>(lower - chain.path.begin());
   return chain;
@@ -193,7 +193,7 @@ Result<RobotLimbs> RobotMeasure::measure() {
   limbs_.lengths = {legs->length, arms->length, (arms->middle - legs->middle).norm()};
   const auto& [leg, arm, trunk] = limbs_.lengths;
   if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {
-    return config_failure(tables_.file, "a limb of the robot has no length", kHint);
+    return config_failure(tables_.file, "a limb of the robot has no length", kOtherScaleHint);
   }
   return limbs_;
 }

@@ -8,8 +8,6 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kHint = "scale with --scale table or height";
-
 // names the mapped bones that the source lacks, and what it has instead
 Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
                          const std::string& clip_name, const std::string& mapping) {
@@ -31,13 +29,13 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
     if (human.has(bone)) continue;
     return input_failure(
         clip_name, "limbs cannot be measured: no joint stands for " + std::string(kBoneNames[bone]),
-        kHint);
+        kOtherScaleHint);
   }
   std::vector<Pose> world_from_bone(kBoneCount);
   poses(0, world_from_bone);
   const LimbLengths lengths = human_limb_lengths(world_from_bone);
   if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
-  return input_failure(clip_name, "a limb of the body has no length", kHint);
+  return input_failure(clip_name, "a limb of the body has no length", kOtherScaleHint);
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string_view>
 
 #include "retarget/quality/measure.h"
 
 namespace retarget {
+
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// A report while it is being made. Each group of metrics adds its figures under their keys.
 struct Draft {

@@ -30,8 +30,6 @@ FootContacts contacts_of(const HumanClip& human, int frames) {
                                      : find_foot_contacts(first_frames(human, frames));
 }
 
-constexpr double kDegrees = 57.295779513082321;
-
 LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int frames) {
   LimitedJoint joint;
   joint.joint = robot.joints()[static_cast<std::size_t>(found.joint)].name;
@@ -41,7 +39,7 @@ LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int fr
   if (found.push) {
     joint.task = kBoneNames[static_cast<std::size_t>(found.push->bone)];
     joint.rotation = found.push->rotation;
-    joint.shortfall = (joint.rotation ? kDegrees : 100.0) * found.push->shortfall;
+    joint.shortfall = (joint.rotation ? kDegreesPerRadian : 100.0) * found.push->shortfall;
   }
   joint.wider_set = found.wider_set;
   if (std::isfinite(found.wider_by)) joint.wider = found.wider_by;

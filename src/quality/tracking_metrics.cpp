@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 
+#include "retarget/math/so3.h"
 #include "retarget/math/statistics.h"
 #include "retarget/math/trigonometry.h"
 #include "retarget/pipeline/limb_lengths.h"
@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kInCm = 100.0;
 
 // a row that can be measured: its bone is there
@@ -27,10 +26,6 @@ struct Row {
   int bone = 0;
   double scale = 1.0;
 };
-
-double angle_between(const Vector3d& a, const Vector3d& b) {
-  return portable::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 void append(std::vector<double>& all, const std::vector<double>& more) {
   all.insert(all.end(), more.begin(), more.end());
@@ -184,7 +179,8 @@ std::vector<double> TrackingMeasure::rotation_errors(const Row& row) const {
     const Eigen::Quaterniond wanted =
         robot_from_human_ * bone_pose(frame, row.bone).rotation * row.row->rotation_offset;
     const Eigen::Quaterniond between = wanted.conjugate() * tracks_.kept(frame, row.body).rotation;
-    errors.push_back(2.0 * kDegrees * portable::atan2(between.vec().norm(), std::abs(between.w())));
+    errors.push_back(2.0 * kDegreesPerRadian *
+                     portable::atan2(between.vec().norm(), std::abs(between.w())));
   }
   return errors;
 }
@@ -272,7 +268,7 @@ void TrackingMeasure::measure_limbs() const {
         of_human += sign * bone_pose(frame, bones[i]).translation;
         of_robot += sign * (tracks_.kept(frame, rows[i]->body) * body_from_joint[i]);
       }
-      angles.push_back(kDegrees * angle_between(robot_from_human_ * of_human, of_robot));
+      angles.push_back(kDegreesPerRadian * angle_between(robot_from_human_ * of_human, of_robot));
     }
     draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});
     append(all, angles);

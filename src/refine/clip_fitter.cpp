@@ -5,6 +5,7 @@
 
 #include "refine/block_chain.h"
 #include "refine/joint_speeds.h"
+#include "refine/shorthand.h"
 #include "retarget/math/so3.h"
 
 namespace retarget {
@@ -26,10 +27,6 @@ constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 constexpr double kLargestTurn = 0.15, kLargestMove = 0.2;
 constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
 constexpr double kPairsWithin = 0.04;  // metres
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 // the solver of one window
 class WindowFitter {
@@ -229,7 +226,8 @@ void WindowFitter::release_limits() {
     }
     if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
     signed char& side = held(row.frame, row.dof);
-    if (side * force > 0.0) side = 0;
+    const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
+    if (side * force > 0.0 && !fixed) side = 0;
   }
 }
 

@@ -11,14 +11,11 @@
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
 #include "refine/foot_plan.h"
+#include "refine/shorthand.h"
 #include "refine/speed_bounds.h"
 
 namespace retarget {
 namespace {
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 // scales of the root's and the feet's paths, by what the targets do when bones are lifted
 struct PathScales {
@@ -48,10 +45,11 @@ PathScales path_scales(const TargetBuilder& targets, int root_bone) {
   return scales;
 }
 
-// turns the root quaternion to the side of the one before
+// turns the root quaternion to the side of the one before, or of no rotation
 void keep_sign(std::span<const double> before, std::span<double> now) {
   double dot = 0.0;
-  for (std::size_t i = 3; i < 7; ++i) dot += before[i] * now[i];
+  if (before.empty()) dot = now[3];
+  for (std::size_t i = 3; i < 7 && !before.empty(); ++i) dot += before[i] * now[i];
   if (dot >= 0.0) return;
   for (std::size_t i = 3; i < 7; ++i) now[i] = -now[i];
 }
@@ -403,7 +401,7 @@ Result<FitResult> Fit::run() {
   result.clip = RobotClip(robot_, info.rate, info.frame_count);
   for (int t = 0; t < clip_.frame_count; ++t) {
     const auto now = clip_.frame(t, model_.configuration_size);
-    if (t > 0) keep_sign(clip_.frame(t - 1, model_.configuration_size), now);
+    keep_sign(t > 0 ? clip_.frame(t - 1, model_.configuration_size) : std::span<double>(), now);
     std::ranges::copy(now, result.clip.qpos(t).begin());
   }
   return result;

@@ -42,11 +42,14 @@ class ModelMaker {
   void add_smoothness();
   void add_tasks();
   void add_feet();
+  void hold_unmapped_joints();
   void add_shapes();
   void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
   void add_pairs();
   [[nodiscard]] int link_of_bone(std::string_view bone) const;
   [[nodiscard]] int body_above(int link) const;
+  /// The link itself or the next one above that moves.
+  [[nodiscard]] int carrier(int link) const;
   [[nodiscard]] std::vector<int> chain_to_root(int link) const;
 
   const Robot& robot_;
@@ -65,6 +68,7 @@ FitModel ModelMaker::make() {
   add_smoothness();
   add_tasks();
   add_feet();
+  hold_unmapped_joints();
   add_shapes();
   add_pairs();
   return std::move(model_);
@@ -335,6 +339,32 @@ void ModelMaker::add_floor_points(const CollisionShape& shape, const Frame& link
   }
 }
 
+// Fingers and other joints that carry neither a mapped body nor a sole stay where the robot's zero
+// configuration has them: only smoothness and collisions would move them.
+void ModelMaker::hold_unmapped_joints() {
+  std::vector<bool> moves(model_.links.size(), false);
+  const auto mark = [&](int link) {
+    for (const int above : chain_to_root(link)) moves[static_cast<std::size_t>(above)] = true;
+  };
+  for (const IkTable& table : tables_.tables) {
+    for (const IkRow& row : table.rows) {
+      const auto body = robot_.find_body(row.body);
+      if (table.used && row.has_weight() && body) {
+        mark(hanging_[static_cast<std::size_t>(*body)].link);
+      }
+    }
+  }
+  for (const FitFoot& foot : model_.feet) mark(foot.link);
+  const std::vector<double> zero = robot_.zero_configuration();
+  for (std::size_t link = 1; link < model_.links.size(); ++link) {
+    if (moves[link]) continue;
+    double& lower = model_.lower[FitModel::kBaseDofs - 1 + link];
+    double& upper = model_.upper[FitModel::kBaseDofs - 1 + link];
+    const auto address = static_cast<std::size_t>(model_.links[link].qpos_address);
+    lower = upper = std::max(lower, std::min(zero[address], upper));
+  }
+}
+
 void ModelMaker::add_shapes() {
   model_.floor_points.resize(model_.links.size());
   model_.floor_reach.assign(model_.links.size(), 0.0);
@@ -358,6 +388,15 @@ int ModelMaker::body_above(int link) const {
 }
 
 // all pairs but those of one link, of neighbours in the tree, and those whose contact is no fault
+int ModelMaker::carrier(int link) const {
+  const auto held = [&](int of) {
+    const auto dof = static_cast<std::size_t>(FitModel::kBaseDofs - 1 + of);
+    return model_.lower[dof] == model_.upper[dof];
+  };
+  while (link > 0 && held(link)) link = model_.links[static_cast<std::size_t>(link)].parent;
+  return link;
+}
+
 void ModelMaker::add_pairs() {
   std::set<std::pair<int, int>> allowed;
   for (const auto& [a, b] : robot_.profile().allowed_self_contact) {
@@ -369,8 +408,9 @@ void ModelMaker::add_pairs() {
     const int link_a = model_.shapes[static_cast<std::size_t>(a)].link;
     for (int b = a + 1; b < count; ++b) {
       const int link_b = model_.shapes[static_cast<std::size_t>(b)].link;
-      if (link_a == link_b || body_above(link_a) == link_b || body_above(link_b) == link_a)
-        continue;
+      // what is held has no say in whether it touches
+      if (carrier(link_a) == carrier(link_b)) continue;
+      if (body_above(link_a) == link_b || body_above(link_b) == link_a) continue;
       if (allowed.contains({shape_body_[static_cast<std::size_t>(a)],
                             shape_body_[static_cast<std::size_t>(b)]})) {
         continue;

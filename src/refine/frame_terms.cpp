@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "refine/fit_distance.h"
+#include "refine/shorthand.h"
 #include "retarget/math/so3.h"
 
 namespace retarget {
@@ -15,14 +16,6 @@ using Eigen::Vector3d;
 
 // up to this slope a foot's middle line is as good as its edge
 constexpr double kLevelLean = 0.1;
-
-double square(double x) {
-  return x * x;
-}
-
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "refine/shorthand.h"
 #include "retarget/math/so3.h"
 
 namespace retarget {
@@ -11,10 +12,6 @@ namespace {
 
 // the speed's term begins a little below the limit, so that the limit is seldom reached
 constexpr double kLimitShare = 0.9;
-
-double square(double x) {
-  return x * x;
-}
 
 }  // namespace
 

@@ -11,7 +11,7 @@
 #include "retarget/base/suggest.h"
 #include "retarget/human/bones.h"
 #include "retarget/human/canonical_pose.h"
-#include "retarget/math/trigonometry.h"
+#include "retarget/math/so3.h"
 #include "retarget/pipeline/targets.h"
 #include "retarget/rig/derive_mapping.h"
 #include "rig/branches.h"
@@ -26,10 +26,6 @@ constexpr double kOddOffset = 8.0 * kDegree;
 constexpr double kWrongOffset = 75.0 * kDegree;
 constexpr double kOddReach = 0.03;  // of the leg's length
 constexpr double kWrongReach = 0.25;
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return portable::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 // how far a row's body would be from where the T-pose has it
 struct OffsetError {

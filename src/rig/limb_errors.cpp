@@ -3,7 +3,7 @@
 #include <array>
 
 #include "retarget/human/bones.h"
-#include "retarget/math/trigonometry.h"
+#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {
@@ -14,10 +14,6 @@ constexpr std::array<const char*, 11> kSegments = {
     "left thigh",     "left shin",    "right thigh",     "right shin",
     "left upper arm", "left forearm", "right upper arm", "right forearm",
     "trunk",          "hip line",     "shoulder line"};
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return portable::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 // segments from the points of the limbs: left and right leg, left and right arm, each its root,
 // middle and end

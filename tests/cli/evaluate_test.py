@@ -169,7 +169,7 @@ class EvaluateCommand(ToolTest):
 
     def test_joints_at_a_limit_are_in_summary_and_report(self):
         result = self.run_tool("--bvh", SOURCE / "data" / "walk.bvh", "--robot", "unitree_g1",
-                               "-o", "w.csv", "--report", "run.json")
+                               "--method", "gmr", "-o", "w.csv", "--report", "run.json")
         self.assert_done(result)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
         self.assertTrue(motion["limited_joints"])
@@ -186,7 +186,7 @@ class EvaluateCommand(ToolTest):
             with self.subTest(fps):
                 self.assert_done(self.retarget("--fps", fps, "--report", "run.json", bvh=clip))
                 result = self.evaluate("out.csv", "--bvh", clip, "--fps", fps, "--json", "e.json",
-                                       "--limits", "gmr", "--gate", "none")
+                                       "--gate", "none")
                 self.assert_done(result)
                 run, = json.loads((self.folder / "run.json").read_text())["motions"]
                 found, = json.loads((self.folder / "e.json").read_text())["motions"]

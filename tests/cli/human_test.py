@@ -52,14 +52,17 @@ def renamed(name, pattern):
 
 
 class OneMovementStoredDifferently(ToolTest):
+    # the human is the same to the last printed digits; only the published method, which has no
+    # contacts that begin or end, is as continuous as that
     def rows_of(self, text, *options):
-        result = self.retarget("--precision", 9, *options, bvh=self.write("twin.bvh", text),
-                               output="-")
+        result = self.retarget("--precision", 9, "--method", "gmr", *options,
+                               bvh=self.write("twin.bvh", text), output="-")
         self.assert_done(result)
         return read_rows(result.stdout)
 
     def assert_twin(self, name, text, *options):
-        original = self.retarget("--precision", 9, *options, bvh=sample(name), output="-")
+        original = self.retarget("--precision", 9, "--method", "gmr", *options, bvh=sample(name),
+                                 output="-")
         self.assert_done(original)
         self.assertIsNone(difference(self.rows_of(text, *options), read_rows(original.stdout),
                                      1e-6))
@@ -84,7 +87,8 @@ class OneMovementStoredDifferently(ToolTest):
         half = joined(hierarchy, [f"Frames: {len(rows[::2])}", "Frame Time: 0.0666666666667"],
                       rows[::2])
         found = self.rows_of(half, "--fps", "source")
-        result = self.retarget("--precision", 9, "--no-antialias", "--fps", 15, output="-")
+        result = self.retarget("--precision", 9, "--method", "gmr", "--no-antialias", "--fps", 15,
+                               output="-")
         self.assert_done(result)
         self.assertIsNone(difference(found, read_rows(result.stdout), 1e-6))
 

@@ -95,14 +95,19 @@ class Output(ToolTest):
                                 "--no-antialias"), 11)
 
     def test_limits(self):
-        official = read_rows(self.text("--limits", "official", bvh=sample("get_up")))
-        gmr = read_rows(self.text("--limits", "gmr", bvh=sample("get_up")))
-        self.assertEqual(gmr, read_rows(self.text(bvh=sample("get_up"))))
+        rows = lambda *options: read_rows(self.text(*options, bvh=sample("get_up")))
+        official = rows("--method", "gmr", "--limits", "official")
+        gmr = rows("--method", "gmr", "--limits", "gmr")
+        self.assertEqual(gmr, rows("--method", "gmr"))
+        self.assertEqual(rows("--limits", "official"), rows())
         hip = lambda rows: min(row[7] for row in rows)
         self.assertLess(hip(official), -1.6)  # beyond what the tighter set allows
         self.assertGreaterEqual(hip(gmr), -1.57 - 1e-6)
         self.write("knees.json", '{"left_knee_joint": [0.5, 1.0]}')
         knees = [row[10] for row in read_rows(self.text("--limits", "knees.json"))]
+        self.assertTrue(all(0.5 <= q <= 1.0 for q in knees), min(knees))
+        rows = read_rows(self.text("--method", "gmr", "--limits", "knees.json"))
+        knees = [row[10] for row in rows]
         self.assertTrue(all(0.5 - 1e-3 <= q <= 1.0 for q in knees[5:]), min(knees))
 
     def test_variants_hold_joints_and_leave_them_out(self):
@@ -124,14 +129,16 @@ class Output(ToolTest):
     def test_fingers_stay_at_zero_and_leave_the_rest_as_it_is(self):
         header, body = self.text("--csv-header", robot="unitree_g1_with_hands").split("\n", 1)
         rows = read_rows(body)
-        plain = read_rows(self.text())
         fingers = [i for i, name in enumerate(header.split(",")) if "_hand_" in name]
         self.assertEqual(len(fingers), 14)
         self.assertEqual({row[i] for row in rows for i in fingers}, {0.0})
+        # the fit keeps these wider hands away from the body; the published method knows no hands
         others = [i for i in range(len(rows[0])) if i not in fingers]
-        rest = [[row[i] for i in others] for row in rows]
+        exact = lambda *options, **robot: read_rows(self.text("--method", "gmr", *options, **robot))
+        plain = exact()
+        rest = [[row[i] for i in others] for row in exact(robot="unitree_g1_with_hands")]
         self.assertIsNone(difference(rest, plain, 2e-6))
-        rows = read_rows(self.text("--dof", 29, robot="unitree_g1_with_hands"))
+        rows = exact("--dof", 29, robot="unitree_g1_with_hands")
         self.assertIsNone(difference(rows, plain, 2e-6))
 
     def test_summary_names_joints_at_a_limit_and_what_pushes_them(self):
@@ -145,17 +152,25 @@ class Output(ToolTest):
     def test_another_model_with_its_mapping(self):
         model = SOURCE / "robots/unitree_g1/model.xml"
         mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
-        plain = read_rows(self.text("--limits", "official"))
-        result = self.run_tool("--bvh", sample("wave"), "--robot-xml", model, "--ik-config",
-                               mapping, "-o", "-")
+        plain = read_rows(self.text("--method", "gmr", "--limits", "official"))
+        words = ("--bvh", sample("wave"), "--robot-xml", model, "--ik-config", mapping, "-o", "-")
+        result = self.run_tool(*words, "--method", "gmr")
         self.assert_done(result)
         self.assertEqual(read_rows(result.stdout), plain)
+        # without a profile there are neither soles nor shapes to fit with
+        result = self.run_tool(*words)
+        self.assert_done(result)
+        self.assertIn("no soles", result.stderr)
+        profile = ("--robot-profile", SOURCE / "robots/unitree_g1/robot.json")
+        self.assertEqual(self.run_tool(*words, *profile).stdout, self.text())
 
     def test_summary_says_what_was_done(self):
         summary = self.retarget().stderr
         for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
-                      "limits gmr", "IK steps a frame", "comes nearest", "wrote"):
+                      "limits official", "contact phases", "IK steps a frame", "comes nearest",
+                      "wrote"):
             self.assertIn(words, summary)
+        self.assertIn("limits gmr", self.retarget("--method", "gmr").stderr)
         self.assertEqual(self.retarget("--quiet").stderr, "")
         self.assertNotIn("\033", summary)
 

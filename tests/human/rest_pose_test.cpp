@@ -35,8 +35,8 @@ Skeleton person(const Eigen::Vector3d& upper, const Eigen::Vector3d& lower) {
   return Skeleton(joints);
 }
 
-Candidate zero_of(const Body& body) {
-  Candidate candidate;
+RestCandidate zero_of(const Body& body) {
+  RestCandidate candidate;
   candidate.pose = zero_pose(body.skeleton());
   candidate.axes = body_axes(body, candidate.pose, Eigen::Vector3d::UnitY()).value();
   candidate.is_built = true;

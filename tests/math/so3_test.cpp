@@ -95,5 +95,14 @@ TEST(LeftJacobianInverse, IsTheDerivativeOfTheLog) {
   }
 }
 
+TEST(AngleBetween, HoldsForAllLengthsAndNearTheEnds) {
+  const Vector3d side = kAxis.unitOrthogonal();
+  for (const double angle : {0.0, 1e-9, 0.5, 2.0, 3.141592}) {
+    const Vector3d turned = exp_so3(angle * kAxis) * side;
+    EXPECT_NEAR(angle_between(3.0 * side, 0.2 * turned), angle, 1e-15 + 1e-15 * angle) << angle;
+  }
+  EXPECT_EQ(angle_between(Vector3d::Zero(), side), 0.0);
+}
+
 }  // namespace
 }  // namespace retarget

@@ -51,7 +51,7 @@ struct RunOptions {
   std::string dof;        ///< Variant of the robot; empty: all of it.
   std::string limits;     ///< Empty: the method's own.
   std::string ik_config;  ///< Empty: the robot's own.
-  std::string method = "gmr";
+  std::string method = "fit";
   std::string fit_config;            ///< Options of the fit, JSON; empty: the defaults.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   std::string engine = "fast";

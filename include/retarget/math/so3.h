@@ -24,4 +24,7 @@ namespace retarget {
 [[nodiscard]] Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
                                                               const Eigen::Vector3d& v);
 
+/// Angle between two directions of any length in [0, pi], rad; 0 where one has none.
+[[nodiscard]] double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 }  // namespace retarget

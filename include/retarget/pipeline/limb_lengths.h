@@ -30,6 +30,9 @@ struct RobotLimbs {
   std::optional<double> ankle_height;
 };
 
+/// What a user can do whose human or robot has no limbs to measure.
+inline constexpr const char* kOtherScaleHint = "scale with --scale table or height";
+
 /// The bones without which a human's limbs cannot be measured, indices into kBoneNames.
 [[nodiscard]] std::array<int, 13> limb_bones();
 
