@@ -112,9 +112,10 @@ TEST(Concatenation, FindsWhereAClipWasCut) {
        {CutCase{"walk", 130, 140}, CutCase{"walk", 150, 151}, CutCase{"get_up", 100, 110},
         CutCase{"get_up", 120, 121}, CutCase{"squat", 60, 61}}) {
     const EditSample& sample = data_sample(cut_case.name);
-    const int count = sample.clip.frame_count();
-    const Clip a = cut(sample.clip, 0, cut_case.end_of_a);
-    Clip b = cut(sample.clip, cut_case.begin_of_b, count);
+    // not all of it, for the time it takes
+    const Clip whole = cut(sample.clip, 0, std::min(sample.clip.frame_count(), 200));
+    const Clip a = cut(whole, 0, cut_case.end_of_a);
+    Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
     // somewhere else, for the alignment to be found
     const GroundPose away{{3.0, -4.0}, 1.3};
     BodyMover::of(b.skeleton(), sample.mapping, "b").value().move_all(b, away.in_space());
@@ -126,7 +127,7 @@ TEST(Concatenation, FindsWhereAClipWasCut) {
       EXPECT_EQ(joined->seam.a_frame, cut_case.begin_of_b) << cut_case.name;
       EXPECT_EQ(joined->seam.b_frame, 0) << cut_case.name;
       EXPECT_LT(joined->seam.distance, 0.01);
-      EXPECT_LT(largest_distance(joined->clip, sample.clip, 0.01), 1e-6) << cut_case.name;
+      EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-6) << cut_case.name;
     }
   }
 }
@@ -266,10 +267,15 @@ TEST(Concatenation, RecordedClipsPassTheSeamChecks) {
     return load_bvh((*shared / "data/lafan1" / (name + ".bvh")).string()).value().clip;
   };
   const EditSample walk(cut(load("walk4_subject1"), 0, 600));
+  ConcatenateOptions options;
+  // both begin with seconds of a T-pose, which no walk goes on to
+  EXPECT_FALSE(concatenate(walk.clip, cut(load("dance1_subject2"), 0, 60), walk.mapping, options,
+                           "walk4", "T-pose"));
+  options.seam.band = 10.0;
   for (const char* name : {"push1_subject2", "dance1_subject2"}) {
-    const EditSample next(cut(load(name), 0, 600));
+    const EditSample next(cut(load(name), 0, 400));
     const Clip same_body = transfer(next.human(), walk.as_target());
-    const auto joined = concatenate(walk.clip, same_body, walk.mapping, {}, "walk4", name);
+    const auto joined = concatenate(walk.clip, same_body, walk.mapping, options, "walk4", name);
     ASSERT_TRUE(joined) << describe(joined.error());
     EXPECT_TRUE(joined->check.faults.empty());
     EXPECT_LT(joined->check.largest_speed, 3.0 * joined->check.usual_speed);

@@ -206,8 +206,6 @@ TEST(Rethreading, AStraightWalkAlongACircle) {
 TEST(Rethreading, PlantingHoldsTheFeet) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
-  RethreadOptions loose;
-  loose.plant.release = 1e-9;
   const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
   const Rethreaded round = follow(sample, tight);
   const FootContacts contacts = find_foot_contacts(sample.human());
@@ -298,8 +296,8 @@ TEST(Rethreading, OddClipsAndPaths) {
                                          GroundPath({{0, 0}, {0, 0}, {0, 0}, {0, 0}}),
                                          figure8_path({}, 6.0),
                                          path_through({{0, 0}, {1, 0}, {0, 0}, {1, 0}})};
-  for (const Clip& clip :
-       {cut(walk.clip, 0, 1), cut(walk.clip, 0, 0), still, cut(walk.clip, 100, 103), walk.clip}) {
+  for (const Clip& clip : {cut(walk.clip, 0, 1), cut(walk.clip, 0, 0), still,
+                           cut(walk.clip, 100, 103), cut(walk.clip, 30, 90)}) {
     for (const GroundPath& path : paths) {
       for (const PathKeep keep : {PathKeep::kTime, PathKeep::kStride, PathKeep::kSpeed}) {
         try_it(clip, path, keep);
