@@ -1,5 +1,6 @@
 #include "retarget/edit/rethread.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "retarget/base/number_text.h"
@@ -12,17 +13,14 @@ namespace {
 // shorter than this a path gives no speed, metres
 constexpr double kShortestWay = 0.01;
 
-Result<Clip> at_own_speed(const Clip& clip, const HumanMapping& mapping, const GroundPath& path,
-                          const PathFitOptions& options, const std::string& file) {
-  const auto own = fit_path(to_human(clip, mapping), options, file);
-  if (!own) return failure(own.error());
-  const double own_length = own->path.length();
-  if (own_length < kShortestWay || path.length() < kShortestWay) {
-    return usage_failure("a path of " + number_text(std::min(own_length, path.length()), 3) +
+// the motion on its new path, played so that it goes as fast as on its own
+Result<Clip> at_own_speed(Clip clip, double own_length, double length) {
+  if (own_length < kShortestWay || length < kShortestWay) {
+    return usage_failure("a path of " + number_text(std::min(own_length, length), 3) +
                              " m has no speed that could be kept",
                          "keep the time instead");
   }
-  return change_speed(clip, own_length / path.length());
+  return change_speed(std::move(clip), own_length / length);
 }
 
 // where feet stand: each contact as a whole, as its middle frame is moved
@@ -54,11 +52,7 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
                             const RethreadOptions& options, const std::string& file) {
   const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
   if (!mover) return failure(mover.error());
-  Result<Clip> source = options.keep == PathKeep::kSpeed
-                            ? at_own_speed(clip, mapping, path, options.fit, file)
-                            : Result<Clip>(clip);
-  if (!source) return failure(source.error());
-  const HumanClip human = to_human(*source, mapping);
+  const HumanClip human = to_human(clip, mapping);
   auto own = fit_path(human, options.fit, file);
   if (!own) return failure(own.error());
 
@@ -76,17 +70,22 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
   std::vector<double> along;
   for (const double place : own->along) along.push_back(stretch * place);
 
-  Rethreaded result{*source, std::move(*own), {}, {}};
+  Rethreaded result{clip, std::move(*own), {}, {}};
   result.frames = path_frames(path, along, result.source.still, own_turns);
   std::vector<GroundPose> moves;
   for (std::size_t frame = 0; frame < own_frames.size(); ++frame) {
     moves.push_back(result.frames[frame] * own_frames[frame].inverse());
     mover->move(result.clip, static_cast<int>(frame), moves.back());
   }
-  const auto plants = moved_plants(*source, mapping, human, moves, options.same_stand);
+  const auto plants = moved_plants(clip, mapping, human, moves, options.same_stand);
   const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
   if (!feet) return failure(feet.error());
   result.feet = *feet;
+  if (options.keep == PathKeep::kSpeed) {
+    auto played = at_own_speed(std::move(result.clip), result.source.path.length(), path.length());
+    if (!played) return failure(played.error());
+    result.clip = std::move(*played);
+  }
   return result;
 }
 

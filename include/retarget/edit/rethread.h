@@ -30,8 +30,8 @@ struct RethreadOptions {
 /// A motion on another path.
 struct Rethreaded {
   Clip clip;
-  PathMotion source;               ///< The motion's own path; of kSpeed, after its time changed.
-  std::vector<GroundPose> frames;  ///< That move along the new path, per frame.
+  PathMotion source;               ///< The motion's own path.
+  std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
   PlantSummary feet;
 };
 
