@@ -1,6 +1,6 @@
 # The installed tree. It may be moved as a whole: everything is found relative to the binary.
 #
-#   bin/retarget                   the tool, bin/batch_retarget.sh
+#   bin/retarget                   the tool
 #   lib/libretarget.a              the library; include/retarget/ its headers
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
@@ -23,7 +23,6 @@ foreach(folder IN ITEMS robots configs)
     install(DIRECTORY ${folder} DESTINATION ${retarget_data_folder})
   endif()
 endforeach()
-install(PROGRAMS tools/batch_retarget.sh DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET retarget_cli)
   install(TARGETS retarget_cli DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

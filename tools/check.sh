@@ -34,7 +34,7 @@ check_format() {
 }
 
 check_shell() {
-  { files '*.sh'; printf '.ci/run\0'; } | xargs -0 -r shellcheck
+  { files '*.sh' '*.sbatch'; printf '.ci/run\0'; } | xargs -0 -r shellcheck
 }
 
 check_asan() {
@@ -45,7 +45,7 @@ check_asan() {
 
 # CI's share of asan: compiling the numerical modules' tests with it takes longer than all else
 check_asan-input() {
-  local modules=(base bvh edit human io motion robot smpl)
+  local modules=(base batch bvh edit human io motion robot smpl)
   cmake --preset asan
   cmake --build --preset asan --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
   ctest --preset asan --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\."

@@ -63,12 +63,14 @@ std::string follow_links(const std::string& path) {
 }
 
 constexpr int kMostNames = 1000;
+constexpr std::string_view kTemporaryBegin = ".retarget-";
+constexpr std::string_view kTemporaryEnd = ".tmp";
 
 // beside the target and short enough for any folder; who uses it must try the next number when
 // it is taken, as processes of other machines may share the folder
 std::string temporary_name(const std::string& target, int number) {
-  return folder_of(target) + "/.retarget-" + std::to_string(::getpid()) + "-" +
-         std::to_string(number) + ".tmp";
+  return folder_of(target) + "/" + std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
+         std::to_string(number) + std::string(kTemporaryEnd);
 }
 
 // gives a nameless file a name that nothing has; 0, or -1 with errno
@@ -248,6 +250,10 @@ Result<void> OutputFile::commit() {
   temporary_.clear();
   discard();
   return {};
+}
+
+bool is_temporary_name(std::string_view name) {
+  return name.starts_with(kTemporaryBegin) && name.ends_with(kTemporaryEnd);
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes) {

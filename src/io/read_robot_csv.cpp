@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "io/csv_cells.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
 
@@ -19,49 +19,6 @@ constexpr double kLargest = 1e6;
 // a quaternion of this length has no direction
 constexpr double kNoLength = 1e-6;
 constexpr std::size_t kRootColumns = 7;
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
-
-bool is_mark(char c) {
-  return c == ',' || c == ';';
-}
-
-// a cell of a line and where it begins, from 0
-struct Cell {
-  std::string_view text;
-  std::size_t column = 0;
-};
-
-// the cells of a line: a comma or semicolon with blanks around it, or blanks alone, part two
-void split(std::string_view line, std::vector<Cell>& cells) {
-  cells.clear();
-  std::size_t at = 0;
-  const auto skip_blanks = [&] {
-    while (at < line.size() && is_blank(line[at])) ++at;
-  };
-  skip_blanks();
-  while (at < line.size()) {
-    const std::size_t begin = at;
-    while (at < line.size() && !is_blank(line[at]) && !is_mark(line[at])) ++at;
-    cells.push_back({line.substr(begin, at - begin), begin});
-    skip_blanks();
-    if (at == line.size() || !is_mark(line[at])) continue;
-    ++at;
-    skip_blanks();
-    // after a last comma there is a cell still, an empty one
-    if (at == line.size()) cells.push_back({{}, at});
-  }
-}
-
-std::optional<double> number_of(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 class CsvReader {
  public:
@@ -89,7 +46,7 @@ class CsvReader {
   std::size_t line_ = 0;        // from 1
   bool begun_ = false;          // a line with cells was read
   std::optional<std::size_t> width_;
-  std::vector<Cell> cells_;
+  std::vector<CsvCell> cells_;
   std::vector<double> row_;
   double previous_first_ = 0.0;
   int frames_ = 0;
@@ -124,10 +81,10 @@ Result<RobotClip> CsvReader::read(std::string_view text, const FrameRate& rate) 
 }
 
 Result<void> CsvReader::read_line(std::string_view line) {
-  split(line, cells_);
+  split_cells(line, cells_);
   if (cells_.empty() || cells_.front().text.starts_with('#')) return {};
   const bool first = !std::exchange(begun_, true);
-  if (first && !number_of(cells_.front().text)) return read_header();
+  if (first && !number_of_cell(cells_.front().text)) return read_header();
   return read_row();
 }
 
@@ -147,7 +104,7 @@ Result<void> CsvReader::read_header() {
   }
   if (addresses.empty()) return {};
   if (!unknown.empty()) {
-    const Cell& cell = cells_[unknown.front()];
+    const CsvCell& cell = cells_[unknown.front()];
     return fault(cell.column, "the header names \"" + std::string(cell.text) +
                                   "\", which is no joint of the robot " + robot_->name() +
                                   did_you_mean(cell.text, robot_->joint_names()));
@@ -180,8 +137,8 @@ Result<void> CsvReader::check_width() {
 Result<void> CsvReader::read_row() {
   if (auto checked = check_width(); !checked) return checked;
   row_.clear();
-  for (const Cell& cell : cells_) {
-    const auto value = number_of(cell.text);
+  for (const CsvCell& cell : cells_) {
+    const auto value = number_of_cell(cell.text);
     if (!value) {
       const std::string found(cell.text.substr(0, 40));
       return fault(cell.column, "expected a number, found \"" + found + "\"");

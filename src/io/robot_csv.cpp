@@ -2,7 +2,10 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string_view>
+
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -10,32 +13,50 @@ namespace {
 // the largest finite double has 309 digits before the point
 constexpr std::size_t kLongestNumber = 340;
 
-// columns of a configuration in the order in which they are written
-std::vector<int> column_order(const Robot& robot, QuaternionOrder order) {
-  std::vector<int> columns = {0, 1, 2};
-  const std::array<int, 4> xyzw = {4, 5, 6, 3};
-  const std::array<int, 4> wxyz = {3, 4, 5, 6};
-  const auto& quaternion = order == QuaternionOrder::kXyzw ? xyzw : wxyz;
-  columns.insert(columns.end(), quaternion.begin(), quaternion.end());
-  for (const int joint : robot.output_joints()) {
-    columns.push_back(robot.joints()[joint].qpos_address);
+constexpr double kDegreesPerRadian = 57.29577951308232087680;
+constexpr double kCentimetresPerMetre = 100.0;
+
+// names of the columns in the order in which they are written
+std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions& options) {
+  std::vector<std::string> names;
+  if (options.frame_column) names.emplace_back("Frame");
+  const std::string position = options.euler ? "root_translate" : "root_";
+  const std::array<const char*, 3> axes = options.euler ? std::array<const char*, 3>{"X", "Y", "Z"}
+                                                        : std::array<const char*, 3>{"x", "y", "z"};
+  for (const char* axis : axes) names.push_back(position + axis);
+  const bool w_first = options.quaternion_order == QuaternionOrder::kWxyz;
+  if (!options.euler && w_first) names.emplace_back("root_qw");
+  for (const char* axis : axes) {
+    names.push_back((options.euler ? "root_rotate" : "root_q") + std::string(axis));
   }
-  return columns;
+  if (!options.euler && !w_first) names.emplace_back("root_qw");
+  for (const int joint : robot.output_joints()) {
+    names.push_back(robot.joints()[joint].name + (options.euler ? "_dof" : ""));
+  }
+  return names;
 }
 
 std::string header_line(const Robot& robot, const RobotCsvOptions& options) {
-  std::vector<std::string> names = {"root_x", "root_y", "root_z"};
-  const bool w_first = options.quaternion_order == QuaternionOrder::kWxyz;
-  if (w_first) names.emplace_back("root_qw");
-  for (const char* name : {"root_qx", "root_qy", "root_qz"}) names.emplace_back(name);
-  if (!w_first) names.emplace_back("root_qw");
-  for (const int joint : robot.output_joints()) names.push_back(robot.joints()[joint].name);
   std::string line;
-  for (const std::string& name : names) {
+  for (const std::string& name : column_names(robot, options)) {
     if (!line.empty()) line += options.delimiter;
     line += name;
   }
   return line + '\n';
+}
+
+// angles a, b, c with R = Rz(c) Ry(b) Rx(a)
+std::array<double, 3> fixed_axis_angles(double w, double x, double y, double z) {
+  // where only a - c or a + c is told, c is 0
+  constexpr double kPole = 1.0 - 1e-12;
+  const double sine = 2.0 * (w * y - z * x) / (w * w + x * x + y * y + z * z);
+  if (std::abs(sine) >= kPole) {
+    const double quarter = portable::atan2(1.0, 0.0);
+    return {2.0 * portable::atan2(x, w), sine > 0.0 ? quarter : -quarter, 0.0};
+  }
+  return {portable::atan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z),
+          portable::atan2(sine, std::sqrt(1.0 - sine * sine)),
+          portable::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)};
 }
 
 // a value that rounds to zero has no sign: "-0.000000" is no number anyone expects
@@ -52,16 +73,54 @@ void append_number(std::string& text, double value, int precision) {
 
 }  // namespace
 
-RobotCsvFormatter::RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options)
-    : options_(options),
-      columns_(column_order(robot, options.quaternion_order)),
-      header_(options.header ? header_line(robot, options) : std::string()) {}
+RobotCsvOptions soma_csv_options(int precision) {
+  RobotCsvOptions options;
+  options.precision = precision;
+  options.header = true;
+  options.frame_column = true;
+  options.degrees = true;
+  options.centimetres = true;
+  options.euler = true;
+  return options;
+}
 
-void RobotCsvFormatter::append_line(std::span<const double> qpos, std::string& text) const {
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (i > 0) text += options_.delimiter;
-    append_number(text, qpos[columns_[i]], options_.precision);
+RobotCsvFormatter::RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options)
+    : options_(options), header_(options.header ? header_line(robot, options) : std::string()) {
+  const double length = options.centimetres ? kCentimetresPerMetre : 1.0;
+  const double angle = options.degrees ? kDegreesPerRadian : 1.0;
+  position_ = {{0, length}, {1, length}, {2, length}};
+  rotation_ = {{4, 1.0}, {5, 1.0}, {6, 1.0}};
+  const bool w_first = options.quaternion_order == QuaternionOrder::kWxyz;
+  rotation_.insert(w_first ? rotation_.begin() : rotation_.end(), {3, 1.0});
+  for (const int index : robot.output_joints()) {
+    const RobotJoint& joint = robot.joints()[index];
+    joints_.push_back(
+        {joint.qpos_address, joint.type == RobotJoint::Type::kSlide ? length : angle});
   }
+}
+
+void RobotCsvFormatter::append_value(double value, std::string& text) const {
+  text += options_.delimiter;
+  append_number(text, value, options_.precision);
+}
+
+void RobotCsvFormatter::append_line(std::span<const double> qpos, std::string& text,
+                                    int frame) const {
+  const std::size_t begin = text.size();
+  if (options_.frame_column) text += options_.delimiter + std::to_string(frame);
+  for (const Column& column : position_) {
+    append_value(column.factor * qpos[column.address], text);
+  }
+  if (options_.euler) {
+    const double unit = options_.degrees ? kDegreesPerRadian : 1.0;
+    for (const double angle : fixed_axis_angles(qpos[3], qpos[4], qpos[5], qpos[6])) {
+      append_value(unit * angle, text);
+    }
+  } else {
+    for (const Column& column : rotation_) append_value(qpos[column.address], text);
+  }
+  for (const Column& column : joints_) append_value(column.factor * qpos[column.address], text);
+  text.erase(begin, 1);  // the delimiter before the first
   text += '\n';
 }
 
@@ -69,7 +128,7 @@ std::string format_robot_csv(const RobotClip& clip, const RobotCsvOptions& optio
   const RobotCsvFormatter formatter(clip.robot(), options);
   std::string text = formatter.header();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    formatter.append_line(clip.qpos(frame), text);
+    formatter.append_line(clip.qpos(frame), text, frame);
   }
   return text;
 }

@@ -16,6 +16,14 @@ def sample(name):
     return SOURCE / "data" / f"{name}.bvh"
 
 
+def short_clip(name, frames):
+    """The first frames of a sample, as the bytes of a BVH file."""
+    lines = sample(name).read_text().splitlines()
+    motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
+    head = [*lines[:motion], f"Frames: {frames}", lines[motion + 1]]
+    return ("\n".join([*head, *lines[motion + 2:motion + 2 + frames]]) + "\n").encode()
+
+
 def read_rows(text):
     """Rows of comma-separated numbers."""
     return [[float(value) for value in line.split(",")] for line in text.splitlines()]

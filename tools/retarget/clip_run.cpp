@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "csv_sink.h"
 #include "fit_run.h"
 #include "interrupt.h"
 #include "limit_lines.h"
@@ -13,22 +15,13 @@
 #include "retarget/robot/limit_distance.h"
 #include "run_report.h"
 #include "run_setup.h"
+#include "sidecar.h"
 
 namespace retarget::cli {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-RobotCsvOptions csv_options(const RunOptions& options) {
-  RobotCsvOptions csv;
-  csv.precision = options.precision;
-  csv.delimiter = options.delimiter == "comma" ? ',' : options.delimiter == "space" ? ' ' : '\t';
-  csv.header = options.header;
-  csv.quaternion_order =
-      options.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
-  return csv;
 }
 
 void print_limits(const RobotClip& clip, const LimitSet& limits, Console& console) {
@@ -61,10 +54,10 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
 }
 
 Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
-                             const RunOptions& options, CsvSink& sink, Console& console) {
+                             const RunOptions& options, MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
-  retarget_options.targets_ahead = true;
+  retarget_options.targets_ahead = options.threads != 1;
   retarget_options.height_scale = choose_scale(source.human, *setup.robot, setup.tables, options);
   retarget_options.keep_going = [&](int frame) {
     console.progress("solving frame", frame, source.clip.frame_count());
@@ -75,14 +68,14 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
                           options, retarget_options, console);
     if (!fitted) return failure(fitted.error());
     for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
-      sink.add(fitted->clip.qpos(frame));
+      outputs.add(fitted->clip.qpos(frame));
     }
     RetargetResult result;
     result.steps = fitted->steps;
     result.clip = std::move(fitted->clip);
     return result;
   }
-  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { sink.add(qpos); };
+  retarget_options.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),
                          setup.robot, setup.tables, setup.limits, retarget_options);
@@ -90,7 +83,79 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
   return result;
 }
 
+// joints that stay at a limit, and why
+void print_joints(const RobotClip& motion, const Source& source, const RobotSetup& setup,
+                  const RunOptions& options, Console& console) {
+  const auto at_limits = joints_at_limits(
+      motion, source.clip, source.human.calibration.mapping, setup.tables,
+      choose_scale(source.human, *setup.robot, setup.tables, options), setup.limits, kNamedAtLimit);
+  print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
+}
+
+// the motion's files, their sidecars, the report
+Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& setup,
+                                  const Source& source, const RobotClip& motion,
+                                  const std::filesystem::path& data_folder, MotionOutputs& outputs,
+                                  Console& console) {
+  ClipOutcome outcome;
+  outcome.frames = motion.frame_count();
+  outcome.fps = motion.rate().fps();
+  if (options.measure || options.sidecar || !options.report.empty()) {
+    const auto write = write_options(options);
+    if (!write) return failure(write.error());
+    const RunReportInputs inputs{motion, source, setup.tables, setup.limits, write->csv};
+    auto measured = measure_run(options, inputs, data_folder);
+    if (!measured) return failure(measured.error());
+    outcome.quality = std::move(*measured);
+  }
+  SidecarText sidecar;
+  if (options.sidecar) {
+    auto read = files_read(options, data_folder);
+    if (!read) return failure(read.error());
+    sidecar = [&, read = std::move(*read)](const WrittenFile& file) {
+      return sidecar_text(options, setup, source, file, *outcome.quality, read);
+    };
+  }
+  auto files = outputs.finish(motion, sidecar);
+  if (!files) return failure(files.error());
+  outcome.motions = std::move(*files);
+  if (options.sidecar) {
+    for (const WrittenFile& file : outcome.motions) {
+      outcome.others.push_back(file.item.path + ".json");
+    }
+  }
+  if (options.report.empty()) return outcome;
+  if (auto written = write_run_report(options.report, *outcome.quality, console); !written) {
+    return failure(written.error());
+  }
+  outcome.others.push_back(options.report);
+  return outcome;
+}
+
 }  // namespace
+
+Result<void> check_solving_options(const RunOptions& options) {
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  if (!options.robot_xml.empty() && options.ik_config.empty()) {
+    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+  }
+  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
+    return usage_failure("--fit-config and --without belong to --method fit", "leave out --method");
+  }
+  if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
+    return usage_failure("--frames and --start/--end both choose a part of the clip",
+                         "give one of them");
+  }
+  return {};
+}
 
 Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                     const std::filesystem::path& data_folder, Console& console) {
@@ -110,8 +175,9 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
   return setup;
 }
 
-Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                      const std::filesystem::path& data_folder, Console& console) {
+Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
+                             const std::filesystem::path& data_folder, Console& console,
+                             Writing writing) {
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
@@ -125,10 +191,9 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto sink =
-      CsvSink::open(options.output, of_clip.robot, {csv_options(options), options.normalize_start});
-  if (!sink) return failure(sink.error());
-  const auto result = solve(*source, of_clip, options, **sink, console);
+  auto outputs = MotionOutputs::open(options, of_clip.robot, writing == Writing::kHashes);
+  if (!outputs) return failure(outputs.error());
+  const auto result = solve(*source, of_clip, options, **outputs, console);
   if (!result) return failure(result.error());
   const RobotClip& motion = result->clip;
   console.line("solved",
@@ -137,23 +202,13 @@ Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
                    number_text(static_cast<double>(result->steps) / motion.frame_count(), 2) +
                    " IK steps a frame");
   print_limits(motion, of_clip.limits, console);
-  const auto at_limits =
-      joints_at_limits(motion, source->clip, source->human.calibration.mapping, of_clip.tables,
-                       choose_scale(source->human, *of_clip.robot, of_clip.tables, options),
-                       of_clip.limits, kNamedAtLimit);
-  print_joints_at_limits(at_limits, *of_clip.robot, of_clip.limits, console);
+  if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  if (auto written = (*sink)->finish(); !written) return written;
-  if (!options.report.empty()) {
-    const RunReportInputs inputs{motion, *source, of_clip.tables, of_clip.limits,
-                                 csv_options(options)};
-    if (auto written = write_run_report(options, inputs, data_folder, console); !written) {
-      return written;
-    }
-  }
-  console.line("wrote", (options.output == "-" ? "standard output" : options.output) + " in " +
+  auto outcome = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
+  if (!outcome) return outcome;
+  console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");
-  return {};
+  return outcome;
 }
 
 }  // namespace retarget::cli

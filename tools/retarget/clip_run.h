@@ -2,11 +2,16 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "console.h"
 #include "options.h"
+#include "outputs.h"
 #include "retarget/base/result.h"
 #include "retarget/pipeline/ik_tables.h"
+#include "retarget/quality/report.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot.h"
 
@@ -19,14 +24,30 @@ struct RobotSetup {
   IkTables tables;
 };
 
+/// Options of robot, method and time that contradict each other are kUsage errors.
+[[nodiscard]] Result<void> check_solving_options(const RunOptions& options);
+
 /// Robot, limits and mapping as the options name them.
 [[nodiscard]] Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                                   const std::filesystem::path& data_folder,
                                                   Console& console);
 
-/// One clip from its file to the files that the options name: the motion, the report. Ctrl-C stops
-/// between two frames and leaves nothing behind.
-[[nodiscard]] Result<void> run_clip(const RunOptions& options, const RobotSetup& setup,
-                                    const std::filesystem::path& data_folder, Console& console);
+/// What became of a clip.
+struct ClipOutcome {
+  int frames = 0;                        ///< Of the motion that was written,
+  double fps = 0.0;                      ///< and its rate.
+  std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
+  std::vector<std::string> others;       ///< Sidecars and the report.
+  std::optional<QualityReport> quality;  ///< Where it was asked for.
+};
+
+/// Whether a run writes its files or makes their hashes alone.
+enum class Writing : unsigned char { kFiles, kHashes };
+
+/// One clip from its file to the files that the options name: the motion, sidecars, the report.
+/// Ctrl-C stops between two frames and leaves nothing behind.
+[[nodiscard]] Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
+                                           const std::filesystem::path& data_folder,
+                                           Console& console, Writing writing = Writing::kFiles);
 
 }  // namespace retarget::cli

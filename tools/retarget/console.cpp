@@ -13,6 +13,10 @@ constexpr std::string_view kRed = "31";
 constexpr std::string_view kYellow = "33";
 constexpr std::string_view kFaint = "2";
 
+// seconds between two progress lines
+constexpr double kTerminalPause = 0.1;
+constexpr double kLinePause = 15.0;
+
 void put(std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
@@ -47,7 +51,11 @@ ExitCode exit_code(ErrorKind kind) {
 Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(::isatty(STDERR_FILENO) != 0),
-      colour_(terminal_ && colours_wanted()) {}
+      colour_(terminal_ && colours_wanted()),
+      // a line now and then has time
+      last_progress_s_(terminal_ ? 0.0 : seconds_now()) {}
+
+Console::Console(ConsoleNotes& notes) : notes_(&notes) {}
 
 std::string Console::paint(std::string_view text, std::string_view code) const {
   if (!colour_) return std::string(text);
@@ -64,7 +72,8 @@ std::string Console::paint_severity(std::string text) const {
 }
 
 void Console::line(std::string_view label, std::string_view text) {
-  if (quiet_) return;
+  if (notes_ != nullptr) notes_->lines.emplace_back(label, text);
+  if (quiet_ || notes_ != nullptr) return;
   end_progress();
   std::string padded(label);
   padded.resize(9, ' ');
@@ -72,6 +81,10 @@ void Console::line(std::string_view label, std::string_view text) {
 }
 
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
+  if (notes_ != nullptr) {
+    for (const Warning& warning : warnings) notes_->warnings.push_back(describe(warning, file));
+    return;
+  }
   if (quiet_) return;
   end_progress();
   for (const Warning& warning : warnings) put(paint_severity(describe(warning, file)) + "\n");
@@ -79,18 +92,22 @@ void Console::warn(const std::vector<Warning>& warnings, std::string_view file) 
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
-  put(paint_severity(describe(error)) + "\n");
+  if (notes_ == nullptr) put(paint_severity(describe(error)) + "\n");
   return exit_code(error.kind);
 }
 
 void Console::progress(std::string_view what, int done, int total) {
-  if (quiet_ || !terminal_) return;
-  const double now = seconds_now();
-  if (now - last_progress_s_ < 0.1) return;
+  if (!terminal_) return;
+  status(std::string(what) + " " + std::to_string(done) + " / " + std::to_string(total));
+}
+
+void Console::status(std::string_view text) {
+  if (quiet_ || notes_ != nullptr) return;
+  const double now = seconds_now(), pause_s = terminal_ ? kTerminalPause : kLinePause;
+  if (now - last_progress_s_ < pause_s) return;
   last_progress_s_ = now;
-  progress_shown_ = true;
-  put("\r" + std::string(what) + " " + std::to_string(done) + " / " + std::to_string(total) +
-      "\033[K");
+  progress_shown_ = terminal_;
+  put(terminal_ ? "\r" + std::string(text) + "\033[K" : std::string(text) + "\n");
 }
 
 void Console::end_progress() {

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "retarget/base/number_text.h"
@@ -21,11 +22,21 @@ enum ExitCode : int {
 
 [[nodiscard]] ExitCode exit_code(ErrorKind kind);
 
+/// What a run of one of many clips says, kept instead of printed.
+struct ConsoleNotes {
+  std::vector<std::string> warnings;  ///< One line each, with file, line and column.
+  std::vector<std::pair<std::string, std::string>> lines;  ///< Of the summary: label and text.
+};
+
 /// What people read, on standard error. Results never come this way.
 class Console {
  public:
   explicit Console(bool quiet);
+  /// Prints nothing and takes notes; they must live as long.
+  explicit Console(ConsoleNotes& notes);
 
+  /// Whether anybody reads the summary.
+  [[nodiscard]] bool is_read() const { return !quiet_ && notes_ == nullptr; }
   /// A line of the summary: a short label, then what there is to say. Silent when quiet.
   void line(std::string_view label, std::string_view text);
   void warn(const std::vector<Warning>& warnings, std::string_view file);
@@ -34,6 +45,8 @@ class Console {
 
   /// A progress line that overwrites itself; only on a terminal, at most ten times a second.
   void progress(std::string_view what, int done, int total);
+  /// The same with any text. Where there is no terminal, a line now and then.
+  void status(std::string_view text);
   /// Removes the progress line.
   void end_progress();
 
@@ -42,11 +55,12 @@ class Console {
   /// Colours the word that says how bad a line is.
   [[nodiscard]] std::string paint_severity(std::string text) const;
 
-  bool quiet_;
-  bool terminal_;
-  bool colour_;
+  bool quiet_ = false;
+  bool terminal_ = false;
+  bool colour_ = false;
+  ConsoleNotes* notes_ = nullptr;
   bool progress_shown_ = false;
-  double last_progress_s_ = -1.0;
+  double last_progress_s_ = 0.0;
 };
 
 /// `1 frame`, `2 frames`.

@@ -14,17 +14,26 @@ constexpr std::size_t kChunkFrames = 64;
 Result<std::unique_ptr<CsvSink>> CsvSink::open(const std::string& path,
                                                std::shared_ptr<const Robot> robot,
                                                const Options& options) {
-  auto file = OutputFile::create(path);
-  if (!file) return failure(file.error());
-  return std::unique_ptr<CsvSink>(new CsvSink(std::move(*file), std::move(robot), options));
+  std::optional<OutputFile> file;
+  if (!path.empty()) {
+    auto created = OutputFile::create(path);
+    if (!created) return failure(created.error());
+    file = std::move(*created);
+  }
+  auto hasher = ContentHasher::create();
+  if (!hasher) return failure(hasher.error());
+  return std::unique_ptr<CsvSink>(
+      new CsvSink(std::move(file), std::move(*hasher), std::move(robot), options));
 }
 
-CsvSink::CsvSink(OutputFile file, std::shared_ptr<const Robot> robot, const Options& options)
+CsvSink::CsvSink(std::optional<OutputFile> file, ContentHasher hasher,
+                 std::shared_ptr<const Robot> robot, const Options& options)
     : file_(std::move(file)),
       robot_(std::move(robot)),
       options_(options),
       formatter_(*robot_, options.csv),
-      text_(formatter_.header()) {
+      text_(formatter_.header()),
+      hasher_(std::move(hasher)) {
   const std::size_t room = kChunkFrames * robot_->zero_configuration().size();
   filling_.reserve(room);
   waiting_.reserve(room);
@@ -90,21 +99,22 @@ void CsvSink::write_frames(std::vector<double>& frames) {
         if (!normalizer_) normalizer_.emplace(qpos);
         normalizer_->apply(qpos);
       }
-      formatter_.append_line(qpos, text_);
+      formatter_.append_line(qpos, text_, frames_++);
     }
   } catch (const std::bad_alloc&) {
     written_ = run_failure("", "not enough memory for a line of the output");
     return;
   }
-  if (!file_.is_direct()) write_text();
+  if (!file_ || !file_->is_direct()) write_text();
 }
 
 void CsvSink::write_text() {
-  written_ = file_.write(text_);
+  hasher_.update(text_);
+  if (file_) written_ = file_->write(text_);
   text_.clear();
 }
 
-Result<void> CsvSink::finish() {
+Result<std::string> CsvSink::flush() {
   if (!filling_.empty()) hand_over();
   if (writer_.joinable()) {
     {
@@ -116,8 +126,12 @@ Result<void> CsvSink::finish() {
   }
   // also the header of a clip without frames
   if (written_) write_text();
-  if (!written_) return written_;
-  return file_.commit();
+  if (!written_) return failure(written_.error());
+  return hasher_.finish();
+}
+
+Result<void> CsvSink::commit() {
+  return file_ ? file_->commit() : Result<void>();
 }
 
 }  // namespace retarget::cli

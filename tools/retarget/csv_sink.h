@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "retarget/base/file.h"
+#include "retarget/base/hash.h"
 #include "retarget/io/robot_csv.h"
 #include "retarget/robot/normalize_start.h"
 
@@ -25,6 +26,7 @@ class CsvSink {
     bool normalize_start = false;
   };
 
+  /// @param path  empty: nothing is written, the hash alone is made.
   [[nodiscard]] static Result<std::unique_ptr<CsvSink>> open(const std::string& path,
                                                              std::shared_ptr<const Robot> robot,
                                                              const Options& options);
@@ -35,18 +37,21 @@ class CsvSink {
   /// Takes the next frame.
   void add(std::span<const double> qpos);
 
-  /// Writes what is left and puts the file in its place. Without it nothing remains.
-  [[nodiscard]] Result<void> finish();
+  /// Writes what is left; gives the hash of the whole text.
+  [[nodiscard]] Result<std::string> flush();
+  /// Puts the file in its place, after flush. Without it nothing remains.
+  [[nodiscard]] Result<void> commit();
 
  private:
-  CsvSink(OutputFile file, std::shared_ptr<const Robot> robot, const Options& options);
+  CsvSink(std::optional<OutputFile> file, ContentHasher hasher, std::shared_ptr<const Robot> robot,
+          const Options& options);
 
   void hand_over();
   void write_chunks();
   void write_frames(std::vector<double>& frames);
   void write_text();
 
-  OutputFile file_;
+  std::optional<OutputFile> file_;
   const std::shared_ptr<const Robot> robot_;
   const Options options_;
   const RobotCsvFormatter formatter_;
@@ -55,6 +60,8 @@ class CsvSink {
   // of the writing thread, or of the caller's where there is none
   std::optional<StartNormalizer> normalizer_;
   std::string text_;
+  ContentHasher hasher_;
+  int frames_ = 0;  // written
   Result<void> written_;
 
   std::thread writer_;

@@ -11,9 +11,13 @@ namespace retarget::cli {
 void add_run_options(CLI::App& app, RunOptions& options);
 
 /// Declare the other commands with their options.
+CLI::App* add_batch_command(CLI::App& app, BatchOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
 CLI::App* add_edit_command(CLI::App& app, EditOptions& options);
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options);
+CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options);
+CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
+CLI::App* add_verify_command(CLI::App& app, VerifyOptions& options);
 CLI::App* add_robots_command(CLI::App& app, RobotsOptions& options);
 
 }  // namespace retarget::cli

@@ -91,28 +91,10 @@ void add_run_options(CLI::App& app, RunOptions& options) {
                "Do not low-pass a source that is faster than the output")
       ->group(kTime);
 
-  app.add_option("-o,--output", options.output, "CSV to write; - writes standard output")
-      ->type_name("FILE")
-      ->group(kOutput);
-  app.add_option("--precision", options.precision, "Digits after the decimal point, 0 to 17")
-      ->type_name("N")
-      ->check(silent(CLI::Range(0, 17)))
-      ->capture_default_str()
-      ->group(kOutput);
-  app.add_option("--csv-delimiter", options.delimiter, "Between columns")
-      ->type_name("comma|space|tab")
-      ->check(silent(CLI::IsMember({"comma", "space", "tab"})))
-      ->capture_default_str()
-      ->group(kOutput);
-  app.add_flag("--csv-header", options.header, "Write a first line that names the columns")
-      ->group(kOutput);
-  app.add_option("--csv-quat", options.quaternion, "Order of the root quaternion")
-      ->type_name("xyzw|wxyz")
-      ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
-      ->capture_default_str()
-      ->group(kOutput);
-  app.add_flag("--normalize-start", options.normalize_start,
-               "Move and turn the motion so that it starts at x = y = 0,\nfacing +x")
+  add_output_options(app, options);
+  app.add_flag("--sidecar", options.sidecar,
+               "Write FILE.json beside each output: hashes, options, what was\nfound, quality; "
+               "retarget verify checks it")
       ->group(kOutput);
   app.add_option("--report", options.report,
                  "Write how good the motion is, JSON as of retarget evaluate")

@@ -29,6 +29,9 @@ inline constexpr double kLongestTime = 1e9;
 void add_common_options(CLI::App& app, CommonOptions& options);
 void add_source_options(CLI::App& app, SourceOptions& options);
 void add_human_options(CLI::App& app, HumanOptions& options);
+void add_output_options(CLI::App& app, OutputOptions& options);
+void add_robot_choice(CLI::App& app, RunOptions& run);
+void add_reading_options(CLI::App& app, ReadingOptions& options);
 void add_motion_options(CLI::App& app, RunOptions& run);
 
 }  // namespace retarget::cli

@@ -10,9 +10,11 @@
 #include "read_source.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
-#include "retarget/io/read_robot_csv.h"
+#include "retarget/io/robot_motion.h"
 #include "retarget/quality/measure.h"
 #include "retarget/robot/limits.h"
+#include "retarget/robot/resample_robot.h"
+#include "robot_motion_options.h"
 #include "run_report.h"
 #include "run_setup.h"
 
@@ -136,9 +138,16 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
 
 Result<QualityReport> evaluate_motion(const std::string& file, const EvaluateOptions& options,
                                       const Measures& measures, Console& console) {
-  const ReadRobotCsvOptions csv{options.run.quaternion == "wxyz" ? QuaternionOrder::kWxyz
-                                                                 : QuaternionOrder::kXyzw};
-  const auto clip = load_robot_csv(file, measures.robot, measures.rate, csv);
+  ReadMotionOptions reading;
+  reading.quaternion =
+      options.run.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
+  reading.default_rate = measures.rate;
+  auto motion = load_robot_motion(file, measures.robot, reading);
+  if (!motion) return failure(motion.error());
+  if (motion->format != MotionFormat::kCsv) print_motion(file, *motion, console);
+  // frame by frame beside the source
+  Result<RobotClip> clip = std::move(motion->clip);
+  if (measures.human) clip = resample_robot(*clip, measures.rate);
   if (!clip) return failure(clip.error());
   QualitySource source;
   if (measures.human) {

@@ -22,6 +22,7 @@ Result<FitOptions> fit_options(const RunOptions& options) {
     if (!read) return failure(read.error());
     fit = *read;
   }
+  if (fit.threads == 0) fit.threads = options.threads;
   if (auto left_out = leave_out_terms(fit, options.without); !left_out) {
     return failure(left_out.error());
   }

@@ -1,5 +1,6 @@
 #include "interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace retarget::cli {
@@ -7,6 +8,8 @@ namespace {
 
 // signal handlers can reach nothing but a global
 volatile std::sig_atomic_t interrupt_seen = 0;
+// guards that are alive; the first of them takes over the signals
+std::atomic<int> guards = 0;
 
 // the second signal ends the process
 void note_interrupt(int signal_number) {
@@ -26,13 +29,16 @@ void take_over(int signal_number, struct sigaction& old) {
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard() : outermost_(guards++ == 0) {
+  if (!outermost_) return;
   interrupt_seen = 0;
   take_over(SIGINT, old_interrupt_);
   take_over(SIGTERM, old_terminate_);
 }
 
 InterruptGuard::~InterruptGuard() {
+  --guards;
+  if (!outermost_) return;
   ::sigaction(SIGINT, &old_interrupt_, nullptr);
   ::sigaction(SIGTERM, &old_terminate_, nullptr);
 }

@@ -5,7 +5,8 @@
 namespace retarget::cli {
 
 /// While one of these lives, Ctrl-C and SIGTERM set a flag instead of ending the process, so that
-/// a run can stop between two frames and clean up. A second signal ends the process at once.
+/// a run can stop between two frames and clean up. A second signal ends the process at once. Inside
+/// another one's life, on any thread, it does nothing: the outermost has the signals.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -16,6 +17,7 @@ class InterruptGuard {
   [[nodiscard]] static bool interrupted();
 
  private:
+  const bool outermost_;
   struct sigaction old_interrupt_ {};
   struct sigaction old_terminate_ {};
 };

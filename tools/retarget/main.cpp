@@ -24,6 +24,7 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
 Examples:
   retarget --bvh walk.bvh --robot unitree_g1 -o walk.csv
   retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
+  retarget batch clips/ -o out/ --robot unitree_g1
   retarget inspect walk.bvh
   retarget evaluate walk.csv --robot unitree_g1 --bvh walk.bvh)";
 
@@ -53,12 +54,20 @@ int main_with(int argc, char** argv) {
 
   RunOptions run_options;
   add_run_options(app, run_options);
+  BatchOptions batch_options;
+  const CLI::App* batch_command = add_batch_command(app, batch_options);
   InspectOptions inspect_options;
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
   EditOptions edit_options;
   const CLI::App* edit_command = add_edit_command(app, edit_options);
   EvaluateOptions evaluate_options;
   const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_options);
+  ConvertOptions convert_options;
+  const CLI::App* convert_command = add_convert_command(app, convert_options);
+  CompareOptions compare_options;
+  const CLI::App* compare_command = add_compare_command(app, compare_options);
+  VerifyOptions verify_options;
+  const CLI::App* verify_command = add_verify_command(app, verify_options);
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
@@ -74,6 +83,10 @@ int main_with(int argc, char** argv) {
         usage_failure(error.what(), "retarget --help lists the options").value());
   }
   turn_write_signals_into_errors();
+  if (batch_command->parsed()) {
+    Console console(batch_options.run.common.quiet);
+    return batch(batch_options, console);
+  }
   if (inspect_command->parsed()) {
     Console console(inspect_options.common.quiet);
     return inspect(inspect_options, console);
@@ -85,6 +98,18 @@ int main_with(int argc, char** argv) {
   if (evaluate_command->parsed()) {
     Console console(evaluate_options.run.common.quiet);
     return evaluate(evaluate_options, console);
+  }
+  if (convert_command->parsed()) {
+    Console console(convert_options.run.common.quiet);
+    return convert(convert_options, console);
+  }
+  if (compare_command->parsed()) {
+    Console console(compare_options.run.common.quiet);
+    return compare(compare_options, console);
+  }
+  if (verify_command->parsed()) {
+    Console console(verify_options.common.quiet);
+    return verify(verify_options, console);
   }
   if (robots_command->parsed()) {
     Console console(robots_options.common.quiet);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retarget::cli {
@@ -35,8 +36,26 @@ struct HumanOptions {
   double height = 0.0;  ///< Metres; 0: estimated.
 };
 
-/// The default command: one clip to one robot CSV.
-struct RunOptions {
+/// Which files a motion goes to, and how they are written.
+struct OutputOptions {
+  std::string output;                ///< `-`: standard output.
+  std::vector<std::string> formats;  ///< Empty: by the output's ending.
+  int precision = 6;
+  std::string delimiter = "comma";
+  bool header = false;
+  std::string quaternion = "xyzw";
+  bool frame_column = false;
+  bool degrees = false;
+  bool centimetres = false;
+  bool normalize_start = false;
+  int npz_fps = 50;
+  std::string npz_velocity;  ///< `link` or `mass`; empty: the format's own.
+  std::string motion_name;   ///< In PBHC's files; empty: by the output's name.
+  bool sidecar = false;      ///< Write `<output>.json` beside each file.
+};
+
+/// The default command: one clip to the files of a robot's motion.
+struct RunOptions : OutputOptions {
   CommonOptions common;
   SourceOptions source;
   std::string smpl_file;  ///< In place of the source's file.
@@ -61,13 +80,30 @@ struct RunOptions {
   std::string interpolation = "cubic";
   bool no_antialias = false;
 
-  std::string output;
-  int precision = 6;
-  std::string delimiter = "comma";
-  bool header = false;
-  std::string quaternion = "xyzw";
-  bool normalize_start = false;
   std::string report;  ///< JSON of the motion's quality; empty: none.
+
+  bool measure = false;  ///< Measure the motion's quality, whether it is written or not.
+  int threads = 0;       ///< Of one clip; 0: as many as serve. The result is the same.
+};
+
+/// `retarget batch`: many clips, to one robot or several.
+struct BatchOptions {
+  RunOptions run;                    ///< Of every clip but for its file, robot and output.
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
+  std::vector<std::string> lists;    ///< Files of names.
+  std::string base;                  ///< Folder below which named files keep their tree.
+  std::vector<std::string> exclude;  ///< Shell patterns.
+  std::vector<std::string> robots;
+  std::string output;      ///< Folder.
+  int jobs = 0;            ///< Clips at a time; 0: as many as there are processors.
+  double memory_gb = 0.0;  ///< That clips may need together; 0: three quarters of what there is.
+  bool resume = false;
+  bool redo = false;
+  std::string shard;  ///< `I/N`; empty: all of it.
+  bool merge = false;
+  bool no_quality = false;
+  /// Every option that may change a clip's output, as given or by default; filled by the parser.
+  std::vector<std::pair<std::string, std::vector<std::string>>> deciding;
 };
 
 /// `retarget evaluate`: how good robot motions are.
@@ -76,6 +112,38 @@ struct EvaluateOptions {
   std::vector<std::string> motions;  ///< Robot CSVs.
   std::string json;                  ///< Report to write; empty: none, `-`: standard output.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
+};
+
+/// What a file of a robot's motion does not say; empty: found.
+struct ReadingOptions {
+  std::string from;         ///< Format in place of what the content says.
+  double source_fps = 0.0;  ///< 0: as the file says.
+  std::string quaternion;   ///< `xyzw`, `wxyz`.
+  std::string angles;       ///< `rad`, `deg`.
+  std::string unit;         ///< `m`, `cm`, `mm`.
+  std::string dof;          ///< Variant of the robot that the columns are of.
+  std::string motion;       ///< One of several in a PBHC file.
+};
+
+/// `retarget convert`: robot motions from one format to another.
+struct ConvertOptions {
+  RunOptions run;  ///< Robot, rate and outputs.
+  ReadingOptions reading;
+  std::string input;
+};
+
+/// `retarget compare`: whether two motions agree.
+struct CompareOptions {
+  RunOptions run;  ///< Robot.
+  ReadingOptions reading;
+  std::string a, b;
+  double tolerance = 1e-6;
+};
+
+/// `retarget verify`: whether a run still gives the same bytes.
+struct VerifyOptions {
+  CommonOptions common;
+  std::string file;  ///< The sidecar.
 };
 
 /// `retarget inspect`: what a motion file holds.

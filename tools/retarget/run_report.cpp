@@ -19,8 +19,8 @@ Result<Gates> default_gates(const fs::path& data_folder) {
   return gates;
 }
 
-Result<void> write_run_report(const RunOptions& options, const RunReportInputs& inputs,
-                              const fs::path& data_folder, Console& console) {
+Result<QualityReport> measure_run(const RunOptions& options, const RunReportInputs& inputs,
+                                  const fs::path& data_folder) {
   const auto gates = default_gates(data_folder);
   if (!gates) return failure(gates.error());
   // what counts is what was printed, digits cut off and all
@@ -39,12 +39,15 @@ Result<void> write_run_report(const RunOptions& options, const RunReportInputs& 
   report.file = options.output == "-" ? "-" : fs::path(options.output).filename().string();
   report.source = fs::path(source_name(options.source)).filename().string();
   gates->judge(report);
-  if (auto written = write_file(options.report, report_json({&report, 1})); !written) {
-    return written;
-  }
+  return report;
+}
+
+Result<void> write_run_report(const std::string& path, const QualityReport& report,
+                              Console& console) {
+  if (auto written = write_file(path, report_json({&report, 1})); !written) return written;
   const auto missed =
       std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
-  console.line("report", options.report + ": " + count_text(missed, "gate") + " of " +
+  console.line("report", path + ": " + count_text(missed, "gate") + " of " +
                              std::to_string(report.gates.size()) + " missed");
   return {};
 }

@@ -6,6 +6,7 @@
 #include "options.h"
 #include "retarget/io/robot_csv.h"
 #include "retarget/quality/gates.h"
+#include "retarget/quality/report.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot_clip.h"
 #include "run_setup.h"
@@ -24,10 +25,13 @@ struct RunReportInputs {
   RobotCsvOptions csv;
 };
 
-/// Measures the motion as it was printed and writes --report.
-[[nodiscard]] Result<void> write_run_report(const RunOptions& options,
-                                            const RunReportInputs& inputs,
-                                            const std::filesystem::path& data_folder,
+/// Measures the motion as it was printed and holds it against the default gates.
+[[nodiscard]] Result<QualityReport> measure_run(const RunOptions& options,
+                                                const RunReportInputs& inputs,
+                                                const std::filesystem::path& data_folder);
+
+/// Writes --report and says how many gates were missed.
+[[nodiscard]] Result<void> write_run_report(const std::string& path, const QualityReport& report,
                                             Console& console);
 
 }  // namespace retarget::cli

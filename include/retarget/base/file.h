@@ -70,6 +70,10 @@ class OutputFile {
   bool direct_ = false;  // standard output, a pipe or a device: no temporary file
 };
 
+/// Whether a file's name is one that OutputFile gives to what is not whole yet. Such a file is left
+/// behind only by a process that was killed, on file systems without nameless files.
+[[nodiscard]] bool is_temporary_name(std::string_view name);
+
 /// Writes `bytes` as the whole content of `path`, or leaves no trace; see OutputFile.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
 

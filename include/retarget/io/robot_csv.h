@@ -18,11 +18,23 @@ struct RobotCsvOptions {
   char delimiter = ',';  ///< `,`, blank or tab.
   bool header = false;   ///< A first line that names the columns.
   QuaternionOrder quaternion_order = QuaternionOrder::kXyzw;
+  bool frame_column = false;  ///< A first column that counts frames from 0.
+  bool degrees = false;       ///< Hinges in degrees.
+  bool centimetres = false;   ///< Root position and slides in centimetres.
+  /// The root's rotation as three angles about the fixed axes x, y, z, in that order (R = Rz Ry
+  /// Rx), degrees or radians as the joints, in place of a quaternion.
+  bool euler = false;
 };
 
+/// The dialect of SOMA and BONES-SEED: comma, header, frame column, centimetres, degrees, Euler.
+[[nodiscard]] RobotCsvOptions soma_csv_options(int precision = 6);
+
 /// Writes configurations as lines: root position x y z (metres), root quaternion, then the joints
-/// (radians, metres for slides) in the robot's output order. Fixed notation, LF, no negative
-/// zeros, the same bytes in every locale.
+/// (radians, metres for slides) in the robot's output order; other units and columns as the
+/// options say. Fixed notation, LF, no negative zeros, the same bytes in every locale.
+///
+/// A header names columns `root_x`, `root_qx`, the joint's name; with Euler angles as SOMA does:
+/// `Frame`, `root_translateX`, `root_rotateX`, the joint's name and `_dof`.
 class RobotCsvFormatter {
  public:
   explicit RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options = {});
@@ -30,12 +42,19 @@ class RobotCsvFormatter {
   /// What stands before the first line: the header, or nothing.
   [[nodiscard]] const std::string& header() const { return header_; }
 
-  /// @param qpos  configuration in the layout of RobotClip.
-  void append_line(std::span<const double> qpos, std::string& text) const;
+  /// @param qpos   configuration in the layout of RobotClip.
+  /// @param frame  its number, for the frame column.
+  void append_line(std::span<const double> qpos, std::string& text, int frame = 0) const;
 
  private:
+  struct Column {
+    int address;  // into a configuration
+    double factor;
+  };
+  void append_value(double value, std::string& text) const;
+
   RobotCsvOptions options_;
-  std::vector<int> columns_;  // of a configuration, in the order in which they are written
+  std::vector<Column> position_, rotation_, joints_;  // in the order in which they are written
   std::string header_;
 };
 

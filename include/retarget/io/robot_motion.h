@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/base/result.h"
+#include "retarget/io/motion_format.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/robot/robot_clip.h"
+
+namespace retarget {
+
+/// What a motion file does not say, or says wrongly. Nothing: found, or as the format has it.
+struct ReadMotionOptions {
+  std::optional<MotionFormat> format;         ///< In place of what the content says.
+  std::optional<FrameRate> rate;              ///< Of the file, whatever it says itself.
+  FrameRate default_rate{30, 1};              ///< Of CSVs without a time column.
+  std::optional<QuaternionOrder> quaternion;  ///< Of the root, where no header tells.
+  std::optional<bool> degrees;                ///< Hinges of a CSV; false: radians.
+  std::optional<double> metres_per_unit;      ///< Root position of a CSV.
+  std::string variant;                        ///< Of the robot: whose joints the columns are.
+  std::string motion;                         ///< One of several in a kPklPbhc file.
+};
+
+/// A motion file as it was read.
+struct RobotMotion {
+  RobotClip clip;
+  MotionFormat format = MotionFormat::kCsv;
+  bool rate_known = false;         ///< The file has a rate, or one was given.
+  std::vector<std::string> notes;  ///< What was found or guessed, for people; one line each.
+};
+
+/// Reads a robot's motion from any file that docs/formats.md names; the kind is found by content.
+///
+/// * CSV: columns by the header's names, else by their number: 7 of the root and the joints of the
+///   robot or of one of its variants, one more in front when it counts up (frame number, or time,
+///   which gives the rate). Radians or degrees, metres, centimetres or millimetres by magnitude:
+///   radians within the robot's widest range (and half a radian), degrees beyond three times it;
+///   metres up to five times the height at which the robot's root stands, centimetres from eight
+///   times on, millimetres from 500; what lies between is refused. SOMA's and BONES-SEED's files
+///   are known by their header.
+/// * The order of the root's quaternion: of both readings the one that stands upright, else the one
+///   whose lowest sole point slips less. Where both are alike (a robot that stands still, facing
+///   along x) xyzw, the usual order; a body that lies still is refused.
+/// * GMR's pickle, PBHC's and ASAP's (also joblib's, compressed or not); read_pickle says what is
+///   refused.
+/// * Tracking NPZ: which order joints and bodies are in is found by forward kinematics.
+///
+/// Joints that are no columns stand as in the zero configuration, joints that the robot's variant
+/// holds where it holds them. Quaternions are normalised and made sign-continuous.
+///
+/// @param bytes  the whole file.
+/// @param file   for messages.
+/// @return kInput errors: malformed files; what cannot be told, with the option that tells it.
+[[nodiscard]] Result<RobotMotion> parse_robot_motion(std::string_view bytes,
+                                                     const std::shared_ptr<const Robot>& robot,
+                                                     const std::string& file,
+                                                     const ReadMotionOptions& options = {});
+
+/// parse_robot_motion of a file; `-` reads standard input.
+[[nodiscard]] Result<RobotMotion> load_robot_motion(const std::string& path,
+                                                    const std::shared_ptr<const Robot>& robot,
+                                                    const ReadMotionOptions& options = {});
+
+}  // namespace retarget

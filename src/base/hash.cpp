@@ -1,0 +1,113 @@
+#include "retarget/base/hash.h"
+
+#include <fcntl.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+constexpr std::size_t kPiece = std::size_t{1} << 18;
+
+Failure hash_failure() {
+  return run_failure("", "libcrypto cannot compute a SHA-256",
+                     "its configuration may switch the function off");
+}
+
+Failure file_failure(ErrorKind kind, const std::string& path, int error_number) {
+  Error error;
+  error.kind = kind;
+  error.file = path;
+  error.message = "cannot read the file: " + std::generic_category().message(error_number);
+  return failure(std::move(error));
+}
+
+struct OpenFile {
+  int descriptor;
+  ~OpenFile() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+};
+
+}  // namespace
+
+struct ContentHasher::Digest {
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+  bool sound = false;  // no call has failed
+
+  Digest() = default;
+  Digest(const Digest&) = delete;
+  Digest& operator=(const Digest&) = delete;
+  ~Digest() { EVP_MD_CTX_free(context); }
+};
+
+ContentHasher::ContentHasher(std::unique_ptr<Digest> digest) : digest_(std::move(digest)) {}
+ContentHasher::~ContentHasher() = default;
+ContentHasher::ContentHasher(ContentHasher&&) noexcept = default;
+ContentHasher& ContentHasher::operator=(ContentHasher&&) noexcept = default;
+
+Result<ContentHasher> ContentHasher::create() {
+  auto digest = std::make_unique<Digest>();
+  digest->sound =
+      digest->context != nullptr && EVP_DigestInit_ex(digest->context, EVP_sha256(), nullptr) == 1;
+  if (!digest->sound) return hash_failure();
+  return ContentHasher(std::move(digest));
+}
+
+void ContentHasher::update(std::string_view bytes) {
+  digest_->sound =
+      digest_->sound && EVP_DigestUpdate(digest_->context, bytes.data(), bytes.size()) == 1;
+}
+
+Result<std::string> ContentHasher::finish() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> value;
+  unsigned size = 0;
+  if (!digest_->sound || EVP_DigestFinal_ex(digest_->context, value.data(), &size) != 1) {
+    return hash_failure();
+  }
+  digest_->sound = false;
+  std::string text = "sha256:";
+  for (unsigned i = 0; i < size; ++i) {
+    text += "0123456789abcdef"[value[i] >> 4];
+    text += "0123456789abcdef"[value[i] & 15];
+  }
+  return text;
+}
+
+Result<std::string> hash_bytes(std::string_view bytes) {
+  auto hasher = ContentHasher::create();
+  if (!hasher) return failure(hasher.error());
+  hasher->update(bytes);
+  return hasher->finish();
+}
+
+Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
+  // a pipe that nobody writes to would block the opening
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  struct stat info {};
+  if (file.descriptor < 0 || ::fstat(file.descriptor, &info) != 0) {
+    return file_failure(kind, path, errno);
+  }
+  if (S_ISDIR(info.st_mode)) return file_failure(kind, path, EISDIR);
+  if (!S_ISREG(info.st_mode)) return file_failure(kind, path, ENODEV);
+  auto hasher = ContentHasher::create();
+  if (!hasher) return failure(hasher.error());
+  const auto piece = std::make_unique_for_overwrite<char[]>(kPiece);
+  for (;;) {
+    const ssize_t count = ::read(file.descriptor, piece.get(), kPiece);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return file_failure(kind, path, errno);
+    if (count == 0) break;
+    hasher->update({piece.get(), static_cast<std::size_t>(count)});
+  }
+  return hasher->finish();
+}
+
+}  // namespace retarget

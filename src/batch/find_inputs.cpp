@@ -1,0 +1,290 @@
+#include "retarget/batch/find_inputs.h"
+
+#include <fnmatch.h>
+#include <glob.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "retarget/base/file.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using FolderId = std::pair<dev_t, ino_t>;
+
+constexpr std::string_view kPatternLetters = "*?[";
+
+// .bvh or .npz in any letter case
+bool has_motion_ending(const std::string& name) {
+  if (name.size() <= 4) return false;
+  std::string end = name.substr(name.size() - 4);
+  for (char& letter : end) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return end == ".bvh" || end == ".npz";
+}
+
+class InputFinder {
+ public:
+  explicit InputFinder(const InputSearch& search) : search_(search) {
+    struct stat info {};
+    if (!search.output_folder.empty() && ::stat(search.output_folder.c_str(), &info) == 0) {
+      output_folder_ = FolderId(info.st_dev, info.st_ino);
+    }
+  }
+
+  Result<FoundInputs> run();
+
+ private:
+  Result<void> add_name(const std::string& name);
+  Result<void> add_pattern(const std::string& pattern);
+  Result<void> add_list(const std::string& file);
+  Result<void> add_existing(const std::string& path, const std::string& base, bool must_exist);
+  void add_folder(const fs::path& folder, const std::string& relative);
+  void add_entry(const fs::directory_entry& entry, const std::string& relative);
+  void add_input(const std::string& path, const std::string& relative, const struct stat* info);
+  [[nodiscard]] bool is_excluded(const std::string& relative) const;
+  [[nodiscard]] Result<std::string> below(const std::string& path, const std::string& base) const;
+
+  const InputSearch& search_;
+  std::optional<FolderId> output_folder_;
+  std::vector<FolderId> above_;  // folders that the one that is read lies in, itself included
+  FoundInputs found_;
+  int hidden_ = 0, excluded_ = 0;
+};
+
+bool InputFinder::is_excluded(const std::string& relative) const {
+  const std::string name = fs::path(relative).filename().string();
+  return std::ranges::any_of(search_.exclude, [&](const std::string& pattern) {
+    return ::fnmatch(pattern.c_str(), relative.c_str(), 0) == 0 ||
+           ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+  });
+}
+
+void InputFinder::add_input(const std::string& path, const std::string& relative,
+                            const struct stat* info) {
+  if (is_excluded(relative)) {
+    ++excluded_;
+    return;
+  }
+  BatchInput input{path, relative, 0, 0};
+  if (info != nullptr) {
+    input.bytes = static_cast<std::uint64_t>(info->st_size);
+    input.modified_ns =
+        std::int64_t{info->st_mtim.tv_sec} * 1'000'000'000 + std::int64_t{info->st_mtim.tv_nsec};
+  }
+  found_.inputs.push_back(std::move(input));
+}
+
+void InputFinder::add_entry(const fs::directory_entry& entry, const std::string& relative) {
+  const std::string name = entry.path().filename().string();
+  const std::string below_root = relative.empty() ? name : relative + "/" + name;
+  struct stat info {};
+  const bool there = ::stat(entry.path().c_str(), &info) == 0;
+  if (there && S_ISDIR(info.st_mode)) {
+    add_folder(entry.path(), below_root);
+    return;
+  }
+  if (!has_motion_ending(name)) return;
+  if (name.starts_with("._")) {
+    ++hidden_;
+  } else if (!there || S_ISREG(info.st_mode)) {
+    // a link to nothing too: who put it there misses a clip, and its reading says so
+    add_input(entry.path().string(), below_root, there ? &info : nullptr);
+  } else {
+    found_.notes.push_back("passed over " + entry.path().string() + ": not a file");
+  }
+}
+
+void InputFinder::add_folder(const fs::path& folder, const std::string& relative) {
+  struct stat info {};
+  if (::stat(folder.c_str(), &info) != 0) return;
+  const FolderId id(info.st_dev, info.st_ino);
+  if (output_folder_ == id) {
+    found_.notes.push_back("passed over " + folder.string() + ": outputs go there");
+    return;
+  }
+  if (std::ranges::find(above_, id) != above_.end()) {
+    found_.notes.push_back("passed over " + folder.string() +
+                           ": a link back to a folder that it lies in");
+    return;
+  }
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  above_.push_back(id);
+  while (!error && entries != fs::directory_iterator()) {
+    add_entry(*entries, relative);
+    entries.increment(error);
+  }
+  above_.pop_back();
+  if (!error) return;
+  found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
+                         std::generic_category().message(error.value()));
+  // whose clips must not be missed unnoticed: it counts as one that fails
+  add_input(folder.string(), relative.empty() ? folder.filename().string() : relative, nullptr);
+}
+
+// what a file that is named keeps of its path
+Result<std::string> InputFinder::below(const std::string& path, const std::string& base) const {
+  if (base.empty()) return fs::path(path).filename().string();
+  std::error_code ignored;
+  const fs::path relative = fs::path(fs::absolute(path, ignored).lexically_normal())
+                                .lexically_relative(fs::absolute(base, ignored).lexically_normal());
+  if (relative.empty() || *relative.begin() == "..") {
+    return usage_failure("\"" + path + "\" does not lie below the folder \"" + base + "\"",
+                         "give another --base, or none");
+  }
+  return relative.string();
+}
+
+Result<void> InputFinder::add_existing(const std::string& path, const std::string& base,
+                                       bool must_exist) {
+  struct stat info {};
+  const bool there = ::stat(path.c_str(), &info) == 0;
+  if (!there && must_exist) {
+    return input_failure(
+        path, "there is no such file or folder: " + std::generic_category().message(errno));
+  }
+  if (there && S_ISDIR(info.st_mode)) {
+    std::string relative;
+    if (!base.empty()) {
+      const auto found = below(path, base);
+      if (!found) return failure(found.error());
+      if (*found != ".") relative = *found;
+      while (relative.ends_with('/')) relative.pop_back();
+    }
+    add_folder(path, relative);
+    return {};
+  }
+  if (there && !S_ISREG(info.st_mode)) {
+    return input_failure(path, "a batch reads files, and this is a pipe or a device",
+                         "retarget --bvh reads one");
+  }
+  const auto relative = below(path, base);
+  if (!relative) return failure(relative.error());
+  add_input(path, *relative, there ? &info : nullptr);
+  return {};
+}
+
+// what matches is mirrored below the part of the pattern that is no pattern
+Result<void> InputFinder::add_pattern(const std::string& pattern) {
+  const std::size_t first = pattern.find_first_of(kPatternLetters);
+  const std::size_t slash = pattern.rfind('/', first);
+  std::string base = slash == std::string::npos ? "." : pattern.substr(0, slash + 1);
+  if (!search_.base.empty()) base = search_.base;
+  glob_t matches{};
+  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
+  Result<void> added;
+  for (std::size_t i = 0; status == 0 && added && i < matches.gl_pathc; ++i) {
+    added = add_existing(matches.gl_pathv[i], base, false);
+  }
+  ::globfree(&matches);
+  if (status == 0) return added;
+  return input_failure(pattern, "no file matches this pattern",
+                       "a folder is searched as a whole when it is given by its name");
+}
+
+Result<void> InputFinder::add_list(const std::string& file) {
+  const auto content = read_file(file);
+  if (!content) return failure(content.error());
+  std::string_view text = content->view();
+  const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find(end), text.size());
+    std::string_view line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty() || line.starts_with('#')) continue;
+    if (auto added = add_existing(std::string(line), search_.base, false); !added) return added;
+  }
+  return {};
+}
+
+Result<void> InputFinder::add_name(const std::string& name) {
+  struct stat info {};
+  // a name that exists is what it says, whatever its letters
+  const bool there = ::lstat(name.c_str(), &info) == 0;
+  if (!there && name.starts_with('@')) return add_list(name.substr(1));
+  if (!there && name.find_first_of(kPatternLetters) != std::string::npos) return add_pattern(name);
+  return add_existing(name, search_.base, true);
+}
+
+Result<FoundInputs> InputFinder::run() {
+  for (const std::string& name : search_.names) {
+    if (auto added = add_name(name); !added) return failure(added.error());
+  }
+  for (const std::string& list : search_.lists) {
+    if (auto added = add_list(list); !added) return failure(added.error());
+  }
+  if (hidden_ > 0) {
+    found_.notes.push_back("passed over " + std::to_string(hidden_) +
+                           " files named ._*, which macOS leaves in archives");
+  }
+  if (excluded_ > 0) {
+    found_.notes.push_back("left out " + std::to_string(excluded_) + " files by --exclude");
+  }
+  if (found_.inputs.empty()) {
+    return input_failure(search_.names.empty() ? "" : search_.names.front(),
+                         "there is no .bvh or .npz file to retarget");
+  }
+  const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
+  std::ranges::sort(found_.inputs, {}, key);
+  // a file that was named twice, perhaps by its folder and by itself
+  const auto doubles = std::ranges::unique(found_.inputs, [](const auto& a, const auto& b) {
+    std::error_code ignored;
+    return a.relative == b.relative &&
+           (a.path == b.path || fs::equivalent(a.path, b.path, ignored));
+  });
+  found_.inputs.erase(doubles.begin(), doubles.end());
+  return std::move(found_);
+}
+
+}  // namespace
+
+Result<FoundInputs> find_inputs(const InputSearch& search) {
+  return InputFinder(search).run();
+}
+
+std::string output_stem(const std::string& relative) {
+  return has_motion_ending(fs::path(relative).filename().string())
+             ? relative.substr(0, relative.size() - 4)
+             : relative;
+}
+
+Result<void> check_distinct_outputs(std::span<const BatchInput> inputs,
+                                    std::span<const std::string> reserved) {
+  std::map<std::string, const BatchInput*> taken;
+  int clashes = 0;
+  std::string first;
+  for (const BatchInput& input : inputs) {
+    const std::string stem = output_stem(input.relative);
+    if (std::ranges::find(reserved, stem) != reserved.end()) {
+      return usage_failure("the output of \"" + input.path + "\" would be called \"" + stem +
+                               ".csv\", which is a file of the batch itself",
+                           "rename it or leave it out with --exclude");
+    }
+    const auto [at, is_new] = taken.emplace(stem, &input);
+    if (is_new) continue;
+    if (clashes++ == 0) {
+      first = "\"" + at->second->path + "\" and \"" + input.path + "\" would both become \"" +
+              stem + "\"";
+    }
+  }
+  if (clashes == 0) return {};
+  if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more clash";
+  return usage_failure(first,
+                       "give the folder that holds both, or --base FOLDER to keep the tree below "
+                       "it; else rename one or leave it out with --exclude");
+}
+
+}  // namespace retarget

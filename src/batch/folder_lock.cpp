@@ -1,0 +1,101 @@
+#include "retarget/batch/folder_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
+}
+
+// who wrote the lock file last; empty when it does not tell
+std::string holder_of(int descriptor) {
+  std::array<char, 512> text{};
+  const ssize_t count = ::pread(descriptor, text.data(), text.size() - 1, 0);
+  std::string holder(text.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
+  return holder.substr(0, holder.find('\n'));
+}
+
+// whether a path still names the open file, which its last holder may have removed
+bool is_in_place(int descriptor, const std::string& path) {
+  struct stat open {
+  }, named{};
+  return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+}
+
+Failure lock_failure(const std::string& path, int error_number) {
+  return run_failure(
+      path, "cannot lock the output folder: " + std::generic_category().message(error_number));
+}
+
+}  // namespace
+
+Result<FolderLock> FolderLock::take(const std::string& folder, const std::string& name, Kind kind) {
+  FolderLock lock;
+  lock.path_ = folder + "/" + name;
+  for (;;) {
+    lock.descriptor_ = ::open(lock.path_.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+    if (lock.descriptor_ < 0) return lock_failure(lock.path_, errno);
+    const int how = (kind == Kind::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB;
+    if (::flock(lock.descriptor_, how) != 0) {
+      const int error_number = errno;
+      if (error_number == EINTR) continue;
+      if (error_number == ENOLCK || error_number == ENOSYS || error_number == EOPNOTSUPP) {
+        return lock;
+      }
+      if (error_number != EWOULDBLOCK) return lock_failure(lock.path_, error_number);
+      const std::string holder = holder_of(lock.descriptor_);
+      return run_failure(folder,
+                         "another batch is writing into this folder" +
+                             (holder.empty() ? std::string() : ": " + holder),
+                         "wait for it, end it, or give another folder with -o");
+    }
+    if (is_in_place(lock.descriptor_, lock.path_)) break;
+    ::close(std::exchange(lock.descriptor_, -1));
+  }
+  lock.held_ = true;
+  const std::string text = "process " + std::to_string(::getpid()) + " on " + host_name() + "\n";
+  if (::ftruncate(lock.descriptor_, 0) != 0 ||
+      ::pwrite(lock.descriptor_, text.data(), text.size(), 0) < 0) {
+    // on a full disk the lock holds all the same; only its message has no name
+  }
+  return lock;
+}
+
+void FolderLock::release() {
+  if (descriptor_ < 0) return;
+  // the file goes with its last holder; whoever has opened it by then sees that it is gone
+  if (held_ && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) ::unlink(path_.c_str());
+  ::close(std::exchange(descriptor_, -1));
+  held_ = false;
+}
+
+FolderLock::~FolderLock() {
+  release();
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept {
+  *this = std::move(other);
+}
+
+FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  path_ = std::move(other.path_);
+  descriptor_ = std::exchange(other.descriptor_, -1);
+  held_ = std::exchange(other.held_, false);
+  return *this;
+}
+
+}  // namespace retarget

@@ -1,0 +1,114 @@
+#include "retarget/batch/manifest.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <mutex>
+#include <system_error>
+#include <tuple>
+
+#include "retarget/base/file.h"
+
+namespace retarget {
+namespace {
+
+Failure manifest_failure(const std::string& path, int error_number) {
+  return run_failure(path,
+                     "cannot write the manifest: " + std::generic_category().message(error_number),
+                     error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
+                         ? "free some space and go on with --resume"
+                         : "");
+}
+
+}  // namespace
+
+Result<ManifestContent> read_manifest(const std::string& path) {
+  ManifestContent content;
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0 && errno == ENOENT) return content;
+  const auto file = read_file(path, ErrorKind::kRun);
+  if (!file) return failure(file.error());
+  std::string_view text = file->view();
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (line.empty()) continue;
+    if (auto entry = parse_manifest_line(line)) {
+      content.entries.push_back(std::move(*entry));
+    } else {
+      ++content.unreadable;
+    }
+  }
+  return content;
+}
+
+std::vector<ManifestEntry> latest_entries(std::vector<ManifestEntry> entries) {
+  const auto name = [](const ManifestEntry& entry) {
+    return std::tie(entry.relative, entry.robot);
+  };
+  std::ranges::stable_sort(entries, {}, &ManifestEntry::finished);
+  std::ranges::stable_sort(entries, {}, name);
+  std::vector<ManifestEntry> latest;
+  for (ManifestEntry& entry : entries) {
+    if (!latest.empty() && name(latest.back()) == name(entry)) {
+      latest.back() = std::move(entry);
+    } else {
+      latest.push_back(std::move(entry));
+    }
+  }
+  return latest;
+}
+
+struct ManifestWriter::State {
+  std::string path;
+  int descriptor = -1;
+  std::mutex mutex;
+};
+
+ManifestWriter::ManifestWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+ManifestWriter::~ManifestWriter() {
+  ::close(state_->descriptor);
+}
+
+Result<std::unique_ptr<ManifestWriter>> ManifestWriter::begin(
+    const std::string& path, std::span<const ManifestEntry> entries) {
+  std::string text;
+  for (const ManifestEntry& entry : entries) text += manifest_line(entry);
+  if (auto written = write_file(path, text); !written) return failure(written.error());
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (state->descriptor < 0) return manifest_failure(path, errno);
+  return std::unique_ptr<ManifestWriter>(new ManifestWriter(std::move(state)));
+}
+
+Result<void> ManifestWriter::append(const ManifestEntry& entry) {
+  const std::string line = manifest_line(entry);
+  {
+    const std::lock_guard lock(state_->mutex);
+    const off_t end = ::lseek(state_->descriptor, 0, SEEK_END);
+    std::string_view rest = line;
+    while (!rest.empty()) {
+      const ssize_t count = ::write(state_->descriptor, rest.data(), rest.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) {
+        const int error_number = errno;
+        if (end >= 0 && ::ftruncate(state_->descriptor, end) != 0) {
+          // half a line stays, which readers skip
+        }
+        return manifest_failure(state_->path, error_number);
+      }
+      rest.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+  // outside the lock: the disk takes the lines of several threads at once
+  if (::fdatasync(state_->descriptor) != 0) return manifest_failure(state_->path, errno);
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,200 @@
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/json.h"
+#include "retarget/batch/manifest.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// the text as JSON can hold it
+std::string valid_text(const std::string& bytes) {
+  const std::string dumped = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(dumped).get<std::string>();
+}
+
+void put_name(Json& json, const std::string& key, const std::string& bytes) {
+  std::string text = valid_text(bytes);
+  const bool as_it_is = text == bytes;
+  json[key] = std::move(text);
+  if (as_it_is) return;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string hex;
+  for (const char byte : bytes) {
+    hex += kDigits[static_cast<unsigned char>(byte) >> 4U];
+    hex += kDigits[static_cast<unsigned char>(byte) & 15U];
+  }
+  json[key + "_hex"] = hex;
+}
+
+Json json_of(const FileRecord& record) {
+  Json json;
+  put_name(json, "file", record.file);
+  json["bytes"] = record.bytes;
+  json["modified_ns"] = record.modified_ns;
+  json["hash"] = record.hash;
+  return json;
+}
+
+Json json_of(const Error& error, int exit_code) {
+  Json json;
+  put_name(json, "file", error.file);
+  if (error.line > 0) json["line"] = error.line;
+  if (error.column > 0) json["column"] = error.column;
+  json["message"] = valid_text(error.message);
+  if (!error.hint.empty()) json["hint"] = valid_text(error.hint);
+  json["exit_code"] = exit_code;
+  return json;
+}
+
+Json json_of(const ClipQuality& quality) {
+  Json json;
+  json["figures"] = Json::object();
+  for (const auto& [key, value] : quality.figures) json["figures"][key] = value;
+  json["gates_missed"] = quality.missed;
+  json["worst"] = quality.worst.empty() ? Json() : Json(quality.worst);
+  // JSON has no infinity
+  if (!quality.worst.empty() && std::isfinite(quality.worst_ratio)) {
+    json["worst_ratio"] = quality.worst_ratio;
+  }
+  return json;
+}
+
+// reads members that may be missing or of another type, which then keep their defaults
+class EntryReader {
+ public:
+  explicit EntryReader(const Json& json) : json_(json) {}
+
+  [[nodiscard]] const Json* member(const std::string& key) const {
+    const auto at = json_.is_object() ? json_.find(key) : json_.end();
+    return json_.is_object() && at != json_.end() ? &*at : nullptr;
+  }
+  template <typename T>
+  void number(const std::string& key, T& value) const {
+    const Json* json = member(key);
+    if (json != nullptr && json->is_number()) value = json->get<T>();
+  }
+  void text(const std::string& key, std::string& value) const {
+    const Json* json = member(key);
+    if (json != nullptr && json->is_string()) value = json->get<std::string>();
+  }
+  void name(const std::string& key, std::string& value) const {
+    text(key, value);
+    std::string hex;
+    text(key + "_hex", hex);
+    if (hex.empty() || hex.size() % 2 != 0) return;
+    std::string bytes;
+    for (std::size_t i = 0; i < hex.size(); i += 2) {
+      unsigned byte = 0;
+      const char* end = hex.data() + i + 2;
+      if (std::from_chars(hex.data() + i, end, byte, 16).ptr != end) return;
+      bytes += static_cast<char>(byte);
+    }
+    value = bytes;
+  }
+  void texts(const std::string& key, std::vector<std::string>& values) const {
+    const Json* json = member(key);
+    if (json == nullptr || !json->is_array()) return;
+    for (const Json& value : *json) {
+      if (value.is_string()) values.push_back(value.get<std::string>());
+    }
+  }
+
+ private:
+  const Json& json_;
+};
+
+FileRecord file_record(const Json& json) {
+  const EntryReader reader(json);
+  FileRecord record;
+  reader.name("file", record.file);
+  reader.number("bytes", record.bytes);
+  reader.number("modified_ns", record.modified_ns);
+  reader.text("hash", record.hash);
+  return record;
+}
+
+void read_error(const Json& json, ManifestEntry& entry) {
+  const EntryReader reader(json);
+  Error& error = entry.error.emplace();
+  reader.name("file", error.file);
+  reader.number("line", error.line);
+  reader.number("column", error.column);
+  reader.text("message", error.message);
+  reader.text("hint", error.hint);
+  reader.number("exit_code", entry.exit_code);
+}
+
+ClipQuality clip_quality(const Json& json) {
+  const EntryReader reader(json);
+  ClipQuality quality;
+  if (const Json* figures = reader.member("figures"); figures != nullptr && figures->is_object()) {
+    for (const auto& [key, value] : figures->items()) {
+      if (value.is_number()) quality.figures.emplace_back(key, value.get<double>());
+    }
+  }
+  reader.texts("gates_missed", quality.missed);
+  reader.text("worst", quality.worst);
+  quality.worst_ratio = quality.worst.empty() ? 0.0 : HUGE_VAL;
+  reader.number("worst_ratio", quality.worst_ratio);
+  return quality;
+}
+
+}  // namespace
+
+std::string manifest_line(const ManifestEntry& entry) {
+  Json json;
+  put_name(json, "relative", entry.relative);
+  put_name(json, "robot", entry.robot);
+  json["status"] = entry.done ? "done" : "failed";
+  if (entry.error) json["error"] = json_of(*entry.error, entry.exit_code);
+  json["input"] = json_of(entry.input);
+  json["options_hash"] = entry.options_hash;
+  json["outputs"] = Json::array();
+  for (const FileRecord& output : entry.outputs) json["outputs"].push_back(json_of(output));
+  json["frames"] = entry.frames;
+  json["fps"] = entry.fps;
+  json["seconds"] = entry.seconds;
+  json["finished"] = entry.finished;
+  if (!entry.taken_as.empty()) json["taken_as"] = valid_text(entry.taken_as);
+  if (!entry.warnings.empty()) {
+    json["warnings"] = Json::array();
+    for (const std::string& warning : entry.warnings) {
+      json["warnings"].push_back(valid_text(warning));
+    }
+  }
+  if (entry.quality) json["quality"] = json_of(*entry.quality);
+  return json.dump() + "\n";
+}
+
+std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
+  const auto json = parse_json(line, "");
+  if (!json || !json->is_object()) return std::nullopt;
+  const EntryReader reader(*json);
+  ManifestEntry entry;
+  reader.name("relative", entry.relative);
+  reader.name("robot", entry.robot);
+  std::string status;
+  reader.text("status", status);
+  if (entry.relative.empty() || (status != "done" && status != "failed")) return std::nullopt;
+  entry.done = status == "done";
+  if (const Json* error = reader.member("error")) read_error(*error, entry);
+  if (const Json* input = reader.member("input")) entry.input = file_record(*input);
+  reader.text("options_hash", entry.options_hash);
+  if (const Json* outputs = reader.member("outputs"); outputs != nullptr && outputs->is_array()) {
+    for (const Json& output : *outputs) entry.outputs.push_back(file_record(output));
+  }
+  reader.number("frames", entry.frames);
+  reader.number("fps", entry.fps);
+  reader.number("seconds", entry.seconds);
+  reader.text("finished", entry.finished);
+  reader.text("taken_as", entry.taken_as);
+  reader.texts("warnings", entry.warnings);
+  if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
+  return entry;
+}
+
+}  // namespace retarget

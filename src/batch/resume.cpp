@@ -1,0 +1,90 @@
+#include "retarget/batch/resume.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "retarget/base/hash.h"
+
+namespace retarget {
+namespace {
+
+std::int64_t modified_ns(const struct stat& info) {
+  return std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + std::int64_t{info.st_mtim.tv_nsec};
+}
+
+}  // namespace
+
+Result<FileRecord> record_file(const std::string& path, std::string name) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) {
+    return input_failure(path, "cannot read the file: " + std::generic_category().message(errno));
+  }
+  if (S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
+  if (!S_ISREG(info.st_mode)) return input_failure(path, "cannot read the file: not a file");
+  auto hash = hash_file(path);
+  if (!hash) return failure(hash.error());
+  return FileRecord{std::move(name), static_cast<std::uint64_t>(info.st_size), modified_ns(info),
+                    std::move(*hash)};
+}
+
+RecordState look_at(const FileRecord& record, const std::string& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return RecordState::kChanged;
+  if (static_cast<std::uint64_t>(info.st_size) != record.bytes) return RecordState::kChanged;
+  return modified_ns(info) == record.modified_ns ? RecordState::kSame : RecordState::kUnsure;
+}
+
+bool has_recorded_content(const FileRecord& record, const std::string& path) {
+  if (look_at(record, path) == RecordState::kChanged) return false;
+  const auto hash = hash_file(path);
+  return hash && *hash == record.hash;
+}
+
+FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder)
+    : output_folder_(std::move(output_folder)) {
+  for (ManifestEntry& entry : entries) {
+    if (!entry.done || entry.outputs.empty()) continue;
+    std::pair key(entry.relative, entry.robot);
+    entries_.emplace(std::move(key), std::move(entry));
+  }
+}
+
+RecordState FinishedClips::state_of(const ManifestEntry& entry,
+                                    const std::string& input_path) const {
+  RecordState state = look_at(entry.input, input_path);
+  for (const FileRecord& output : entry.outputs) {
+    if (state == RecordState::kChanged) break;
+    const RecordState found = look_at(output, output_folder_ + "/" + output.file);
+    if (found != RecordState::kSame) state = found;
+  }
+  return state;
+}
+
+FinishedClips::Candidate FinishedClips::find(const std::string& relative, const std::string& robot,
+                                             const std::string& options_hash,
+                                             const std::string& input_path) const {
+  Candidate best;
+  const auto [begin, end] = entries_.equal_range({relative, robot});
+  for (auto at = begin; at != end; ++at) {
+    if (at->second.options_hash != options_hash) continue;
+    const RecordState state = state_of(at->second, input_path);
+    if (state == RecordState::kSame) return {&at->second, state};
+    if (state == RecordState::kUnsure) best = {&at->second, state};
+  }
+  return best;
+}
+
+bool FinishedClips::still_holds(const ManifestEntry& entry, const std::string& input_path) const {
+  const auto holds = [](const FileRecord& record, const std::string& path) {
+    return look_at(record, path) == RecordState::kSame || has_recorded_content(record, path);
+  };
+  return holds(entry.input, input_path) &&
+         std::ranges::all_of(entry.outputs, [&](const FileRecord& output) {
+           return holds(output, output_folder_ + "/" + output.file);
+         });
+}
+
+}  // namespace retarget

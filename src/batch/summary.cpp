@@ -1,0 +1,104 @@
+#include "retarget/batch/summary.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+#include "retarget/quality/metric.h"
+
+namespace retarget {
+namespace {
+
+// by how many times a figure is beyond its gate; 0: it is not
+double ratio_beyond(const GateResult& gate) {
+  if (gate.passed || !gate.value) return 0.0;
+  const bool too_much = gate.most && !(*gate.value <= *gate.most);
+  const double bound = too_much ? *gate.most : gate.least.value_or(0.0);
+  const double ratio = std::abs(*gate.value / bound);
+  return std::isfinite(ratio) ? ratio : HUGE_VAL;
+}
+
+// quoted where a table needs it (RFC 4180)
+void add_cell(std::string& row, const std::string& text) {
+  if (!row.empty()) row += ',';
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
+    row += text;
+    return;
+  }
+  row += '"';
+  for (const char letter : text)
+    row += letter == '"' ? std::string("\"\"") : std::string(1, letter);
+  row += '"';
+}
+
+std::string shortest(double value) {
+  if (std::isinf(value)) return "inf";
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+std::string row_of(const ManifestEntry& entry) {
+  std::string row;
+  add_cell(row, entry.done ? "done" : "failed");
+  add_cell(row, entry.relative);
+  add_cell(row, entry.robot);
+  add_cell(row, entry.done ? std::to_string(entry.frames) : "");
+  add_cell(row, entry.done ? shortest(entry.fps) : "");
+  const bool timed = entry.done && entry.fps > 0.0;
+  add_cell(row, timed ? shortest(std::max(0, entry.frames - 1) / entry.fps) : "");
+  const ClipQuality none, &quality = entry.quality ? *entry.quality : none;
+  add_cell(row, entry.quality ? std::to_string(quality.missed.size()) : "");
+  add_cell(row, quality.worst);
+  add_cell(row, quality.worst.empty() ? "" : shortest(quality.worst_ratio));
+  for (const Metric& metric : quality_metrics()) {
+    const auto figure = std::ranges::find_if(
+        quality.figures, [&](const auto& item) { return item.first == metric.key; });
+    add_cell(row, figure == quality.figures.end() ? "" : shortest(figure->second));
+  }
+  add_cell(row, entry.error
+                    ? describe(Error{entry.error->kind, entry.error->file, entry.error->line,
+                                     entry.error->column, entry.error->message, ""})
+                    : "");
+  add_cell(row, entry.error ? entry.error->hint : "");
+  return row + "\n";
+}
+
+}  // namespace
+
+ClipQuality clip_quality(const QualityReport& report) {
+  ClipQuality quality;
+  for (const MetricValue& value : report.values) {
+    quality.figures.emplace_back(value.metric->key, value.value);
+  }
+  for (const GateResult& gate : report.gates) {
+    if (gate.passed) continue;
+    quality.missed.push_back(gate.metric);
+    const double ratio = ratio_beyond(gate);
+    if (quality.worst.empty() || ratio > quality.worst_ratio) {
+      quality.worst = gate.metric;
+      quality.worst_ratio = ratio;
+    }
+  }
+  return quality;
+}
+
+std::string summary_csv(std::span<const ManifestEntry> entries) {
+  std::vector<const ManifestEntry*> order;
+  for (const ManifestEntry& entry : entries) order.push_back(&entry);
+  const auto key = [](const ManifestEntry* entry) {
+    const bool measured = entry->quality.has_value();
+    return std::tuple(entry->done, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
+                      measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);
+  };
+  std::ranges::sort(order, {}, key);
+  std::string text = "status,clip,robot,frames,fps,duration_s,gates_missed,worst,worst_ratio";
+  for (const Metric& metric : quality_metrics()) text += "," + std::string(metric.key);
+  text += ",message,hint\n";
+  for (const ManifestEntry* entry : order) text += row_of(*entry);
+  return text;
+}
+
+}  // namespace retarget

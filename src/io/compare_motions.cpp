@@ -1,0 +1,209 @@
+#include "retarget/io/compare_motions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "io/csv_table.h"
+#include "retarget/base/npz.h"
+#include "retarget/io/pickle.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kUnitTolerance = 0.01;
+
+// an array with a row a frame becomes columns beside those that are there
+class TableBuilder {
+ public:
+  void add(const std::string& name, const NpyArray& array) {
+    if (!array.is_number() || array.shape.empty() || array.element_count() == 0) return;
+    arrays_.emplace_back(name, &array);
+  }
+
+  // frames are the rows that most arrays have
+  [[nodiscard]] MotionTable build() const {
+    std::map<std::size_t, int> votes;
+    for (const auto& [name, array] : arrays_) {
+      if (array->shape.size() > 1) ++votes[array->shape[0]];
+    }
+    MotionTable table;
+    for (const auto& [frames, count] : votes) {
+      if (table.frames == 0 || count > votes[table.frames]) table.frames = frames;
+    }
+    std::vector<std::vector<double>> columns;
+    for (const auto& [name, array] : arrays_) {
+      if (array->shape[0] == table.frames) add_columns(name, *array, table, columns);
+    }
+    for (std::size_t frame = 0; frame < table.frames; ++frame) {
+      for (const auto& column : columns) table.values.push_back(column[frame]);
+    }
+    return table;
+  }
+
+ private:
+  static void add_columns(const std::string& name, const NpyArray& array, MotionTable& table,
+                          std::vector<std::vector<double>>& columns) {
+    const std::vector<double> values = array.numbers();
+    const std::size_t width = values.size() / table.frames;
+    const bool quaternions = array.shape.back() == 4 && (name.find("quat") != std::string::npos ||
+                                                         name.find("rot") != std::string::npos);
+    for (std::size_t i = 0; i < width; ++i) {
+      if (quaternions && i % 4 == 0) table.quaternions.push_back(table.columns.size());
+      std::string index;
+      std::size_t rest = i;
+      for (std::size_t d = array.shape.size(); d-- > 1;) {
+        index = std::to_string(rest % array.shape[d]) + (index.empty() ? "" : ",") + index;
+        rest /= array.shape[d];
+      }
+      table.columns.push_back(name + (index.empty() ? "" : "[" + index + "]"));
+      std::vector<double>& column = columns.emplace_back();
+      for (std::size_t frame = 0; frame < table.frames; ++frame) {
+        column.push_back(values[frame * width + i]);
+      }
+    }
+  }
+
+  std::vector<std::pair<std::string, const NpyArray*>> arrays_;
+};
+
+bool unit_quaternions(const CsvTable& table, std::size_t first) {
+  if (first + 4 > table.columns) return false;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double square = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) square += table.row(i)[first + k] * table.row(i)[first + k];
+    if (!(std::abs(std::sqrt(square) - 1.0) <= kUnitTolerance)) return false;
+  }
+  return true;
+}
+
+MotionTable table_of_csv(CsvTable csv) {
+  MotionTable table;
+  table.frames = csv.rows();
+  table.columns = csv.header;
+  for (std::size_t i = table.columns.size(); i < csv.columns; ++i) {
+    table.columns.push_back("column " + std::to_string(i + 1));
+  }
+  for (const std::size_t first : {std::size_t{3}, std::size_t{4}}) {
+    if (!unit_quaternions(csv, first)) continue;
+    table.quaternions.push_back(first);
+    break;
+  }
+  table.values = std::move(csv.values);
+  return table;
+}
+
+Result<MotionTable> table_of_npz(std::string_view bytes, const std::string& file) {
+  const auto npz = NpzFile::open(bytes, file);
+  if (!npz) return failure(npz.error());
+  std::vector<NpyArray> arrays;
+  for (const std::string& name : npz->names()) {
+    auto array = npz->read(name);
+    if (!array) return failure(array.error());
+    arrays.push_back(std::move(*array));
+  }
+  TableBuilder builder;
+  for (std::size_t i = 0; i < arrays.size(); ++i) builder.add(npz->names()[i], arrays[i]);
+  return builder.build();
+}
+
+void add_dictionary(const PickleDocument& document, const PickleNode& dictionary,
+                    const std::string& prefix, int depth, TableBuilder& builder) {
+  for (const std::string& key : document.keys(dictionary)) {
+    const PickleNode* member = document.find(dictionary, key);
+    if (member->kind == PickleNode::Kind::kArray)
+      builder.add(prefix + key, document.array(*member));
+    // PBHC's motions lie one level deeper
+    if (depth == 0) add_dictionary(document, *member, prefix + key + "/", 1, builder);
+  }
+}
+
+}  // namespace
+
+MotionTable motion_table(const RobotClip& clip) {
+  const Robot& robot = clip.robot();
+  MotionTable table;
+  table.frames = static_cast<std::size_t>(clip.frame_count());
+  table.columns = {"root_x", "root_y", "root_z", "root_qx", "root_qy", "root_qz", "root_qw"};
+  table.quaternions = {3};
+  for (const int joint : robot.output_joints()) {
+    table.columns.push_back(robot.joints()[joint].name);
+  }
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    for (const int address : {0, 1, 2, 4, 5, 6, 3}) table.values.push_back(qpos[address]);
+    for (const int joint : robot.output_joints()) {
+      table.values.push_back(qpos[robot.joints()[joint].qpos_address]);
+    }
+  }
+  return table;
+}
+
+Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string& file) {
+  if (bytes.starts_with("PK")) return table_of_npz(bytes, file);
+  if (looks_like_pickle(bytes)) {
+    const auto document = read_pickle(bytes, file);
+    if (!document) return failure(document.error());
+    TableBuilder builder;
+    add_dictionary(*document, document->root(), "", 0, builder);
+    return builder.build();
+  }
+  auto csv = read_csv_table(bytes, file);
+  if (!csv) return failure(csv.error());
+  return table_of_csv(std::move(*csv));
+}
+
+Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,
+                                         double tolerance) {
+  const std::size_t width = a.columns.size();
+  if (width != b.columns.size()) {
+    return input_failure("",
+                         "one motion has " + std::to_string(width) + " columns, the other " +
+                             std::to_string(b.columns.size()),
+                         "with --robot, files of different formats can be compared");
+  }
+  for (std::size_t i = 0; i < width; ++i) {
+    if (a.columns[i] == b.columns[i]) continue;
+    return input_failure("",
+                         "column " + std::to_string(i + 1) + " is \"" + a.columns[i] +
+                             "\" in one motion and \"" + b.columns[i] + "\" in the other",
+                         "with --robot, files of different formats can be compared");
+  }
+  MotionDifference difference;
+  difference.frames_a = a.frames;
+  difference.frames_b = b.frames;
+  std::vector<ColumnDifference> columns(width);
+  std::vector<double> sign(width);
+  for (std::size_t frame = 0; frame < std::min(a.frames, b.frames); ++frame) {
+    const double* of_a = a.values.data() + frame * width;
+    const double* of_b = b.values.data() + frame * width;
+    std::ranges::fill(sign, 1.0);
+    for (const std::size_t first : a.quaternions) {
+      double dot = 0.0;
+      for (std::size_t k = first; k < first + 4; ++k) dot += of_a[k] * of_b[k];
+      if (dot < 0.0) std::fill_n(sign.begin() + static_cast<std::ptrdiff_t>(first), 4, -1.0);
+    }
+    for (std::size_t i = 0; i < width; ++i) {
+      double found = std::abs(of_a[i] - sign[i] * of_b[i]);
+      if (std::isnan(found)) found = std::numeric_limits<double>::infinity();
+      ColumnDifference& column = columns[i];
+      if (found > column.largest) {
+        column.largest = found;
+        column.largest_frame = frame;
+      }
+      if (found > tolerance && column.frames_beyond++ == 0) column.first_frame = frame;
+    }
+  }
+  for (std::size_t i = 0; i < width; ++i) {
+    difference.largest = std::max(difference.largest, columns[i].largest);
+    columns[i].column = a.columns[i];
+    if (columns[i].frames_beyond > 0) difference.columns.push_back(columns[i]);
+  }
+  std::ranges::stable_sort(difference.columns, std::greater<>(), &ColumnDifference::largest);
+  return difference;
+}
+
+}  // namespace retarget

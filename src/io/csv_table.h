@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/base/result.h"
+
+namespace retarget {
+
+/// The numbers of a CSV, whatever they mean.
+struct CsvTable {
+  std::vector<std::string> header;  ///< Cells of a first line that begins with no number.
+  std::size_t columns = 0;
+  std::vector<double> values;      ///< Row by row.
+  std::vector<std::size_t> lines;  ///< Of each row in the file, from 1.
+
+  [[nodiscard]] std::size_t rows() const { return lines.size(); }
+  [[nodiscard]] std::span<const double> row(std::size_t index) const {
+    return std::span<const double>(values).subspan(index * columns, columns);
+  }
+};
+
+/// Reads lines of numbers: cells parted by commas, semicolons, tabs or blanks; empty lines and
+/// those that begin with # are passed over.
+/// Errors (kInput) with line and column: no lines, lines of different length, what is no number,
+/// numbers beyond 1e6.
+[[nodiscard]] Result<CsvTable> read_csv_table(std::string_view text, const std::string& file);
+
+}  // namespace retarget

@@ -1,0 +1,179 @@
+// Motions in tracking NPZ files: which order joints and bodies are in is found by kinematics.
+
+#include <algorithm>
+#include <utility>
+
+#include "io/raw_motion.h"
+#include "retarget/base/npz.h"
+#include "retarget/base/number_text.h"
+#include "retarget/base/suggest.h"
+#include "retarget/io/tracking_motion.h"
+#include "retarget/robot/variant.h"
+
+namespace retarget {
+namespace {
+
+// metres by which bodies may lie elsewhere than the robot's model has them
+constexpr double kSamePlace = 0.01;
+constexpr std::size_t kFramesTried = 40;
+constexpr double kFastestRate = 1e6;
+
+struct TrackingArrays {
+  std::size_t frames = 0, joint_count = 0, body_count = 0;
+  std::vector<double> joint_pos, body_pos, body_quat;
+};
+
+Result<std::vector<double>> read_array(const NpzFile& npz, const char* name, std::size_t dimensions,
+                                       std::vector<std::size_t>& shape) {
+  const auto array = npz.read(name);
+  if (!array) return failure(array.error());
+  if (!array->is_number() || array->shape.size() != dimensions) {
+    return npz.array_failure(name, "has the shape " + shape_text(array->shape) +
+                                       " and should have " + std::to_string(dimensions) +
+                                       " dimensions of numbers");
+  }
+  shape = array->shape;
+  return array->numbers();
+}
+
+Result<TrackingArrays> read_arrays(const NpzFile& npz) {
+  TrackingArrays arrays;
+  std::vector<std::size_t> joints, positions, rotations;
+  auto joint_pos = read_array(npz, "joint_pos", 2, joints);
+  if (!joint_pos) return failure(joint_pos.error());
+  auto body_pos = read_array(npz, "body_pos_w", 3, positions);
+  if (!body_pos) return failure(body_pos.error());
+  auto body_quat = read_array(npz, "body_quat_w", 3, rotations);
+  if (!body_quat) return failure(body_quat.error());
+  const bool fits = joints[0] == positions[0] && joints[0] == rotations[0] &&
+                    positions[1] == rotations[1] && positions[1] > 0 && positions[2] == 3 &&
+                    rotations[2] == 4;
+  if (!fits) return npz.file_failure("its arrays disagree about frames or bodies");
+  if (joints[0] == 0) return npz.file_failure("the file holds no frames");
+  arrays.frames = joints[0];
+  arrays.joint_count = joints[1];
+  arrays.body_count = positions[1];
+  arrays.joint_pos = std::move(*joint_pos);
+  arrays.body_pos = std::move(*body_pos);
+  arrays.body_quat = std::move(*body_quat);
+  return arrays;
+}
+
+// how far bodies lie at most from where a layout would have them, in a few frames
+double largest_distance(const Robot& robot, const TrackingLayout& layout,
+                        const TrackingArrays& arrays) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  double largest = 0.0;
+  const std::size_t step = std::max<std::size_t>(1, arrays.frames / kFramesTried);
+  for (std::size_t frame = 0; frame < arrays.frames; frame += step) {
+    std::vector<double> qpos = robot.zero_configuration();
+    const double* place = arrays.body_pos.data() + 3 * frame * arrays.body_count;
+    const double* turn = arrays.body_quat.data() + 4 * frame * arrays.body_count;
+    std::copy_n(place, 3, qpos.begin());
+    std::copy_n(turn, 4, qpos.begin() + 3);
+    if (!(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3] > 0.25)) {
+      continue;
+    }
+    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+      qpos[robot.joints()[layout.joints[j]].qpos_address] =
+          arrays.joint_pos[frame * arrays.joint_count + j];
+    }
+    forward_kinematics(robot, qpos, world_from_body);
+    for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
+      const Eigen::Vector3d found(place[3 * b], place[3 * b + 1], place[3 * b + 2]);
+      const double distance = (found - world_from_body[layout.bodies[b]].translation).norm();
+      // written so that NaN counts
+      if (!(distance <= largest)) largest = distance;
+    }
+  }
+  return largest;
+}
+
+struct LayoutChoice {
+  MotionFormat format = MotionFormat::kNpzMjlab;
+  std::vector<int> joints;
+  double distance = 0.0;
+};
+
+// the layout of the robot or of a variant that fits best
+Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
+                                   const TrackingArrays& arrays, const NpzFile& npz,
+                                   const ReadMotionOptions& options) {
+  std::vector<std::shared_ptr<const Robot>> candidates = {robot};
+  for (const RobotVariant& variant : robot->profile().variants) {
+    if (auto held = robot_variant(robot, variant.name)) candidates.push_back(std::move(*held));
+  }
+  std::optional<LayoutChoice> best;
+  for (const auto& candidate : candidates) {
+    for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
+      if (options.format && *options.format != format) continue;
+      const TrackingLayout layout = tracking_layout(*candidate, format);
+      if (layout.joints.size() != arrays.joint_count) continue;
+      const bool same_bodies = layout.bodies.size() == arrays.body_count;
+      if (!same_bodies && !options.format) continue;
+      const double distance = same_bodies ? largest_distance(*candidate, layout, arrays) : 0.0;
+      if (!best || distance < best->distance) best = {format, layout.joints, distance};
+    }
+  }
+  if (!best) {
+    return npz.file_failure("it has " + std::to_string(arrays.joint_count) + " joints and " +
+                                std::to_string(arrays.body_count) +
+                                " bodies, which fits neither the robot " + robot->name() +
+                                " nor one of its variants",
+                            "--from npz-mjlab or npz-beyondmimic takes the joints alone");
+  }
+  if (best->distance > kSamePlace && !options.format) {
+    return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +
+                                " m from where its joints put those of the robot " + robot->name() +
+                                ", in mjlab's order and in BeyondMimic's",
+                            "is it another robot? --from npz-mjlab or npz-beyondmimic says whose "
+                            "order it has");
+  }
+  return *best;
+}
+
+}  // namespace
+
+Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
+                                  const std::string& file, const ReadMotionOptions& options) {
+  const auto npz = NpzFile::open(bytes, file);
+  if (!npz) return failure(npz.error());
+  for (const char* name : {"joint_pos", "body_pos_w", "body_quat_w"}) {
+    if (npz->has(name)) continue;
+    return npz->file_failure(
+        "it is no motion of a robot: there is no array \"" + std::string(name) + "\"",
+        "it has " + list_names(npz->names(), 12));
+  }
+  const auto arrays = read_arrays(*npz);
+  if (!arrays) return failure(arrays.error());
+  const auto layout = choose_layout(robot, *arrays, *npz, options);
+  if (!layout) return failure(layout.error());
+  RawMotion raw;
+  raw.format = layout->format;
+  raw.frames = arrays->frames;
+  raw.order = raw.usual = QuaternionOrder::kWxyz;
+  raw.degrees = false;
+  raw.metres_per_unit = 1.0;
+  raw.joint_count = arrays->joint_count;
+  raw.joint_indices = layout->joints;
+  raw.joints = arrays->joint_pos;
+  for (std::size_t frame = 0; frame < arrays->frames; ++frame) {
+    const auto place =
+        arrays->body_pos.begin() + static_cast<std::ptrdiff_t>(3 * frame * arrays->body_count);
+    const auto turn =
+        arrays->body_quat.begin() + static_cast<std::ptrdiff_t>(4 * frame * arrays->body_count);
+    raw.position.insert(raw.position.end(), place, place + 3);
+    raw.rotation.insert(raw.rotation.end(), turn, turn + 4);
+  }
+  if (npz->has("fps")) {
+    const auto fps = npz->read("fps");
+    if (!fps) return failure(fps.error());
+    const double value =
+        fps->is_number() && fps->element_count() == 1 ? fps->numbers().front() : 0.0;
+    if (!(value > 0.0 && value <= kFastestRate)) return npz->array_failure("fps", "is no rate");
+    raw.rate = frame_rate_from_fps(value);
+  }
+  return raw;
+}
+
+}  // namespace retarget

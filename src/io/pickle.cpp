@@ -1,0 +1,113 @@
+#include "retarget/io/pickle.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/pickle_reader.h"
+
+namespace retarget {
+namespace {
+
+using Kind = PickleNode::Kind;
+
+constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
+
+bool is_zlib(std::string_view bytes) {
+  return bytes.starts_with("\x78\x01") || bytes.starts_with("\x78\x5e") ||
+         bytes.starts_with("\x78\x9c") || bytes.starts_with("\x78\xda");
+}
+
+// all of a zlib or gzip stream; memory grows with what really comes out of it
+Result<std::string> unpack(std::string_view bytes, const std::string& file) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  constexpr int kZlibOrGzip = MAX_WBITS + 32;
+  z_stream stream{};
+  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) {
+    return run_failure(file, "not enough memory to unpack the file");
+  }
+  std::string unpacked;
+  std::size_t fed = 0;
+  int state = Z_OK;
+  while (state == Z_OK && unpacked.size() <= kMostUnpacked) {
+    if (stream.avail_in == 0) {
+      const std::size_t size = std::min(bytes.size() - fed, kPiece);
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + fed));
+      stream.avail_in = static_cast<uInt>(size);
+      fed += size;
+    }
+    const std::size_t used = unpacked.size();
+    unpacked.resize(used + kPiece);
+    stream.next_out = reinterpret_cast<Bytef*>(unpacked.data() + used);
+    stream.avail_out = static_cast<uInt>(kPiece);
+    state = inflate(&stream, Z_NO_FLUSH);
+    unpacked.resize(unpacked.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  if (unpacked.size() > kMostUnpacked) {
+    return input_failure(file, "unpacked, the file has more than 1 GiB: no motion is that large");
+  }
+  if (state != Z_STREAM_END) {
+    return input_failure(file, "the compressed file is damaged or cut off");
+  }
+  return unpacked;
+}
+
+}  // namespace
+
+const PickleNode* PickleDocument::find(const PickleNode& dictionary, std::string_view key) const {
+  if (dictionary.kind != Kind::kDict) return nullptr;
+  for (std::size_t i = dictionary.items.size(); i >= 2; i -= 2) {
+    const PickleNode& found = at(dictionary.items[i - 2]);
+    if (found.kind == Kind::kText && found.text == key) return &at(dictionary.items[i - 1]);
+  }
+  return nullptr;
+}
+
+std::vector<std::string> PickleDocument::keys(const PickleNode& dictionary) const {
+  std::vector<std::string> names;
+  if (dictionary.kind != Kind::kDict) return names;
+  for (std::size_t i = 0; i < dictionary.items.size(); i += 2) {
+    const PickleNode& key = at(dictionary.items[i]);
+    if (key.kind == Kind::kText) names.emplace_back(key.text);
+  }
+  return names;
+}
+
+std::optional<double> PickleDocument::number(const PickleNode& node) const {
+  if (node.kind == Kind::kInteger || node.kind == Kind::kBool) {
+    return static_cast<double>(node.integer);
+  }
+  if (node.kind == Kind::kNumber) return node.number;
+  if (node.kind != Kind::kArray) return std::nullopt;
+  const NpyArray& found = array(node);
+  if (!found.is_number() || found.element_count() != 1) return std::nullopt;
+  return found.numbers().front();
+}
+
+bool looks_like_pickle(std::string_view bytes) {
+  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) return true;
+  return bytes.size() >= 2 && bytes[0] == '\x80' && bytes[1] >= 0 && bytes[1] <= 5;
+}
+
+Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
+  PickleDocument document;
+  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) {
+    auto unpacked = unpack(bytes, file);
+    if (!unpacked) return failure(unpacked.error());
+    document.unpacked_ = std::move(*unpacked);
+    // a short text would move with its object
+    document.unpacked_.reserve(64);
+    bytes = document.unpacked_;
+  }
+  if (!bytes.starts_with('\x80')) {
+    return input_failure(file, "the file is no pickle of protocol 2 or later",
+                         "write it with Python 3's pickle.dump");
+  }
+  PickleReader reader(bytes, file, document);
+  if (auto done = reader.read(); !done) return failure(done.error());
+  return document;
+}
+
+}  // namespace retarget

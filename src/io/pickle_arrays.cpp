@@ -1,0 +1,269 @@
+// What the functions and classes that a pickle may name make: NumPy's arrays, and joblib's.
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/npy_stream.h"
+#include "io/pickle_reader.h"
+
+namespace retarget {
+namespace {
+
+using Kind = PickleNode::Kind;
+
+// a name from a file for a message
+std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 80;
+  std::string shown(text.substr(0, kLongest));
+  std::ranges::replace_if(
+      shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  return text.size() > kLongest ? shown + "..." : shown;
+}
+
+// numpy 2 moved what numpy 1 had in numpy.core
+std::string canonical_name(std::string_view module, std::string_view name) {
+  constexpr std::string_view kNew = "numpy._core";
+  std::string full(module);
+  if (full == kNew || full.starts_with("numpy._core.")) full.replace(0, kNew.size(), "numpy.core");
+  return full + "." + std::string(name);
+}
+
+std::string refusal_hint(std::string_view name) {
+  if (name.starts_with("torch.")) {
+    return "save NumPy arrays: tensor.cpu().numpy() before pickle.dump";
+  }
+  return "only plain values and NumPy arrays are read, and nothing is executed";
+}
+
+}  // namespace
+
+Result<void> PickleReader::push_global(std::string_view module, std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, Part>, 8> kKnown = {{
+      {"numpy.core.multiarray._reconstruct", Part::kReconstruct},
+      {"numpy.core.multiarray.scalar", Part::kScalar},
+      {"numpy.ndarray", Part::kArrayClass},
+      {"numpy.dtype", Part::kTypeClass},
+      {"_codecs.encode", Part::kEncode},
+      {"numpy.core.numeric._frombuffer", Part::kFromBuffer},
+      {"joblib.numpy_pickle.NumpyArrayWrapper", Part::kWrapperClass},
+      {"collections.OrderedDict", Part::kOrderedDict},
+  }};
+  constexpr std::size_t kLongestName = 200;
+  const bool short_enough = module.size() < kLongestName && name.size() < kLongestName;
+  const std::string full = short_enough ? canonical_name(module, name) : std::string();
+  for (const auto& [known, part] : kKnown) {
+    if (known != full) continue;
+    PickleNode made;
+    made.kind = Kind::kObject;
+    made.detail = static_cast<std::uint8_t>(part);
+    return push(std::move(made));
+  }
+  return fault(
+      "the pickle names " + printable(module) + "." + printable(name) + ", which is refused",
+      refusal_hint(printable(module) + "."));
+}
+
+Result<void> PickleReader::call() {
+  const auto arguments_node = pop();
+  if (!arguments_node) return failure(arguments_node.error());
+  const auto callee_node = pop();
+  if (!callee_node) return failure(callee_node.error());
+  const PickleNode& arguments = node(*arguments_node);
+  const PickleNode& callee = node(*callee_node);
+  if (callee.kind != Kind::kObject || arguments.kind != Kind::kTuple) {
+    return fault("the pickle calls what is no function");
+  }
+  PickleNode made;
+  made.kind = Kind::kObject;
+  switch (static_cast<Part>(callee.detail)) {
+    case Part::kReconstruct:
+      if (arguments.items.empty() || !is_part(node(arguments.items[0]), Part::kArrayClass)) {
+        return fault("the pickle makes an array of a class that is not numpy.ndarray");
+      }
+      made.detail = static_cast<std::uint8_t>(Part::kShell);
+      return push(std::move(made));
+    case Part::kTypeClass:
+      if (arguments.items.empty() || node(arguments.items[0]).kind != Kind::kText) {
+        return fault("the pickle makes a dtype that has no name");
+      }
+      made.detail = static_cast<std::uint8_t>(Part::kType);
+      made.text = node(arguments.items[0]).text;
+      made.integer = '<';
+      return push(std::move(made));
+    case Part::kWrapperClass:
+      made.detail = static_cast<std::uint8_t>(Part::kWrapper);
+      return push(std::move(made));
+    case Part::kOrderedDict:
+      if (!arguments.items.empty()) {
+        return fault("the pickle fills an OrderedDict in a way that is not read");
+      }
+      made.kind = Kind::kDict;
+      return push(std::move(made));
+    case Part::kEncode:
+      return encode(arguments);
+    case Part::kScalar:
+      return make_scalar(arguments);
+    case Part::kFromBuffer:
+      return array_from_buffer(arguments);
+    default:
+      return fault("the pickle calls what is no function");
+  }
+}
+
+// protocol 2 has no bytes: they are text of their numbers, to be encoded as latin1
+Result<void> PickleReader::encode(const PickleNode& arguments) {
+  if (arguments.items.size() != 2 || node(arguments.items[0]).kind != Kind::kText ||
+      (node(arguments.items[1]).text != "latin1" && node(arguments.items[1]).text != "latin-1")) {
+    return fault("the pickle encodes a text in a way that is not read");
+  }
+  const std::string_view text = node(arguments.items[0]).text;
+  encoded_bytes_ += text.size();
+  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its texts without end");
+  std::string bytes;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto first = static_cast<unsigned char>(text[i]);
+    if (first < 0x80) {
+      bytes += text[i];
+      continue;
+    }
+    // U+0080 to U+00FF in UTF-8
+    const bool two = (first == 0xC2 || first == 0xC3) && i + 1 < text.size();
+    if (!two) return fault("the pickle encodes a text that is no latin1");
+    bytes += static_cast<char>(((first & 3) << 6) | (static_cast<unsigned char>(text[++i]) & 0x3F));
+  }
+  document_.texts_.push_back(std::move(bytes));
+  PickleNode made;
+  made.kind = Kind::kBytes;
+  made.text = document_.texts_.back();
+  return push(std::move(made));
+}
+
+// how many bytes an array of this type and shape has
+Result<std::size_t> PickleReader::array_size(const PickleNode& type, const PickleNode& shape) {
+  if (!is_part(type, Part::kType)) return fault("the pickle has an array without a dtype");
+  if (shape.kind != Kind::kTuple || shape.items.size() > 32) {
+    return fault("the pickle has an array without a shape");
+  }
+  NpyHeader header;
+  header.type = std::string(1, static_cast<char>(type.integer)) + std::string(type.text);
+  for (const Node item : shape.items) {
+    const PickleNode& length = node(item);
+    if (length.kind != Kind::kInteger || length.integer < 0) {
+      return fault("the pickle has an array without a shape");
+    }
+    header.shape.push_back(static_cast<std::size_t>(length.integer));
+  }
+  const auto layout = npy_layout(header);
+  if (!layout) return fault(layout.error().message, layout.error().hint);
+  return layout->data_size;
+}
+
+Result<void> PickleReader::make_array(Node target, const PickleNode& type, const PickleNode& shape,
+                                      bool fortran_order, std::string_view data) {
+  const auto size = array_size(type, shape);
+  if (!size) return failure(size.error());
+  if (*size != data.size()) {
+    return fault("an array of the pickle should have " + std::to_string(*size) + " bytes and has " +
+                 std::to_string(data.size()));
+  }
+  array_bytes_ += data.size();
+  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
+  NpyHeader header;
+  header.type = std::string(1, static_cast<char>(type.integer)) + std::string(type.text);
+  header.fortran_order = fortran_order;
+  for (const Node item : shape.items) {
+    header.shape.push_back(static_cast<std::size_t>(node(item).integer));
+  }
+  auto layout = npy_layout(header);
+  if (!layout) return fault(layout.error().message, layout.error().hint);
+  document_.arrays_.push_back(npy_with_data(std::move(*layout), std::string(data), fortran_order));
+  PickleNode& made = node(target);
+  made.kind = Kind::kArray;
+  made.integer = static_cast<std::int64_t>(document_.arrays_.size()) - 1;
+  return {};
+}
+
+Result<void> PickleReader::make_scalar(const PickleNode& arguments) {
+  if (arguments.items.size() != 2 || node(arguments.items[1]).kind != Kind::kBytes) {
+    return fault("the pickle has a NumPy scalar without its value");
+  }
+  const PickleNode& type = node(arguments.items[0]);
+  const std::string_view data = node(arguments.items[1]).text;
+  if (auto pushed = push({}); !pushed) return pushed;
+  PickleNode no_shape;
+  no_shape.kind = Kind::kTuple;
+  return make_array(stack_.back(), type, no_shape, false, data);
+}
+
+Result<void> PickleReader::array_from_buffer(const PickleNode& arguments) {
+  if (arguments.items.size() != 4 || node(arguments.items[0]).kind != Kind::kBytes) {
+    return fault("the pickle has an array buffer without its bytes");
+  }
+  const bool fortran_order = node(arguments.items[3]).text == "F";
+  const std::string_view data = node(arguments.items[0]).text;
+  const PickleNode& type = node(arguments.items[1]);
+  const PickleNode& shape = node(arguments.items[2]);
+  if (auto pushed = push({}); !pushed) return pushed;
+  return make_array(stack_.back(), type, shape, fortran_order, data);
+}
+
+Result<void> PickleReader::build() {
+  const auto state = pop();
+  if (!state) return failure(state.error());
+  const auto target = pop();
+  if (!target) return failure(target.error());
+  stack_.push_back(*target);
+  const PickleNode& object = node(*target);
+  if (is_part(object, Part::kShell)) return fill_shell(*target, node(*state));
+  if (is_part(object, Part::kWrapper)) return fill_wrapper(*target, node(*state));
+  if (is_part(object, Part::kType)) return set_byte_order(*target, node(*state));
+  return fault("the pickle gives a state to what has none");
+}
+
+// (version, shape, dtype, is Fortran order, bytes)
+Result<void> PickleReader::fill_shell(Node shell, const PickleNode& state) {
+  if (state.kind != Kind::kTuple || state.items.size() != 5) {
+    return fault("the pickle has an array whose state is not read");
+  }
+  if (node(state.items[4]).kind != Kind::kBytes) {
+    return fault("the pickle has an array of Python objects, which is refused",
+                 "save arrays of numbers");
+  }
+  return make_array(shell, node(state.items[2]), node(state.items[1]),
+                    node(state.items[3]).integer != 0, node(state.items[4]).text);
+}
+
+// joblib's dictionary; then, outside of all opcodes, padding and the bytes of the array
+Result<void> PickleReader::fill_wrapper(Node wrapper, const PickleNode& state) {
+  const PickleNode* type = document_.find(state, "dtype");
+  const PickleNode* shape = document_.find(state, "shape");
+  const PickleNode* order = document_.find(state, "order");
+  const PickleNode* alignment = document_.find(state, "numpy_array_alignment_bytes");
+  if (type == nullptr || shape == nullptr || order == nullptr) {
+    return fault("the pickle has a NumpyArrayWrapper without dtype, shape or order");
+  }
+  const auto size = array_size(*type, *shape);
+  if (!size) return failure(size.error());
+  if (alignment != nullptr && alignment->kind != Kind::kNone) {
+    const auto padding = take_size(1);
+    if (!padding) return failure(padding.error());
+    if (auto skipped = take(*padding); !skipped) return failure(skipped.error());
+  }
+  const auto data = take(*size);
+  if (!data) return failure(data.error());
+  return make_array(wrapper, *type, *shape, order->text == "F", *data);
+}
+
+// (3, byte order, None, None, None, -1, -1, 0)
+Result<void> PickleReader::set_byte_order(Node type, const PickleNode& state) {
+  const bool sound = state.kind == Kind::kTuple && state.items.size() >= 2 &&
+                     node(state.items[1]).kind == Kind::kText &&
+                     node(state.items[1]).text.size() == 1;
+  if (!sound) return fault("the pickle has a dtype whose state is not read");
+  const char order = node(state.items[1]).text.front();
+  node(type).integer = order == '=' ? '<' : order;
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,356 @@
+#include "io/pickle_reader.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "base/npy_stream.h"
+
+namespace retarget {
+namespace {
+
+using Kind = PickleNode::Kind;
+
+constexpr std::size_t kMostNodes = 2'000'000;
+std::uint64_t unsigned_of(std::string_view bytes) {
+  return little_endian(bytes, 0, bytes.size());
+}
+
+// two's complement, the least significant byte first
+std::int64_t signed_of(std::string_view bytes) {
+  if (bytes.empty()) return 0;
+  std::uint64_t value = unsigned_of(bytes);
+  const int bits = static_cast<int>(8 * bytes.size());
+  if (bits < 64 && (value >> (bits - 1)) != 0) value |= ~std::uint64_t{0} << bits;
+  return std::bit_cast<std::int64_t>(value);
+}
+
+}  // namespace
+
+Failure PickleReader::fault(const std::string& message, std::string hint) const {
+  return input_failure(file_, message + " (byte " + std::to_string(opcode_at_) + " of the pickle)",
+                       std::move(hint));
+}
+
+Result<std::string_view> PickleReader::take(std::uint64_t size) {
+  if (size > bytes_.size() - at_) {
+    return fault("the pickle is cut off: " + std::to_string(size) + " bytes should follow, " +
+                 std::to_string(bytes_.size() - at_) + " are there");
+  }
+  const std::string_view taken = bytes_.substr(at_, static_cast<std::size_t>(size));
+  at_ += taken.size();
+  return taken;
+}
+
+Result<std::uint64_t> PickleReader::take_size(int bytes) {
+  const auto taken = take(static_cast<std::uint64_t>(bytes));
+  if (!taken) return failure(taken.error());
+  return unsigned_of(*taken);
+}
+
+Result<std::string_view> PickleReader::take_line() {
+  const std::size_t end = bytes_.find('\n', at_);
+  if (end == std::string_view::npos) return fault("the pickle is cut off within a name");
+  const std::string_view line = bytes_.substr(at_, end - at_);
+  at_ = end + 1;
+  return line;
+}
+
+Result<PickleReader::Node> PickleReader::pop() {
+  const std::size_t floor = marks_.empty() ? 0 : marks_.back();
+  if (stack_.size() <= floor) return fault("the pickle takes a value that it never made");
+  const Node top = stack_.back();
+  stack_.pop_back();
+  return top;
+}
+
+Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
+  if (marks_.empty()) return fault("the pickle ends a list that it never began");
+  const auto begin = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
+  std::vector<Node> items(begin, stack_.end());
+  stack_.erase(begin, stack_.end());
+  marks_.pop_back();
+  return items;
+}
+
+Result<void> PickleReader::push(PickleNode made) {
+  if (document_.nodes_.size() >= kMostNodes) {
+    return fault("the pickle has more than two million values: no motion needs as many");
+  }
+  stack_.push_back(static_cast<Node>(document_.nodes_.size()));
+  document_.nodes_.push_back(std::move(made));
+  return {};
+}
+
+Result<bool> PickleReader::read_plain(PickleOp op) {
+  PickleNode made;
+  int size = 0;
+  switch (op) {
+    case PickleOp::kNone:
+      break;
+    case PickleOp::kNewTrue:
+    case PickleOp::kNewFalse:
+      made.kind = Kind::kBool;
+      made.integer = op == PickleOp::kNewTrue ? 1 : 0;
+      break;
+    case PickleOp::kBinInt1:
+    case PickleOp::kBinInt2:
+    case PickleOp::kBinInt:
+    case PickleOp::kLong1: {
+      made.kind = Kind::kInteger;
+      size = op == PickleOp::kBinInt1 ? 1 : op == PickleOp::kBinInt2 ? 2 : 4;
+      if (op == PickleOp::kLong1) {
+        const auto length = take_size(1);
+        if (!length) return failure(length.error());
+        if (*length > 8) return fault("the pickle holds an integer of more than 64 bits");
+        size = static_cast<int>(*length);
+      }
+      const auto bytes = take(static_cast<std::uint64_t>(size));
+      if (!bytes) return failure(bytes.error());
+      const bool has_sign = op == PickleOp::kBinInt || op == PickleOp::kLong1;
+      made.integer = has_sign ? signed_of(*bytes) : static_cast<std::int64_t>(unsigned_of(*bytes));
+      break;
+    }
+    case PickleOp::kBinFloat: {
+      const auto bytes = take(8);
+      if (!bytes) return failure(bytes.error());
+      // the only number that is written with its most significant byte first
+      const std::string reversed(bytes->rbegin(), bytes->rend());
+      made.kind = Kind::kNumber;
+      made.number = std::bit_cast<double>(unsigned_of(reversed));
+      break;
+    }
+    default:
+      return false;
+  }
+  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  return true;
+}
+
+Result<bool> PickleReader::read_bytes(PickleOp op) {
+  int length_bytes = 0;
+  PickleNode made;
+  made.kind = Kind::kText;
+  switch (op) {
+    case PickleOp::kShortBinUnicode:
+      length_bytes = 1;
+      break;
+    case PickleOp::kBinUnicode:
+      length_bytes = 4;
+      break;
+    case PickleOp::kBinUnicode8:
+      length_bytes = 8;
+      break;
+    case PickleOp::kShortBinBytes:
+      length_bytes = 1;
+      made.kind = Kind::kBytes;
+      break;
+    case PickleOp::kBinBytes:
+      length_bytes = 4;
+      made.kind = Kind::kBytes;
+      break;
+    case PickleOp::kBinBytes8:
+    case PickleOp::kByteArray8:
+      length_bytes = 8;
+      made.kind = Kind::kBytes;
+      break;
+    default:
+      return false;
+  }
+  const auto length = take_size(length_bytes);
+  if (!length) return failure(length.error());
+  const auto bytes = take(*length);
+  if (!bytes) return failure(bytes.error());
+  made.text = *bytes;
+  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  return true;
+}
+
+// a tuple of the last `count` values
+Result<bool> PickleReader::push_sequence(Kind kind, std::size_t count) {
+  PickleNode made;
+  made.kind = kind;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto item = pop();
+    if (!item) return failure(item.error());
+    made.items.push_back(*item);
+  }
+  std::ranges::reverse(made.items);
+  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  return true;
+}
+
+Result<void> PickleReader::add_items(Kind kind, const std::vector<Node>& items) {
+  const auto target = pop();
+  if (!target) return failure(target.error());
+  stack_.push_back(*target);
+  PickleNode& container = node(*target);
+  if (container.kind != kind || (kind == Kind::kDict && items.size() % 2 != 0)) {
+    return fault("the pickle adds values to what cannot hold them");
+  }
+  container.items.insert(container.items.end(), items.begin(), items.end());
+  return {};
+}
+
+Result<bool> PickleReader::read_container(PickleOp op) {
+  switch (op) {
+    case PickleOp::kMark:
+      // marks without values between them need no node: count them as if
+      if (marks_.size() >= kMostNodes) return fault("the pickle begins lists without end");
+      marks_.push_back(stack_.size());
+      return true;
+    case PickleOp::kEmptyTuple:
+      return push_sequence(Kind::kTuple, 0);
+    case PickleOp::kEmptyList:
+      return push_sequence(Kind::kList, 0);
+    case PickleOp::kEmptyDict:
+      return push_sequence(Kind::kDict, 0);
+    case PickleOp::kTuple1:
+      return push_sequence(Kind::kTuple, 1);
+    case PickleOp::kTuple2:
+      return push_sequence(Kind::kTuple, 2);
+    case PickleOp::kTuple3:
+      return push_sequence(Kind::kTuple, 3);
+    case PickleOp::kTuple:
+    case PickleOp::kList:
+    case PickleOp::kDict: {
+      auto items = pop_to_mark();
+      if (!items) return failure(items.error());
+      if (op == PickleOp::kDict && items->size() % 2 != 0) {
+        return fault("the pickle has a dictionary key without its value");
+      }
+      PickleNode made;
+      made.kind = op == PickleOp::kTuple  ? Kind::kTuple
+                  : op == PickleOp::kList ? Kind::kList
+                                          : Kind::kDict;
+      made.items = std::move(*items);
+      if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+      return true;
+    }
+    case PickleOp::kAppends:
+    case PickleOp::kSetItems: {
+      const auto items = pop_to_mark();
+      if (!items) return failure(items.error());
+      const Kind kind = op == PickleOp::kAppends ? Kind::kList : Kind::kDict;
+      if (auto added = add_items(kind, *items); !added) return failure(added.error());
+      return true;
+    }
+    case PickleOp::kAppend:
+    case PickleOp::kSetItem: {
+      std::vector<Node> items;
+      for (int left = op == PickleOp::kAppend ? 1 : 2; left > 0; --left) {
+        const auto item = pop();
+        if (!item) return failure(item.error());
+        items.insert(items.begin(), *item);
+      }
+      const Kind kind = op == PickleOp::kAppend ? Kind::kList : Kind::kDict;
+      if (auto added = add_items(kind, items); !added) return failure(added.error());
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+Result<bool> PickleReader::read_memo(PickleOp op) {
+  const bool puts = op == PickleOp::kBinPut || op == PickleOp::kLongBinPut;
+  const bool gets = op == PickleOp::kBinGet || op == PickleOp::kLongBinGet;
+  if (!puts && !gets && op != PickleOp::kMemoize) return false;
+  std::uint64_t number = memo_.size();
+  if (op != PickleOp::kMemoize) {
+    const bool is_long = op == PickleOp::kLongBinPut || op == PickleOp::kLongBinGet;
+    const auto index = take_size(is_long ? 4 : 1);
+    if (!index) return failure(index.error());
+    number = *index;
+  }
+  if (gets) {
+    const auto found = memo_.find(number);
+    if (found == memo_.end()) {
+      return fault("the pickle refers to its value " + std::to_string(number) +
+                   ", which it never kept");
+    }
+    if (stack_.size() >= 2 * kMostNodes) return fault("the pickle repeats a value without end");
+    stack_.push_back(found->second);
+    return true;
+  }
+  if (stack_.empty()) return fault("the pickle keeps a value that it never made");
+  if (memo_.size() >= kMostNodes) return fault("the pickle keeps more values than it can have");
+  memo_.insert_or_assign(number, stack_.back());
+  return true;
+}
+
+Result<bool> PickleReader::read_object(PickleOp op) {
+  Result<void> done;
+  switch (op) {
+    case PickleOp::kGlobal: {
+      const auto module = take_line();
+      if (!module) return failure(module.error());
+      const auto name = take_line();
+      if (!name) return failure(name.error());
+      done = push_global(*module, *name);
+      break;
+    }
+    case PickleOp::kStackGlobal: {
+      const auto name = pop();
+      if (!name) return failure(name.error());
+      const auto module = pop();
+      if (!module) return failure(module.error());
+      if (node(*name).kind != Kind::kText || node(*module).kind != Kind::kText) {
+        return fault("the pickle names a function by what is no text");
+      }
+      done = push_global(node(*module).text, node(*name).text);
+      break;
+    }
+    case PickleOp::kReduce:
+    case PickleOp::kNewObj:
+      done = call();
+      break;
+    case PickleOp::kBuild:
+      done = build();
+      break;
+    default:
+      return false;
+  }
+  if (!done) return failure(done.error());
+  return true;
+}
+
+Result<void> PickleReader::read() {
+  for (;;) {
+    opcode_at_ = at_;
+    const auto byte = take(1);
+    if (!byte) return failure(byte.error());
+    const auto op = static_cast<PickleOp>(static_cast<unsigned char>(byte->front()));
+    if (op == PickleOp::kStop) break;
+    if (op == PickleOp::kProto || op == PickleOp::kFrame) {
+      // a frame only tells how much may be read ahead
+      const auto argument = take_size(op == PickleOp::kProto ? 1 : 8);
+      if (!argument) return failure(argument.error());
+      if (op == PickleOp::kProto && (*argument < 2 || *argument > 5)) {
+        return fault("the pickle is of protocol " + std::to_string(*argument) +
+                     ", and 2 to 5 are read");
+      }
+      continue;
+    }
+    bool known = false;
+    for (const auto group :
+         {&PickleReader::read_plain, &PickleReader::read_bytes, &PickleReader::read_container,
+          &PickleReader::read_memo, &PickleReader::read_object}) {
+      const auto done = (this->*group)(op);
+      if (!done) return failure(done.error());
+      known = *done;
+      if (known) break;
+    }
+    if (!known) {
+      return fault("the pickle has the opcode " +
+                       refused_opcode_name(static_cast<std::uint8_t>(op)) + ", which is refused",
+                   "only plain values and NumPy arrays are read, and nothing is executed");
+    }
+  }
+  const auto root = pop();
+  if (!root) return failure(root.error());
+  document_.root_ = *root;
+  return {};
+}
+
+}  // namespace retarget

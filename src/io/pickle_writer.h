@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "retarget/base/npy.h"
+
+namespace retarget {
+
+/// Writes a Python pickle of protocol 4, opcode by opcode: plain values, and NumPy arrays as
+/// NumPy's own pickles have them (`numpy.core.multiarray._reconstruct`, which NumPy 1 and 2 both
+/// know). Nothing is shared, so no memo is needed.
+class PickleWriter {
+ public:
+  PickleWriter();
+
+  void begin_dict();
+  void end_dict();
+  void none();
+  void integer(std::int64_t value);
+  void number(double value);
+  void text(std::string_view utf8);
+  void texts(std::span<const std::string> values);  ///< A list.
+  void array(const NpyArray& array);
+
+  /// The whole pickle.
+  [[nodiscard]] std::string finish();
+
+ private:
+  void bytes(std::string_view value);
+  void tuple_of_lengths(std::span<const std::size_t> lengths);
+  void global(std::string_view module, std::string_view name);
+
+  std::string bytes_;
+};
+
+}  // namespace retarget

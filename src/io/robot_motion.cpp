@@ -1,0 +1,293 @@
+#include "retarget/io/robot_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "io/quaternion_order.h"
+#include "io/raw_motion.h"
+#include "retarget/base/file.h"
+#include "retarget/base/number_text.h"
+#include "retarget/base/suggest.h"
+#include "retarget/io/pickle.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kRadiansPerDegree = 0.01745329251994329577;
+constexpr double kHalfTurn = 3.14159265358979323846;
+// a quaternion's length may differ from 1 by as much
+constexpr double kUnitTolerance = 0.05;
+
+// the widest that a hinge of the robot turns from 0
+double widest_angle(const Robot& robot) {
+  double widest = kHalfTurn;
+  const LimitSet& limits = robot.model_limits();
+  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+    if (robot.joints()[j].type != RobotJoint::Type::kHinge) continue;
+    for (const double limit : {limits.lower[j], limits.upper[j]}) {
+      if (std::isfinite(limit)) widest = std::max(widest, std::abs(limit));
+    }
+  }
+  return widest;
+}
+
+// how high the root is over the lowest body when the robot stands
+double standing_height(const Robot& robot) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  const double root = world_from_body[robot.root_body()].translation.z();
+  double lowest = root;
+  for (std::size_t b = 1; b < world_from_body.size(); ++b) {
+    lowest = std::min(lowest, world_from_body[b].translation.z());
+  }
+  constexpr double kSmallest = 0.05;
+  return std::max(root - lowest, kSmallest);
+}
+
+// turns a motion in the file's units and orders into the robot's
+class MotionInterpreter {
+ public:
+  MotionInterpreter(RawMotion& raw, std::shared_ptr<const Robot> robot, const std::string& file,
+                    const ReadMotionOptions& options)
+      : raw_(raw), robot_(std::move(robot)), file_(file), options_(options) {}
+
+  Result<RobotMotion> interpret() {
+    if (raw_.joint_indices.empty()) {
+      auto joints = joints_by_count(*robot_, raw_.joint_count, raw_, file_, options_.variant);
+      if (!joints) return failure(joints.error());
+      raw_.joint_indices = std::move(*joints);
+    }
+    for (const auto step : {&MotionInterpreter::check_numbers, &MotionInterpreter::find_angle_unit,
+                            &MotionInterpreter::find_length_unit}) {
+      if (auto done = (this->*step)(); !done) return failure(done.error());
+    }
+    RobotMotion motion;
+    motion.format = raw_.format;
+    motion.rate_known = options_.rate || raw_.rate;
+    motion.clip = RobotClip(robot_, options_.rate.value_or(raw_.rate.value_or(default_rate())),
+                            static_cast<int>(raw_.frames));
+    take_joints(motion.clip);
+    const auto order = find_order(motion.clip);
+    if (!order) return failure(order.error());
+    take_rotations(motion.clip, *order);
+    motion.notes = raw_.notes;
+    return motion;
+  }
+
+ private:
+  [[nodiscard]] FrameRate default_rate() const {
+    constexpr FrameRate kSomaRate{120, 1};
+    return raw_.format == MotionFormat::kCsvSoma ? kSomaRate : options_.default_rate;
+  }
+
+  Result<void> check_numbers() {
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(raw_.position, finite) || !std::ranges::all_of(raw_.joints, finite)) {
+      return input_failure(file_, "the motion holds what is no finite number");
+    }
+    for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
+      double square = 0.0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        square += raw_.rotation[4 * frame + i] * raw_.rotation[4 * frame + i];
+      }
+      const double length = std::sqrt(square);
+      // written so that NaN is caught
+      if (!(std::abs(length - 1.0) <= kUnitTolerance)) {
+        return input_failure(file_,
+                             "the root's quaternion of frame " + std::to_string(frame) +
+                                 " has the length " + number_text(length, 3) + " and should have 1",
+                             "the columns are x y z, then the quaternion, then the joints");
+      }
+    }
+    return {};
+  }
+
+  Result<void> find_angle_unit() {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
+      if (is_hinge(i % raw_.joint_count)) largest = std::max(largest, std::abs(raw_.joints[i]));
+    }
+    const double widest = widest_angle(*robot_);
+    constexpr double kBeyond = 0.5;  // radians that a motion may go beyond the widest range
+    if (options_.degrees) {
+      raw_.degrees = options_.degrees;
+    } else if (!raw_.degrees && largest > widest + kBeyond) {
+      if (largest < 3.0 * widest) {
+        return input_failure(file_,
+                             "the largest joint value is " + number_text(largest, 3) +
+                                 ", which may be radians or degrees",
+                             "say which with --source-angles");
+      }
+      raw_.degrees = true;
+      raw_.notes.push_back("joints in degrees: they go up to " + number_text(largest, 1));
+    }
+    return {};
+  }
+
+  Result<void> find_length_unit() {
+    if (options_.metres_per_unit) {
+      raw_.metres_per_unit = options_.metres_per_unit;
+      return {};
+    }
+    if (raw_.metres_per_unit) return {};
+    double highest = 0.0;
+    for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
+      highest = std::max(highest, std::abs(raw_.position[3 * frame + 2]));
+    }
+    const double heights = highest / standing_height(*robot_);
+    constexpr double kMostMetres = 5.0, kLeastCentimetres = 8.0, kMostCentimetres = 300.0,
+                     kLeastMillimetres = 500.0;
+    const bool centimetres = heights >= kLeastCentimetres && heights <= kMostCentimetres;
+    if (heights > kMostMetres && !centimetres && heights < kLeastMillimetres) {
+      return input_failure(file_,
+                           "the root is up to " + number_text(highest, 2) +
+                               " high, which is told neither as metres nor as centimetres",
+                           "say which with --source-unit");
+    }
+    raw_.metres_per_unit = heights <= kMostMetres ? 1.0 : centimetres ? 0.01 : 0.001;
+    if (heights > kMostMetres) {
+      raw_.notes.push_back(std::string("positions in ") +
+                           (centimetres ? "centimetres" : "millimetres") + ": the root is up to " +
+                           number_text(highest, 1) + " high");
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool is_hinge(std::size_t column) const {
+    return robot_->joints()[raw_.joint_indices[column]].type == RobotJoint::Type::kHinge;
+  }
+
+  void take_joints(RobotClip& clip) const {
+    const double unit = *raw_.metres_per_unit;
+    const double angle = raw_.degrees.value_or(false) ? kRadiansPerDegree : 1.0;
+    for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
+      const auto qpos = clip.qpos(static_cast<int>(frame));
+      for (std::size_t i = 0; i < 3; ++i) qpos[i] = unit * raw_.position[3 * frame + i];
+      for (std::size_t j = 0; j < raw_.joint_count; ++j) {
+        const RobotJoint& joint = robot_->joints()[raw_.joint_indices[j]];
+        // what the robot's variant holds stays where it is held
+        if (robot_->variant().locked.contains(joint.name)) continue;
+        qpos[joint.qpos_address] =
+            (is_hinge(j) ? angle : unit) * raw_.joints[frame * raw_.joint_count + j];
+      }
+    }
+  }
+
+  Result<QuaternionOrder> find_order(const RobotClip& clip) {
+    if (raw_.order) return *raw_.order;
+    if (options_.quaternion) return *options_.quaternion;
+    const OrderGuess guess = guess_order(weigh_orders(clip, raw_), raw_.usual);
+    const bool is_csv = raw_.format == MotionFormat::kCsv;
+    if (!guess.order) {
+      if (!is_csv) return raw_.usual;
+      return input_failure(file_,
+                           "the order of the root's quaternion cannot be told: as xyzw and "
+                           "as wxyz the robot moves equally well",
+                           "say which with --source-quat");
+    }
+    if (is_csv || *guess.order != raw_.usual) {
+      raw_.notes.push_back(std::string("quaternion ") +
+                           (*guess.order == QuaternionOrder::kXyzw ? "xyzw: " : "wxyz: ") +
+                           guess.reason);
+    }
+    return *guess.order;
+  }
+
+  void take_rotations(RobotClip& clip, QuaternionOrder order) const {
+    Eigen::Quaterniond before = Eigen::Quaterniond::Identity();
+    for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
+      const double* q = raw_.rotation.data() + 4 * frame;
+      Eigen::Quaterniond rotation = order == QuaternionOrder::kWxyz
+                                        ? Eigen::Quaterniond(q[0], q[1], q[2], q[3])
+                                        : Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
+      rotation.normalize();
+      if (frame > 0 && rotation.dot(before) < 0.0) rotation.coeffs() = -rotation.coeffs();
+      before = rotation;
+      const auto qpos = clip.qpos(static_cast<int>(frame));
+      qpos[3] = rotation.w();
+      for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];
+    }
+  }
+
+  RawMotion& raw_;
+  std::shared_ptr<const Robot> robot_;
+  const std::string& file_;
+  const ReadMotionOptions& options_;
+};
+
+// what a file is by its first bytes
+Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
+                           const std::string& file, const ReadMotionOptions& options) {
+  if (bytes.starts_with("PK")) return read_npz_motion(bytes, robot, file, options);
+  if (looks_like_pickle(bytes)) return read_pickle_motion(bytes, file, options);
+  if (bytes.starts_with("BZh") ||
+      bytes.starts_with("\xFD"
+                        "7zXZ") ||
+      bytes.starts_with("\x04\x22\x4d\x18")) {
+    return input_failure(file, "the file is compressed by bzip2, xz or lz4, which is not read",
+                         "unpack it, or dump it with joblib's compress=3 (zlib)");
+  }
+  if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
+    return input_failure(file, "the file is a BVH, the motion of a human",
+                         "retarget --bvh brings it to a robot");
+  }
+  return read_csv_motion(bytes, *robot, file, options);
+}
+
+}  // namespace
+
+std::vector<int> output_joints_of(const Robot& robot, const std::string& name) {
+  std::vector<int> joints = robot.output_joints();
+  for (const RobotVariant& variant : robot.profile().variants) {
+    if (variant.name != name) continue;
+    std::erase_if(joints,
+                  [&](int joint) { return variant.locked.contains(robot.joints()[joint].name); });
+  }
+  return joints;
+}
+
+Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
+                                         const RawMotion& raw, const std::string& file,
+                                         const std::string& variant) {
+  std::vector<std::string> fitting;
+  std::vector<std::string> known;
+  for (const RobotVariant& each : robot.profile().variants) {
+    known.push_back(each.name);
+    if (!variant.empty() && each.name != variant) continue;
+    if (output_joints_of(robot, each.name).size() == count) fitting.push_back(each.name);
+  }
+  if (variant.empty() && robot.output_joints().size() == count) return robot.output_joints();
+  if (raw.format == MotionFormat::kPklPbhc && fitting.size() > 1) {
+    std::erase_if(fitting, [](const std::string& name) { return !name.ends_with("pbhc"); });
+  }
+  if (fitting.size() == 1) return output_joints_of(robot, fitting.front());
+  if (fitting.empty()) {
+    return input_failure(file,
+                         "the motion has " + std::to_string(count) +
+                             " joints, and neither the robot " + robot.name() +
+                             " nor one of its variants has as many",
+                         known.empty() ? "" : "its variants are " + list_names(known));
+  }
+  return input_failure(
+      file, std::to_string(count) + " joints may be those of the variants " + list_names(fitting),
+      "--source-dof says which");
+}
+
+Result<RobotMotion> parse_robot_motion(std::string_view bytes,
+                                       const std::shared_ptr<const Robot>& robot,
+                                       const std::string& file, const ReadMotionOptions& options) {
+  auto raw = read_raw(bytes, robot, file, options);
+  if (!raw) return failure(raw.error());
+  return MotionInterpreter(*raw, robot, file, options).interpret();
+}
+
+Result<RobotMotion> load_robot_motion(const std::string& path,
+                                      const std::shared_ptr<const Robot>& robot,
+                                      const ReadMotionOptions& options) {
+  const auto content = read_file(path);
+  if (!content) return failure(content.error());
+  return parse_robot_motion(content->view(), robot, path == "-" ? "standard input" : path, options);
+}
+
+}  // namespace retarget

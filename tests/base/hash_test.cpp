@@ -1,0 +1,55 @@
+#include "retarget/base/hash.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+// FIPS 180-4's examples, and what sha256sum gives for no bytes
+constexpr const char* kNothing =
+    "sha256:e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+constexpr const char* kAbc =
+    "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+constexpr const char* kMillionA =
+    "sha256:cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
+
+TEST(HashTest, GivesTheStandardsExamples) {
+  EXPECT_EQ(hash_bytes("").value(), kNothing);
+  EXPECT_EQ(hash_bytes("abc").value(), kAbc);
+  EXPECT_EQ(hash_bytes(std::string(1000000, 'a')).value(), kMillionA);
+}
+
+TEST(HashTest, PiecesGiveTheHashOfTheWhole) {
+  auto hasher = ContentHasher::create();
+  ASSERT_TRUE(hasher.has_value());
+  hasher->update("a");
+  hasher->update("");
+  hasher->update("bc");
+  EXPECT_EQ(hasher->finish().value(), kAbc);
+  EXPECT_FALSE(hasher->finish().has_value());
+}
+
+TEST(HashTest, FilesOfManyPieces) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(hash_file(folder.write("abc", "abc")).value(), kAbc);
+  EXPECT_EQ(hash_file(folder.write("empty", "")).value(), kNothing);
+  EXPECT_EQ(hash_file(folder.write("many", std::string(1000000, 'a'))).value(), kMillionA);
+}
+
+TEST(HashTest, WhatIsNoFileIsNamed) {
+  const TemporaryFolder folder;
+  const auto missing = hash_file((folder.path() / "missing").string(), ErrorKind::kConfig);
+  ASSERT_FALSE(missing.has_value());
+  EXPECT_EQ(missing.error().kind, ErrorKind::kConfig);
+  EXPECT_NE(describe(missing.error()).find("missing: error: cannot read the file: No such file"),
+            std::string::npos);
+  EXPECT_FALSE(hash_file(folder.path().string()).has_value());
+  EXPECT_FALSE(hash_file("/dev/zero").has_value());
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,183 @@
+#include "retarget/batch/find_inputs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class FindInputsTest : public ::testing::Test {
+ protected:
+  void make(const std::string& name, const std::string& text = "x") const {
+    fs::create_directories((folder_.path() / name).parent_path());
+    folder_.write(name, text);
+  }
+  [[nodiscard]] std::string at(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+  static std::vector<std::string> relatives(const Result<FoundInputs>& found) {
+    std::vector<std::string> all;
+    if (!found) return {describe(found.error())};
+    for (const BatchInput& input : found->inputs) all.push_back(input.relative);
+    return all;
+  }
+  [[nodiscard]] Result<FoundInputs> find(const std::vector<std::string>& names) const {
+    InputSearch search;
+    search.names = names;
+    return find_inputs(search);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(FindInputsTest, FoldersAreMirroredWhateverTheNames) {
+  for (const char* name :
+       {"in/walk.bvh", "in/sub/a b/run.BVH", "in/sub/-dash.bvh", "in/l\xc3\xa4uft.bvh",
+        "in/bad\xff utf.bvh", "in/new\nline.bvh", "in/motion.npz", "in/notes.txt", "in/.bvh",
+        "in/two.dots.bvh", "in/sub/._walk.bvh"}) {
+    make(name);
+  }
+  const auto found = find({at("in")});
+  EXPECT_THAT(relatives(found),
+              ElementsAre("bad\xff utf.bvh", "l\xc3\xa4uft.bvh", "motion.npz", "new\nline.bvh",
+                          "sub/-dash.bvh", "sub/a b/run.BVH", "two.dots.bvh", "walk.bvh"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("1 files named ._*")));
+  EXPECT_EQ(found->inputs.back().path, at("in/walk.bvh"));
+  EXPECT_EQ(found->inputs.back().bytes, 1U);
+  EXPECT_GT(found->inputs.back().modified_ns, 0);
+}
+
+TEST_F(FindInputsTest, LinksAreFollowedOnceAndLoopsPassedOver) {
+  make("in/a/walk.bvh");
+  make("elsewhere/run.bvh");
+  fs::create_directory_symlink(at("in"), at("in/a/loop"));
+  fs::create_directory_symlink(".", at("in/a/self"));
+  fs::create_directory_symlink(at("elsewhere"), at("in/linked"));
+  fs::create_symlink("nowhere", at("in/broken.bvh"));
+  fs::create_symlink("round.bvh", at("in/round.bvh"));
+  const auto found = find({at("in")});
+  EXPECT_THAT(relatives(found),
+              ElementsAre("a/walk.bvh", "broken.bvh", "linked/run.bvh", "round.bvh"));
+  EXPECT_EQ(found->notes.size(), 2U);
+}
+
+TEST_F(FindInputsTest, PipesInFoldersArePassedOver) {
+  make("in/walk.bvh");
+  ASSERT_EQ(::mkfifo(at("in/pipe.bvh").c_str(), 0600), 0);
+  const auto found = find({at("in")});
+  EXPECT_THAT(relatives(found), ElementsAre("walk.bvh"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("pipe.bvh")));
+  EXPECT_FALSE(find({at("in/pipe.bvh")}));
+}
+
+TEST_F(FindInputsTest, PatternsKeepTheTreeBelowTheirFixedPart) {
+  make("in/a/walk1.bvh");
+  make("in/b/walk2.bvh");
+  make("in/b/run.bvh");
+  EXPECT_THAT(relatives(find({at("in/*/walk*.bvh")})), ElementsAre("a/walk1.bvh", "b/walk2.bvh"));
+  EXPECT_THAT(relatives(find({at("in/[b]")})), ElementsAre("b/run.bvh", "b/walk2.bvh"));
+  const auto none = find({at("in/*.bvh")});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().kind, ErrorKind::kInput);
+  make("in/[x].bvh");
+  EXPECT_THAT(relatives(find({at("in/[x].bvh")})), ElementsAre("[x].bvh"));
+}
+
+TEST_F(FindInputsTest, ListsOfFilesAndFolders) {
+  make("in/a/walk.bvh");
+  make("in/b/run.bvh");
+  make("in/c.bvh");
+  make("list.txt",
+       "# a comment\r\n" + at("in/a/walk.bvh") + "\r\n\n" + at("in/b") + "\n" + at("in/gone.bvh"));
+  EXPECT_THAT(relatives(find({"@" + at("list.txt")})),
+              ElementsAre("gone.bvh", "run.bvh", "walk.bvh"));
+  InputSearch search;
+  search.lists = {at("list.txt")};
+  search.base = at("in");
+  EXPECT_THAT(relatives(find_inputs(search)), ElementsAre("a/walk.bvh", "b/run.bvh", "gone.bvh"));
+  search.base = at("in/b");
+  const auto outside = find_inputs(search);
+  ASSERT_FALSE(outside);
+  EXPECT_EQ(outside.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(FindInputsTest, ListsEndedByZeroBytes) {
+  make("in/new\nline.bvh");
+  make("list", at("in/new\nline.bvh") + std::string(1, '\0'));
+  EXPECT_THAT(relatives(find({"@" + at("list")})), ElementsAre("new\nline.bvh"));
+}
+
+TEST_F(FindInputsTest, ExcludedFilesAndTheOutputFolder) {
+  make("in/a/walk_stagei.npz");
+  make("in/a/walk.npz");
+  make("in/raw/walk.npz");
+  make("in/out/walk.npz");
+  InputSearch search;
+  search.names = {at("in")};
+  search.exclude = {"*_stagei.npz", "raw/*"};
+  search.output_folder = at("in/out");
+  const auto found = find_inputs(search);
+  EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("outputs go there"), HasSubstr("left out 2")));
+}
+
+TEST_F(FindInputsTest, FoldersThatCannotBeReadAreClipsThatFail) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
+  make("in/walk.bvh");
+  make("in/closed/run.bvh");
+  fs::permissions(at("in/closed"), fs::perms::none);
+  const auto found = find({at("in")});
+  fs::permissions(at("in/closed"), fs::perms::owner_all);
+  EXPECT_THAT(relatives(found), ElementsAre("closed", "walk.bvh"));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("cannot read the folder")));
+}
+
+TEST_F(FindInputsTest, NothingToDoIsAnError) {
+  fs::create_directory(at("empty"));
+  for (const std::string& name : {at("empty"), at("missing"), "@" + at("missing")}) {
+    const auto found = find({name});
+    ASSERT_FALSE(found) << name;
+    EXPECT_EQ(found.error().kind, ErrorKind::kInput);
+  }
+}
+
+TEST_F(FindInputsTest, AFileNamedTwiceIsOneInput) {
+  make("in/walk.bvh");
+  EXPECT_THAT(relatives(find({at("in"), at("in/walk.bvh"), at("in/../in/walk.bvh")})),
+              ElementsAre("walk.bvh"));
+}
+
+TEST(OutputStem, OnlyTheEndingGoes) {
+  EXPECT_EQ(output_stem("a.b/walk.x.BVH"), "a.b/walk.x");
+  EXPECT_EQ(output_stem("walk"), "walk");
+  EXPECT_EQ(output_stem("a/.bvh"), "a/.bvh");
+}
+
+TEST(DistinctOutputs, ClashesAreNamed) {
+  const std::vector<BatchInput> fine = {{"x/a.bvh", "a.bvh"}, {"x/b.bvh", "b.bvh"}};
+  EXPECT_TRUE(check_distinct_outputs(fine, {}));
+  const std::vector<BatchInput> clash = {{"x/a.bvh", "a.bvh"}, {"y/a.bvh", "a.bvh"}};
+  const auto refused = check_distinct_outputs(clash, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(refused.error().message, HasSubstr("\"x/a.bvh\" and \"y/a.bvh\""));
+  const std::vector<BatchInput> kinds = {{"x/a.bvh", "a.bvh"}, {"x/a.npz", "a.npz"}};
+  EXPECT_FALSE(check_distinct_outputs(kinds, {}));
+  EXPECT_FALSE(check_distinct_outputs(fine, std::vector<std::string>{"b"}));
+}
+
+}  // namespace
+}  // namespace retarget

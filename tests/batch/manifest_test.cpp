@@ -1,0 +1,170 @@
+#include "retarget/batch/manifest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+ManifestEntry entry_of(const std::string& relative, const std::string& finished = "") {
+  ManifestEntry entry;
+  entry.relative = relative;
+  entry.robot = "unitree_g1";
+  entry.done = true;
+  entry.finished = finished;
+  return entry;
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(ManifestLine, EverythingComesBack) {
+  ManifestEntry entry = entry_of("a b/\"w\".bvh", "2026-01-31T12:00:00Z");
+  entry.done = false;
+  entry.options_hash = "0123";
+  entry.input = {"in/a b/\"w\".bvh", 1U << 31U, 1'700'000'000'123'456'789, "abcd"};
+  entry.outputs = {{"a b/w.csv", 12, 5, "ef"}, {"a b/w.npz", 13, 6, "01"}};
+  entry.frames = 7;
+  entry.fps = 29.97;
+  entry.seconds = 0.25;
+  Error error;
+  error.file = "in/x.bvh";
+  error.line = 3;
+  error.column = 4;
+  error.message = "not \"this\"";
+  error.hint = "that";
+  entry.error = error;
+  entry.exit_code = 3;
+  entry.taken_as = "CMU";
+  entry.warnings = {"one", "two"};
+  entry.quality = ClipQuality{{{"jumps", 2.0}, {"limit_pct", 0.5}}, {"jumps"}, "jumps", HUGE_VAL};
+  const std::string line = manifest_line(entry);
+  EXPECT_EQ(line.find('\n'), line.size() - 1);
+  const auto read = parse_manifest_line(line);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(manifest_line(*read), line);
+  EXPECT_EQ(read->input.modified_ns, entry.input.modified_ns);
+  EXPECT_EQ(read->input.bytes, entry.input.bytes);
+  EXPECT_EQ(read->outputs.at(1).hash, "01");
+  EXPECT_EQ(read->error->column, 4U);
+  EXPECT_EQ(read->error->hint, "that");
+  EXPECT_EQ(read->exit_code, 3);
+  EXPECT_EQ(read->quality->figures.at(1).second, 0.5);
+  EXPECT_EQ(read->quality->worst_ratio, HUGE_VAL);
+  EXPECT_FALSE(read->done);
+}
+
+TEST(ManifestLine, NamesThatAreNoUtf8ComeBackAsTheirBytes) {
+  ManifestEntry entry = entry_of("a\xff\xfe/b.bvh");
+  entry.outputs = {{"a\xff\xfe/b.csv", 1, 1, ""}};
+  const std::string line = manifest_line(entry);
+  EXPECT_THAT(line, Not(HasSubstr("\xff")));
+  const auto read = parse_manifest_line(line);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->relative, entry.relative);
+  EXPECT_EQ(read->outputs.at(0).file, "a\xff\xfe/b.csv");
+}
+
+TEST(ManifestLine, UnknownMembersAndOddTypesAreSkipped) {
+  const auto read = parse_manifest_line(
+      R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
+          "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->frames, 0);
+  EXPECT_THAT(read->warnings, ElementsAre("w"));
+}
+
+TEST(ManifestLine, WhatIsNoEntryIsNothing) {
+  for (const char* line : {"", "{", "[]", "3", R"({"relative": "a.bvh"})", R"({"status": "done"})",
+                           R"({"relative": "a.bvh", "status": "do)", "\xff\xfe", "\0"}) {
+    EXPECT_FALSE(parse_manifest_line(line)) << line;
+  }
+}
+
+TEST(Manifest, EveryTornFileIsReadUpToItsTornLine) {
+  const TemporaryFolder folder;
+  const std::string whole = manifest_line(entry_of("a.bvh")) + manifest_line(entry_of("b.bvh"));
+  const std::size_t first = whole.find('\n') + 1;
+  for (std::size_t size = 0; size <= whole.size(); ++size) {
+    const auto read = read_manifest(folder.write("m", whole.substr(0, size)));
+    ASSERT_TRUE(read);
+    // a line lacking its line feed alone is whole
+    const std::size_t complete = size + 1 >= whole.size() ? 2 : size + 1 >= first ? 1 : 0;
+    EXPECT_EQ(read->entries.size(), complete) << size;
+    const bool torn = size != 0 && size != first && size + 1 != first && size + 1 < whole.size();
+    EXPECT_EQ(read->unreadable, torn ? 1 : 0) << size;
+  }
+}
+
+TEST(Manifest, OneThatIsNotThereIsEmpty) {
+  const auto read = read_manifest("no/such/manifest");
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->entries.empty());
+}
+
+TEST(Manifest, LinesOfManyThreadsAreWhole) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "m").string();
+  const std::vector<ManifestEntry> kept = {entry_of("kept.bvh")};
+  {
+    auto writer = ManifestWriter::begin(path, kept);
+    ASSERT_TRUE(writer);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&, t] {
+        for (int i = 0; i < 25; ++i) {
+          EXPECT_TRUE((*writer)->append(entry_of(std::to_string(100 * t + i) + ".bvh")));
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  }
+  const auto read = read_manifest(path);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->entries.size(), 101U);
+  EXPECT_EQ(read->unreadable, 0);
+  EXPECT_EQ(read->entries.front().relative, "kept.bvh");
+  EXPECT_EQ(text_of(path).back(), '\n');
+}
+
+TEST(Manifest, BeginReplacesWhatIsThere) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("m", "torn");
+  ASSERT_TRUE(ManifestWriter::begin(path, {}));
+  EXPECT_EQ(text_of(path), "");
+}
+
+TEST(LatestEntries, TheLastOfEveryClipAndRobotInOrder) {
+  ManifestEntry other = entry_of("a.bvh", "2026-01-01T00:00:05Z");
+  other.robot = "booster_t1";
+  ManifestEntry old = entry_of("b.bvh", "2026-01-01T00:00:01Z");
+  old.frames = 1;
+  ManifestEntry newer = entry_of("b.bvh", "2026-01-01T00:00:02Z");
+  newer.frames = 2;
+  ManifestEntry newest = newer;
+  newest.frames = 3;
+  const auto latest = latest_entries({newer, newest, entry_of("a.bvh"), old, other});
+  ASSERT_EQ(latest.size(), 3U);
+  EXPECT_EQ(latest[0].robot, "booster_t1");
+  EXPECT_EQ(latest[1].relative, "a.bvh");
+  EXPECT_EQ(latest[2].frames, 3);
+}
+
+}  // namespace
+}  // namespace retarget

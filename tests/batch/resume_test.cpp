@@ -1,0 +1,102 @@
+#include "retarget/batch/resume.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ResumeTest : public ::testing::Test {
+ protected:
+  ResumeTest() {
+    fs::create_directory(folder_.path() / "out");
+    input_ = folder_.write("walk.bvh", "input");
+    output_ = folder_.write("out/walk.csv", "output");
+    entry_.relative = "walk.bvh";
+    entry_.robot = "g1";
+    entry_.done = true;
+    entry_.options_hash = "options";
+    entry_.input = record_file(input_, input_).value();
+    entry_.outputs = {record_file(output_, "walk.csv").value()};
+  }
+  [[nodiscard]] FinishedClips::Candidate find(const std::string& options = "options") {
+    clips_ = FinishedClips({entry_}, (folder_.path() / "out").string());
+    return clips_.find("walk.bvh", "g1", options, input_);
+  }
+  static void touch(const std::string& path) {
+    fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(3));
+  }
+
+  TemporaryFolder folder_;
+  std::string input_, output_;
+  ManifestEntry entry_;
+  FinishedClips clips_;
+};
+
+TEST_F(ResumeTest, UntouchedFilesNeedNoReading) {
+  EXPECT_EQ(find().state, RecordState::kSame);
+  EXPECT_TRUE(clips_.still_holds(*find().entry, input_));
+}
+
+TEST_F(ResumeTest, TouchedFilesAreTheSameByTheirContent) {
+  for (const std::string& path : {input_, output_}) {
+    touch(path);
+    const auto found = find();
+    EXPECT_EQ(found.state, RecordState::kUnsure);
+    EXPECT_TRUE(clips_.still_holds(*found.entry, input_));
+  }
+}
+
+TEST_F(ResumeTest, OtherContentOfTheSameSize) {
+  for (const char* name : {"walk.bvh", "out/walk.csv"}) {
+    const auto size = fs::file_size(folder_.path() / name);
+    folder_.write(name, std::string(size, 'X'));
+    touch((folder_.path() / name).string());
+    const auto found = find();
+    EXPECT_EQ(found.state, RecordState::kUnsure);
+    EXPECT_FALSE(clips_.still_holds(*found.entry, input_));
+  }
+}
+
+TEST_F(ResumeTest, WhatIsToBeDoneAgain) {
+  EXPECT_EQ(find("others").entry, nullptr);
+  folder_.write("walk.bvh", "longer input");
+  EXPECT_EQ(find().entry, nullptr);
+  folder_.write("walk.bvh", "input");
+  fs::remove(output_);
+  EXPECT_EQ(find().entry, nullptr);
+  folder_.write("out/walk.csv", "out");
+  EXPECT_EQ(find().entry, nullptr);
+  folder_.write("out/walk.csv", "output");
+  entry_.done = false;
+  EXPECT_EQ(find().entry, nullptr);
+  entry_.done = true;
+  EXPECT_NE(find().entry, nullptr);
+  entry_.outputs.clear();
+  EXPECT_EQ(find().entry, nullptr);
+}
+
+TEST_F(ResumeTest, AnyOfSeveralEntriesServes) {
+  ManifestEntry other = entry_;
+  other.options_hash = "others";
+  ManifestEntry stale = entry_;
+  stale.input.bytes = 1;
+  clips_ = FinishedClips({other, entry_, stale}, (folder_.path() / "out").string());
+  EXPECT_EQ(clips_.find("walk.bvh", "g1", "options", input_).state, RecordState::kSame);
+  EXPECT_EQ(clips_.find("walk.bvh", "h1", "options", input_).entry, nullptr);
+}
+
+TEST_F(ResumeTest, FilesThatCannotBeRecorded) {
+  EXPECT_FALSE(record_file((folder_.path() / "missing").string(), "x"));
+  EXPECT_FALSE(record_file(folder_.path().string(), "x"));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,333 @@
+// `retarget batch`: folders of clips to folders of motions.
+
+#include <algorithm>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include "batch_manifests.h"
+#include "batch_runner.h"
+#include "commands.h"
+#include "outputs.h"
+#include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
+#include "retarget/batch/folder_lock.h"
+#include "retarget/batch/shard.h"
+#include "run_setup.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockName = ".retarget-batch.lock";
+constexpr const char* kLockStem = ".retarget-batch";
+
+Result<void> check_batch_usage(const BatchOptions& options) {
+  RunOptions run = options.run;
+  if (!options.robots.empty()) run.robot = options.robots.front();
+  if (options.inputs.empty() && options.lists.empty()) {
+    return usage_failure("no motion files are given",
+                         "retarget batch clips/ -o out/ --robot unitree_g1; "
+                         "retarget batch --help shows more");
+  }
+  if (options.robots.size() > 1 && !run.ik_config.empty()) {
+    return usage_failure("--ik-config is a mapping to one robot, and there are several",
+                         "run a batch for each robot");
+  }
+  if (options.resume && options.redo) {
+    return usage_failure("--resume and --redo exclude each other", "give one of them");
+  }
+  if (std::ranges::find(options.inputs, "-") != options.inputs.end()) {
+    return usage_failure("a batch reads no motion from standard input",
+                         "--list - reads names of files there");
+  }
+  run.output = batch_output(run, "clip.bvh");
+  if (auto outputs = plan_outputs(run); !outputs) return failure(outputs.error());
+  if (auto writing = write_options(run); !writing) return failure(writing.error());
+  return check_solving_options(run);
+}
+
+std::string without_last_slash(std::string folder) {
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return folder;
+}
+
+Result<std::string> make_output_folder(const std::string& given) {
+  std::string folder = without_last_slash(given);
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    return usage_failure("the output \"" + folder + "\" is not a folder");
+  }
+  fs::create_directories(folder, error);
+  if (!error) return folder;
+  return run_failure(folder,
+                     "cannot make the folder: " + std::generic_category().message(error.value()));
+}
+
+// robots, loaded once; in a list, since tasks point to them
+Result<std::list<BatchRobot>> load_batch_robots(const BatchOptions& options,
+                                                const fs::path& data_folder, Console& console) {
+  std::vector<std::string> names = options.robots;
+  if (names.empty()) names.emplace_back();
+  std::list<BatchRobot> robots;
+  for (const std::string& name : names) {
+    BatchRobot robot;
+    robot.run = options.run;
+    robot.run.robot = name;
+    robot.run.measure = !options.no_quality;
+    auto setup = load_robot_setup(robot.run, data_folder, console);
+    if (!setup) return failure(setup.error());
+    robot.setup = std::move(*setup);
+    robot.name = fs::path(robot.setup.robot->name()).filename().string();
+    if (names.size() > 1) robot.folder = robot.name + "/";
+    auto fingerprint = batch_fingerprint(options, robot.run, robot.setup, data_folder);
+    if (!fingerprint) return failure(fingerprint.error());
+    robot.fingerprint = std::move(*fingerprint);
+    if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
+      return usage_failure("the robot \"" + robot.name + "\" is given twice");
+    }
+    console.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
+                              robot.setup.tables.file);
+    robots.push_back(std::move(robot));
+  }
+  return robots;
+}
+
+// all that a batch needs before its first clip
+struct BatchPlan {
+  std::vector<BatchInput> inputs;
+  std::list<BatchRobot> robots;
+  std::vector<BatchTask> tasks;  // that are left to do
+  std::size_t unchanged = 0;
+  std::uint64_t bytes = 0;
+};
+
+// with several formats a.soma.bvh and a.bvh may both want a.soma.csv
+Result<void> check_distinct_files(const std::vector<BatchInput>& inputs,
+                                  const OutputOptions& options) {
+  if (options.formats.size() < 2) return {};
+  std::map<std::string, const BatchInput*> owners;
+  OutputOptions of_clip = options;
+  for (const BatchInput& input : inputs) {
+    of_clip.output = batch_output(options, input.relative);
+    const auto items = plan_outputs(of_clip);
+    if (!items) return failure(items.error());
+    for (const OutputItem& item : *items) {
+      const auto [owner, is_new] = owners.emplace(item.path, &input);
+      if (is_new) continue;
+      return usage_failure("\"" + owner->second->path + "\" and \"" + input.path +
+                               "\" would both be written to \"" + item.path + "\"",
+                           "rename one of them, or write one format at a time");
+    }
+  }
+  return {};
+}
+
+Result<std::vector<BatchInput>> plan_inputs(const BatchOptions& options, const Shard& shard,
+                                            Console& console) {
+  InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
+  auto found = find_inputs(search);
+  if (!found) return failure(found.error());
+  for (const std::string& note : found->notes) console.line("inputs", note);
+  std::vector<std::string> reserved;
+  if (options.robots.size() < 2) reserved.emplace_back("summary");
+  if (auto distinct = check_distinct_outputs(found->inputs, reserved); !distinct) {
+    return failure(distinct.error());
+  }
+  if (auto distinct = check_distinct_files(found->inputs, options.run); !distinct) {
+    return failure(distinct.error());
+  }
+  const std::size_t all = found->inputs.size();
+  auto inputs = take_shard(std::move(found->inputs), shard);
+  console.line("inputs",
+               count_text(static_cast<long>(inputs.size()), "clip") +
+                   (shard.count > 1 ? " of " + std::to_string(all) + ", part " + options.shard
+                                    : std::string()));
+  return inputs;
+}
+
+// longest first, what is done already left out
+void plan_tasks(const FinishedClips& finished, BatchPlan& plan) {
+  for (const BatchInput& input : plan.inputs) {
+    for (const BatchRobot& robot : plan.robots) {
+      const auto found =
+          finished.find(input.relative, robot.name, robot.fingerprint.hash, input.path);
+      if (found.state == RecordState::kSame) {
+        ++plan.unchanged;
+        continue;
+      }
+      plan.tasks.push_back({&input, &robot, found.entry});
+      plan.bytes += input.bytes;
+    }
+  }
+}
+
+// own entries that stay: all but those of clips that are done again
+std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const BatchPlan& plan) {
+  std::set<std::pair<std::string, std::string>> redone;
+  for (const BatchTask& task : plan.tasks) {
+    if (task.candidate == nullptr) redone.emplace(task.input->relative, task.robot->name);
+  }
+  std::vector<ManifestEntry> kept = latest_entries(manifests.own);
+  std::erase_if(kept, [&](const ManifestEntry& entry) {
+    return redone.contains({entry.relative, entry.robot});
+  });
+  return kept;
+}
+
+// what a killed run left of outputs that were not whole; nobody else writes there now
+void remove_unfinished(const std::string& folder, const BatchPlan& plan) {
+  std::set<fs::path> folders = {folder};
+  for (const BatchTask& task : plan.tasks) {
+    folders.insert(
+        fs::path(folder + "/" + task.robot->folder + task.input->relative).parent_path());
+  }
+  for (const fs::path& place : folders) {
+    std::error_code error;
+    std::vector<fs::path> unfinished;
+    for (fs::directory_iterator at(place, error); !error && at != fs::directory_iterator();
+         at.increment(error)) {
+      if (is_temporary_name(at->path().filename().string())) unfinished.push_back(at->path());
+    }
+    for (const fs::path& file : unfinished) fs::remove(file, error);
+  }
+}
+
+Result<void> write_options_file(const std::string& folder, const std::list<BatchRobot>& robots) {
+  std::string text = "[";
+  for (const BatchRobot& robot : robots) {
+    text += (text.size() > 1 ? ",\n" : "\n") + robot.fingerprint.description;
+  }
+  return write_file(folder + "/options.json", text + "\n]\n");
+}
+
+// what keeps other batches out of the folder, or of one part of it
+struct BatchLocks {
+  FolderLock folder;
+  std::optional<FolderLock> part;
+};
+
+Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Console& console) {
+  const bool is_part = shard.count > 1;
+  auto lock = FolderLock::take(folder, kLockName,
+                               is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
+  if (!lock) return failure(lock.error());
+  if (!lock->is_held()) {
+    console.line("lock", "none: the file system of " + folder +
+                             " has no locks; do not start a second batch there");
+  }
+  BatchLocks locks{std::move(*lock), std::nullopt};
+  if (!is_part) return locks;
+  auto part = FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
+                               FolderLock::Kind::kAlone);
+  if (!part) return failure(part.error());
+  locks.part = std::move(*part);
+  return locks;
+}
+
+// robots and inputs
+Result<BatchPlan> plan_batch(const BatchOptions& options, const Shard& shard,
+                             const fs::path& data_folder, Console& console) {
+  BatchPlan plan;
+  auto robots = load_batch_robots(options, data_folder, console);
+  if (!robots) return failure(robots.error());
+  plan.robots = std::move(*robots);
+  auto inputs = plan_inputs(options, shard, console);
+  if (!inputs) return failure(inputs.error());
+  plan.inputs = std::move(*inputs);
+  return plan;
+}
+
+// leaves out what is done, and begins the manifest with it
+Result<std::unique_ptr<ManifestWriter>> begin_manifest(BatchManifests manifests,
+                                                       const FinishedClips& finished,
+                                                       BatchPlan& plan, Console& console) {
+  plan_tasks(finished, plan);
+  if (plan.unchanged > 0) {
+    console.line("resume", std::to_string(plan.unchanged) + " of " +
+                               std::to_string(plan.unchanged + plan.tasks.size()) +
+                               " are done and have not changed");
+  }
+  return ManifestWriter::begin(manifests.path, kept_entries(manifests, plan));
+}
+
+// the clips of the plan, and what is told of them
+Result<std::size_t> work_through(const BatchPlan& plan, const BatchOptions& options,
+                                 const std::string& folder, const fs::path& data_folder,
+                                 const FinishedClips& finished, ManifestWriter& manifest,
+                                 Console& console) {
+  if (plan.tasks.empty()) return std::size_t{0};
+  BatchProgress progress(console, plan.tasks.size(), plan.bytes);
+  const auto ran =
+      run_batch_tasks(plan.tasks, options, {folder, data_folder, finished, manifest, progress});
+  console.end_progress();
+  console.line("done", std::to_string(progress.done() + progress.unchanged()) + " of " +
+                           count_text(static_cast<long>(plan.tasks.size()), "clip") + ", " +
+                           std::to_string(progress.failed()) + " failed; " + progress.work_text());
+  if (ran) return progress.failed();
+  if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());
+  Error stopped = ran.error();
+  stopped.message = "interrupted; clips that were not done have no output";
+  stopped.hint = "the same call with --resume goes on from here";
+  return failure(std::move(stopped));
+}
+
+Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
+  if (auto usage = check_batch_usage(options); !usage) return failure(usage.error());
+  const Result<Shard> shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
+  if (!shard) return failure(shard.error());
+  const auto data_folder = data_folder_of(options.run.common);
+  if (!data_folder) return failure(data_folder.error());
+  auto plan = plan_batch(options, *shard, *data_folder, console);
+  if (!plan) return failure(plan.error());
+
+  const auto folder = make_output_folder(options.output);
+  if (!folder) return failure(folder.error());
+  const auto locks = take_locks(*folder, *shard, console);
+  if (!locks) return failure(locks.error());
+  auto manifests = open_manifests(*folder, *shard, options, console);
+  if (!manifests) return failure(manifests.error());
+  std::vector<ManifestEntry> known = manifests->own;
+  known.insert(known.end(), manifests->others.begin(), manifests->others.end());
+  const FinishedClips finished(std::move(known), *folder);
+  auto manifest = begin_manifest(std::move(*manifests), finished, *plan, console);
+  if (!manifest) return failure(manifest.error());
+  if (shard->count == 1 && locks->folder.is_held()) remove_unfinished(*folder, *plan);
+  if (auto written = write_options_file(*folder, plan->robots); !written) {
+    return failure(written.error());
+  }
+  const auto failed =
+      work_through(*plan, options, *folder, *data_folder, finished, **manifest, console);
+  if (!failed) return failure(failed.error());
+  if (auto ended = finish_manifests(*folder, *shard, console); !ended) {
+    return failure(ended.error());
+  }
+  return *failed > 0 ? kRunFailed : kDone;
+}
+
+Result<ExitCode> merge_batch(const BatchOptions& options, Console& console) {
+  const std::string folder = without_last_slash(options.output);
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return usage_failure("\"" + folder + "\" is not the output folder of a batch");
+  }
+  const auto lock = FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone);
+  if (!lock) return failure(lock.error());
+  const auto failed = merge_manifests(folder, options.inputs, console);
+  if (!failed) return failure(failed.error());
+  return *failed > 0 ? kRunFailed : kDone;
+}
+
+}  // namespace
+
+ExitCode batch(const BatchOptions& options, Console& console) {
+  const auto code = options.merge ? merge_batch(options, console) : run_batch(options, console);
+  return code ? *code : console.fail(code.error());
+}
+
+}  // namespace retarget::cli

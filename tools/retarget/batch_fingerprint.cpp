@@ -1,0 +1,125 @@
+#include "batch_fingerprint.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "retarget/base/hash.h"
+#include "retarget/robot/find_robot.h"
+#include "retarget/version.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// options that name files: their content counts, not their name
+constexpr std::array<std::string_view, 8> kFileOptions = {
+    "fit-config",    "ik-config", "limits",     "map",
+    "robot-profile", "robot-xml", "smpl-model", "tpose-file"};
+
+std::string json_text(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// the hash of the names and contents of a folder's files
+Result<std::string> folder_hash(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    if (at->is_regular_file(error)) files.push_back(at->path());
+  }
+  std::ranges::sort(files);
+  Json json = Json::object();
+  for (const fs::path& file : files) {
+    auto hash = hash_file(file.string(), ErrorKind::kConfig);
+    if (!hash) return failure(hash.error());
+    json[file.filename().string()] = *hash;
+  }
+  return hash_bytes(json_text(json));
+}
+
+// the model as compiled, with all that it includes
+Result<std::string> model_hash(const Robot& robot) {
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(robot.model())), '\0');
+  mj_saveModel(robot.model(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  return hash_bytes(bytes);
+}
+
+// what goes into the hash; names of files are added for people afterwards
+class Fingerprint {
+ public:
+  Result<void> add_file(const std::string& role, const std::string& path) {
+    if (path.empty()) return {};
+    auto hash = hash_file(path, ErrorKind::kConfig);
+    if (!hash) return failure(hash.error());
+    hashed["files"][role] = *hash;
+    paths[role] = path;
+    return {};
+  }
+
+  Json hashed = Json::object();
+  Json paths = Json::object();
+};
+
+Result<void> add_options(const BatchOptions& options, Fingerprint& print) {
+  std::error_code ignored;
+  for (const auto& [name, values] : options.deciding) {
+    const bool names_file = std::ranges::find(kFileOptions, name) != kFileOptions.end() &&
+                            values.size() == 1 && fs::is_regular_file(values.front(), ignored);
+    if (names_file) {
+      if (auto added = print.add_file("--" + name, values.front()); !added) return added;
+    } else {
+      print.hashed["options"][name] = values.size() == 1 ? Json(values.front()) : Json(values);
+    }
+  }
+  return {};
+}
+
+Result<void> add_robot(const RunOptions& run, const RobotSetup& setup, const fs::path& data_folder,
+                       Fingerprint& print) {
+  const auto model = model_hash(*setup.robot);
+  if (!model) return failure(model.error());
+  print.hashed["robot"] = setup.robot->name();
+  print.hashed["model"] = *model;
+  if (run.robot_xml.empty()) {
+    const auto files = find_robot(run.robot, data_folder / "robots");
+    if (!files) return failure(files.error());
+    if (auto added = print.add_file("profile", files->profile.string()); !added) return added;
+  }
+  return print.add_file("mapping", setup.tables.file);
+}
+
+}  // namespace
+
+Result<BatchFingerprint> batch_fingerprint(const BatchOptions& options, const RunOptions& run,
+                                           const RobotSetup& setup, const fs::path& data_folder) {
+  Fingerprint print;
+  print.hashed["tool"] = version_text();
+  if (auto added = add_options(options, print); !added) return failure(added.error());
+  if (auto added = add_robot(run, setup, data_folder, print); !added) {
+    return failure(added.error());
+  }
+  const auto dialects = folder_hash(data_folder / "configs" / "skeletons");
+  if (!dialects) return failure(dialects.error());
+  print.hashed["skeletons"] = *dialects;
+  const auto gates = folder_hash(data_folder / "configs" / "quality");
+  if (!gates) return failure(gates.error());
+  print.hashed["quality"] = *gates;
+
+  auto hash = hash_bytes(json_text(print.hashed));
+  if (!hash) return failure(hash.error());
+  Json shown = {{"options_hash", *hash}};
+  shown.update(print.hashed);
+  shown["paths"] = print.paths;
+  return BatchFingerprint{std::move(*hash), json_text(shown, 2)};
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,178 @@
+#include "batch_manifests.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <system_error>
+
+#include "retarget/base/file.h"
+#include "retarget/batch/summary.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStem = "manifest";
+constexpr const char* kEnd = ".jsonl";
+constexpr std::size_t kNamedWorst = 3;
+
+Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Console& console) {
+  auto content = read_manifest(path);
+  if (!content) return failure(content.error());
+  if (content->unreadable > 0) {
+    console.line("manifest", path + ": " + count_text(content->unreadable, "line") +
+                                 " cannot be read and counts for nothing");
+  }
+  return std::move(content->entries);
+}
+
+// manifests in a folder but one, sorted
+std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    const bool is_manifest = name.starts_with(kStem) && name.ends_with(kEnd);
+    if (is_manifest && folder + "/" + name != own) found.push_back(folder + "/" + name);
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+void append_to(std::vector<ManifestEntry>& all, std::vector<ManifestEntry> more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+std::string lines_of(const std::vector<ManifestEntry>& entries) {
+  std::string text;
+  for (const ManifestEntry& entry : entries) text += manifest_line(entry);
+  return text;
+}
+
+std::size_t failed_among(const std::vector<ManifestEntry>& entries) {
+  return static_cast<std::size_t>(std::ranges::count(entries, false, &ManifestEntry::done));
+}
+
+// which clips to look at first
+void print_worst(const std::vector<ManifestEntry>& entries, Console& console) {
+  std::vector<const ManifestEntry*> missed;
+  for (const ManifestEntry& entry : entries) {
+    if (entry.done && entry.quality && !entry.quality->missed.empty()) missed.push_back(&entry);
+  }
+  const auto measured = std::ranges::count_if(
+      entries, [](const ManifestEntry& entry) { return entry.quality.has_value(); });
+  if (measured == 0) return;
+  console.line("quality", std::to_string(missed.size()) + " of " + std::to_string(measured) +
+                              " motions miss a gate");
+  std::ranges::stable_sort(missed, std::ranges::greater{}, [](const ManifestEntry* entry) {
+    return std::pair(entry->quality->missed.size(), entry->quality->worst_ratio);
+  });
+  for (std::size_t i = 0; i < std::min(kNamedWorst, missed.size()); ++i) {
+    const ManifestEntry& entry = *missed[i];
+    console.line(i == 0 ? "worst" : "",
+                 entry.relative + " on " + entry.robot + ": " +
+                     count_text(static_cast<long>(entry.quality->missed.size()), "gate") +
+                     " missed, furthest " + entry.quality->worst);
+  }
+}
+
+Result<void> write_summary(const std::string& folder, const std::vector<ManifestEntry>& entries,
+                           Console& console) {
+  const std::string path = folder + "/summary.csv";
+  if (auto written = write_file(path, summary_csv(entries)); !written) return written;
+  print_worst(entries, console);
+  console.line("wrote", path + ", the worst clips first");
+  return {};
+}
+
+}  // namespace
+
+std::string shard_file_name(const std::string& stem, const Shard& shard, const std::string& end) {
+  if (shard.count == 1) return stem + end;
+  return stem + "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + end;
+}
+
+Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
+                                      const BatchOptions& options, Console& console) {
+  BatchManifests manifests;
+  manifests.path = folder + "/" + shard_file_name(kStem, shard, kEnd);
+  const std::string whole = folder + "/" + kStem + kEnd;
+  std::error_code ignored;
+  if (options.redo) {
+    if (shard.count > 1) return manifests;
+    for (const std::string& other : manifests_beside(folder, whole)) fs::remove(other, ignored);
+    return manifests;
+  }
+  if (!options.resume) {
+    for (const std::string& path : {manifests.path, whole}) {
+      if (!fs::exists(path, ignored)) continue;
+      return usage_failure("\"" + folder + "\" holds a batch already: " + path,
+                           "--resume goes on with it, --redo does all of it again");
+    }
+    return manifests;
+  }
+  auto own = read_entries(manifests.path, console);
+  if (!own) return failure(own.error());
+  manifests.own = std::move(*own);
+  for (const std::string& other : manifests_beside(folder, manifests.path)) {
+    auto entries = read_entries(other, console);
+    if (!entries) return failure(entries.error());
+    append_to(manifests.others, std::move(*entries));
+  }
+  return manifests;
+}
+
+Result<void> finish_manifests(const std::string& folder, const Shard& shard, Console& console) {
+  const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
+  auto own = read_entries(path, console);
+  if (!own) return failure(own.error());
+  auto entries = latest_entries(std::move(*own));
+  if (auto written = write_file(path, lines_of(entries)); !written) return written;
+  console.line("wrote", path);
+  if (shard.count > 1) return {};
+  for (const std::string& other : manifests_beside(folder, path)) {
+    auto more = read_entries(other, console);
+    if (!more) return failure(more.error());
+    append_to(entries, std::move(*more));
+  }
+  return write_summary(folder, latest_entries(std::move(entries)), console);
+}
+
+Result<std::size_t> merge_manifests(const std::string& folder,
+                                    const std::vector<std::string>& further, Console& console) {
+  const std::string path = folder + "/" + kStem + kEnd;
+  const std::vector<std::string> parts = manifests_beside(folder, path);
+  std::vector<std::string> all = parts;
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) all.push_back(path);
+  for (const std::string& name : further) {
+    if (!fs::exists(name, ignored)) return input_failure(name, "there is no such manifest");
+    all.push_back(name);
+  }
+  std::vector<ManifestEntry> entries;
+  for (const std::string& name : all) {
+    auto read = read_entries(name, console);
+    if (!read) return failure(read.error());
+    append_to(entries, std::move(*read));
+  }
+  if (entries.empty()) return input_failure(folder, "there is no manifest of a batch to merge");
+  entries = latest_entries(std::move(entries));
+  if (auto written = write_file(path, lines_of(entries)); !written) {
+    return failure(written.error());
+  }
+  // what they say is on the disk by now
+  for (const std::string& part : parts) fs::remove(part, ignored);
+  const std::size_t failed = failed_among(entries);
+  console.line("merged", count_text(static_cast<long>(all.size()), "manifest") + ", " +
+                             count_text(static_cast<long>(entries.size()), "clip") + ", " +
+                             std::to_string(failed) + " failed");
+  console.line("wrote", path);
+  if (auto written = write_summary(folder, entries, console); !written) {
+    return failure(written.error());
+  }
+  return failed;
+}
+
+}  // namespace retarget::cli

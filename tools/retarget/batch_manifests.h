@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "options.h"
+#include "retarget/batch/manifest.h"
+#include "retarget/batch/shard.h"
+
+namespace retarget::cli {
+
+/// The manifests in an output folder when a batch begins.
+struct BatchManifests {
+  std::string path;                   ///< The one that this batch writes.
+  std::vector<ManifestEntry> own;     ///< What it holds.
+  std::vector<ManifestEntry> others;  ///< Of other parts.
+};
+
+/// `STEMend`, or `STEM.2-of-8end` for a part of a batch.
+[[nodiscard]] std::string shard_file_name(const std::string& stem, const Shard& shard,
+                                          const std::string& end);
+
+/// Reads what earlier runs left. An earlier batch in the folder wants --resume or --redo (kUsage);
+/// --redo forgets it.
+[[nodiscard]] Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
+                                                    const BatchOptions& options, Console& console);
+
+/// Brings the manifest of a batch that is through into order, a line a clip and robot; writes
+/// summary.csv where the batch is no part of one.
+[[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
+                                            Console& console);
+
+/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, and
+/// writes summary.csv.
+/// @return how many clips failed.
+[[nodiscard]] Result<std::size_t> merge_manifests(const std::string& folder,
+                                                  const std::vector<std::string>& further,
+                                                  Console& console);
+
+}  // namespace retarget::cli

@@ -1,0 +1,229 @@
+#include "batch_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <mutex>
+#include <new>
+#include <system_error>
+
+#include "interrupt.h"
+#include "retarget/batch/summary.h"
+#include "retarget/batch/worker_pool.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostWarnings = 20;
+
+// a clip takes about so many times its file's bytes, and so many bytes of its own
+constexpr std::uint64_t kMemoryOfBvh = 6;
+constexpr std::uint64_t kMemoryOfNpz = 20;
+constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts)};
+}
+
+bool is_archive(const std::string& name) {
+  return name.size() > 4 && (name.ends_with("z") || name.ends_with("Z"));
+}
+
+std::uint64_t memory_of(const BatchInput& input) {
+  return kMemoryOfClip + input.bytes * (is_archive(input.relative) ? kMemoryOfNpz : kMemoryOfBvh);
+}
+
+class BatchWorker {
+ public:
+  BatchWorker(const BatchContext& context, int threads) : context_(context), threads_(threads) {}
+
+  void work(const BatchTask& task);
+  [[nodiscard]] bool keep_going();
+  [[nodiscard]] Result<void> result();
+
+ private:
+  [[nodiscard]] ManifestEntry entry_of(const BatchTask& task) const;
+  Result<void> solve(const BatchTask& task, ManifestEntry& entry) const;
+  Result<void> run(const BatchTask& task, const std::string& output, ManifestEntry& entry) const;
+  static void remove_outputs(const BatchTask& task, const std::string& output);
+  bool is_done_already(const BatchTask& task);
+  void append(const ManifestEntry& entry);
+
+  const BatchContext& context_;
+  const int threads_;  // of one clip
+  std::mutex mutex_;
+  std::optional<Error> fatal_;
+};
+
+ManifestEntry BatchWorker::entry_of(const BatchTask& task) const {
+  ManifestEntry entry;
+  entry.relative = task.input->relative;
+  entry.robot = task.robot->name;
+  entry.options_hash = task.robot->fingerprint.hash;
+  entry.input.file = task.input->path;
+  entry.input.bytes = task.input->bytes;
+  return entry;
+}
+
+Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
+                              ManifestEntry& entry) const {
+  RunOptions options = task.robot->run;
+  options.source.file = task.input->path;
+  options.output = output;
+  options.threads = threads_;
+  ConsoleNotes notes;
+  Console console(notes);
+  const auto outcome = run_clip(options, task.robot->setup, context_.data_folder, console);
+  for (const auto& [label, text] : notes.lines) {
+    if (label == "taken as") entry.taken_as = text;
+  }
+  const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMostWarnings);
+  notes.warnings.resize(notes.warnings.size() - more);
+  if (more > 0) notes.warnings.push_back("and " + std::to_string(more) + " more warnings");
+  entry.warnings = std::move(notes.warnings);
+  if (!outcome) return failure(outcome.error());
+  entry.frames = outcome->frames;
+  entry.fps = outcome->fps;
+  if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
+  std::vector<std::string> files;
+  for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
+  files.insert(files.end(), outcome->others.begin(), outcome->others.end());
+  for (const std::string& file : files) {
+    auto record = record_file(file, file.substr(context_.output_folder.size() + 1));
+    if (!record) return failure(record.error());
+    entry.outputs.push_back(std::move(*record));
+  }
+  return {};
+}
+
+void BatchWorker::remove_outputs(const BatchTask& task, const std::string& output) {
+  OutputOptions options = task.robot->run;
+  options.output = output;
+  const auto items = plan_outputs(options);
+  if (!items) return;
+  std::error_code ignored;
+  for (const OutputItem& item : *items) {
+    fs::remove(item.path, ignored);
+    if (options.sidecar) fs::remove(item.path + ".json", ignored);
+  }
+}
+
+Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) const {
+  auto input = record_file(task.input->path, task.input->path);
+  if (!input) return failure(input.error());
+  entry.input = std::move(*input);
+  const std::string output = context_.output_folder + "/" + task.robot->folder +
+                             batch_output(task.robot->run, task.input->relative);
+  std::error_code error;
+  fs::create_directories(fs::path(output).parent_path(), error);
+  if (error) {
+    return run_failure(fs::path(output).parent_path().string(),
+                       "cannot make the folder: " + std::generic_category().message(error.value()));
+  }
+  auto done = run(task, output, entry);
+  // what an earlier run made of a clip that now fails must not be taken for its motion
+  if (!done && done.error().kind != ErrorKind::kInterrupted) remove_outputs(task, output);
+  return done;
+}
+
+bool BatchWorker::is_done_already(const BatchTask& task) {
+  if (task.candidate == nullptr) return false;
+  if (!context_.finished.still_holds(*task.candidate, task.input->path)) return false;
+  // the new times spare the next run the reading
+  ManifestEntry entry = *task.candidate;
+  const auto input = record_file(task.input->path, task.input->path);
+  if (!input || input->hash != entry.input.hash) return false;
+  entry.input = *input;
+  for (FileRecord& output : entry.outputs) {
+    const auto now = record_file(context_.output_folder + "/" + output.file, output.file);
+    if (!now || now->hash != output.hash) return false;
+    output = *now;
+  }
+  append(entry);
+  context_.progress.skipped(task.input->bytes);
+  return true;
+}
+
+void BatchWorker::append(const ManifestEntry& entry) {
+  auto appended = context_.manifest.append(entry);
+  if (appended) return;
+  const std::lock_guard lock(mutex_);
+  if (!fatal_) fatal_ = std::move(appended.error());
+}
+
+void BatchWorker::work(const BatchTask& task) {
+  const auto start = std::chrono::steady_clock::now();
+  ManifestEntry entry = entry_of(task);
+  Result<void> done;
+  try {
+    if (is_done_already(task)) return;
+    done = solve(task, entry);
+  } catch (const std::bad_alloc&) {
+    done = run_failure(task.input->path, "there is not enough memory for this clip",
+                       "fewer --jobs leave more for each");
+  } catch (const std::exception& error) {
+    done = run_failure(task.input->path, error.what());
+  }
+  if (!done && done.error().kind == ErrorKind::kInterrupted) return;
+  entry.done = done.has_value();
+  if (!done) {
+    entry.exit_code = exit_code(done.error().kind);
+    entry.error = std::move(done.error());
+  }
+  entry.finished = utc_now();
+  entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  append(entry);
+  context_.progress.finished(entry);
+}
+
+bool BatchWorker::keep_going() {
+  context_.progress.show();
+  const std::lock_guard lock(mutex_);
+  return !fatal_ && !InterruptGuard::interrupted();
+}
+
+Result<void> BatchWorker::result() {
+  if (fatal_) return failure(*fatal_);
+  if (InterruptGuard::interrupted()) return interrupted_failure();
+  return {};
+}
+
+std::uint64_t memory_bound(const BatchOptions& options) {
+  if (options.memory_gb > 0.0) return static_cast<std::uint64_t>(options.memory_gb * 1e9);
+  return usable_memory() / 4 * 3;
+}
+
+}  // namespace
+
+std::string batch_output(const OutputOptions& options, const std::string& relative) {
+  // of several formats each has an ending of its own in place of this one
+  const auto format =
+      options.formats.size() == 1 ? format_from_name(options.formats.front()) : MotionFormat::kCsv;
+  return output_stem(relative) + std::string(format_ending(format.value_or(MotionFormat::kCsv)));
+}
+
+Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOptions& options,
+                             const BatchContext& context) {
+  const InterruptGuard guard;
+  std::vector<std::uint64_t> memory;
+  memory.reserve(tasks.size());
+  for (const BatchTask& task : tasks) memory.push_back(memory_of(*task.input));
+  const int cores = usable_cores();
+  WorkerPoolOptions pool;
+  pool.workers = std::min(options.jobs > 0 ? options.jobs : cores,
+                          static_cast<int>(std::max<std::size_t>(1, tasks.size())));
+  pool.memory = memory_bound(options);
+  BatchWorker worker(context, std::max(1, cores / pool.workers));
+  pool.keep_going = [&] { return worker.keep_going(); };
+  run_tasks(memory, pool, [&](std::size_t task) { worker.work(tasks[task]); });
+  context.progress.show();
+  return worker.result();
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,47 @@
+#include "robot_motion_options.h"
+
+namespace retarget::cli {
+
+Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options) {
+  ReadMotionOptions read;
+  if (!options.from.empty()) {
+    const auto format = format_from_name(options.from);
+    if (!format) return failure(format.error());
+    read.format = *format;
+  }
+  if (options.source_fps > 0.0) read.rate = frame_rate_from_fps(options.source_fps);
+  if (options.quaternion == "xyzw") read.quaternion = QuaternionOrder::kXyzw;
+  if (options.quaternion == "wxyz") read.quaternion = QuaternionOrder::kWxyz;
+  if (!options.angles.empty()) read.degrees = options.angles == "deg";
+  if (options.unit == "m") read.metres_per_unit = 1.0;
+  if (options.unit == "cm") read.metres_per_unit = 0.01;
+  if (options.unit == "mm") read.metres_per_unit = 0.001;
+  read.variant = options.dof;
+  read.motion = options.motion;
+  return read;
+}
+
+void print_motion(const std::string& file, const RobotMotion& motion, Console& console) {
+  console.line("read",
+               (file == "-" ? "standard input" : file) + ": " +
+                   std::string(format_name(motion.format)) + ", " +
+                   count_text(motion.clip.frame_count(), "frame") + " at " +
+                   to_text(motion.clip.rate()) + " fps" +
+                   (motion.rate_known ? "" : ", which the file does not say: --source-fps"));
+  for (const std::string& note : motion.notes) console.line("", note);
+}
+
+Result<void> check_robot_choice(const RunOptions& options) {
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  return {};
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "console.h"
+#include "options.h"
+#include "retarget/io/robot_motion.h"
+
+namespace retarget::cli {
+
+/// The reader's options as the command line has them.
+[[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options);
+
+/// Says what a file was taken for.
+void print_motion(const std::string& file, const RobotMotion& motion, Console& console);
+
+/// One robot, by --robot or --robot-xml.
+[[nodiscard]] Result<void> check_robot_choice(const RunOptions& options);
+
+}  // namespace retarget::cli

@@ -1,0 +1,154 @@
+#include "sidecar.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "retarget/base/hash.h"
+#include "retarget/robot/find_robot.h"
+#include "retarget/version.h"
+#include "robot_mapping.h"
+#include "run_options_json.h"
+
+namespace retarget::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// the name under which a file is recorded: below the data folder relative to it, so that an
+// installed tool and a source tree say the same
+std::string recorded_name(const fs::path& path, const fs::path& data_folder) {
+  const fs::path relative = path.lexically_relative(data_folder);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return below ? relative.generic_string() : path.string();
+}
+
+void add_file(std::vector<ReadFile>& files, const char* role, const fs::path& path,
+              const fs::path& data_folder) {
+  std::error_code ignored;
+  if (path.empty()) return;
+  ReadFile file{role, recorded_name(path, data_folder), path.string(), {}};
+  if (auto hash = hash_file(file.path)) file.hash = std::move(*hash);
+  files.push_back(std::move(file));
+}
+
+// all dialects together: which of them fits is found by trying
+Result<std::string> hash_of_folder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  auto hasher = ContentHasher::create();
+  if (!hasher) return failure(hasher.error());
+  for (const fs::path& file : files) {
+    const auto hash = hash_file(file.string(), ErrorKind::kConfig);
+    if (!hash) return hash;
+    hasher->update(file.filename().string() + " " + *hash + "\n");
+  }
+  return hasher->finish();
+}
+
+const char* scale_name(HeightScale scale) {
+  return scale == HeightScale::kPublished    ? "table"
+         : scale == HeightScale::kNormalised ? "height"
+                                             : "limbs";
+}
+
+// what was found in the motion or chosen for it
+Json found_json(const RunOptions& options, const RobotSetup& setup, const Source& source) {
+  const Calibration& calibration = source.human.calibration;
+  Json found;
+  found["skeleton"] = calibration.mapping.description;
+  found["dialect"] = calibration.mapping.dialect;
+  found["unit"] = calibration.unit;
+  found["metres_per_unit"] = calibration.mapping.metres_per_unit;
+  found["up"] = to_text(calibration.up);
+  found["forward"] = to_text(calibration.forward);
+  found["rest_pose"] = calibration.rest_pose;
+  found["height"] = calibration.mapping.height;
+  found["scale"] = scale_name(choose_scale(source.human, *setup.robot, setup.tables, options));
+  found["limits"] = setup.limits.name;
+  found["fps"] = source.clip.rate().fps();
+  Json doubts = Json::array();
+  for (const Warning& doubt : calibration.mapping.doubts) doubts.push_back(doubt.message);
+  found["doubts"] = doubts;
+  return found;
+}
+
+}  // namespace
+
+Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::path& data_folder) {
+  std::vector<ReadFile> files;
+  if (options.source.file == "-") {
+    files.push_back({"motion", "-", "-", {}});
+  } else {
+    add_file(files, "motion", options.source.file, data_folder);
+  }
+  std::string model = options.robot_xml, profile = options.robot_profile;
+  if (model.empty()) {
+    const auto found = find_robot(options.robot, data_folder / "robots");
+    if (!found) return failure(found.error());
+    model = found->model.string();
+    profile = found->profile.string();
+  }
+  add_file(files, "model", model, data_folder);
+  add_file(files, "profile", profile, data_folder);
+  std::string mapping = options.ik_config;
+  if (mapping.empty()) {
+    const std::string name = fs::path(model).parent_path().filename().string();
+    const auto found = find_mapping(fs::path(model).parent_path(), data_folder / "configs", name);
+    if (!found) return failure(found.error());
+    mapping = *found;
+  }
+  add_file(files, "mapping", mapping, data_folder);
+  std::error_code ignored;
+  if (fs::is_regular_file(options.limits, ignored)) {
+    add_file(files, "limits", options.limits, data_folder);
+  }
+  add_file(files, "fit-config", options.fit_config, data_folder);
+  add_file(files, "map", options.human.map, data_folder);
+  add_file(files, "tpose-file", options.human.tpose_file, data_folder);
+  add_file(files, "smpl-model", options.source.smpl_model, data_folder);
+  const fs::path dialects = data_folder / "configs" / "skeletons";
+  auto hash = hash_of_folder(dialects);
+  if (!hash) return failure(hash.error());
+  files.push_back(
+      {"skeletons", recorded_name(dialects, data_folder), dialects.string(), std::move(*hash)});
+  return files;
+}
+
+Result<std::string> sidecar_text(const RunOptions& options, const RobotSetup& setup,
+                                 const Source& source, const WrittenFile& output,
+                                 const QualityReport& report, const std::vector<ReadFile>& files) {
+  Json json;
+  json["retarget"] = version_number();
+  Json build = Json::array();
+  const std::string facts = version_text();
+  for (std::size_t begin = 0; begin < facts.size();) {
+    const std::size_t end = std::min(facts.find('\n', begin), facts.size());
+    build.push_back(facts.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  json["build"] = build;
+  json["output"] = {{"file", fs::path(output.item.path).filename().string()},
+                    {"format", format_name(output.item.format)},
+                    {"hash", output.hash}};
+  Json inputs = Json::array();
+  for (const ReadFile& file : files) {
+    inputs.push_back({{"role", file.role},
+                      {"file", file.file},
+                      {"hash", file.hash.empty() ? Json() : Json(file.hash)}});
+  }
+  json["inputs"] = inputs;
+  json["options"] = run_options_json(options);
+  json["found"] = found_json(options, setup, source);
+  json["quality"] = Json::parse(report_json({&report, 1}), nullptr, false);
+  // names of files may be anything: what is no UTF-8 is replaced
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "clip_run.h"
+#include "options.h"
+#include "outputs.h"
+#include "retarget/quality/report.h"
+#include "run_setup.h"
+
+namespace retarget::cli {
+
+/// A file that a run reads.
+struct ReadFile {
+  std::string role;  ///< `motion`, `model`, `profile`, `mapping`, ...
+  std::string file;  ///< As the user named it; below the data folder: relative to that.
+  std::string path;  ///< Where it lies.
+  std::string hash;  ///< `sha256:...`; empty: it cannot be hashed (standard input, not there).
+};
+
+/// All files that decide what a run makes. What the options name as names (a robot, its mapping) is
+/// looked up as the run does. Errors are those of the look-up; files are not opened but to be
+/// hashed.
+[[nodiscard]] Result<std::vector<ReadFile>> files_read(const RunOptions& options,
+                                                       const std::filesystem::path& data_folder);
+
+/// The sidecar of one output: docs/formats.md describes its members.
+[[nodiscard]] Result<std::string> sidecar_text(const RunOptions& options, const RobotSetup& setup,
+                                               const Source& source, const WrittenFile& output,
+                                               const QualityReport& report,
+                                               const std::vector<ReadFile>& files);
+
+}  // namespace retarget::cli

@@ -1,0 +1,147 @@
+// `retarget verify`: whether a run still gives the bytes that its sidecar tells of.
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "clip_run.h"
+#include "commands.h"
+#include "retarget/base/file.h"
+#include "retarget/base/hash.h"
+#include "retarget/base/suggest.h"
+#include "retarget/version.h"
+#include "run_options_json.h"
+#include "run_setup.h"
+#include "sidecar.h"
+
+namespace retarget::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// what a sidecar says
+struct Sidecar {
+  std::string version, output, format, hash;
+  RunOptions options;
+  std::vector<ReadFile> files;
+};
+
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+Result<Sidecar> read_sidecar(const std::string& file) {
+  const auto content = read_file(file);
+  if (!content) return failure(content.error());
+  const Json json = Json::parse(content->view(), nullptr, false);
+  const bool sound = json.is_object() && json.contains("output") && json["output"].is_object() &&
+                     json.contains("options") && json.contains("inputs") &&
+                     json["inputs"].is_array();
+  if (!sound) {
+    return input_failure(file, "the file is no sidecar of a run",
+                         "retarget ... -o walk.csv --sidecar writes walk.csv.json");
+  }
+  Sidecar sidecar;
+  sidecar.version = text_of(json, "retarget");
+  sidecar.output = text_of(json["output"], "file");
+  sidecar.format = text_of(json["output"], "format");
+  sidecar.hash = text_of(json["output"], "hash");
+  auto options = run_options_from_json(json["options"], file);
+  if (!options) return failure(options.error());
+  sidecar.options = std::move(*options);
+  for (const Json& each : json["inputs"]) {
+    if (!each.is_object()) continue;
+    sidecar.files.push_back(
+        {text_of(each, "role"), text_of(each, "file"), {}, text_of(each, "hash")});
+  }
+  return sidecar;
+}
+
+// a file that lies no longer where the run found it may lie beside the sidecar
+void find_moved(std::string& file, const fs::path& beside) {
+  std::error_code ignored;
+  if (file.empty() || file == "-" || fs::exists(file, ignored)) return;
+  const fs::path near = beside / fs::path(file).filename();
+  const fs::path below = beside / file;
+  if (fs::exists(below, ignored)) {
+    file = below.string();
+  } else if (fs::exists(near, ignored)) {
+    file = near.string();
+  }
+}
+
+// the inputs whose content is another one, one line each
+std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadFile>& now) {
+  std::vector<std::string> changed;
+  if (sidecar.version != version_number()) {
+    changed.push_back("the tool is version " + version_number() + ", it was " + sidecar.version);
+  }
+  for (const ReadFile& then : sidecar.files) {
+    const auto same_role = [&](const ReadFile& file) { return file.role == then.role; };
+    const auto found = std::ranges::find_if(now, same_role);
+    if (found == now.end()) {
+      changed.push_back("the " + then.role + " " + then.file + " is no longer read");
+    } else if (found->hash != then.hash && !then.hash.empty()) {
+      changed.push_back("the " + then.role + " " + found->file + " has changed");
+    }
+  }
+  return changed;
+}
+
+Result<void> verify_checked(const VerifyOptions& options, Console& console) {
+  auto sidecar = read_sidecar(options.file);
+  if (!sidecar) return failure(sidecar.error());
+  RunOptions& run = sidecar->options;
+  run.common = options.common;
+  if (run.source.file == "-") {
+    return input_failure(options.file,
+                         "the motion came from standard input and cannot be read again");
+  }
+  const fs::path beside = fs::path(options.file).parent_path();
+  for (std::string* file :
+       {&run.source.file, &run.robot_xml, &run.robot_profile, &run.ik_config, &run.fit_config,
+        &run.human.map, &run.human.tpose_file, &run.source.smpl_model}) {
+    find_moved(*file, beside);
+  }
+  const auto data_folder = data_folder_of(run.common);
+  if (!data_folder) return failure(data_folder.error());
+  const auto files = files_read(run, *data_folder);
+  if (!files) return failure(files.error());
+  const std::vector<std::string> changed = changes(*sidecar, *files);
+  for (const std::string& change : changed) console.line("changed", change);
+
+  // the one output that the sidecar is of
+  run.formats = {sidecar->format};
+  run.output = sidecar->output;
+  const auto setup = load_robot_setup(run, *data_folder, console);
+  if (!setup) return failure(setup.error());
+  const auto outcome = run_clip(run, *setup, *data_folder, console, Writing::kHashes);
+  if (!outcome) return failure(outcome.error());
+  const std::string& made = outcome->motions.front().hash;
+
+  const std::string output = (beside / sidecar->output).string();
+  std::error_code ignored;
+  const auto there = hash_file(output);
+  if (fs::exists(output, ignored) && there && *there != sidecar->hash) {
+    return run_failure(output, "the file is not the one that the sidecar tells of: it has changed");
+  }
+  if (made == sidecar->hash) {
+    console.line("verified", sidecar->output + ": the same bytes come out");
+    return {};
+  }
+  return run_failure(options.file, "other bytes come out than those of " + sidecar->output,
+                     changed.empty()
+                         ? "nothing that is recorded has changed: another machine or build?"
+                         : list_names(changed));
+}
+
+}  // namespace
+
+ExitCode verify(const VerifyOptions& options, Console& console) {
+  const auto done = verify_checked(options, console);
+  return done ? kDone : console.fail(done.error());
+}
+
+}  // namespace retarget::cli
