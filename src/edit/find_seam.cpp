@@ -27,6 +27,10 @@ int frames_in(double seconds, const FrameRate& rate) {
   return std::max(1, static_cast<int>(std::lround(std::min(seconds, 1e5) * rate.fps())));
 }
 
+bool has_contacts(const FootContacts& contacts) {
+  return !contacts.phases[0].empty() || !contacts.phases[1].empty();
+}
+
 class SeamFinder {
  public:
   SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options)
@@ -77,6 +81,8 @@ class SeamFinder {
 
   // in the middle of the overlap
   [[nodiscard]] bool same_support(int i, int j) const {
+    // of a clip too short for contacts nothing is known
+    if (!has_contacts(contacts_a_) || !has_contacts(contacts_b_)) return true;
     const int middle = (distance_.frames_at(i, j) - 1) / 2;
     for (int foot = 0; foot < 2; ++foot) {
       if (contacts_a_.planted(foot, i + middle) != contacts_b_.planted(foot, j + middle)) {
