@@ -22,7 +22,7 @@ struct ConcatenateOptions {
   SeamOptions seam;
   SeamBlend blend = SeamBlend::kCrossfade;
   double fade = 0.35;         ///< Of kInertial: how long the difference fades, seconds.
-  double threshold = 0.2;    ///< Largest distance of a seam, metres.
+  double threshold = 0.2;     ///< Largest distance of a seam, metres.
   double speed_factor = 3.0;  ///< Joints at the seam against the clips' 99.9th percentile.
   double slip = 0.1;          ///< Of planted feet at the seam: mean speed over the floor, m/s.
   bool force = false;         ///< Join whatever the seam is like.
