@@ -38,6 +38,101 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "lafan", walk, "-o", "no/x.bvh"), 2, "no")
         self.assertEqual(self.files(), [])
 
+    def frames(self, bvh):
+        text = pathlib.Path(bvh).read_text()
+        rows = text[text.index("Frame Time"):].splitlines()[1:]
+        return [[float(value) for value in row.split()] for row in rows if row]
+
+    def said(self, *arguments):
+        result = self.run_tool("edit", *arguments)
+        self.assert_done(result)
+        return result.stderr
+
+    def test_time(self):
+        walk = sample("walk")
+        self.assertEqual(len(self.frames(self.edited("resample", walk, "--fps", 60))), 601)
+        self.assertEqual(len(self.frames(self.edited("resample", walk, "--speed", 0.8))), 376)
+        self.assertEqual(
+            len(self.frames(self.edited("resample", walk, "--speed", 2, "--fps", 60))), 301)
+        part = self.frames(self.edited("trim", walk, "--start", 2, "--end", 4))
+        self.assertEqual(len(part), 61)
+        # angles may differ by whole turns
+        self.assertIsNone(difference([row[:3] for row in part],
+                                     [row[:3] for row in self.frames(walk)[60:121]], 1e-6))
+        self.assert_fails(self.run_tool("edit", "resample", walk, "-o", "x.bvh"), 2, "--fps")
+        self.assert_fails(self.run_tool("edit", "trim", walk, "-o", "x.bvh"), 2, "--start")
+
+    def test_place(self):
+        walk = sample("walk")
+        expected = self.frames(walk)
+        turned = self.edited("turn", walk, "-90")
+        turned.rename(self.folder / "turned.bvh")
+        back = self.frames(self.edited("turn", "turned.bvh", "90"))
+        self.assertIsNone(difference([row[:3] for row in back], [row[:3] for row in expected], 1e-6))
+        moved = self.frames(self.edited("move", walk, "-1.5,0.25"))
+        # x is x and y is -z of a y-up file in centimetres
+        self.assertAlmostEqual(moved[40][0] - expected[40][0], -150.0, 5)
+        self.assertAlmostEqual(moved[40][2] - expected[40][2], -25.0, 5)
+        self.assertIn("floor", self.said("ground", walk, "-o", "g.bvh"))
+        mirrored = self.edited("mirror", walk)
+        mirrored.rename(self.folder / "mirrored.bvh")
+        twice = self.frames(self.edited("mirror", "mirrored.bvh"))
+        self.assertIsNone(difference([row[:3] for row in twice], [row[:3] for row in expected], 1e-6))
+        self.assert_fails(self.run_tool("edit", "move", walk, "1", "-o", "x.bvh"), 2, "X,Y")
+        self.assert_fails(self.run_tool("edit", "turn", walk, "left", "-o", "x.bvh"), 2, "left")
+
+    def test_loop(self):
+        words = self.said("loop", sample("walk"), "--start", 3.4, "--end", 7, "--shortest", 0.6,
+                          "--times", 3, "-o", "loop.bvh")
+        cycle = int(words.split("cycle")[1].split()[0])
+        self.assertEqual(len(self.frames(self.folder / "loop.bvh")), 3 * cycle)
+
+    def test_concat(self):
+        walk = sample("walk")
+        for name, part in (("a", ":160"), ("b", "150:")):
+            self.assert_done(
+                self.run_tool("edit", "trim", walk, "--frames", part, "-o", name + ".bvh"))
+        words = self.said("concat", "a.bvh", "b.bvh", "--matrix", "d.pgm", "-o", "ab.bvh")
+        self.assertIn("frame 150 ", words)
+        joined = self.frames(self.folder / "ab.bvh")
+        self.assertIsNone(difference([row[:3] for row in joined],
+                                     [row[:3] for row in self.frames(walk)], 1e-6))
+        self.assertTrue((self.folder / "d.pgm").read_bytes().startswith(b"P5\n"))
+        # three clips, one of another skeleton and rate
+        self.assert_done(self.run_tool("edit", "resample", sample("wave"), "--fps", 60, "-o", "w.bvh"))
+        text = (self.folder / "w.bvh").read_text().replace("CHANNELS 3 Zrotation Yrotation Xrotation",
+                                                           "CHANNELS 3 Zrotation Xrotation Yrotation")
+        self.write("other.bvh", text)
+        words = self.said("concat", "a.bvh", "b.bvh", "other.bvh", "--force", "-o", "abc.bvh")
+        self.assertIn("60 to 30 fps", words)
+        self.assertIn("T-pose", words)
+        fails = self.run_tool("edit", "concat", walk, sample("get_up"), "--search", "0.2", "-o", "x.bvh")
+        self.assert_fails(fails, 1, "cm apart", "--force")
+        self.assert_fails(self.run_tool("edit", "concat", walk, "-o", "x.bvh"), 2, "two files")
+        self.assert_fails(
+            self.run_tool("edit", "concat", walk, walk, "--search", "x", "-o", "x.bvh"), 2, "--search")
+
+    def test_path(self):
+        walk = sample("walk")
+        self.said("path", walk, "--fit", "path.json", "--svg", "path.svg")
+        self.assertTrue((self.folder / "path.svg").read_text().startswith("<svg"))
+        same = self.robot_rows(self.edited("path", walk, "--to", "path.json"), "--method", "gmr")
+        self.assertIsNone(difference(same, self.robot_rows(walk, "--method", "gmr"), 1e-6))
+        for to in (["--to", "circle", "--radius", "-2"], ["--to", "figure8", "--keep", "stride"],
+                   ["--to", "line", "--scale", "0.8", "--keep", "speed"], ["--rotate", "30"]):
+            with self.subTest(to=to):
+                self.edited("path", walk, *to, "--svg", "new.svg")
+        # the motion on its new path goes to a robot like any other
+        self.edited("path", walk, "--to", "circle")
+        self.assertEqual(len(self.robot_rows(self.folder / "edited.bvh", "--method", "gmr")), 301)
+        self.assert_fails(self.run_tool("edit", "path", walk), 2, "--fit")
+        self.assert_fails(self.run_tool("edit", "path", walk, "-o", "x.bvh"), 2, "--to")
+        self.assert_fails(self.run_tool("edit", "path", walk, "--to", "no.json", "-o", "x.bvh"), 4,
+                          "no.json")
+        self.write("bad.json", '{"control_points": [[0, 0]]}')
+        self.assert_fails(self.run_tool("edit", "path", walk, "--to", "bad.json", "-o", "x.bvh"), 4,
+                          "3n + 1")
+
     @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is not there")
     def test_other_skeletons(self):
         dialects = SHARED / "data/dialects"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "console.h"
+#include "edit_options.h"
 #include "options.h"
 
 namespace retarget::cli {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "edit_options.h"
 #include "options.h"
 
 namespace retarget::cli {

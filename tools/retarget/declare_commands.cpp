@@ -25,44 +25,6 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   return command;
 }
 
-namespace {
-
-// one kind of edit: `retarget edit NAME IN ... -o OUT`
-void add_edit(CLI::App& edits, EditOptions& options, Edit edit, const char* name,
-              const char* description, const char* like_option) {
-  CLI::App* command = edits.add_subcommand(name, description);
-  command->parse_complete_callback([&options, edit] { options.edit = edit; });
-  command->add_option("file", options.source.file, "Motion to edit, BVH; - reads standard input")
-      ->required()
-      ->type_name("FILE");
-  if (like_option[0] != '\0') {
-    command->add_option(like_option, options.like, "BVH of the skeleton that is wanted")
-        ->required()
-        ->type_name("FILE")
-        ->group(kInput);
-  }
-  add_source_options(*command, options.source);
-  if (edit != Edit::kRest) add_human_options(*command, options.human);
-  command->add_option("-o,--output", options.output, "BVH to write; - writes standard output")
-      ->required()
-      ->type_name("FILE")
-      ->group(kOutput);
-  add_common_options(*command, options.common);
-}
-
-}  // namespace
-
-CLI::App* add_edit_command(CLI::App& app, EditOptions& options) {
-  CLI::App* command = app.add_subcommand("edit", "Change a motion: BVH in, BVH out");
-  command->require_subcommand(1);
-  add_edit(*command, options, Edit::kRest, "rest",
-           "The same movement on a skeleton of the same joints with another rest pose", "--like");
-  add_edit(*command, options, Edit::kTransfer, "transfer",
-           "Another skeleton, moved through the T-pose", "--to");
-  add_edit(*command, options, Edit::kLafan1, "lafan", "A clip in the shape of LAFAN1", "");
-  return command;
-}
-
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");

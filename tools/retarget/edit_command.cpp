@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "commands.h"
+#include "edits.h"
 #include "human_source.h"
-#include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/bvh/write_bvh.h"
@@ -15,20 +15,6 @@
 
 namespace retarget::cli {
 namespace {
-
-Result<HumanSource> understand(const SourceMotion& motion, const SourceOptions& source,
-                               const HumanOptions& human, const CommonOptions& common,
-                               Console& console) {
-  const auto data = find_data_folder(
-      common.data_dir.empty() ? std::nullopt : std::optional<std::string>(common.data_dir));
-  if (!data) return failure(data.error());
-  auto found = find_human(motion, source, human, *data / "configs" / "skeletons");
-  if (!found) return found;
-  console.line("taken as", found->calibration.mapping.description);
-  for (const std::string& note : found->map.notes) console.line("", note);
-  console.warn(found->calibration.mapping.doubts, source_name(source));
-  return found;
-}
 
 Result<Clip> to_rest(const EditOptions& options, Console& console) {
   const auto motion = read_source(options.source, false, console);
@@ -69,17 +55,36 @@ Result<Clip> to_other(const EditOptions& options, Console& console) {
                   {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping});
 }
 
+// nothing: what was asked for is written already
+Result<std::optional<Clip>> edited(const EditOptions& options, Console& console) {
+  switch (options.edit) {
+    case Edit::kRest:
+      return to_rest(options, console);
+    case Edit::kTransfer:
+      return to_other(options, console);
+    case Edit::kLafan1:
+      return to_lafan1(options, console);
+    case Edit::kConcat:
+      return edit_concat(options, console);
+    case Edit::kPath:
+      return edit_path(options, console);
+    default:
+      return edit_time_or_place(options, console);
+  }
+}
+
 }  // namespace
 
 ExitCode edit(const EditOptions& options, Console& console) {
-  if (auto folder = check_output_folder(options.output); !folder) {
-    return console.fail(folder.error());
+  for (const std::string& file :
+       {options.output, options.concat.matrix, options.path.fit, options.path.svg}) {
+    if (file.empty()) continue;
+    if (auto folder = check_output_folder(file); !folder) return console.fail(folder.error());
   }
-  const auto clip = options.edit == Edit::kRest       ? to_rest(options, console)
-                    : options.edit == Edit::kTransfer ? to_other(options, console)
-                                                      : to_lafan1(options, console);
+  const auto clip = edited(options, console);
   if (!clip) return console.fail(clip.error());
-  const auto written = save_bvh(options.output, *clip);
+  if (!*clip) return kDone;
+  const auto written = save_bvh(options.output, **clip);
   if (!written) return console.fail(written.error());
   console.line("wrote", options.output == "-" ? "standard output" : options.output);
   return kDone;

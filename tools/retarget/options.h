@@ -156,23 +156,6 @@ struct InspectOptions {
   std::string positions;  ///< CSV to write; empty: none.
 };
 
-/// What `retarget edit` does.
-enum class Edit : unsigned char {
-  kRest,      ///< Another rest pose, the same movement.
-  kTransfer,  ///< Another skeleton, through the T-pose.
-  kLafan1,    ///< LAFAN1's shape.
-};
-
-/// `retarget edit`: BVH in, BVH out.
-struct EditOptions {
-  CommonOptions common;
-  SourceOptions source;
-  HumanOptions human;
-  Edit edit = Edit::kRest;
-  std::string like;  ///< BVH of the skeleton that is wanted.
-  std::string output;
-};
-
 /// What `retarget robots` does.
 enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd };
 

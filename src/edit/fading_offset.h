@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace retarget {
+
+/// The cubic from `begin` with velocity `begin_velocity` (per frame) to `end` with `end_velocity`
+/// over `frames` frames, at frame `at`.
+[[nodiscard]] inline Eigen::Vector3d ease(const Eigen::Vector3d& begin,
+                                          const Eigen::Vector3d& begin_velocity,
+                                          const Eigen::Vector3d& end,
+                                          const Eigen::Vector3d& end_velocity, double frames,
+                                          double at) {
+  const double u = at / frames, left = 1.0 - u;
+  return begin * (left * left * (1.0 + 2.0 * u)) + begin_velocity * (frames * u * left * left) +
+         end * (u * u * (1.0 + 2.0 * left)) - end_velocity * (frames * left * u * u);
+}
+
+/// The same to rest at zero: an offset that fades.
+[[nodiscard]] inline Eigen::Vector3d fade(const Eigen::Vector3d& begin,
+                                          const Eigen::Vector3d& begin_velocity, double frames,
+                                          double at) {
+  const Eigen::Vector3d rest = Eigen::Vector3d::Zero();
+  return at >= frames ? rest : ease(begin, begin_velocity, rest, rest, frames, at);
+}
+
+}  // namespace retarget

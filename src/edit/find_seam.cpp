@@ -1,0 +1,175 @@
+#include "retarget/edit/find_seam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "retarget/edit/pose_distance.h"
+#include "retarget/human/foot_contacts.h"
+
+namespace retarget {
+namespace {
+
+// frames of one clip that are searched
+struct SearchBand {
+  int begin = 0, end = 0;
+
+  [[nodiscard]] std::int64_t size() const { return end - begin; }
+};
+
+struct PairOfFrames {
+  int a = 0, b = 0;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+int frames_in(double seconds, const FrameRate& rate) {
+  return std::max(1, static_cast<int>(std::lround(std::min(seconds, 1e5) * rate.fps())));
+}
+
+bool has_contacts(const FootContacts& contacts) {
+  return !contacts.phases[0].empty() || !contacts.phases[1].empty();
+}
+
+class SeamFinder {
+ public:
+  SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options)
+      : a_(a),
+        b_(b),
+        options_(options),
+        bones_(common_bones(a, b)),
+        in_a_(a, bones_),
+        in_b_(b, bones_),
+        window_(frames_in(options.window, a.rate)),
+        distance_(in_a_, in_b_, window_),
+        contacts_a_(find_foot_contacts(a)),
+        contacts_b_(find_foot_contacts(b)) {
+    const int band = frames_in(options.band, a.rate);
+    band_a_ = {options.search_all ? 0 : std::max(0, a.frame_count - 1 - band), a.frame_count};
+    band_b_ = {0, options.search_all ? b.frame_count : std::min(b.frame_count, band + 1)};
+  }
+
+  [[nodiscard]] const std::vector<int>& bones() const { return bones_; }
+  [[nodiscard]] std::int64_t pair_count() const { return band_a_.size() * band_b_.size(); }
+
+  SeamSearch run() const {
+    SeamSearch result;
+    result.map = {band_a_.begin, band_b_.begin, static_cast<int>(band_b_.size()),
+                  distance_.map(band_a_.begin, band_a_.end, band_b_.begin, band_b_.end)};
+    const PairOfFrames best = best_pair(result.map, false), same = best_pair(result.map, true);
+    const bool take_same = same.cost <= std::max(options_.threshold, best.cost);
+    result.seam = describe_seam(take_same ? same : best);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] PairOfFrames best_pair(const SeamMap& map, bool of_same_support) const {
+    const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time();
+    PairOfFrames best;
+    std::size_t at = 0;
+    for (int i = band_a_.begin; i < band_a_.end; ++i) {
+      for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
+        const int lost = (a_.frame_count - 1 - i) + j;
+        const double missing = 1.0 - distance_.frames_at(i, j) / static_cast<double>(window_);
+        const double cost = map.distances[at] * (1.0 + 0.5 * missing) + cost_of_frame * lost;
+        if (cost >= best.cost || (of_same_support && !same_support(i, j))) continue;
+        best = {i, j, cost};
+      }
+    }
+    return best;
+  }
+
+  // in the middle of the overlap
+  [[nodiscard]] bool same_support(int i, int j) const {
+    // of a clip too short for contacts nothing is known
+    if (!has_contacts(contacts_a_) || !has_contacts(contacts_b_)) return true;
+    const int middle = (distance_.frames_at(i, j) - 1) / 2;
+    for (int foot = 0; foot < 2; ++foot) {
+      if (contacts_a_.planted(foot, i + middle) != contacts_b_.planted(foot, j + middle)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] Seam describe_seam(const PairOfFrames& pair) const {
+    const CloudAlignment aligned = distance_.at(pair.a, pair.b);
+    Seam seam;
+    seam.a_frame = pair.a;
+    seam.b_frame = pair.b;
+    seam.overlap = distance_.frames_at(pair.a, pair.b);
+    seam.a_from_b = aligned.a_from_b;
+    seam.distance = aligned.distance;
+    seam.same_support = same_support(pair.a, pair.b);
+    const Pose to_a = seam.a_from_b.in_space();
+    double squares = 0.0;
+    for (std::size_t k = 0; k < bones_.size(); ++k) {
+      const Eigen::Vector3d apart = in_a_.frame(pair.a)[k] - to_a * in_b_.frame(pair.b)[k];
+      if (apart.norm() >= seam.worst_distance) {
+        seam.worst_distance = apart.norm();
+        seam.worst_bone = kBoneNames[static_cast<std::size_t>(bones_[k])];
+      }
+      squares +=
+          (velocity(in_a_, pair.a, k) - to_a.rotation * velocity(in_b_, pair.b, k)).squaredNorm();
+    }
+    seam.speed_difference = std::sqrt(squares / static_cast<double>(bones_.size()));
+    return seam;
+  }
+
+  // m/s, central where there are neighbours
+  [[nodiscard]] Eigen::Vector3d velocity(const PoseClouds& clouds, int frame,
+                                         std::size_t point) const {
+    const int before = std::max(frame - 1, 0),
+              after = std::min(frame + 1, clouds.frame_count() - 1);
+    if (after == before) return Eigen::Vector3d::Zero();
+    return (clouds.frame(after)[point] - clouds.frame(before)[point]) * a_.rate.fps() /
+           (after - before);
+  }
+
+  const HumanClip& a_;
+  const HumanClip& b_;
+  const SeamOptions& options_;
+  const std::vector<int> bones_;
+  const PoseClouds in_a_, in_b_;
+  const int window_;  // frames
+  const WindowDistance distance_;
+  const FootContacts contacts_a_, contacts_b_;
+  SearchBand band_a_, band_b_;
+};
+
+}  // namespace
+
+Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options,
+                             const std::string& a_file, const std::string& b_file) {
+  for (const auto& [human, file] : {std::pair(&a, &a_file), std::pair(&b, &b_file)}) {
+    if (human->frame_count == 0) {
+      return input_failure(*file, "the clip has no frames to be joined to another");
+    }
+  }
+  const SeamFinder finder(a, b, options);
+  if (finder.bones().empty()) {
+    return input_failure(b_file, "has no bones in common with " + a_file);
+  }
+  constexpr std::int64_t kMostPairs = 16'000'000;
+  if (finder.pair_count() > kMostPairs) {
+    return usage_failure("the seam is looked for among " + std::to_string(finder.pair_count()) +
+                             " pairs of frames, which is too many",
+                         "--search S looks at the last and the first S seconds only");
+  }
+  return finder.run();
+}
+
+std::string format_pgm(const SeamMap& map) {
+  const std::size_t width = static_cast<std::size_t>(map.width);
+  const std::size_t height = width > 0 ? map.distances.size() / width : 0;
+  std::string text = "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
+  if (map.distances.empty()) return text;
+  const auto [least, largest] = std::ranges::minmax(map.distances);
+  const float range = std::max(largest - least, 1e-9F);
+  for (const float distance : map.distances) {
+    text += static_cast<char>(std::lround(255.0F * (distance - least) / range));
+  }
+  return text;
+}
+
+}  // namespace retarget

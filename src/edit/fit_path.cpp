@@ -1,0 +1,213 @@
+#include "retarget/edit/fit_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "edit/cubic_chain.h"
+#include "retarget/math/filter.h"
+
+namespace retarget {
+namespace {
+
+// a body that goes nowhere has a path of this length, metres
+constexpr double kPathOfNoWay = 1e-3;
+
+// the smoothed track of the hips
+std::vector<Eigen::Vector2d> ground_track(const std::vector<GroundPose>& hips,
+                                          const FrameRate& rate, double cutoff) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(hips.size());
+  for (const GroundPose& place : hips) {
+    points.emplace_back(place.position.x(), place.position.y(), 0.0);
+  }
+  // a second and more on each side, for a filter that is steep enough
+  constexpr double kPeriods = 1.0;
+  constexpr double kMostTaps = 20000.0;
+  const double half_width = std::min(kPeriods / cutoff * rate.fps(), kMostTaps);
+  if (cutoff * rate.frame_time() <= 0.5 && half_width >= 1.0) {
+    const auto taps =
+        design_low_pass(cutoff * rate.frame_time(), static_cast<int>(std::lround(half_width)));
+    points = low_pass(points, taps);
+  }
+  std::vector<Eigen::Vector2d> track;
+  track.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) track.emplace_back(point.head<2>());
+  return track;
+}
+
+// the track without what is done while standing
+struct ThinTrack {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<double> chords;    // metres from the first point, per point
+  std::vector<double> of_frame;  // the same for every frame of the clip
+};
+
+ThinTrack thin_out(const std::vector<Eigen::Vector2d>& track, double step) {
+  ThinTrack thin{{track.front()}, {0.0}, {}};
+  std::vector<std::size_t> last_point;  // before or at each frame
+  for (const Eigen::Vector2d& place : track) {
+    const double distance = (place - thin.points.back()).norm();
+    if (distance >= step) {
+      thin.points.push_back(place);
+      thin.chords.push_back(thin.chords.back() + distance);
+    }
+    last_point.push_back(thin.points.size() - 1);
+  }
+  double reached = 0.0;
+  for (std::size_t frame = 0; frame < track.size(); ++frame) {
+    const std::size_t at = last_point[frame];
+    if (at + 1 < thin.points.size()) {
+      const Eigen::Vector2d chord = thin.points[at + 1] - thin.points[at];
+      const double share = (track[frame] - thin.points[at]).dot(chord) / chord.squaredNorm();
+      reached = std::max(reached, thin.chords[at] + std::clamp(share, 0.0, 1.0) * chord.norm());
+    } else {
+      reached = thin.chords[at];
+    }
+    thin.of_frame.push_back(reached);
+  }
+  return thin;
+}
+
+struct FittedTrack {
+  CubicChain chain;
+  double largest_distance = 0.0;
+};
+
+// splits pieces that are too far from the track; says whether there were any
+bool refine_knots(const CubicChain& chain, const std::vector<double>& distances,
+                  const PathFitOptions& options, std::vector<double>& knots) {
+  knots = {chain.knots.front()};
+  for (std::size_t piece = 0; piece + 1 < chain.knots.size(); ++piece) {
+    const double begin = chain.knots[piece], end = chain.knots[piece + 1];
+    if (distances[piece] > options.tolerance && end - begin >= 2.0 * options.shortest_piece) {
+      knots.push_back(0.5 * (begin + end));
+    }
+    knots.push_back(end);
+  }
+  return knots.size() > chain.knots.size();
+}
+
+FittedTrack fit_track(const ThinTrack& thin, const PathFitOptions& options) {
+  const double length = thin.chords.back();
+  const int pieces = std::max(1, static_cast<int>(std::lround(length / options.first_piece)));
+  std::vector<double> knots, weights;
+  for (int i = 0; i <= pieces; ++i) knots.push_back(length * i / pieces);
+  for (std::size_t i = 0; i < thin.points.size(); ++i) {
+    const double before = thin.chords[i == 0 ? 0 : i - 1];
+    weights.push_back(0.5 * (thin.chords[std::min(i + 1, thin.points.size() - 1)] - before));
+  }
+  FittedTrack fitted;
+  for (bool split = true; split;) {
+    fitted.chain = fit_cubic_chain(knots, thin.chords, thin.points, weights);
+    std::vector<double> distances(fitted.chain.knots.size() - 1, 0.0);
+    for (std::size_t i = 0; i < thin.points.size(); ++i) {
+      double& largest = distances[fitted.chain.piece_of(thin.chords[i])];
+      largest = std::max(largest, (fitted.chain.at(thin.chords[i]) - thin.points[i]).norm());
+    }
+    fitted.largest_distance = *std::ranges::max_element(distances);
+    split = refine_knots(fitted.chain, distances, options, knots);
+  }
+  return fitted;
+}
+
+// metres along the path at a parameter of the chain
+double along_path(const GroundPath& path, const CubicChain& chain, double chord) {
+  const std::size_t piece = chain.piece_of(chord);
+  const double begin = chain.knots[piece];
+  return path.length_to(piece, (chord - begin) / (chain.knots[piece + 1] - begin));
+}
+
+std::vector<StillPhase> still_phases(const std::vector<double>& along,
+                                     const std::vector<GroundPose>& hips, const FrameRate& rate,
+                                     double still_speed) {
+  const int frames = static_cast<int>(along.size());
+  const auto is_still = [&](int frame) {
+    const int before = std::max(frame - 1, 0), after = std::min(frame + 1, frames - 1);
+    return after == before ||
+           (along[after] - along[before]) * rate.fps() / (after - before) < still_speed;
+  };
+  std::vector<StillPhase> phases;
+  for (int frame = 0; frame < frames; ++frame) {
+    if (!is_still(frame)) continue;
+    if (phases.empty() || phases.back().end != frame) phases.push_back({frame, frame, 0.0});
+    phases.back().end = frame + 1;
+  }
+  for (StillPhase& phase : phases) {
+    phase.turn = hips[static_cast<std::size_t>(std::min(phase.end, frames - 1))].heading -
+                 hips[static_cast<std::size_t>(std::max(phase.begin - 1, 0))].heading;
+  }
+  return phases;
+}
+
+// of the ways to turn from one heading to another, that nearest to a turn; a path that hardly
+// turns is not made to spin
+double turn_like(double from, double to, double like) {
+  constexpr double kWhole = 2.0 * std::numbers::pi;
+  const double shortest = std::remainder(to - from, kWhole);
+  const double more = (like - shortest) / kWhole;
+  constexpr double kClearlyMore = 0.75;
+  return std::abs(more) < kClearlyMore ? shortest : shortest + kWhole * std::round(more);
+}
+
+}  // namespace
+
+Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options,
+                            const std::string& file) {
+  if (human.frame_count == 0) return input_failure(file, "the clip has no frames, hence no path");
+  const std::vector<GroundPose> hips = hips_over_ground(human);
+  const ThinTrack thin =
+      thin_out(ground_track(hips, human.rate, options.low_pass), options.still_step);
+  if (thin.points.size() < 2) {
+    PathMotion still{line_path({thin.points.front(), hips.front().heading}, kPathOfNoWay),
+                     std::vector<double>(hips.size(), 0.0),
+                     {{0, human.frame_count, 0.0}},
+                     0.0};
+    return still;
+  }
+  const FittedTrack fitted = fit_track(thin, options);
+  PathMotion motion{GroundPath(fitted.chain.control_points()), {}, {}, fitted.largest_distance};
+  double reached = 0.0;
+  for (const double chord : thin.of_frame) {
+    reached = std::max(reached, along_path(motion.path, fitted.chain, chord));
+    motion.along.push_back(reached);
+  }
+  motion.still = still_phases(motion.along, hips, human.rate, options.still_speed);
+  return motion;
+}
+
+std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<double>& along,
+                                    const std::vector<StillPhase>& still,
+                                    const std::vector<double>& turns) {
+  std::vector<GroundPose> frames;
+  frames.reserve(along.size());
+  for (const double place : along) frames.push_back(path.at(place));
+  const auto count = static_cast<int>(frames.size());
+  // headings of frames that go somewhere go on steadily
+  std::size_t next = 0;
+  double before = frames.empty() ? 0.0 : frames.front().heading;
+  for (int frame = 0; frame < count; ++frame) {
+    if (next < still.size() && frame == still[next].begin) {
+      const StillPhase& phase = still[next];
+      const bool ends = phase.end >= count;
+      const double to = frames[std::min(phase.end, count - 1)].heading;
+      // at either end of the clip there is one heading alone
+      const double start = frame == 0 && !ends ? to : before;
+      const double turn = frame == 0 || ends ? 0.0 : turn_like(start, to, turns[next]);
+      for (; frame < phase.end; ++frame) {
+        const double u =
+            static_cast<double>(frame - phase.begin + 1) / (phase.end - phase.begin + 1);
+        frames[frame].heading = start + turn * u * u * (3.0 - 2.0 * u);
+      }
+      before = start + turn;
+      ++next;
+      --frame;
+      continue;
+    }
+    before += std::remainder(frames[frame].heading - before, 2.0 * std::numbers::pi);
+    frames[frame].heading = before;
+  }
+  return frames;
+}
+
+}  // namespace retarget

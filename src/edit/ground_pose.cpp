@@ -1,0 +1,124 @@
+#include "retarget/edit/ground_pose.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+// nearer to upside down than this the hips have no heading: it stays as it was
+constexpr double kNoHeading = 1e-3;
+
+bool moves_freely(const Joint& joint) {
+  int positions = 0, rotations = 0;
+  for (const Channel channel : joint.channels) {
+    positions += is_position(channel) ? 1 : 0;
+    rotations += is_rotation(channel) ? 1 : 0;
+  }
+  return positions == 3 && rotations >= 3;
+}
+
+bool is_below(const Skeleton& skeleton, int joint, int above) {
+  while (joint > above) joint = skeleton.joint(joint).parent;
+  return joint == above;
+}
+
+}  // namespace
+
+GroundPose GroundPose::inverse() const {
+  const GroundPose turned{Eigen::Vector2d::Zero(), -heading};
+  return {-(turned * position), -heading};
+}
+
+Pose GroundPose::in_space() const {
+  const auto [sine, cosine] = portable::sin_cos(0.5 * heading);
+  return {Eigen::Quaterniond(cosine, 0.0, 0.0, sine), {position.x(), position.y(), 0.0}};
+}
+
+GroundPose operator*(const GroundPose& a, const GroundPose& b) {
+  return {a * b.position, a.heading + b.heading};
+}
+
+Eigen::Vector2d operator*(const GroundPose& pose, const Eigen::Vector2d& point) {
+  const auto [sine, cosine] = portable::sin_cos(pose.heading);
+  return {pose.position.x() + cosine * point.x() - sine * point.y(),
+          pose.position.y() + sine * point.x() + cosine * point.y()};
+}
+
+GroundPose turn_about(const Eigen::Vector2d& point, double angle) {
+  const GroundPose turn{Eigen::Vector2d::Zero(), angle};
+  return {point - turn * point, angle};
+}
+
+BodyMover::BodyMover(int joint, const HumanMapping& mapping)
+    : joint_(joint),
+      metres_per_unit_(mapping.metres_per_unit),
+      human_from_source_(mapping.human_from_source) {}
+
+Result<BodyMover> BodyMover::of(const Skeleton& skeleton, const HumanMapping& mapping,
+                                const std::string& file) {
+  std::vector<int> chain;
+  for (int joint = mapping.bones[0].position_joint; joint >= 0;
+       joint = skeleton.joint(joint).parent) {
+    chain.push_back(joint);
+  }
+  while (!chain.empty() && !moves_freely(skeleton.joint(chain.back()))) chain.pop_back();
+  bool moves_all = !chain.empty();
+  for (const BoneSource& bone : mapping.bones) {
+    if (!moves_all || bone.position_joint < 0) continue;
+    moves_all = is_below(skeleton, bone.position_joint, chain.back());
+  }
+  if (!moves_all) {
+    return input_failure(file,
+                         "no joint moves the body as a whole: neither the root nor a joint between "
+                         "it and the hips has three position and three rotation channels",
+                         "retarget edit transfer brings the motion to a skeleton that has them");
+  }
+  return BodyMover(chain.back(), mapping);
+}
+
+void BodyMover::move(Clip& clip, int frame, const Pose& move) const {
+  const Skeleton& skeleton = clip.skeleton();
+  Pose world_from_parent;
+  for (int joint = skeleton.joint(joint_).parent; joint >= 0;
+       joint = skeleton.joint(joint).parent) {
+    const Pose parent_from_joint{clip.rotations(frame)[joint], clip.translation(frame, joint)};
+    world_from_parent = parent_from_joint * world_from_parent;
+  }
+  const Pose in_source{human_from_source_.conjugate() * move.rotation * human_from_source_,
+                       human_from_source_.conjugate() * move.translation / metres_per_unit_};
+  Eigen::Quaterniond& rotation = clip.rotations(frame)[joint_];
+  Eigen::Vector3d& translation = clip.translations(frame)[skeleton.translation_slot(joint_)];
+  const Pose moved =
+      world_from_parent.inverse() * (in_source * (world_from_parent * Pose{rotation, translation}));
+  rotation = moved.rotation.normalized();
+  translation = moved.translation;
+}
+
+void BodyMover::move_all(Clip& clip, const Pose& over_all) const {
+  for (int frame = 0; frame < clip.frame_count(); ++frame) move(clip, frame, over_all);
+}
+
+std::vector<GroundPose> hips_over_ground(const HumanClip& human) {
+  const Eigen::Quaterniond hips_from_t_pose(Eigen::Matrix3d(canonical_t_pose(0).transpose()));
+  std::vector<GroundPose> places;
+  places.reserve(static_cast<std::size_t>(human.frame_count));
+  double before = 0.0;
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    const Pose& hips = human.frame(frame)[0];
+    const Eigen::Quaterniond turn = hips.rotation * hips_from_t_pose;
+    double heading = before;
+    if (turn.z() * turn.z() + turn.w() * turn.w() > kNoHeading) {
+      heading = 2.0 * portable::atan2(turn.z(), turn.w());
+      heading = before + std::remainder(heading - before, 2.0 * std::numbers::pi);
+    }
+    places.push_back({hips.translation.head<2>(), heading});
+    before = heading;
+  }
+  return places;
+}
+
+}  // namespace retarget

@@ -1,0 +1,158 @@
+#include "retarget/edit/make_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "retarget/base/number_text.h"
+#include "retarget/edit/pose_distance.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+// least frames of a cycle
+constexpr int kFewest = 3;
+
+struct CycleEnd {
+  int frame = 0;
+  CloudAlignment aligned;
+};
+
+CycleEnd find_end(const HumanClip& human, int from, int window) {
+  const PoseClouds clouds(human, common_bones(human, human));
+  const WindowDistance distance(clouds, clouds, window);
+  CycleEnd best{from, distance.at(from, 0)};
+  for (int frame = from + 1; frame < human.frame_count; ++frame) {
+    const CloudAlignment aligned = distance.at(frame, 0);
+    if (aligned.distance < best.aligned.distance) best = {frame, aligned};
+  }
+  return best;
+}
+
+// part of a rigid motion over the ground: along the arc that it makes when repeated
+GroundPose part_of(const GroundPose& whole, double share) {
+  constexpr double kStraight = 1e-6;
+  if (std::abs(whole.heading) < kStraight) return {share * whole.position, share * whole.heading};
+  // about the centre c = R c + position
+  const GroundPose turn{Eigen::Vector2d::Zero(), whole.heading};
+  Eigen::Matrix2d system = Eigen::Matrix2d::Identity();
+  system.col(0) -= turn * Eigen::Vector2d(1.0, 0.0);
+  system.col(1) -= turn * Eigen::Vector2d(0.0, 1.0);
+  return turn_about(system.inverse() * whole.position, share * whole.heading);
+}
+
+// takes a clip's last frame to its target: evenly, and its last step to the target's first one
+template <typename Value>
+struct Closing {
+  Value gap, step;  // what position and step lack at the end
+
+  [[nodiscard]] Value at(int frame, int last, int settle) const {
+    const double from_end = frame - last;
+    const double share = 1.0 + from_end / settle;
+    const double late = share > 0.0 ? from_end * share * share : 0.0;
+    return gap * (static_cast<double>(frame) / last) + step * late;
+  }
+};
+using VectorClosing = Closing<Eigen::Vector3d>;
+
+// the clip's frames 0..last and, in `next`, the two frames that shall follow in place of the last
+class LoopCloser {
+ public:
+  LoopCloser(Clip& clip, const Clip& next, int settle)
+      : clip_(clip), next_(next), last_(clip.frame_count() - 1), settle_(settle) {}
+
+  void run() {
+    for (int joint = 0; joint < clip_.skeleton().joint_count(); ++joint) close_rotation(joint);
+    for (int slot = 0; slot < clip_.skeleton().translated_count(); ++slot) close_translation(slot);
+  }
+
+ private:
+  void close_rotation(int joint) {
+    const auto at = [joint](const Clip& clip, int frame) { return clip.rotations(frame)[joint]; };
+    const auto between = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+      return log_so3(to * from.conjugate());
+    };
+    const VectorClosing closing{
+        between(at(clip_, last_), at(next_, 0)),
+        between(at(next_, 0), at(next_, 1)) - between(at(clip_, last_ - 1), at(clip_, last_))};
+    for (int frame = 0; frame <= last_; ++frame) {
+      Eigen::Quaterniond& rotation = clip_.rotations(frame)[joint];
+      rotation = (exp_so3(closing.at(frame, last_, settle_)) * rotation).normalized();
+    }
+  }
+
+  void close_translation(int slot) {
+    const auto at = [slot](const Clip& clip, int frame) { return clip.translations(frame)[slot]; };
+    const VectorClosing closing{
+        at(next_, 0) - at(clip_, last_),
+        (at(next_, 1) - at(next_, 0)) - (at(clip_, last_) - at(clip_, last_ - 1))};
+    for (int frame = 0; frame <= last_; ++frame) {
+      clip_.translations(frame)[slot] += closing.at(frame, last_, settle_);
+    }
+  }
+
+  Clip& clip_;
+  const Clip& next_;
+  const int last_;
+  const int settle_;
+};
+
+Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& advance,
+              const BodyMover& mover) {
+  Clip result = cycle;
+  result.resize(cycle.frame_count() * options.times);
+  GroundPose reached;
+  for (int time = 1; time < options.times; ++time) {
+    if (!options.in_place) reached = reached * advance;
+    for (int frame = 0; frame < cycle.frame_count(); ++frame) {
+      const int at = time * cycle.frame_count() + frame;
+      std::ranges::copy(cycle.rotations(frame), result.rotations(at).begin());
+      std::ranges::copy(cycle.translations(frame), result.translations(at).begin());
+      mover.move(result, at, reached);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options,
+                       const std::string& file) {
+  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  if (!mover) return failure(mover.error());
+  const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
+  const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
+  if (wanted >= clip.frame_count() || clip.frame_count() <= kFewest) {
+    return input_failure(
+        file, "a clip of " + number_text(clip.duration(), 3) + " s is too short for a cycle" +
+                  (options.shortest > 0.0 ? " of " + number_text(options.shortest, 3) + " s or more"
+                                          : std::string()));
+  }
+  constexpr std::int64_t kMostFrames = 10'000'000;
+  if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMostFrames) {
+    return usage_failure("a cycle can be played once or more, up to 10 million frames");
+  }
+  const auto in_frames = [&clip](double seconds) {
+    return std::max(1, static_cast<int>(std::lround(seconds * clip.rate().fps())));
+  };
+  const CycleEnd end =
+      find_end(to_human(clip, mapping), std::max(kFewest, static_cast<int>(wanted)),
+               in_frames(options.window) + 1);
+
+  Clip cycle = cut(clip, 0, end.frame + 1);
+  Clip next = cut(clip, 0, 2);
+  mover->move_all(next, end.aligned.a_from_b.in_space());
+  LoopCloser(cycle, next, std::min(in_frames(options.settle), end.frame)).run();
+  cycle.resize(end.frame);
+  if (options.in_place) {
+    for (int frame = 0; frame < end.frame; ++frame) {
+      const double share = static_cast<double>(frame) / end.frame;
+      mover->move(cycle, frame, part_of(end.aligned.a_from_b, share).inverse());
+    }
+  }
+  Clip whole = repeated(cycle, options, end.aligned.a_from_b, *mover);
+  return Loop{std::move(whole), end.frame, end.aligned.distance, end.aligned.a_from_b};
+}
+
+}  // namespace retarget

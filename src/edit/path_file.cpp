@@ -1,0 +1,85 @@
+// paths over the ground as JSON
+
+#include <cmath>
+#include <optional>
+
+#include "base/json.h"
+#include "retarget/base/file.h"
+#include "retarget/edit/ground_path.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kHint =
+    "a path is {\"control_points\": [[x, y], ...]} with 3n + 1 points in metres, or "
+    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN --fit FILE writes one";
+
+// wider than any stage, narrower than any slip
+constexpr double kFarthest = 1e6;
+
+std::optional<Eigen::Vector2d> point_from(const Json& json) {
+  if (!json.is_array() || json.size() != 2) return std::nullopt;
+  Eigen::Vector2d point;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!json[static_cast<std::size_t>(axis)].is_number()) return std::nullopt;
+    point[axis] = json[static_cast<std::size_t>(axis)].get<double>();
+    if (!(std::abs(point[axis]) <= kFarthest)) return std::nullopt;
+  }
+  return point;
+}
+
+}  // namespace
+
+Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
+  const auto json = parse_json(text, file);
+  if (!json) return failure(json.error());
+  const bool controls = json->is_object() && json->contains("control_points");
+  const bool waypoints = json->is_object() && json->contains("waypoints");
+  if (controls == waypoints) {
+    return config_failure(file,
+                          controls ? "has both \"control_points\" and \"waypoints\""
+                                   : "has neither \"control_points\" nor \"waypoints\"",
+                          kHint);
+  }
+  const std::string name = controls ? "control_points" : "waypoints";
+  const Json& list = (*json)[name];
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; list.is_array() && i < list.size(); ++i) {
+    const auto point = point_from(list[i]);
+    if (!point) {
+      return config_failure(file,
+                            "point " + std::to_string(i) + " of \"" + name +
+                                "\" must be [x, y] in metres, found " + short_text(list[i]),
+                            kHint);
+    }
+    points.push_back(*point);
+  }
+  if (points.empty() || (controls && (points.size() < 4 || points.size() % 3 != 1))) {
+    return config_failure(file,
+                          "\"" + name + "\" has " + std::to_string(points.size()) + " points" +
+                              (controls ? ", not 3n + 1" : ""),
+                          kHint);
+  }
+  return controls ? GroundPath(std::move(points)) : path_through(points);
+}
+
+Result<GroundPath> load_path(const std::string& path) {
+  const auto content = read_file(path, ErrorKind::kConfig);
+  if (!content) return failure(content.error());
+  return parse_path(content->view(), path);
+}
+
+std::string format_path(const GroundPath& path) {
+  std::string text =
+      "{\n  \"about\": \"a path over the ground, metres: a chain of cubic Bezier segments\",\n"
+      "  \"control_points\": [";
+  for (std::size_t i = 0; i < path.control_points().size(); ++i) {
+    const Eigen::Vector2d& point = path.control_points()[i];
+    text += (i == 0 ? "\n    " : ",\n    ") + Json({point.x(), point.y()}).dump();
+  }
+  return text + "\n  ]\n}\n";
+}
+
+}  // namespace retarget

@@ -1,0 +1,151 @@
+#include "retarget/edit/path_picture.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/base/number_text.h"
+#include "retarget/human/foot_contacts.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLargestSide = 900.0;  // of the picture, pixels
+constexpr double kMostPerMetre = 120.0;
+constexpr double kMargin = 0.4;  // metres
+
+struct Colours {
+  const char* track;
+  const char* path;
+  const char* left;
+  const char* right;
+};
+constexpr Colours kPale = {"#b8b8b8", "#8fb3d9", "#b7d3b0", "#e3b9b4"};
+constexpr Colours kStrong = {"#444444", "#1f5fa8", "#2f8f2f", "#c23b2e"};
+
+class Canvas {
+ public:
+  explicit Canvas(const Eigen::AlignedBox2d& box) : box_(box) {
+    const Eigen::Vector2d size = box.sizes();
+    scale_ = std::min(kMostPerMetre, kLargestSide / std::max(size.x(), size.y()));
+  }
+
+  [[nodiscard]] std::string place(const Eigen::Vector2d& point) const {
+    return number_text((point.x() - box_.min().x()) * scale_, 1) + "," +
+           number_text((box_.max().y() - point.y()) * scale_, 1);
+  }
+
+  void line(const std::vector<Eigen::Vector2d>& points, const char* colour, const char* style) {
+    if (points.size() < 2) return;
+    text_ +=
+        "<polyline fill=\"none\" stroke=\"" + std::string(colour) + "\" " + style + " points=\"";
+    for (const Eigen::Vector2d& point : points) text_ += place(point) + " ";
+    text_.back() = '"';
+    text_ += "/>\n";
+  }
+
+  void dot(const Eigen::Vector2d& point, double radius, const char* colour) {
+    const std::string at = place(point);
+    const std::size_t comma = at.find(',');
+    text_ += "<circle cx=\"" + at.substr(0, comma) + "\" cy=\"" + at.substr(comma + 1) + "\" r=\"" +
+             number_text(radius, 1) + "\" fill=\"" + colour + "\"/>\n";
+  }
+
+  [[nodiscard]] std::string finish() {
+    const Eigen::Vector2d corner = box_.min() + Eigen::Vector2d(0.1, 0.1);
+    line({corner, corner + Eigen::Vector2d(1.0, 0.0)}, "#000000", "stroke-width=\"2\"");
+    const std::string label = place(corner + Eigen::Vector2d(0.0, 0.08));
+    const std::size_t comma = label.find(',');
+    text_ += "<text x=\"" + label.substr(0, comma) + "\" y=\"" + label.substr(comma + 1) +
+             "\" font-family=\"sans-serif\" font-size=\"12\">1 m</text>\n";
+    const std::string width = number_text(box_.sizes().x() * scale_, 0);
+    const std::string height = number_text(box_.sizes().y() * scale_, 0);
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
+           "\" viewBox=\"0 0 " + width + " " + height +
+           "\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" + text_ + "</svg>\n";
+  }
+
+ private:
+  Eigen::AlignedBox2d box_;
+  double scale_ = 1.0;
+  std::string text_;
+};
+
+std::vector<Eigen::Vector2d> hips_track(const HumanClip& human) {
+  std::vector<Eigen::Vector2d> track;
+  // thinned: a point a centimetre is more than can be seen
+  constexpr double kStep = 0.01;
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    const Eigen::Vector2d place = human.frame(frame)[0].translation.head<2>();
+    if (track.empty() || (place - track.back()).norm() > kStep) track.push_back(place);
+  }
+  return track;
+}
+
+std::vector<Eigen::Vector2d> path_points(const GroundPath& path) {
+  std::vector<Eigen::Vector2d> points;
+  const int steps = std::clamp(static_cast<int>(path.length() / 0.05), 1, 4000);
+  for (int i = 0; i <= steps; ++i) points.push_back(path.at(path.length() * i / steps).position);
+  return points;
+}
+
+// soles of planted feet, from ankle to toe
+void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
+  const FootContacts contacts = find_foot_contacts(human);
+  for (int foot = 0; foot < 2; ++foot) {
+    const std::string side = foot == 0 ? "Left" : "Right";
+    const int ankle = find_bone(side + "Foot").value(), toe = find_bone(side + "Toe").value();
+    for (const ContactPhase& phase : contacts.phases[foot]) {
+      const auto pose = human.frame((phase.begin + phase.end) / 2);
+      const Eigen::Vector2d heel = pose[ankle].translation.head<2>();
+      const char* colour = foot == 0 ? colours.left : colours.right;
+      canvas.dot(heel, 2.5, colour);
+      if (human.has(toe)) {
+        canvas.line({heel, pose[toe].translation.head<2>()}, colour, "stroke-width=\"4\"");
+      }
+    }
+  }
+}
+
+Eigen::AlignedBox2d box_of(const std::vector<PathDrawing>& drawings) {
+  Eigen::AlignedBox2d box;
+  for (const PathDrawing& drawing : drawings) {
+    if (drawing.human != nullptr) {
+      for (const Eigen::Vector2d& point : hips_track(*drawing.human)) box.extend(point);
+    }
+    if (drawing.path == nullptr) continue;
+    for (const Eigen::Vector2d& point : path_points(*drawing.path)) box.extend(point);
+    for (const Eigen::Vector2d& point : drawing.path->control_points()) box.extend(point);
+  }
+  if (box.isEmpty()) box.extend(Eigen::Vector2d(0.0, 0.0));
+  const Eigen::Vector2d margin(kMargin, kMargin);
+  return {box.min() - margin, box.max() + margin};
+}
+
+void draw_path(Canvas& canvas, const GroundPath& path, const Colours& colours) {
+  canvas.line(path_points(path), colours.path, "stroke-width=\"3\"");
+  const auto& points = path.control_points();
+  for (std::size_t i = 0; i + 3 < points.size(); i += 3) {
+    canvas.line({points[i], points[i + 1]}, colours.path, "stroke-width=\"1\"");
+    canvas.line({points[i + 2], points[i + 3]}, colours.path, "stroke-width=\"1\"");
+    canvas.dot(points[i + 1], 2.0, colours.path);
+    canvas.dot(points[i + 2], 2.0, colours.path);
+  }
+  for (std::size_t i = 0; i < points.size(); i += 3) canvas.dot(points[i], 4.0, colours.path);
+}
+
+}  // namespace
+
+std::string draw_paths(const std::vector<PathDrawing>& drawings) {
+  Canvas canvas(box_of(drawings));
+  for (std::size_t i = 0; i < drawings.size(); ++i) {
+    const Colours& colours = i == 0 && drawings.size() > 1 ? kPale : kStrong;
+    if (drawings[i].path != nullptr) draw_path(canvas, *drawings[i].path, colours);
+    if (drawings[i].human == nullptr) continue;
+    canvas.line(hips_track(*drawings[i].human), colours.track, "stroke-width=\"1.5\"");
+    draw_feet(canvas, *drawings[i].human, colours);
+  }
+  return canvas.finish();
+}
+
+}  // namespace retarget

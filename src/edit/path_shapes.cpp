@@ -1,0 +1,84 @@
+// ready paths, and paths through points
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/edit/ground_path.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+// an eighth of a turn: a cubic is within 4e-6 of the radius of such an arc
+constexpr double kLargestArc = std::numbers::pi / 4.0;
+
+// adds an arc that begins at the last point; gives where it ends
+GroundPose add_arc(std::vector<Eigen::Vector2d>& points, const GroundPose& start, double radius,
+                   double length) {
+  const double turn = length / radius;
+  const int arcs = std::max(1, static_cast<int>(std::ceil(std::abs(turn) / kLargestArc - 1e-9)));
+  const double angle = turn / arcs;
+  const auto [sine, cosine] = portable::sin_cos(angle);
+  const auto [quarter_sine, quarter_cosine] = portable::sin_cos(0.25 * angle);
+  const double handle = 4.0 / 3.0 * quarter_sine / quarter_cosine * radius;
+  // along and left of the tangent
+  const GroundPose arc{{radius * sine, radius * (1.0 - cosine)}, angle};
+  GroundPose reached = start;
+  for (int i = 0; i < arcs; ++i) {
+    points.push_back(reached * Eigen::Vector2d(handle, 0.0));
+    points.push_back(reached * (arc * Eigen::Vector2d(-handle, 0.0)));
+    reached = reached * arc;
+    points.push_back(reached.position);
+  }
+  return reached;
+}
+
+}  // namespace
+
+GroundPath line_path(const GroundPose& start, double length) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 4; ++i) points.push_back(start * Eigen::Vector2d(length * i / 3.0, 0.0));
+  return GroundPath(std::move(points));
+}
+
+GroundPath circle_path(const GroundPose& start, double radius, double length) {
+  std::vector<Eigen::Vector2d> points{start.position};
+  add_arc(points, start, radius, length);
+  return GroundPath(std::move(points));
+}
+
+GroundPath figure8_path(const GroundPose& start, double length) {
+  const double radius = length / (4.0 * std::numbers::pi);
+  if (!(radius > 0.0)) return line_path(start, length);
+  std::vector<Eigen::Vector2d> points{start.position};
+  const GroundPose middle = add_arc(points, start, radius, 0.5 * length);
+  add_arc(points, middle, -radius, 0.5 * length);
+  return GroundPath(std::move(points));
+}
+
+GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
+  constexpr double kCoincide = 1e-9;
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector2d& point : points) {
+    if (places.empty() || (point - places.back()).norm() > kCoincide) places.push_back(point);
+  }
+  if (places.size() == 1) return line_path({places.front(), 0.0}, 0.0);
+
+  const auto last = places.size() - 1;
+  const auto tangent = [&](std::size_t i) -> Eigen::Vector2d {
+    const Eigen::Vector2d across = places[std::min(i + 1, last)] - places[i == 0 ? 0 : i - 1];
+    // of a point that is turned back at: none
+    return across.norm() > kCoincide ? across.normalized() : Eigen::Vector2d(0.0, 0.0);
+  };
+  std::vector<Eigen::Vector2d> control{places.front()};
+  for (std::size_t i = 0; i < last; ++i) {
+    const double third = (places[i + 1] - places[i]).norm() / 3.0;
+    control.push_back(places[i] + third * tangent(i));
+    control.push_back(places[i + 1] - third * tangent(i + 1));
+    control.push_back(places[i + 1]);
+  }
+  return GroundPath(std::move(control));
+}
+
+}  // namespace retarget

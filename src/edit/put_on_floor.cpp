@@ -1,0 +1,69 @@
+#include "retarget/edit/put_on_floor.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "retarget/edit/ground_pose.h"
+#include "retarget/human/foot_contacts.h"
+#include "retarget/math/statistics.h"
+#include "retarget/motion/forward_kinematics.h"
+#include "retarget/motion/skeleton_points.h"
+
+namespace retarget {
+namespace {
+
+// the points of a foot: its joint and all below
+std::vector<SkeletonPoint> foot_points(const Skeleton& skeleton, int ankle) {
+  std::vector<SkeletonPoint> points;
+  if (ankle < 0) return points;
+  for (SkeletonPoint& point : skeleton_points(skeleton)) {
+    int joint = point.joint;
+    while (joint > ankle) joint = skeleton.joint(joint).parent;
+    if (joint == ankle) points.push_back(std::move(point));
+  }
+  return points;
+}
+
+}  // namespace
+
+Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
+                            const std::string& file) {
+  const Skeleton& skeleton = clip.skeleton();
+  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping));
+  std::array<std::vector<SkeletonPoint>, 2> feet;
+  for (int foot = 0; foot < 2; ++foot) {
+    const int bone = find_bone(foot == 0 ? "LeftFoot" : "RightFoot").value();
+    feet[foot] = foot_points(skeleton, mapping.bones[bone].position_joint);
+  }
+  const Eigen::RowVector3d up = mapping.human_from_source.row(2) * mapping.metres_per_unit;
+  std::vector<double> heights;
+  std::vector<Pose> poses(static_cast<std::size_t>(skeleton.joint_count()));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, poses);
+    for (int foot = 0; foot < 2; ++foot) {
+      if (!contacts.planted(foot, frame)) continue;
+      double lowest = std::numeric_limits<double>::infinity();
+      for (const SkeletonPoint& point : feet[foot]) {
+        lowest = std::min(lowest, up.dot(world_from_point(point, poses).translation));
+      }
+      heights.push_back(lowest);
+    }
+  }
+  if (heights.empty()) {
+    return input_failure(file, "no foot ever stands: the floor cannot be told",
+                         "--floor H says how high the floor is, in metres");
+  }
+  return median(std::move(heights));
+}
+
+Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor,
+                          const std::string& file) {
+  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  if (!mover) return failure(mover.error());
+  mover->move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
+  return clip;
+}
+
+}  // namespace retarget

@@ -1,0 +1,131 @@
+#include "edit/seam_feet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/edit/ground_pose.h"
+#include "retarget/math/spline.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+// two contacts nearer in time than this are one, seconds
+constexpr double kSameStand = 0.1;
+
+// the motion over the ground that brings one place of a foot to another, heading and all
+GroundPose between_places(const Pose& from, const Pose& to) {
+  const Eigen::Quaterniond turn = to.rotation * from.rotation.conjugate();
+  GroundPose result;
+  if (turn.z() * turn.z() + turn.w() * turn.w() > 1e-6) {
+    result.heading = 2.0 * portable::atan2(turn.z(), turn.w());
+  }
+  result.position = to.translation.head<2>() - result * Eigen::Vector2d(from.translation.head<2>());
+  return result;
+}
+
+class FootJoiner {
+ public:
+  FootJoiner(const std::vector<Pose>& a, const std::vector<Pose>& b, const SeamRegion& region)
+      : a_(a), b_(b), region_(region) {}
+
+  // b's pose in a frame of the result
+  [[nodiscard]] const Pose& of_b(int frame) const {
+    return b_[static_cast<std::size_t>(frame - region_.b_shift)];
+  }
+
+  [[nodiscard]] PlantedFoot from_a(const ContactPhase& phase) const {
+    PlantedFoot plant{0, phase.begin, {}};
+    for (int frame = phase.begin; frame < phase.end; ++frame) {
+      plant.world_from_foot.push_back(a_[frame]);
+    }
+    return plant;
+  }
+
+  [[nodiscard]] PlantedFoot from_b(const ContactPhase& phase) const {
+    PlantedFoot plant{0, phase.begin, {}};
+    for (int frame = phase.begin; frame < phase.end; ++frame) {
+      plant.world_from_foot.push_back(of_b(frame));
+    }
+    return plant;
+  }
+
+  // a foot that stands in both
+  [[nodiscard]] PlantedFoot from_both(const ContactPhase& in_a, const ContactPhase& in_b) const {
+    // compared in a frame that both clips have
+    const int middle = (std::max(in_a.begin, in_b.begin) + std::min(in_a.end, in_b.end)) / 2;
+    const int both = std::clamp(middle, region_.b_begin, static_cast<int>(a_.size()) - 1);
+    const Pose a_from_b = between_places(of_b(both), a_[both]).in_space();
+    PlantedFoot plant{0, in_a.begin, {}};
+    for (int frame = in_a.begin; frame < in_b.end; ++frame) {
+      double of_a = region_.weight_of_a(frame);
+      if (frame >= in_a.end) of_a = 0.0;
+      if (frame < in_b.begin) of_a = frame < region_.a_end ? 1.0 : of_a;
+      if (of_a == 1.0) {
+        plant.world_from_foot.push_back(a_[frame]);
+        continue;
+      }
+      Pose pose = a_from_b * of_b(frame);
+      if (of_a > 0.0) {
+        pose.translation += of_a * (a_[frame].translation - pose.translation);
+        pose.rotation = interpolate_linear(pose.rotation, a_[frame].rotation, of_a);
+      }
+      plant.world_from_foot.push_back(pose);
+    }
+    return plant;
+  }
+
+ private:
+  const std::vector<Pose>& a_;
+  const std::vector<Pose>& b_;
+  const SeamRegion& region_;
+};
+
+std::vector<ContactPhase> clipped(const std::vector<ContactPhase>& phases, int shift, int begin,
+                                  int end) {
+  std::vector<ContactPhase> result;
+  for (const ContactPhase& phase : phases) {
+    const ContactPhase part{std::max(phase.begin + shift, begin), std::min(phase.end + shift, end)};
+    if (part.begin < part.end) result.push_back(part);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
+                                       const SeamRegion& region, const FrameRate& rate) {
+  std::vector<PlantedFoot> plants;
+  const int a_end = std::max(region.a_end, region.b_begin);
+  for (int foot = 0; foot < 2; ++foot) {
+    if (a.ankles[foot].empty() || b.ankles[foot].empty()) continue;
+    const int end = static_cast<int>(b.ankles[foot].size()) + region.b_shift;
+    auto of_a =
+        clipped(without_short_breaks(a.contacts.phases[foot], kSameStand, rate), 0, 0, a_end);
+    auto of_b = clipped(without_short_breaks(b.contacts.phases[foot], kSameStand, rate),
+                        region.b_shift, region.b_begin, end);
+    const FootJoiner joiner(a.ankles[foot], b.ankles[foot], region);
+    const std::size_t first_new = plants.size();
+    const bool near_seam = !of_a.empty() && of_a.back().end >= region.begin;
+    const auto near = static_cast<int>(std::lround(kSameStand * rate.fps()));
+    if (near_seam && !of_b.empty() && of_b.front().begin <= of_a.back().end + near) {
+      const ContactPhase in_a = of_a.back(), in_b = of_b.front();
+      of_a.pop_back();
+      of_b.erase(of_b.begin());
+      for (const ContactPhase& phase : of_a) plants.push_back(joiner.from_a(phase));
+      plants.push_back(joiner.from_both(in_a, in_b));
+    } else {
+      // while both count, a foot that stands in one alone is half its own
+      const int middle = (region.b_begin + a_end) / 2;
+      for (const ContactPhase& phase : clipped(of_a, 0, 0, middle)) {
+        plants.push_back(joiner.from_a(phase));
+      }
+      of_b = clipped(of_b, 0, middle, end);
+    }
+    for (const ContactPhase& phase : of_b) plants.push_back(joiner.from_b(phase));
+    for (std::size_t i = first_new; i < plants.size(); ++i) plants[i].foot = foot;
+  }
+  return plants;
+}
+
+}  // namespace retarget

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "edit/seam_blend.h"
+#include "retarget/edit/plant_feet.h"
+#include "retarget/motion/contact_phases.h"
+
+namespace retarget {
+
+/// The feet of one of two clips that are joined.
+struct ClipFeet {
+  std::array<std::vector<Pose>, 2> ankles;  ///< Where the clip lies in the result.
+  FootContacts contacts;
+};
+
+/// Where the feet stand in the joined clip: as in the clip they come from, but that a foot which
+/// stands in both around the seam stays where a has it until it leaves the floor in b.
+[[nodiscard]] std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
+                                                     const SeamRegion& region,
+                                                     const FrameRate& rate);
+
+}  // namespace retarget

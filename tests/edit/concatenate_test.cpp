@@ -1,0 +1,287 @@
+#include "retarget/edit/concatenate.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "edit_sample.h"
+#include "retarget/edit/mirror.h"
+#include "retarget/edit/pose_distance.h"
+#include "retarget/edit/rethread.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+using namespace edit_test;
+
+constexpr double kPi = std::numbers::pi;
+
+using Cloud = std::vector<Eigen::Vector3d>;
+
+// the distance at an angle, by the definition; the best shift at an angle is the difference of means
+double distance_at(const Cloud& a, const Cloud& b, const std::vector<double>& weights,
+                   double angle) {
+  double sum = 0.0, squares = 0.0;
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::UnitZ());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += weights[i];
+    shift += weights[i] * (a[i] - turn * b[i]);
+  }
+  shift /= sum;
+  shift.z() = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    squares += weights[i] * (a[i] - turn * b[i] - shift).squaredNorm();
+  }
+  return std::sqrt(squares / sum);
+}
+
+double least_distance(const Cloud& a, const Cloud& b, const std::vector<double>& weights) {
+  double best = 0.0;
+  for (double angle = -kPi; angle < kPi; angle += 0.1) {
+    if (distance_at(a, b, weights, angle) < distance_at(a, b, weights, best)) best = angle;
+  }
+  double low = best - 0.1, high = best + 0.1;
+  for (int i = 0; i < 50; ++i) {
+    const double left = low + (high - low) / 3.0, right = high - (high - low) / 3.0;
+    const bool is_left = distance_at(a, b, weights, left) < distance_at(a, b, weights, right);
+    (is_left ? high : low) = is_left ? right : left;
+  }
+  return distance_at(a, b, weights, 0.5 * (low + high));
+}
+
+TEST(PoseDistance, AlignmentIsTheNumericOptimum) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise;
+  for (int round = 0; round < 6; ++round) {
+    // turned by anything, half turns too: an arc tangent of one argument would fail
+    const double angle = kPi * (round - 3) / 3.0;
+    const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::UnitZ());
+    Cloud a, b;
+    std::vector<double> weights;
+    for (int i = 0; i < 25; ++i) {
+      b.emplace_back(noise(random), noise(random), noise(random));
+      a.push_back(turn * b.back() + Eigen::Vector3d(4.0, -7.0, 0.1) +
+                  0.2 * Eigen::Vector3d(noise(random), noise(random), noise(random)));
+      weights.push_back(0.2 + std::abs(noise(random)));
+    }
+    const CloudAlignment found = align_clouds(a, b, weights);
+    EXPECT_NEAR(found.distance, least_distance(a, b, weights), 1e-9);
+    EXPECT_NEAR(distance_at(a, b, weights, found.a_from_b.heading), found.distance, 1e-9);
+  }
+}
+
+TEST(PoseDistance, NoiseFreeCloudsAreFoundExactly) {
+  const Cloud b = {{0, 0, 0}, {1, 0, 1}, {0.3, 2, 0.5}, {-1, 0.4, 2}};
+  const GroundPose move{{3.0, -0.4}, 2.8};
+  Cloud a;
+  for (const auto& point : b) a.push_back(move.in_space() * point);
+  const CloudAlignment found = align_clouds(a, b, std::vector<double>(4, 0.25));
+  EXPECT_LT(found.distance, 1e-14);
+  EXPECT_NEAR(found.a_from_b.heading, 2.8, 1e-14);
+  EXPECT_LT((found.a_from_b.position - move.position).norm(), 1e-14);
+}
+
+TEST(PoseDistance, TheMapHoldsEachWindowsDistance) {
+  const HumanClip a = data_sample("walk").human(), b = data_sample("turn_in_place").human();
+  const std::vector<int> bones = common_bones(a, b);
+  const PoseClouds in_a(a, bones), in_b(b, bones);
+  const WindowDistance distance(in_a, in_b, 10);
+  const int from = a.frame_count - 25;
+  const auto map = distance.map(from, a.frame_count, 0, 20);
+  for (int i = 0; i < 25; i += 3) {
+    for (int j = 0; j < 20; j += 4) {
+      EXPECT_NEAR(map[static_cast<std::size_t>(i * 20 + j)], distance.at(from + i, j).distance,
+                  1e-5);
+    }
+  }
+}
+
+struct CutCase {
+  const char* name;
+  int begin_of_b, end_of_a;
+};
+
+// cut in two: with a window in common, and with one frame (times that are both included)
+TEST(Concatenation, FindsWhereAClipWasCut) {
+  for (const CutCase& cut_case :
+       {CutCase{"walk", 130, 140}, CutCase{"walk", 150, 151}, CutCase{"get_up", 100, 110},
+        CutCase{"get_up", 120, 121}, CutCase{"squat", 60, 61}}) {
+    const EditSample& sample = data_sample(cut_case.name);
+    // not all of it, for the time it takes
+    const Clip whole = cut(sample.clip, 0, std::min(sample.clip.frame_count(), 200));
+    const Clip a = cut(whole, 0, cut_case.end_of_a);
+    Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
+    // somewhere else, for the alignment to be found
+    const GroundPose away{{3.0, -4.0}, 1.3};
+    BodyMover::of(b.skeleton(), sample.mapping, "b").value().move_all(b, away.in_space());
+    for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
+      ConcatenateOptions options;
+      options.blend = blend;
+      const auto joined = concatenate(a, b, sample.mapping, options, "a", "b");
+      ASSERT_TRUE(joined) << describe(joined.error());
+      EXPECT_EQ(joined->seam.a_frame, cut_case.begin_of_b) << cut_case.name;
+      EXPECT_EQ(joined->seam.b_frame, 0) << cut_case.name;
+      EXPECT_LT(joined->seam.distance, 0.01);
+      EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-6) << cut_case.name;
+    }
+  }
+}
+
+TEST(Concatenation, FramesAreCounted) {
+  const EditSample &walk = data_sample("walk"), &wave = data_sample("wave");
+  const auto joined = concatenate(walk.clip, wave.clip, walk.mapping, {}, "walk", "wave");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  const Seam& seam = joined->seam;
+  EXPECT_EQ(joined->clip.frame_count(), seam.a_frame + wave.clip.frame_count() - seam.b_frame);
+  EXPECT_TRUE(joined->check.faults.empty());
+  EXPECT_TRUE(seam.same_support);
+  // before and after the seam the clips are what they were
+  EXPECT_LT(largest_distance(cut(joined->clip, 0, seam.a_frame - 15),
+                             cut(walk.clip, 0, seam.a_frame - 15), 0.01),
+            1e-12);
+  EXPECT_LT(largest_distance(through_bvh(joined->clip), joined->clip, 0.01), 1e-7);
+  EXPECT_LT(joined->check.slip, 0.05);
+  EXPECT_TRUE(format_pgm(joined->map).starts_with("P5\n61 61\n255\n"));
+}
+
+TEST(Concatenation, InertialSeamsAreSmooth) {
+  const EditSample &walk = data_sample("walk"), &turn = data_sample("turn_in_place");
+  ConcatenateOptions options;
+  options.blend = SeamBlend::kInertial;
+  options.force = true;
+  const auto joined =
+      concatenate(cut(walk.clip, 0, 160), turn.clip, walk.mapping, options, "a", "b");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  // m per frame^2; a jump of a few centimetres would double it
+  const auto largest_bend = [](const HumanClip& human, int begin, int end) {
+    double largest = 0.0;
+    for (int frame = begin; frame < end; ++frame) {
+      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+        const auto at = [&](int f) { return human.frame(f)[bone].translation; };
+        largest = std::max(largest, (at(frame + 1) - 2.0 * at(frame) + at(frame - 1)).norm());
+      }
+    }
+    return largest;
+  };
+  const int seam = joined->seam.a_frame;
+  EXPECT_LT(largest_bend(walk.human_of(joined->clip), seam - 2, seam + 12),
+            1.2 * largest_bend(walk.human(), 1, 300));
+}
+
+TEST(Concatenation, RefusesWhatDoesNotFit) {
+  // from walking to lying on the floor
+  const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
+  ConcatenateOptions options;
+  options.seam.band = 0.5;
+  const auto refused = concatenate(walk.clip, up.clip, walk.mapping, options, "walk.bvh", "up.bvh");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kRun);
+  EXPECT_EQ(refused.error().file, "up.bvh");
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("cm apart"));
+  EXPECT_THAT(refused.error().hint, testing::HasSubstr("--force"));
+  options.force = true;
+  const auto forced = concatenate(walk.clip, up.clip, walk.mapping, options, "walk.bvh", "up.bvh");
+  ASSERT_TRUE(forced);
+  EXPECT_FALSE(forced->check.faults.empty());
+  EXPECT_TRUE(format_bvh(forced->clip));
+}
+
+TEST(Concatenation, OddClips) {
+  const EditSample& walk = data_sample("walk");
+  const Clip none = cut(walk.clip, 0, 0), one = cut(walk.clip, 0, 1);
+  EXPECT_FALSE(concatenate(none, walk.clip, walk.mapping, {}, "a", "b"));
+  EXPECT_FALSE(concatenate(walk.clip, none, walk.mapping, {}, "a", "b"));
+  const auto single = concatenate(one, one, walk.mapping, {}, "a", "b");
+  ASSERT_TRUE(single) << describe(single.error());
+  EXPECT_EQ(single->clip.frame_count(), 1);
+  const auto begun = concatenate(one, walk.clip, walk.mapping, {}, "a", "b");
+  ASSERT_TRUE(begun) << describe(begun.error());
+  EXPECT_LT(largest_distance(begun->clip, walk.clip, 0.01), 1e-6);
+  Clip faster = walk.clip;
+  faster.set_rate({60, 1});
+  EXPECT_FALSE(concatenate(walk.clip, faster, walk.mapping, {}, "a", "b"));
+  ConcatenateOptions all;
+  all.seam.search_all = true;
+  EXPECT_TRUE(concatenate(walk.clip, walk.clip, walk.mapping, all, "a", "b"));
+}
+
+// the walk's skeleton with all joints' axes turned, and other channels
+TransferTarget turned_axes() {
+  const EditSample& walk = data_sample("walk");
+  const Eigen::Quaterniond axes(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  std::vector<Joint> joints = walk.clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    joint.offset = axes * joint.offset;
+    for (Eigen::Vector3d& end : joint.end_sites) end = axes * end;
+    if (joint.parent < 0) continue;
+    joint.channels = {Channel::kXRotation, Channel::kZRotation, Channel::kYRotation};
+  }
+  TransferTarget target{std::make_shared<const Skeleton>(joints), walk.map, walk.mapping};
+  for (BoneSource& bone : target.mapping.bones) {
+    if (bone.rotation_joint >= 0) bone.joint_from_bone = axes;
+  }
+  return target;
+}
+
+// editing and transfer commute on equal proportions
+TEST(EditsAndTransfer, Commute) {
+  const EditSample& walk = data_sample("walk");
+  const TransferTarget other = turned_axes();
+  const auto transferred = [&](const Clip& clip) {
+    return transfer(to_human(clip, walk.mapping), other);
+  };
+  const GroundPath circle = circle_path(fit_path(walk.human(), {}, "clip")->path.at(0.0), 3.0, 7.0);
+  const Clip& waving = data_sample("wave").clip;
+  using EditOf = std::function<Clip(const Clip&, const HumanMapping&)>;
+  const std::vector<std::pair<const char*, EditOf>> edits = {
+      {"mirror", [](const Clip& clip,
+                    const HumanMapping& mapping) { return mirror(clip, mapping, "clip").value(); }},
+      {"path",
+       [&](const Clip& clip, const HumanMapping& mapping) {
+         return rethread(clip, mapping, circle, {}, "clip").value().clip;
+       }},
+      {"concatenate",
+       [&](const Clip& clip, const HumanMapping& mapping) {
+         const bool own = clip.skeleton().joint(1).channels[0] == Channel::kZRotation;
+         const Clip next = own ? waving : transferred(waving);
+         return concatenate(clip, next, mapping, {}, "a", "b").value().clip;
+       }},
+  };
+  for (const auto& [name, edit] : edits) {
+    const Clip one = transferred(edit(walk.clip, walk.mapping));
+    const Clip two = edit(transferred(walk.clip), other.mapping);
+    EXPECT_LT(largest_distance(one, two, other.mapping.metres_per_unit), 1e-6) << name;
+  }
+}
+
+// recorded motions: a walk goes on to pushes and to a dance
+TEST(Concatenation, RecordedClipsPassTheSeamChecks) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  const auto load = [&](const std::string& name) {
+    return load_bvh((*shared / "data/lafan1" / (name + ".bvh")).string()).value().clip;
+  };
+  const EditSample walk(cut(load("walk4_subject1"), 0, 600));
+  ConcatenateOptions options;
+  // both begin with seconds of a T-pose, which no walk goes on to
+  EXPECT_FALSE(concatenate(walk.clip, cut(load("dance1_subject2"), 0, 60), walk.mapping, options,
+                           "walk4", "T-pose"));
+  options.seam.band = 10.0;
+  for (const char* name : {"push1_subject2", "dance1_subject2"}) {
+    const EditSample next(cut(load(name), 0, 400));
+    const Clip same_body = transfer(next.human(), walk.as_target());
+    const auto joined = concatenate(walk.clip, same_body, walk.mapping, options, "walk4", name);
+    ASSERT_TRUE(joined) << describe(joined.error());
+    EXPECT_TRUE(joined->check.faults.empty());
+    EXPECT_LT(joined->check.largest_speed, 3.0 * joined->check.usual_speed);
+    EXPECT_LT(joined->check.slip, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace retarget

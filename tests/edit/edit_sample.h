@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/bvh/write_bvh.h"
+#include "retarget/edit/transfer.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/recognise.h"
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget::edit_test {
+
+inline const std::vector<Dialect>& all_dialects() {
+  static const std::vector<Dialect> kDialects =
+      load_dialects(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons").value();
+  return kDialects;
+}
+
+/// A clip and the human that is recognised in it.
+struct EditSample {
+  Clip clip;
+  BoneMap map;
+  HumanMapping mapping;
+
+  explicit EditSample(Clip from)
+      : clip(std::move(from)),
+        map(recognise_skeleton(clip, all_dialects(), "clip").value()),
+        mapping(calibrate(clip, map, {}, "clip").value().mapping) {}
+
+  [[nodiscard]] HumanClip human() const { return to_human(clip, mapping); }
+  [[nodiscard]] HumanClip human_of(const Clip& edited) const { return to_human(edited, mapping); }
+  [[nodiscard]] TransferTarget as_target() const { return {clip.shared_skeleton(), map, mapping}; }
+};
+
+inline Clip data_clip(const std::string& name) {
+  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+}
+
+inline const EditSample& data_sample(const std::string& name) {
+  static std::vector<std::pair<std::string, EditSample>> samples;
+  for (const auto& [known, found] : samples) {
+    if (known == name) return found;
+  }
+  samples.reserve(16);
+  return samples.emplace_back(name, EditSample(data_clip(name))).second;
+}
+
+/// Largest distance between the joints of two clips of one skeleton, metres.
+inline double largest_distance(const Clip& a, const Clip& b, double metres_per_unit) {
+  EXPECT_EQ(a.frame_count(), b.frame_count());
+  std::vector<Pose> in_a(a.skeleton().joint_count()), in_b(b.skeleton().joint_count());
+  double largest = 0.0;
+  for (int frame = 0; frame < std::min(a.frame_count(), b.frame_count()); ++frame) {
+    forward_kinematics(a, frame, in_a);
+    forward_kinematics(b, frame, in_b);
+    for (std::size_t joint = 0; joint < in_a.size(); ++joint) {
+      largest = std::max(largest, (in_a[joint].translation - in_b[joint].translation).norm());
+      // of what hangs from the joint, at a tenth of a metre
+      const auto& p = in_a[joint].rotation.coeffs();
+      const auto& q = in_b[joint].rotation.coeffs();
+      largest = std::max(largest, 0.2 / metres_per_unit * std::min((p - q).norm(), (p + q).norm()));
+    }
+  }
+  return largest * metres_per_unit;
+}
+
+/// The clip as its own BVH text reads back.
+inline Clip through_bvh(const Clip& clip) {
+  return read_bvh(format_bvh(clip).value(), "written").value().clip;
+}
+
+}  // namespace retarget::edit_test

@@ -1,0 +1,114 @@
+#include "retarget/edit/mirror.h"
+
+#include <gmock/gmock.h>
+
+#include "edit_sample.h"
+#include "retarget/edit/ground_pose.h"
+#include "support/shared_data.h"
+
+namespace retarget {
+namespace {
+
+using namespace edit_test;
+
+int mate_of_bone(int bone) {
+  const std::string name(kBoneNames[bone]);
+  if (name.starts_with("Left")) return *find_bone("Right" + name.substr(4));
+  if (name.starts_with("Right")) return *find_bone("Left" + name.substr(5));
+  return bone;
+}
+
+TEST(Mirror, TwiceIsTheSame) {
+  for (const char* name : {"walk", "get_up", "turn_in_place"}) {
+    const EditSample& sample = data_sample(name);
+    const Clip once = mirror(sample.clip, sample.mapping, "clip").value();
+    const Clip twice = mirror(once, sample.mapping, "clip").value();
+    EXPECT_LT(largest_distance(twice, sample.clip, 0.01), 1e-8) << name;
+    for (int frame = 0; frame < twice.frame_count(); ++frame) {
+      for (int joint = 0; joint < twice.skeleton().joint_count(); ++joint) {
+        const auto& a = twice.rotations(frame)[joint];
+        const auto& b = sample.clip.rotations(frame)[joint];
+        ASSERT_LT(std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm()),
+                  1e-9);
+      }
+    }
+  }
+}
+
+// the synthetic body is symmetric: every bone is where the mirror shows its counterpart
+TEST(Mirror, BonesAreMirrorImages) {
+  const EditSample& sample = data_sample("wave");
+  const Clip image = mirror(sample.clip, sample.mapping, "clip").value();
+  const HumanClip before = sample.human(), after = sample.human_of(image);
+  const GroundPose start = hips_over_ground(before).front();
+  for (int frame = 0; frame < before.frame_count; frame += 7) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (!before.has(bone)) continue;
+      const auto seen = [&](const HumanClip& human, int which) {
+        return Eigen::Vector3d(start.inverse().in_space() * human.frame(frame)[which].translation);
+      };
+      Eigen::Vector3d wanted = seen(before, mate_of_bone(bone));
+      wanted.y() = -wanted.y();
+      ASSERT_LT((seen(after, bone) - wanted).norm(), 1e-9) << kBoneNames[bone];
+    }
+  }
+}
+
+TEST(Mirror, NamesPlayNoPart) {
+  const EditSample& sample = data_sample("walk");
+  std::vector<Joint> joints = sample.clip.skeleton().joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) joints[i].name = "j" + std::to_string(i);
+  const Skeleton nameless(joints);
+  EXPECT_EQ(mirrored_joints(nameless, sample.mapping, "clip").value(),
+            mirrored_joints(sample.clip.skeleton(), sample.mapping, "clip").value());
+}
+
+TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
+  const EditSample& sample = data_sample("walk");
+  std::vector<Joint> joints = sample.clip.skeleton().joints();
+  const auto add = [&joints](int parent, const char* name, const Eigen::Vector3d& offset) {
+    Joint joint = joints[parent];
+    joint.parent = parent;
+    joint.name = name;
+    joint.offset = offset;
+    joints.push_back(joint);
+    return static_cast<int>(joints.size()) - 1;
+  };
+  // two fingers on each hand, in another order; their places in LAFAN1's axes mirror about x, y
+  const int left = sample.map.joint("LeftHand"), right = sample.map.joint("RightHand");
+  const int thumb = add(left, "a", {3.0, 2.0, 1.0}), ring = add(left, "b", {9.0, 0.0, -2.0});
+  const int other_ring = add(right, "c", {9.0, 0.0, 2.0});
+  const int other_thumb = add(right, "d", {3.0, 2.0, -1.0});
+  const auto mates = mirrored_joints(Skeleton(joints), sample.mapping, "clip").value();
+  EXPECT_EQ(mates[thumb], other_thumb);
+  EXPECT_EQ(mates[other_ring], ring);
+  // one finger more on one hand has no counterpart
+  add(right, "sixth", {4.0, -2.0, 0.0});
+  const auto lonely = mirrored_joints(Skeleton(joints), sample.mapping, "hand.bvh");
+  ASSERT_FALSE(lonely);
+  EXPECT_EQ(lonely.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(lonely.error().message, testing::HasSubstr("counterpart"));
+}
+
+// real skeletons of other makes, with fingers and helper joints
+TEST(Mirror, TwiceIsTheSameOnEveryDialect) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
+                           "xsens_boxing_120fps", "vicon_mixed_orders_zup_inch_1"}) {
+    const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
+    const Clip clip = load_bvh(path.string()).value().clip;
+    const EditSample sample(cut(clip, 0, std::min(clip.frame_count(), 200)));
+    const auto once = mirror(sample.clip, sample.mapping, file);
+    ASSERT_TRUE(once) << describe(once.error());
+    const Clip twice = mirror(*once, sample.mapping, file).value();
+    EXPECT_LT(largest_distance(twice, sample.clip, sample.mapping.metres_per_unit), 1e-7) << file;
+    EXPECT_LT(largest_distance(through_bvh(*once), *once, sample.mapping.metres_per_unit), 1e-7);
+    // the mirrored body is a human that walks upright, its left at the left
+    const EditSample again(*once);
+    EXPECT_EQ(again.map.joint_of_bone, sample.map.joint_of_bone) << file;
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,322 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "edit_sample.h"
+#include "retarget/edit/path_picture.h"
+#include "retarget/edit/rethread.h"
+#include "retarget/human/foot_contacts.h"
+#include "retarget/math/statistics.h"
+
+namespace retarget {
+namespace {
+
+using namespace edit_test;
+
+constexpr double kPi = std::numbers::pi;
+
+PathMotion path_of(const EditSample& sample) {
+  return fit_path(sample.human(), {}, "clip").value();
+}
+
+Rethreaded follow(const EditSample& sample, const GroundPath& path,
+                  PathKeep keep = PathKeep::kTime) {
+  RethreadOptions options;
+  options.keep = keep;
+  return rethread(sample.clip, sample.mapping, path, options, "clip").value();
+}
+
+double angle_between(double a, double b) {
+  return std::abs(std::remainder(a - b, 2.0 * kPi));
+}
+
+TEST(GroundPaths, AreGoneByTheirLength) {
+  const GroundPath path({{0, 0}, {1, 2}, {3, -2}, {4, 1}, {5, 4}, {2, 5}, {2, 5}});
+  for (double along = 0.01; along < path.length(); along += 0.01) {
+    const Eigen::Vector2d step = path.at(along).position - path.at(along - 0.01).position;
+    EXPECT_NEAR(step.norm(), 0.01, 1e-5);
+    EXPECT_LT(angle_between(path.at(along - 0.005).heading, std::atan2(step.y(), step.x())), 0.01);
+  }
+  // straight on at both ends
+  EXPECT_LT((path.at(-2.0).position - Eigen::Vector2d(-2.0, -4.0) / std::sqrt(5.0)).norm(), 1e-12);
+  EXPECT_LT((path.at(path.length() + 1.5).position -
+             (Eigen::Vector2d(2.0, 5.0) +
+              1.5 * (path.at(path.length()).position - path.at(path.length() - 1e-5).position)
+                        .normalized()))
+                .norm(),
+            1e-3);
+}
+
+TEST(GroundPaths, ShapesAreWhatTheyAreCalled) {
+  const GroundPose start{{1.0, -2.0}, 0.6};
+  const GroundPath circle = circle_path(start, 3.0, 2.5 * kPi * 3.0);
+  EXPECT_NEAR(circle.length(), 7.5 * kPi, 1e-4);
+  const Eigen::Vector2d centre = start * Eigen::Vector2d(0.0, 3.0);
+  for (double along = 0.0; along < circle.length(); along += 0.1) {
+    EXPECT_NEAR((circle.at(along).position - centre).norm(), 3.0, 2e-5);
+    EXPECT_LT(angle_between(circle.at(along).heading, 0.6 + along / 3.0), 1e-4);
+  }
+  const GroundPath eight = figure8_path(start, 10.0);
+  EXPECT_NEAR(eight.length(), 10.0, 1e-4);
+  EXPECT_LT((eight.at(5.0).position - start.position).norm(), 1e-3);
+  EXPECT_LT((eight.at(10.0).position - start.position).norm(), 1e-3);
+  EXPECT_LT(circle_path(start, -1.0, 1.0).at(1.0).heading, 0.6);
+  EXPECT_NEAR(line_path(start, 4.0).length(), 4.0, 1e-12);
+}
+
+TEST(GroundPaths, CoincidentPointsMakeNoTrouble) {
+  // handles of no length, a segment of no length, all of it one point
+  for (const GroundPath& path :
+       {GroundPath({{0, 0}, {0, 0}, {2, 0}, {2, 0}}),
+        GroundPath(
+            {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 0}, {3, 0}, {3, 0}, {4, 0}, {5, 0}, {6, 0}}),
+        GroundPath({{1, 1}, {1, 1}, {1, 1}, {1, 1}})}) {
+    for (double along = -1.0; along < path.length() + 1.0; along += 0.05) {
+      const GroundPose pose = path.at(along);
+      ASSERT_TRUE(pose.position.allFinite());
+      ASSERT_NEAR(pose.heading, 0.0, 1e-9);
+    }
+    EXPECT_NEAR(path.at(path.length()).heading, 0.0, 1e-9);
+  }
+  const GroundPath through = path_through({{0, 0}, {0, 0}, {1, 0}, {1, 1}, {1, 1}});
+  EXPECT_EQ(through.segment_count(), 2u);
+  EXPECT_EQ(path_through({{2, 3}}).at(1.0).position.y(), 3.0);
+}
+
+TEST(GroundPaths, GoThroughJsonUnchanged) {
+  const GroundPath path = path_of(data_sample("walk")).path;
+  EXPECT_EQ(parse_path(format_path(path), "p.json").value().control_points(),
+            path.control_points());
+  EXPECT_EQ(parse_path(R"({"waypoints": [[0, 0], [1, 1], [2, 0]]})", "p")->segment_count(), 2u);
+  for (const char* wrong :
+       {"{}", "[]", R"({"control_points": [[0, 0], [1, 0], [2, 0]]})", R"({"waypoints": []})",
+        R"({"waypoints": [[0, 0], [1, "a"]]})", R"({"waypoints": [[0, 1e300]]})",
+        R"({"waypoints": [[0, 0]], "control_points": []})", R"({"waypoints": 3})"}) {
+    const auto read = parse_path(wrong, "p.json");
+    ASSERT_FALSE(read) << wrong;
+    EXPECT_EQ(read.error().kind, ErrorKind::kConfig);
+    EXPECT_EQ(read.error().file, "p.json");
+  }
+}
+
+TEST(FittedPaths, FollowTheTrackWithoutCorners) {
+  const PathMotion walk = path_of(data_sample("walk"));
+  EXPECT_LT(walk.largest_distance, 0.05);
+  const auto hips = hips_over_ground(data_sample("walk").human());
+  EXPECT_NEAR(walk.path.length(), (hips.back().position - hips.front().position).norm(), 0.1);
+  for (std::size_t i = 1; i < walk.along.size(); ++i) ASSERT_GE(walk.along[i], walk.along[i - 1]);
+  const auto& points = walk.path.control_points();
+  for (std::size_t i = 3; i + 3 < points.size(); i += 3) {
+    const Eigen::Vector2d in = points[i] - points[i - 1], out = points[i + 1] - points[i];
+    EXPECT_NEAR(in.x() * out.y() - in.y() * out.x(), 0.0, 1e-12);
+    EXPECT_GT(in.dot(out), 0.0);
+  }
+  // it stands at both ends
+  ASSERT_EQ(walk.still.size(), 2u);
+  EXPECT_EQ(walk.still.front().begin, 0);
+  EXPECT_EQ(walk.still.back().end, 301);
+}
+
+TEST(Rethreading, AlongTheOwnPathChangesNothing) {
+  for (const char* name : {"walk", "turn_in_place", "get_up", "squat"}) {
+    const EditSample& sample = data_sample(name);
+    const GroundPath path = parse_path(format_path(path_of(sample).path), "p").value();
+    EXPECT_LT(largest_distance(follow(sample, path).clip, sample.clip, 0.01), 1e-6) << name;
+    EXPECT_LT(largest_distance(follow(sample, path, PathKeep::kStride).clip, sample.clip, 0.01),
+              1e-6);
+  }
+  const EditSample& walk = data_sample("walk");
+  EXPECT_LT(
+      largest_distance(follow(walk, path_of(walk).path, PathKeep::kSpeed).clip, walk.clip, 0.01),
+      1e-6);
+}
+
+TEST(Rethreading, ARigidlyMovedPathMovesTheMotionRigidly) {
+  const GroundPose move{{2.0, -1.0}, 2.2};
+  for (const char* name : {"walk", "turn_in_place"}) {
+    const EditSample& sample = data_sample(name);
+    Clip wanted = sample.clip;
+    BodyMover::of(wanted.skeleton(), sample.mapping, "clip")
+        .value()
+        .move_all(wanted, move.in_space());
+    const Clip found = follow(sample, path_of(sample).path.moved(move)).clip;
+    EXPECT_LT(largest_distance(found, wanted, 0.01), 1e-6) << name;
+    EXPECT_LT(largest_distance(through_bvh(found), found, 0.01), 1e-7) << name;
+  }
+}
+
+// ankles of planted feet, in contact as the clip itself says
+struct StepFacts {
+  double mean_stride = 0.0;  // metres, both feet
+  double slip = 0.0;         // mean speed over the floor, m/s
+};
+
+StepFacts steps_of(const HumanClip& human, const FootContacts& contacts) {
+  std::vector<double> strides, speeds;
+  for (int foot = 0; foot < 2; ++foot) {
+    const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
+    const auto at = [&](int frame) {
+      return Eigen::Vector2d(human.frame(frame)[bone].translation.head<2>());
+    };
+    const auto& phases = contacts.phases[foot];
+    for (std::size_t i = 0; i < phases.size(); ++i) {
+      const auto middle = [](const ContactPhase& phase) { return (phase.begin + phase.end) / 2; };
+      if (i > 0) strides.push_back((at(middle(phases[i])) - at(middle(phases[i - 1]))).norm());
+      for (int frame = phases[i].begin; frame + 1 < phases[i].end; ++frame) {
+        speeds.push_back((at(frame + 1) - at(frame)).norm() * human.rate.fps());
+      }
+    }
+  }
+  return {mean(strides), mean(speeds)};
+}
+
+TEST(Rethreading, AStraightWalkAlongACircle) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const GroundPath circle = circle_path(own.path.at(0.0), 3.0, own.path.length());
+  const Rethreaded round = follow(sample, circle);
+  const FootContacts contacts = find_foot_contacts(sample.human());
+  const StepFacts before = steps_of(sample.human(), contacts);
+  const StepFacts after = steps_of(sample.human_of(round.clip), contacts);
+  EXPECT_NEAR(after.mean_stride / before.mean_stride, 1.0, 0.02);
+  EXPECT_LT(after.slip, 0.02);
+  EXPECT_LT(after.slip, before.slip + 0.002);
+  EXPECT_LT(round.feet.largest_miss, 0.002);
+
+  // heading minus tangent stays, and so does the place beside the path
+  const auto hips = hips_over_ground(sample.human());
+  const auto moved = hips_over_ground(sample.human_of(round.clip));
+  const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
+  for (std::size_t i = 0; i < hips.size(); ++i) {
+    const GroundPose was = frames[i].inverse() * hips[i];
+    const GroundPose is = round.frames[i].inverse() * moved[i];
+    ASSERT_LT((was.position - is.position).norm(), 1e-9);
+    ASSERT_LT(angle_between(was.heading, is.heading), 1e-9);
+  }
+  // joints that are neither the root's nor the legs' stay as they are
+  const int spine = sample.map.joint("Spine");
+  for (int joint = spine; joint < sample.clip.skeleton().joint_count(); ++joint) {
+    ASSERT_EQ(round.clip.rotations(150)[joint].coeffs(),
+              sample.clip.rotations(150)[joint].coeffs());
+  }
+}
+
+// the same feet without the cleaning slide: it is what keeps them
+TEST(Rethreading, PlantingHoldsTheFeet) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
+  const Rethreaded round = follow(sample, tight);
+  const FootContacts contacts = find_foot_contacts(sample.human());
+  EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
+  Clip slid = sample.clip;
+  const auto mover = BodyMover::of(slid.skeleton(), sample.mapping, "clip").value();
+  const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
+  for (int i = 0; i < slid.frame_count(); ++i) {
+    mover.move(slid, i, round.frames[i] * frames[i].inverse());
+  }
+  EXPECT_GT(steps_of(sample.human_of(slid), contacts).slip, 0.05);
+}
+
+TEST(Rethreading, TimeSpeedAndStride) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const GroundPath longer = own.path.scaled(1.25);
+  const auto way = [&](const Clip& clip) {
+    const auto hips = hips_over_ground(sample.human_of(clip));
+    return (hips.back().position - hips.front().position).norm();
+  };
+  const double length = way(sample.clip);
+  const Clip in_time = follow(sample, longer).clip;
+  EXPECT_EQ(in_time.frame_count(), sample.clip.frame_count());
+  EXPECT_NEAR(way(in_time), 1.25 * length, 0.02);
+  const Clip at_speed = follow(sample, longer, PathKeep::kSpeed).clip;
+  EXPECT_EQ(at_speed.frame_count(), 376);
+  EXPECT_NEAR(way(at_speed), 1.25 * length, 0.02);
+  const Clip in_stride = follow(sample, longer, PathKeep::kStride).clip;
+  EXPECT_EQ(in_stride.frame_count(), sample.clip.frame_count());
+  EXPECT_NEAR(way(in_stride), length, 0.02);
+}
+
+TEST(Rethreading, AUTurnDoesNotSpin) {
+  // a walk out and back by a hairpin, then all of it straight on
+  const EditSample& sample = data_sample("walk");
+  const GroundPose start = path_of(sample).path.at(0.0);
+  const auto at = [&](double x, double y) { return start * Eigen::Vector2d(x, y); };
+  const GroundPath hairpin = path_through(
+      {at(0, 0), at(2, 0), at(3, 0.2), at(3.2, 0.6), at(3, 1), at(2, 1.2), at(0, 1.2)});
+  const Clip there = follow(sample, hairpin).clip;
+  const auto headings = hips_over_ground(sample.human_of(there));
+  EXPECT_NEAR(headings.back().heading - headings.front().heading, kPi, 0.3);
+  const EditSample again(there);
+  const Clip straight = follow(again, line_path(start, 7.0)).clip;
+  const auto after = hips_over_ground(sample.human_of(straight));
+  for (std::size_t i = 1; i < after.size(); ++i) {
+    ASSERT_LT(std::abs(after[i].heading - after[i - 1].heading), 0.25) << i;
+    ASSERT_LT(std::abs(after[i].heading - after[0].heading), 1.0) << i;
+  }
+}
+
+TEST(Rethreading, WhileStandingTheHeadingFollowsTheBody) {
+  // the path comes back on itself at a corner, where the body stands and turns left
+  const GroundPath path({{0, 0}, {1, 0}, {2, 0}, {2, 0}, {2, 0}, {1, 0}, {0, 0}});
+  std::vector<double> along;
+  for (int i = 0; i < 60; ++i)
+    along.push_back(i < 20 ? 0.1 * i : i < 40 ? 2.0 : 2.0 + 0.1 * (i - 39));
+  const std::vector<StillPhase> still{{20, 40, 0.0}};
+  for (const double turn : {3.3, -2.9}) {
+    const auto frames = path_frames(path, along, still, {turn});
+    EXPECT_NEAR(frames.back().heading - frames.front().heading, turn > 0.0 ? kPi : -kPi, 1e-6);
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+      EXPECT_LT(std::abs(frames[i].heading - frames[i - 1].heading), 0.5);
+    }
+  }
+}
+
+TEST(Rethreading, OddClipsAndPaths) {
+  const EditSample& walk = data_sample("walk");
+  const auto try_it = [&](const Clip& clip, const GroundPath& path, PathKeep keep) {
+    RethreadOptions options;
+    options.keep = keep;
+    const auto result = rethread(clip, walk.mapping, path, options, "clip");
+    if (!result) {
+      EXPECT_FALSE(result.error().message.empty());
+      return;
+    }
+    EXPECT_EQ(result->clip.frame_count() > 0, clip.frame_count() > 0);
+    EXPECT_TRUE(format_bvh(result->clip)) << "not finite";
+  };
+  Clip still = cut(walk.clip, 0, 40);
+  for (int i = 1; i < 40; ++i) {
+    std::ranges::copy(walk.clip.rotations(0), still.rotations(i).begin());
+    std::ranges::copy(walk.clip.translations(0), still.translations(i).begin());
+  }
+  const std::vector<GroundPath> paths = {line_path({{1.0, 1.0}, 2.0}, 0.0), line_path({}, 0.05),
+                                         GroundPath({{0, 0}, {0, 0}, {0, 0}, {0, 0}}),
+                                         figure8_path({}, 6.0),
+                                         path_through({{0, 0}, {1, 0}, {0, 0}, {1, 0}})};
+  for (const Clip& clip : {cut(walk.clip, 0, 1), cut(walk.clip, 0, 0), still,
+                           cut(walk.clip, 100, 103), cut(walk.clip, 30, 90)}) {
+    for (const GroundPath& path : paths) {
+      for (const PathKeep keep : {PathKeep::kTime, PathKeep::kStride, PathKeep::kSpeed}) {
+        try_it(clip, path, keep);
+      }
+    }
+  }
+  EXPECT_FALSE(fit_path(walk.human_of(cut(walk.clip, 0, 0)), {}, "empty.bvh"));
+}
+
+TEST(PathPictures, AreSvg) {
+  const EditSample& sample = data_sample("walk");
+  const HumanClip human = sample.human();
+  const GroundPath path = path_of(sample).path;
+  const std::string svg = draw_paths({{&human, &path}});
+  EXPECT_TRUE(svg.starts_with("<svg"));
+  EXPECT_THAT(svg, testing::HasSubstr("polyline"));
+  EXPECT_THAT(svg, testing::Not(testing::HasSubstr("nan")));
+  EXPECT_LT(svg.size(), 100000u);
+}
+
+}  // namespace
+}  // namespace retarget

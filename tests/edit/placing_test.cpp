@@ -1,0 +1,158 @@
+// moving whole bodies over the ground, the floor, cycles
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "edit_sample.h"
+#include "retarget/edit/ground_pose.h"
+#include "retarget/edit/make_loop.h"
+#include "retarget/edit/put_on_floor.h"
+
+namespace retarget {
+namespace {
+
+using namespace edit_test;
+
+constexpr double kPi = std::numbers::pi;
+
+Clip moved(const EditSample& sample, const GroundPose& move) {
+  Clip clip = sample.clip;
+  BodyMover::of(clip.skeleton(), sample.mapping, "clip").value().move_all(clip, move.in_space());
+  return clip;
+}
+
+TEST(GroundPoses, FormAGroup) {
+  const GroundPose a{{1.0, -2.0}, 0.7}, b{{0.3, 4.0}, -2.1};
+  const Eigen::Vector2d point(0.2, -0.9);
+  EXPECT_LT(((a * b) * point - a * (b * point)).norm(), 1e-14);
+  EXPECT_LT(((a.inverse() * a) * point - point).norm(), 1e-14);
+  EXPECT_LT(
+      (turn_about({3.0, 1.0}, 1.0) * Eigen::Vector2d(3.0, 1.0) - Eigen::Vector2d(3.0, 1.0)).norm(),
+      1e-14);
+}
+
+TEST(BodyMoves, AreRigidAndChangeTheRootAlone) {
+  const EditSample& sample = data_sample("walk");
+  const GroundPose move{{1.5, -0.5}, 0.8};
+  const Clip clip = moved(sample, move);
+  const HumanClip before = sample.human(), after = sample.human_of(clip);
+  const auto places = hips_over_ground(before), new_places = hips_over_ground(after);
+  for (int frame = 0; frame < clip.frame_count(); frame += 20) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      ASSERT_LT((move.in_space() * before.frame(frame)[bone].translation -
+                 after.frame(frame)[bone].translation)
+                    .norm(),
+                1e-9);
+    }
+    EXPECT_NEAR(new_places[frame].heading - places[frame].heading, 0.8, 1e-9);
+    for (int joint = 1; joint < clip.skeleton().joint_count(); ++joint) {
+      ASSERT_EQ(clip.rotations(frame)[joint].coeffs(),
+                sample.clip.rotations(frame)[joint].coeffs());
+    }
+  }
+  EXPECT_LT(largest_distance(through_bvh(clip), clip, 0.01), 1e-7);
+}
+
+TEST(BodyMoves, HeadingsGoOnThroughWholeTurns) {
+  const EditSample& sample = data_sample("turn_in_place");
+  const auto places = hips_over_ground(sample.human());
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    ASSERT_LT(std::abs(places[i].heading - places[i - 1].heading), 0.5);
+  }
+}
+
+TEST(BodyMoves, NeedAJointThatMovesTheBody) {
+  const EditSample& sample = data_sample("walk");
+  std::vector<Joint> joints = sample.clip.skeleton().joints();
+  std::erase_if(joints[0].channels, is_position);
+  const auto mover = BodyMover::of(Skeleton(joints), sample.mapping, "fixed.bvh");
+  ASSERT_FALSE(mover);
+  EXPECT_EQ(mover.error().file, "fixed.bvh");
+}
+
+TEST(Floor, IsWhereTheFeetStand) {
+  const EditSample& sample = data_sample("walk");
+  Clip raised = sample.clip;
+  const auto mover = BodyMover::of(raised.skeleton(), sample.mapping, "clip").value();
+  mover.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.37}});
+  const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
+  EXPECT_NEAR(floor_height(raised, sample.mapping, "clip").value(), floor + 0.37, 1e-9);
+  const Clip grounded = put_on_floor(raised, sample.mapping, floor + 0.37, "clip").value();
+  EXPECT_NEAR(floor_height(grounded, sample.mapping, "clip").value(), 0.0, 1e-9);
+}
+
+TEST(Floor, OfAFlyingBodyIsAsked) {
+  const EditSample& sample = data_sample("walk");
+  Clip flying = cut(sample.clip, 0, 60);
+  const auto mover = BodyMover::of(flying.skeleton(), sample.mapping, "clip").value();
+  for (int i = 0; i < flying.frame_count(); ++i)
+    mover.move(flying, i, {{}, {0.2 * i, 0.0, 0.1 * i}});
+  const auto floor = floor_height(flying, sample.mapping, "clip");
+  ASSERT_FALSE(floor);
+  EXPECT_THAT(floor.error().hint, testing::HasSubstr("--floor"));
+}
+
+// frames 100.. of the walk are periodic strides
+TEST(Loops, AWalkHasNoSeam) {
+  const EditSample& sample = data_sample("walk");
+  const Clip strides = cut(sample.clip, 100, 220);
+  LoopOptions options;
+  options.shortest = 0.6;
+  options.times = 3;
+  const Loop loop = make_loop(strides, sample.mapping, options, "clip").value();
+  EXPECT_LT(loop.distance, 0.02);
+  EXPECT_EQ(loop.clip.frame_count(), 3 * loop.cycle);
+  EXPECT_NEAR(loop.advance.position.norm(), 1.2 * loop.cycle / 30.0, 0.05);
+  // accelerations at the seams are those of the strides themselves
+  const auto largest_acceleration = [&](const Clip& clip, int begin, int end) {
+    const HumanClip human = sample.human_of(clip);
+    double largest = 0.0;
+    for (int frame = begin; frame < end; ++frame) {
+      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+        const auto at = [&](int f) { return human.frame(f)[bone].translation; };
+        largest =
+            std::max(largest, (at(frame + 1) - 2.0 * at(frame) + at(frame - 1)).norm() * 900.0);
+      }
+    }
+    return largest;
+  };
+  const double usual = largest_acceleration(strides, 1, 119);
+  EXPECT_LT(largest_acceleration(loop.clip, loop.cycle - 4, loop.cycle + 4), 1.2 * usual);
+}
+
+TEST(Loops, InPlaceTheBodyComesBack) {
+  const EditSample& sample = data_sample("walk");
+  LoopOptions options;
+  options.shortest = 0.6;
+  options.in_place = true;
+  options.times = 2;
+  const Loop loop = make_loop(cut(sample.clip, 100, 220), sample.mapping, options, "clip").value();
+  EXPECT_LT(largest_distance(cut(loop.clip, 0, loop.cycle),
+                             cut(loop.clip, loop.cycle, 2 * loop.cycle), 0.01),
+            1e-12);
+  for (const GroundPose& place : hips_over_ground(sample.human_of(loop.clip))) {
+    EXPECT_LT((place.position - hips_over_ground(sample.human_of(loop.clip))[0].position).norm(),
+              0.15);
+  }
+}
+
+TEST(Loops, OddClips) {
+  const EditSample& sample = data_sample("walk");
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.mapping, {}, "clip"));
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.mapping, {}, "clip"));
+  LoopOptions too_long;
+  too_long.shortest = 100.0;
+  EXPECT_FALSE(make_loop(sample.clip, sample.mapping, too_long, "clip"));
+  // who stands still goes on standing
+  Clip still = cut(sample.clip, 0, 30);
+  for (int i = 0; i < 30; ++i) {
+    std::ranges::copy(sample.clip.rotations(0), still.rotations(i).begin());
+    std::ranges::copy(sample.clip.translations(0), still.translations(i).begin());
+  }
+  const Loop loop = make_loop(still, sample.mapping, {}, "clip").value();
+  EXPECT_LT(largest_distance(loop.clip, cut(still, 0, loop.cycle), 0.01), 1e-12);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,52 @@
+#include <optional>
+#include <utility>
+
+#include "edits.h"
+#include "retarget/base/data_folder.h"
+#include "retarget/motion/clip_range.h"
+
+namespace retarget::cli {
+
+Result<HumanSource> understand(const SourceMotion& motion, const SourceOptions& source,
+                               const HumanOptions& human, const CommonOptions& common,
+                               Console& console) {
+  const auto data = find_data_folder(
+      common.data_dir.empty() ? std::nullopt : std::optional<std::string>(common.data_dir));
+  if (!data) return failure(data.error());
+  auto found = find_human(motion, source, human, *data / "configs" / "skeletons");
+  if (!found) return found;
+  console.line("taken as", found->calibration.mapping.description);
+  for (const std::string& note : found->map.notes) console.line("", note);
+  console.warn(found->calibration.mapping.doubts, source_name(source));
+  return found;
+}
+
+Result<Clip> choose_part(Clip clip, const PartOptions& part) {
+  const bool times = part.start_s >= 0.0 || part.end_s >= 0.0;
+  if (part.frames.empty() && !times) return clip;
+  if (!part.frames.empty() && times) {
+    return usage_failure("--frames and --start/--end both choose a part of the clip",
+                         "give one of them");
+  }
+  const auto given = [](double seconds) {
+    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
+  };
+  const auto range = part.frames.empty()
+                         ? frame_range_from_seconds(given(part.start_s), given(part.end_s),
+                                                    clip.rate(), clip.frame_count())
+                         : frame_range_from_text(part.frames, clip.frame_count());
+  if (!range) return failure(range.error());
+  return cut(clip, range->begin, range->end);
+}
+
+Result<EditSource> read_edit_source(const EditOptions& options, Console& console) {
+  auto motion = read_source(options.source, false, console);
+  if (!motion) return failure(motion.error());
+  auto human = understand(*motion, options.source, options.human, options.common, console);
+  if (!human) return failure(human.error());
+  auto part = choose_part(std::move(motion->clip), options.part);
+  if (!part) return failure(part.error());
+  return EditSource{std::move(*part), std::move(*human)};
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+
+#include "console.h"
+#include "edit_options.h"
+#include "human_source.h"
+#include "retarget/motion/clip.h"
+
+namespace retarget::cli {
+
+/// A clip that is edited, and the human in it.
+struct EditSource {
+  Clip clip;  ///< The part that was asked for.
+  HumanSource human;
+
+  [[nodiscard]] const HumanMapping& mapping() const { return human.calibration.mapping; }
+};
+
+/// Recognises the human of a clip and says what was found.
+[[nodiscard]] Result<HumanSource> understand(const SourceMotion& motion,
+                                             const SourceOptions& source, const HumanOptions& human,
+                                             const CommonOptions& common, Console& console);
+
+/// The part of a clip that was asked for.
+[[nodiscard]] Result<Clip> choose_part(Clip clip, const PartOptions& part);
+
+/// The file that is edited, cut to the part that was asked for after the human was recognised.
+[[nodiscard]] Result<EditSource> read_edit_source(const EditOptions& options, Console& console);
+
+/// Edits of time and place: resample, trim, mirror, ground, turn, move, loop.
+[[nodiscard]] Result<Clip> edit_time_or_place(const EditOptions& options, Console& console);
+
+/// `edit concat`.
+[[nodiscard]] Result<Clip> edit_concat(const EditOptions& options, Console& console);
+
+/// `edit path`; nothing when the path is only fitted or drawn.
+[[nodiscard]] Result<std::optional<Clip>> edit_path(const EditOptions& options, Console& console);
+
+}  // namespace retarget::cli
