@@ -19,7 +19,7 @@ namespace {
 constexpr double kRadiansPerDegree = 0.01745329251994329577;
 constexpr double kMetresPerCentimetre = 0.01;
 constexpr std::size_t kRootColumns = 7;
-constexpr double kFastestRate = 1000.0;
+constexpr double kFastestTimes = 1000.0;
 constexpr int kNone = -1;
 
 // where a CSV has what; kNone: nowhere
@@ -198,7 +198,7 @@ void take_rate(const CsvTable& table, int column, RawMotion& raw) {
   const auto at = static_cast<std::size_t>(column);
   const double length = table.row(table.rows() - 1)[at] - table.row(0)[at];
   const double step = length / static_cast<double>(table.rows() - 1);
-  const bool steady = step > 1.0 / kFastestRate && step < 0.5;
+  const bool steady = step > 1.0 / kFastestTimes && step < 0.5;
   raw.notes.push_back(steady
                           ? "a first column of times, " + number_text(1.0 / step, 3) + " a second"
                           : "a column of frame numbers, passed over");

@@ -16,7 +16,6 @@ namespace {
 // metres by which bodies may lie elsewhere than the robot's model has them
 constexpr double kSamePlace = 0.01;
 constexpr std::size_t kFramesTried = 40;
-constexpr double kFastestRate = 1e6;
 
 struct TrackingArrays {
   std::size_t frames = 0, joint_count = 0, body_count = 0;
@@ -170,7 +169,7 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
     if (!fps) return failure(fps.error());
     const double value =
         fps->is_number() && fps->element_count() == 1 ? fps->numbers().front() : 0.0;
-    if (!(value > 0.0 && value <= kFastestRate)) return npz->array_failure("fps", "is no rate");
+    if (!(value > 0.0 && value <= kFastestFileRate)) return npz->array_failure("fps", "is no rate");
     raw.rate = frame_rate_from_fps(value);
   }
   return raw;

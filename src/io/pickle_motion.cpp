@@ -9,8 +9,6 @@
 namespace retarget {
 namespace {
 
-constexpr double kFastestRate = 1e6;
-
 // what a dictionary calls what
 struct PickleKeys {
   MotionFormat format;
@@ -78,7 +76,7 @@ class PickledMotion {
     const PickleNode* fps = document_.find(motion_, "fps");
     if (fps == nullptr) return {};
     const auto value = document_.number(*fps);
-    if (!value || !(*value > 0.0 && *value <= kFastestRate)) {
+    if (!value || !(*value > 0.0 && *value <= kFastestFileRate)) {
       return input_failure(file_, "the pickle's fps is no rate", "give it with --source-fps");
     }
     raw.rate = frame_rate_from_fps(*value);

@@ -10,6 +10,9 @@
 
 namespace retarget {
 
+/// Frames a second that a file may claim at most.
+inline constexpr double kFastestFileRate = 1e6;
+
 /// A motion as its file has it: which columns are what is known, units and orders may not be.
 struct RawMotion {
   MotionFormat format = MotionFormat::kCsv;

@@ -8,6 +8,7 @@
 
 namespace retarget {
 
+inline constexpr double kInCm = 100.0;  ///< A metre.
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// A report while it is being made. Each group of metrics adds its figures under their keys.

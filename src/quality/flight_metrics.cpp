@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kFreeFallShare = 0.4;
-constexpr double kInCm = 100.0;
 
 // how far the lower end of the lower foot is above its standing height
 double clearance(const HumanClip& human, const FootContacts& contacts, int frame) {

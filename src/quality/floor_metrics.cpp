@@ -10,9 +10,8 @@
 namespace retarget {
 namespace {
 
-constexpr double kDeep = 0.01;   // metres in the floor, or in itself
-constexpr double kHigh = 0.02;   // metres above the floor
-constexpr double kInCm = 100.0;  // of a metre
+constexpr double kDeep = 0.01;  // metres in the floor, or in itself
+constexpr double kHigh = 0.02;  // metres above the floor
 
 const std::string& name_of(const Draft& draft, int body) {
   return draft.clip.robot().bodies()[body].name;

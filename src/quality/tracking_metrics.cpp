@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInCm = 100.0;
-
 // a row that can be measured: its bone is there
 struct Row {
   const IkRow* row = nullptr;

@@ -11,7 +11,8 @@ SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shar
 
 class Edit(ToolTest):
     def robot_rows(self, bvh, *options):
-        result = self.retarget("--precision", 9, *options, bvh=bvh, output="-")
+        # the fit would make more of a BVH's rounding than the published method does
+        result = self.retarget("--precision", 9, "--method", "gmr", *options, bvh=bvh, output="-")
         self.assert_done(result)
         return read_rows(result.stdout)
 
@@ -116,15 +117,15 @@ class Edit(ToolTest):
         walk = sample("walk")
         self.said("path", walk, "--fit", "path.json", "--svg", "path.svg")
         self.assertTrue((self.folder / "path.svg").read_text().startswith("<svg"))
-        same = self.robot_rows(self.edited("path", walk, "--to", "path.json"), "--method", "gmr")
-        self.assertIsNone(difference(same, self.robot_rows(walk, "--method", "gmr"), 1e-6))
+        same = self.robot_rows(self.edited("path", walk, "--to", "path.json"))
+        self.assertIsNone(difference(same, self.robot_rows(walk), 1e-6))
         for to in (["--to", "circle", "--radius", "-2"], ["--to", "figure8", "--keep", "stride"],
                    ["--to", "line", "--scale", "0.8", "--keep", "speed"], ["--rotate", "30"]):
             with self.subTest(to=to):
                 self.edited("path", walk, *to, "--svg", "new.svg")
         # the motion on its new path goes to a robot like any other
         self.edited("path", walk, "--to", "circle")
-        self.assertEqual(len(self.robot_rows(self.folder / "edited.bvh", "--method", "gmr")), 301)
+        self.assertEqual(len(self.robot_rows(self.folder / "edited.bvh")), 301)
         self.assert_fails(self.run_tool("edit", "path", walk), 2, "--fit")
         self.assert_fails(self.run_tool("edit", "path", walk, "-o", "x.bvh"), 2, "--to")
         self.assert_fails(self.run_tool("edit", "path", walk, "--to", "no.json", "-o", "x.bvh"), 4,

@@ -184,7 +184,9 @@ class Output(ToolTest):
         self.assert_done(help_text)
         offered = help_text.stdout
         for command in (["inspect"], ["edit", "rest"], ["edit", "transfer"], ["edit", "lafan"],
-                        ["evaluate"], ["robots", "list"], ["robots", "check"], ["robots", "add"]):
+                        ["evaluate"], ["robots", "list"], ["robots", "check"], ["robots", "add"],
+                        ["edit", "concat"], ["edit", "path"], ["batch"], ["convert"], ["compare"],
+                        ["verify"]):
             offered += self.run_tool(*command, "--help").stdout
         for line in (SOURCE / "README.md").read_text().splitlines():
             if re.match(r" +retarget ", line):

@@ -54,6 +54,7 @@ class BatchWorker {
   Result<void> run(const BatchTask& task, const std::string& output, ManifestEntry& entry) const;
   static void remove_outputs(const BatchTask& task, const std::string& output);
   bool is_done_already(const BatchTask& task);
+  [[nodiscard]] bool is_lost();
   void append(const ManifestEntry& entry);
 
   const BatchContext& context_;
@@ -158,7 +159,14 @@ void BatchWorker::append(const ManifestEntry& entry) {
   if (!fatal_) fatal_ = std::move(appended.error());
 }
 
+bool BatchWorker::is_lost() {
+  const std::lock_guard lock(mutex_);
+  return fatal_.has_value();
+}
+
 void BatchWorker::work(const BatchTask& task) {
+  // without a manifest a clip would be done for nothing
+  if (is_lost()) return;
   const auto start = std::chrono::steady_clock::now();
   ManifestEntry entry = entry_of(task);
   Result<void> done;
@@ -185,8 +193,7 @@ void BatchWorker::work(const BatchTask& task) {
 
 bool BatchWorker::keep_going() {
   context_.progress.show();
-  const std::lock_guard lock(mutex_);
-  return !fatal_ && !InterruptGuard::interrupted();
+  return !is_lost() && !InterruptGuard::interrupted();
 }
 
 Result<void> BatchWorker::result() {
