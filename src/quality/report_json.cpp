@@ -57,6 +57,29 @@ void add_lists(Json& json, const QualityReport& report) {
   }
 }
 
+Json json_of(const FitReport& fit) {
+  Json json;
+  json["floor_height_m"] = fit.floor_height;
+  json["floor_found"] = fit.floor_found;
+  json["contact_phases"] = fit.contact_phases;
+  json["terms"] = Json::array();
+  for (const FitTermReport& term : fit.terms) {
+    json["terms"].push_back({{"name", term.name},
+                             {"before", term.before},
+                             {"after", term.after},
+                             {"worst_frames", term.worst}});
+  }
+  json["bounded"] = Json::array();
+  for (const FitBoundReport& bound : fit.bounded) {
+    json["bounded"].push_back({{"joint", bound.joint},
+                               {"frames", bound.frames},
+                               {"worst_frame", bound.worst_frame},
+                               {"largest", bound.largest}});
+  }
+  json["notes"] = fit.notes;
+  return json;
+}
+
 void add_verdict(Json& json, const QualityReport& report) {
   json["passed"] = report.passed();
   json["gates"] = Json::array();
@@ -100,6 +123,7 @@ Json json_of(const QualityReport& report) {
     }
   }
   add_lists(json, report);
+  if (report.fit) json["fit"] = json_of(*report.fit);
   add_verdict(json, report);
   return json;
 }

@@ -22,7 +22,7 @@ MAY_INCLUDE = {
     "pipeline": ["human", "ik"],
     "rig": ["pipeline"],
     "refine": ["pipeline"],
-    "quality": ["pipeline"],
+    "quality": ["refine"],
     "batch": ["refine", "quality", "io"],
     "view": ["refine", "quality", "io"],
 }

@@ -167,6 +167,19 @@ class EvaluateCommand(ToolTest):
         self.assertEqual(report["motions"][0]["file"], "wave.csv")
         self.assertIn("definition", report["metrics"]["acc_p99"])
 
+    def test_what_the_terms_of_a_fit_cost_is_in_the_report(self):
+        result = self.retarget("--report", "run.json", "--without", "self-collision")
+        self.assert_done(result)
+        motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+        terms = {term["name"]: term for term in motion["fit"]["terms"]}
+        self.assertEqual(terms["self-collision"]["after"], 0.0)
+        self.assertLess(terms["contact-height"]["after"], 0.1 * terms["contact-height"]["before"])
+        self.assertTrue(terms["rotation"]["worst_frames"])
+        self.assertTrue(motion["fit"]["floor_found"])
+        self.assert_done(self.retarget("--report", "gmr.json", "--method", "gmr"))
+        motion, = json.loads((self.folder / "gmr.json").read_text())["motions"]
+        self.assertNotIn("fit", motion)
+
     def test_joints_at_a_limit_are_in_summary_and_report(self):
         result = self.run_tool("--bvh", SOURCE / "data" / "walk.bvh", "--robot", "unitree_g1",
                                "--method", "gmr", "-o", "w.csv", "--report", "run.json")
@@ -192,7 +205,7 @@ class EvaluateCommand(ToolTest):
                 found, = json.loads((self.folder / "e.json").read_text())["motions"]
                 self.assertEqual(found["source"], "wave.bvh")
                 self.assertIn("track_pos_cm", found)
-                for key in set(run) - {"gates", "passed"}:
+                for key in set(run) - {"gates", "passed", "fit"}:
                     self.assertEqual(found[key], run[key], key)
 
     def test_standard_input_and_other_layouts(self):

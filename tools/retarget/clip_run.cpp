@@ -53,8 +53,15 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
-Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
-                             const RunOptions& options, MotionOutputs& outputs, Console& console) {
+// a motion, and what a fit found
+struct Solved {
+  RobotClip clip;
+  long steps = 0;
+  std::optional<FitReport> fit;
+};
+
+Result<Solved> solve(const Source& source, const RobotSetup& setup, const RunOptions& options,
+                     MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   retarget_options.targets_ahead = options.threads != 1;
@@ -70,17 +77,15 @@ Result<RetargetResult> solve(const Source& source, const RobotSetup& setup,
     for (int frame = 0; frame < fitted->clip.frame_count(); ++frame) {
       outputs.add(fitted->clip.qpos(frame));
     }
-    RetargetResult result;
-    result.steps = fitted->steps;
-    result.clip = std::move(fitted->clip);
-    return result;
+    return Solved{std::move(fitted->clip), fitted->steps, std::move(fitted->report)};
   }
   retarget_options.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
   auto result =
       retarget::retarget(source.clip, source.human.calibration.mapping, source_name(options.source),
                          setup.robot, setup.tables, setup.limits, retarget_options);
   console.end_progress();
-  return result;
+  if (!result) return failure(result.error());
+  return Solved{std::move(result->clip), result->steps, std::nullopt};
 }
 
 // joints that stay at a limit, and why
@@ -94,9 +99,10 @@ void print_joints(const RobotClip& motion, const Source& source, const RobotSetu
 
 // the motion's files, their sidecars, the report
 Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& setup,
-                                  const Source& source, const RobotClip& motion,
+                                  const Source& source, const Solved& solved,
                                   const std::filesystem::path& data_folder, MotionOutputs& outputs,
                                   Console& console) {
+  const RobotClip& motion = solved.clip;
   ClipOutcome outcome;
   outcome.frames = motion.frame_count();
   outcome.fps = motion.rate().fps();
@@ -107,6 +113,7 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
     auto measured = measure_run(options, inputs, data_folder);
     if (!measured) return failure(measured.error());
     outcome.quality = std::move(*measured);
+    outcome.quality->fit = solved.fit;
   }
   SidecarText sidecar;
   if (options.sidecar) {
@@ -147,8 +154,10 @@ Result<void> check_solving_options(const RunOptions& options) {
   if (!options.robot_xml.empty() && options.ik_config.empty()) {
     return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
   }
-  if (options.method != "fit" && (!options.fit_config.empty() || !options.without.empty())) {
-    return usage_failure("--fit-config and --without belong to --method fit", "leave out --method");
+  if (options.method != "fit" &&
+      (!options.fit_config.empty() || !options.without.empty() || options.fit_window_s > 0.0)) {
+    return usage_failure("--fit-config, --without and --window belong to --method fit",
+                         "leave out --method");
   }
   if (!options.frames.empty() && (options.start_s >= 0.0 || options.end_s >= 0.0)) {
     return usage_failure("--frames and --start/--end both choose a part of the clip",
@@ -204,7 +213,7 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   print_limits(motion, of_clip.limits, console);
   if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
-  auto outcome = write_results(options, of_clip, *source, motion, data_folder, **outputs, console);
+  auto outcome = write_results(options, of_clip, *source, *result, data_folder, **outputs, console);
   if (!outcome) return outcome;
   console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");

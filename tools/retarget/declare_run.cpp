@@ -57,6 +57,12 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   app.add_option("--fit-config", options.fit_config, "Weights and other options of the fit, JSON")
       ->type_name("FILE")
       ->group(kRobot);
+  app.add_option("--window", options.fit_window_s,
+                 "Seconds that the fit solves together: memory, and how far\nit looks ahead "
+                 "(default: 20)")
+      ->type_name("SECONDS")
+      ->check(number_from(0.1, 1e6))
+      ->group(kRobot);
   app.add_option("--without", options.without,
                  "Terms that the fit leaves out: floor, self-collision,\ncontact, ...")
       ->type_name("TERM,...")

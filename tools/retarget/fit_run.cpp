@@ -23,6 +23,7 @@ Result<FitOptions> fit_options(const RunOptions& options) {
     fit = *read;
   }
   if (fit.threads == 0) fit.threads = options.threads;
+  if (options.fit_window_s > 0.0) fit.window = options.fit_window_s;
   if (auto left_out = leave_out_terms(fit, options.without); !left_out) {
     return failure(left_out.error());
   }

@@ -72,6 +72,7 @@ struct RunOptions : OutputOptions {
   std::string ik_config;  ///< Empty: the robot's own.
   std::string method = "fit";
   std::string fit_config;            ///< Options of the fit, JSON; empty: the defaults.
+  double fit_window_s = 0.0;         ///< Seconds that a fit solves together; 0: its own.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   std::string engine = "fast";
   std::string scale = "auto";

@@ -36,6 +36,7 @@ void each_option(Options& options, const Visit& visit) {
   visit("ik-config", options.ik_config);
   visit("method", options.method);
   visit("fit-config", options.fit_config);
+  visit("window", options.fit_window_s);
   visit("without", options.without);
   visit("engine", options.engine);
   visit("scale", options.scale);

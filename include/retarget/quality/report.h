@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "retarget/quality/metric.h"
+#include "retarget/refine/fit_report.h"
 
 namespace retarget {
 
@@ -95,6 +96,8 @@ struct QualityReport {
   std::vector<SegmentAngle> segments;
   /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
   std::vector<LimitedJoint> limited_joints;
+  /// Of a motion that was fitted just now: what its terms cost, and what had to be bounded.
+  std::optional<FitReport> fit;
   std::vector<Fault> faults;  ///< By metric; the worst first.
   std::vector<GateResult> gates;
 

@@ -58,13 +58,13 @@ struct FitOptions {
   double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double self_collision_weight = 400.0;  ///< Overlap of two shapes, per metre.
-  double self_collision_margin = 0.002;  ///< Metres; nearer counts as overlap.
+  double self_collision_weight = 280.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_margin = 0.006;  ///< Metres; nearer counts as overlap.
 
   double smoothness_leg = 20.0 / 30.0;  ///< Legs and waist, per rad/s of deviation from the
                                         ///< smoothed velocity.
   double smoothness_arm = 20.0 / 30.0;
-  double smoothness_wrist = 0.577;
+  double smoothness_wrist = 0.65;
   double smoothness_root_position = 1.49;  ///< Per m/s.
   double smoothness_root_rotation = 0.471;
   double smoothing_time = 0.0527;  ///< Seconds; velocities are smoothed over about this time.
