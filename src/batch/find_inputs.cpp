@@ -34,6 +34,12 @@ bool has_motion_ending(const std::string& name) {
   return end == ".bvh" || end == ".npz";
 }
 
+// also of one that ends in a slash
+std::string name_of_folder(const fs::path& folder) {
+  const std::string name = (folder / "").lexically_normal().parent_path().filename().string();
+  return name.empty() ? "." : name;
+}
+
 class InputFinder {
  public:
   explicit InputFinder(const InputSearch& search) : search_(search) {
@@ -131,7 +137,7 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   found_.notes.push_back("cannot read the folder " + folder.string() + ": " +
                          std::generic_category().message(error.value()));
   // whose clips must not be missed unnoticed: it counts as one that fails
-  add_input(folder.string(), relative.empty() ? folder.filename().string() : relative, nullptr);
+  add_input(folder.string(), relative.empty() ? name_of_folder(folder) : relative, nullptr);
 }
 
 // what a file that is named keeps of its path
@@ -204,7 +210,7 @@ Result<void> InputFinder::add_list(const std::string& file) {
     std::string_view line = text.substr(0, length);
     text.remove_prefix(std::min(length + 1, text.size()));
     if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
-    if (line.empty() || line.starts_with('#')) continue;
+    if (line.empty() || (end == '\n' && line.starts_with('#'))) continue;
     if (auto added = add_existing(std::string(line), search_.base, false); !added) return added;
   }
   return {};

@@ -1,6 +1,7 @@
 #include "retarget/batch/resume.h"
 
 #include <sys/stat.h>
+#include <set>
 
 #include <algorithm>
 #include <cerrno>
@@ -45,9 +46,16 @@ bool has_recorded_content(const FileRecord& record, const std::string& path) {
 
 FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder)
     : output_folder_(std::move(output_folder)) {
+  // what failed last is to be done again, whatever came of it before
+  std::set<std::pair<std::string, std::string>> failed;
+  for (const ManifestEntry& entry : latest_entries(entries)) {
+    if (!entry.done) failed.emplace(entry.relative, entry.robot);
+  }
   for (ManifestEntry& entry : entries) {
     if (!entry.done || entry.outputs.empty()) continue;
     std::pair key(entry.relative, entry.robot);
+    for (const FileRecord& output : entry.outputs) outputs_[key].insert(output.file);
+    if (failed.contains(key)) continue;
     entries_.emplace(std::move(key), std::move(entry));
   }
 }
@@ -75,6 +83,13 @@ FinishedClips::Candidate FinishedClips::find(const std::string& relative, const 
     if (state == RecordState::kUnsure) best = {&at->second, state};
   }
   return best;
+}
+
+std::vector<std::string> FinishedClips::outputs_of(const std::string& relative,
+                                                   const std::string& robot) const {
+  const auto found = outputs_.find({relative, robot});
+  if (found == outputs_.end()) return {};
+  return {found->second.begin(), found->second.end()};
 }
 
 bool FinishedClips::still_holds(const ManifestEntry& entry, const std::string& input_path) const {

@@ -89,7 +89,9 @@ void find_faults(SeamCheck& check, const Seam& seam, const ConcatenateOptions& o
                            " (" + seam.worst_bone + " by " +
                            number_text(100.0 * seam.worst_distance, 1) + " cm)");
   }
-  if (check.largest_speed > options.speed_factor * check.usual_speed) {
+  // clips that stand still have no speed of their own
+  constexpr double kSlow = 0.1;
+  if (check.largest_speed > options.speed_factor * std::max(check.usual_speed, kSlow)) {
     check.faults.push_back(check.fastest_bone + " moves at " + number_text(check.largest_speed, 2) +
                            " m/s, above " + number_text(options.speed_factor, 1) +
                            " times the clips' own " + number_text(check.usual_speed, 2));

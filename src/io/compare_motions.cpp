@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "io/csv_table.h"
@@ -16,12 +17,30 @@ namespace {
 
 constexpr double kUnitTolerance = 0.01;
 
+double difference_of(double a, double b) {
+  const double found = std::abs(a - b);
+  return std::isnan(found) ? std::numeric_limits<double>::infinity() : found;
+}
+
+// printed numbers that differ by the tolerance may differ by a little more in binary
+bool is_beyond(double found, double tolerance, double value) {
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  return found > tolerance * (1.0 + 1e-6) + kRounding * std::abs(value);
+}
+
 // an array with a row a frame becomes columns beside those that are there
 class TableBuilder {
  public:
   void add(const std::string& name, const NpyArray& array) {
-    if (!array.is_number() || array.shape.empty() || array.element_count() == 0) return;
-    arrays_.emplace_back(name, &array);
+    if (!array.is_number() || array.element_count() == 0) return;
+    if (array.shape.empty()) {
+      numbers_.emplace_back(name, array.numbers());
+    } else {
+      arrays_.emplace_back(name, &array);
+    }
+  }
+  void add(const std::string& name, double number) {
+    numbers_.emplace_back(name, std::vector<double>{number});
   }
 
   // frames are the rows that most arrays have
@@ -36,8 +55,13 @@ class TableBuilder {
     }
     std::vector<std::vector<double>> columns;
     for (const auto& [name, array] : arrays_) {
-      if (array->shape[0] == table.frames) add_columns(name, *array, table, columns);
+      if (array->shape[0] == table.frames) {
+        add_columns(name, *array, table, columns);
+      } else {
+        table.others.emplace_back(name, array->numbers());
+      }
     }
+    table.others.insert(table.others.end(), numbers_.begin(), numbers_.end());
     for (std::size_t frame = 0; frame < table.frames; ++frame) {
       for (const auto& column : columns) table.values.push_back(column[frame]);
     }
@@ -68,6 +92,7 @@ class TableBuilder {
   }
 
   std::vector<std::pair<std::string, const NpyArray*>> arrays_;
+  std::vector<std::pair<std::string, std::vector<double>>> numbers_;
 };
 
 bool unit_quaternions(const CsvTable& table, std::size_t first) {
@@ -112,12 +137,22 @@ Result<MotionTable> table_of_npz(std::string_view bytes, const std::string& file
 
 void add_dictionary(const PickleDocument& document, const PickleNode& dictionary,
                     const std::string& prefix, int depth, TableBuilder& builder) {
-  for (const std::string& key : document.keys(dictionary)) {
-    const PickleNode* member = document.find(dictionary, key);
-    if (member->kind == PickleNode::Kind::kArray)
-      builder.add(prefix + key, document.array(*member));
-    // PBHC's motions lie one level deeper
-    if (depth == 0) add_dictionary(document, *member, prefix + key + "/", 1, builder);
+  if (dictionary.kind != PickleNode::Kind::kDict) return;
+  // a member that stands there many times is looked at once
+  std::set<const PickleNode*> seen;
+  for (std::size_t i = 0; i + 1 < dictionary.items.size(); i += 2) {
+    const PickleNode &key = document.at(dictionary.items[i]),
+                     &member = document.at(dictionary.items[i + 1]);
+    if (key.kind != PickleNode::Kind::kText || !seen.insert(&member).second) continue;
+    const std::string name = prefix + std::string(key.text);
+    if (member.kind == PickleNode::Kind::kArray) {
+      builder.add(name, document.array(member));
+    } else if (const auto number = document.number(member)) {
+      builder.add(name, *number);
+    } else if (depth == 0) {
+      // PBHC's motions lie one level deeper
+      add_dictionary(document, member, name + "/", 1, builder);
+    }
   }
 }
 
@@ -142,7 +177,9 @@ MotionTable motion_table(const RobotClip& clip) {
   return table;
 }
 
-Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string& file) {
+namespace {
+
+Result<MotionTable> any_table(std::string_view bytes, const std::string& file) {
   if (bytes.starts_with("PK")) return table_of_npz(bytes, file);
   if (looks_like_pickle(bytes)) {
     const auto document = read_pickle(bytes, file);
@@ -154,6 +191,37 @@ Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string
   auto csv = read_csv_table(bytes, file);
   if (!csv) return failure(csv.error());
   return table_of_csv(std::move(*csv));
+}
+
+// numbers that are no columns, held against each other by name
+void compare_others(const MotionTable& a, const MotionTable& b, double tolerance,
+                    MotionDifference& difference) {
+  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> by_name;
+  for (const auto& [name, values] : a.others) by_name[name].first = values;
+  for (const auto& [name, values] : b.others) by_name[name].second = values;
+  for (const auto& [name, values] : by_name) {
+    const auto& [of_a, of_b] = values;
+    ColumnDifference found;
+    found.column = name;
+    if (of_a.size() != of_b.size()) found.largest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < std::min(of_a.size(), of_b.size()); ++i) {
+      found.largest = std::max(found.largest, difference_of(of_a[i], of_b[i]));
+    }
+    difference.largest = std::max(difference.largest, found.largest);
+    if (!is_beyond(found.largest, tolerance, 0.0)) continue;
+    found.frames_beyond = 1;
+    difference.columns.push_back(std::move(found));
+  }
+}
+
+}  // namespace
+
+Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string& file) {
+  auto table = any_table(bytes, file);
+  if (table && (table->columns.empty() || table->frames == 0)) {
+    return input_failure(file, "the file has no numbers with a row a frame");
+  }
+  return table;
 }
 
 Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,
@@ -187,14 +255,15 @@ Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable
       if (dot < 0.0) std::fill_n(sign.begin() + static_cast<std::ptrdiff_t>(first), 4, -1.0);
     }
     for (std::size_t i = 0; i < width; ++i) {
-      double found = std::abs(of_a[i] - sign[i] * of_b[i]);
-      if (std::isnan(found)) found = std::numeric_limits<double>::infinity();
+      const double found = difference_of(of_a[i], sign[i] * of_b[i]);
       ColumnDifference& column = columns[i];
       if (found > column.largest) {
         column.largest = found;
         column.largest_frame = frame;
       }
-      if (found > tolerance && column.frames_beyond++ == 0) column.first_frame = frame;
+      if (is_beyond(found, tolerance, of_a[i]) && column.frames_beyond++ == 0) {
+        column.first_frame = frame;
+      }
     }
   }
   for (std::size_t i = 0; i < width; ++i) {
@@ -202,6 +271,7 @@ Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable
     columns[i].column = a.columns[i];
     if (columns[i].frames_beyond > 0) difference.columns.push_back(columns[i]);
   }
+  compare_others(a, b, tolerance, difference);
   std::ranges::stable_sort(difference.columns, std::greater<>(), &ColumnDifference::largest);
   return difference;
 }

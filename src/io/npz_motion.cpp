@@ -1,6 +1,8 @@
 // Motions in tracking NPZ files: which order joints and bodies are in is found by kinematics.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "io/raw_motion.h"
@@ -81,8 +83,8 @@ double largest_distance(const Robot& robot, const TrackingLayout& layout,
     for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
       const Eigen::Vector3d found(place[3 * b], place[3 * b + 1], place[3 * b + 2]);
       const double distance = (found - world_from_body[layout.bodies[b]].translation).norm();
-      // written so that NaN counts
-      if (!(distance <= largest)) largest = distance;
+      if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
+      largest = std::max(largest, distance);
     }
   }
   return largest;
@@ -121,7 +123,7 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
                                 " nor one of its variants",
                             "--from npz-mjlab or npz-beyondmimic takes the joints alone");
   }
-  if (best->distance > kSamePlace && !options.format) {
+  if (!(best->distance <= kSamePlace) && !options.format) {
     return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +
                                 " m from where its joints put those of the robot " + robot->name() +
                                 ", in mjlab's order and in BeyondMimic's",
@@ -169,7 +171,8 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
     if (!fps) return failure(fps.error());
     const double value =
         fps->is_number() && fps->element_count() == 1 ? fps->numbers().front() : 0.0;
-    if (!(value > 0.0 && value <= kFastestFileRate)) return npz->array_failure("fps", "is no rate");
+    if (!(value >= kSlowestFileRate && value <= kFastestFileRate))
+      return npz->array_failure("fps", "is no rate");
     raw.rate = frame_rate_from_fps(value);
   }
   return raw;

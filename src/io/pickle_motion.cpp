@@ -1,6 +1,7 @@
 // Motions in Python pickles: GMR's dictionary, PBHC's and ASAP's dictionaries of dictionaries.
 
 #include <algorithm>
+#include <set>
 
 #include "io/raw_motion.h"
 #include "retarget/base/suggest.h"
@@ -76,7 +77,7 @@ class PickledMotion {
     const PickleNode* fps = document_.find(motion_, "fps");
     if (fps == nullptr) return {};
     const auto value = document_.number(*fps);
-    if (!value || !(*value > 0.0 && *value <= kFastestFileRate)) {
+    if (!value || !(*value >= kSlowestFileRate && *value <= kFastestFileRate)) {
       return input_failure(file_, "the pickle's fps is no rate", "give it with --source-fps");
     }
     raw.rate = frame_rate_from_fps(*value);
@@ -106,9 +107,12 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& 
     return PickledMotion(*document, root, file).read(kPbhcKeys);
   }
   std::vector<std::string> motions;
-  for (const std::string& key : document->keys(root)) {
-    const PickleNode* member = document->find(root, key);
-    if (document->find(*member, kPbhcKeys.position) != nullptr) motions.push_back(key);
+  // a member that stands there many times is looked at once
+  std::set<const PickleNode*> seen;
+  for (std::size_t i = 0; i + 1 < root.items.size(); i += 2) {
+    const PickleNode &key = document->at(root.items[i]), &member = document->at(root.items[i + 1]);
+    if (key.kind != PickleNode::Kind::kText || !seen.insert(&member).second) continue;
+    if (document->find(member, kPbhcKeys.position) != nullptr) motions.emplace_back(key.text);
   }
   if (motions.empty()) {
     return input_failure(file, "the pickle holds no motion of a robot",

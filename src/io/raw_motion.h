@@ -10,7 +10,8 @@
 
 namespace retarget {
 
-/// Frames a second that a file may claim at most.
+/// Frames a second that a file may claim.
+inline constexpr double kSlowestFileRate = 1e-3;
 inline constexpr double kFastestFileRate = 1e6;
 
 /// A motion as its file has it: which columns are what is known, units and orders may not be.

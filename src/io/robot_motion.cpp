@@ -82,9 +82,11 @@ class MotionInterpreter {
   }
 
   Result<void> check_numbers() {
-    const auto finite = [](double value) { return std::isfinite(value); };
-    if (!std::ranges::all_of(raw_.position, finite) || !std::ranges::all_of(raw_.joints, finite)) {
-      return input_failure(file_, "the motion holds what is no finite number");
+    constexpr double kLargest = 1e6;
+    // written so that NaN is caught
+    const auto sound = [](double value) { return std::abs(value) <= kLargest; };
+    if (!std::ranges::all_of(raw_.position, sound) || !std::ranges::all_of(raw_.joints, sound)) {
+      return input_failure(file_, "the motion holds what is no finite number, or beyond 1e6");
     }
     for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
       double square = 0.0;

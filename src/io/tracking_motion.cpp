@@ -254,6 +254,14 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                                             const TrackingOptions& options) {
   const Robot& robot = clip.robot();
   const TrackingLayout layout = tracking_layout(robot, format);
+  constexpr double kMostSamples = 1e7;
+  if (clip.frame_count() * options.rate.fps() > kMostSamples * clip.rate().fps()) {
+    return input_failure("",
+                         "a motion of " + std::to_string(clip.frame_count()) + " frames at " +
+                             to_text(clip.rate()) + " fps is too long for " +
+                             to_text(options.rate) + " fps",
+                         "--source-fps gives the rate that a file does not say truly");
+  }
   const Samples samples = sample(clip, options.rate);
   const std::size_t count = samples.qpos.size();
   if (count < kFewestSamples) {

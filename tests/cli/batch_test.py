@@ -357,6 +357,46 @@ class Shards(BatchTest):
         self.assert_fails(self.run_tool("batch", "--merge", "-o", "empty"), 3, "manifest")
 
 
+class NothingIsLost(BatchTest):
+    def test_wrong_options_touch_no_motion(self):
+        self.clips("a.bvh", "b.bvh")
+        self.assert_done(self.batch())
+        (self.folder / "map.json").write_text("{}")
+        for arguments, code in ((["--fps", "abc"], 2), (["--unit", "furlong"], 2),
+                                (["--frames", "0:0"], 2), (["--map", "none.json"], 4)):
+            for how in ("--resume", "--redo"):
+                self.assertEqual(self.batch(how, *arguments).returncode, code, arguments)
+        self.assertEqual(self.batch("--resume", "--start", "1000").returncode, 1)
+        self.assertEqual(self.outputs(), ["a.csv", "b.csv"])
+
+    def test_only_what_a_batch_made_is_removed(self):
+        (self.folder / "in").mkdir()
+        (self.folder / "in/z.bvh").write_text("junk")
+        (self.folder / "out/y.csv").mkdir(parents=True)
+        (self.folder / "out/z.csv").write_text("precious")
+        (self.folder / "out/manifest_of_mine.jsonl").write_text("{}")
+        for how in ([], ["--redo"]):
+            self.assertEqual(self.batch(*how).returncode, 1)
+        self.run_tool("batch", "--merge", "-o", "out")
+        self.assertEqual((self.folder / "out/z.csv").read_text(), "precious")
+        self.assertTrue((self.folder / "out/manifest_of_mine.jsonl").exists())
+        self.assertTrue((self.folder / "out/y.csv").is_dir())
+
+    def test_what_failed_last_is_done_again(self):
+        self.clips("a.bvh", "b.bvh")
+        good = (self.folder / "in/a.bvh").read_bytes()
+        self.assert_done(self.batch())
+        (self.folder / "in/a.bvh").write_text("junk")
+        for part in ("1/2", "2/2"):
+            self.batch("--resume", "--shard", part)
+        self.assertEqual(self.outputs(), ["b.csv"])
+        (self.folder / "in/a.bvh").write_bytes(good)
+        for part in ("1/2", "2/2"):
+            self.assert_done(self.batch("--resume", "--shard", part))
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "out"))
+        self.assertEqual(self.outputs(), ["a.csv", "b.csv"])
+
+
 class Machine(BatchTest):
     def test_second_run_in_the_same_folder_is_refused(self):
         for i in range(20):
@@ -367,7 +407,10 @@ class Machine(BatchTest):
             deadline = time.monotonic() + 60
             while not (self.folder / "out/manifest.jsonl").exists():
                 self.assertLess(time.monotonic(), deadline)
-                time.sleep(0.01)
+                time.sleep(0.001)
+            # it must not be through before the others come
+            first.send_signal(signal.SIGSTOP)
+            self.assertIsNone(first.poll())
             for arguments in (["--resume"], ["--redo"], ["--resume", "--shard", "1/2"]):
                 self.assert_fails(self.batch(*arguments), 1, f"process {first.pid}")
             merge = self.run_tool("batch", "--merge", "-o", "out")

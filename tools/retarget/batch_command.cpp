@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <list>
 #include <map>
 #include <memory>
@@ -12,11 +13,14 @@
 #include "batch_manifests.h"
 #include "batch_runner.h"
 #include "commands.h"
+#include "fit_run.h"
+#include "human_source.h"
 #include "outputs.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
 #include "retarget/batch/folder_lock.h"
 #include "retarget/batch/shard.h"
+#include "retarget/motion/clip_range.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
@@ -49,6 +53,16 @@ Result<void> check_batch_usage(const BatchOptions& options) {
   run.output = batch_output(run, "clip.bvh");
   if (auto outputs = plan_outputs(run); !outputs) return failure(outputs.error());
   if (auto writing = write_options(run); !writing) return failure(writing.error());
+  if (auto human = check_human_options(run.human); !human) return human;
+  if (auto rate = output_rate(run.fps); !rate) return failure(rate.error());
+  if (!run.frames.empty()) {
+    constexpr int kAnyLength = std::numeric_limits<int>::max();
+    const auto range = frame_range_from_text(run.frames, kAnyLength);
+    if (!range) return failure(range.error());
+  }
+  if (run.method == "fit") {
+    if (auto fit = fit_options(run); !fit) return failure(fit.error());
+  }
   return check_solving_options(run);
 }
 

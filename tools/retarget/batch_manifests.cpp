@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <regex>
 #include <system_error>
 
 #include "retarget/base/file.h"
@@ -27,6 +28,12 @@ Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Console
   return std::move(content->entries);
 }
 
+// of a whole batch or of a part; other names are other people's
+bool is_manifest_name(const std::string& name) {
+  static const std::regex kNames(R"(manifest(\.[1-9][0-9]*-of-[1-9][0-9]*)?\.jsonl)");
+  return std::regex_match(name, kNames);
+}
+
 // manifests in a folder but one, sorted
 std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
   std::vector<std::string> found;
@@ -34,9 +41,8 @@ std::vector<std::string> manifests_beside(const std::string& folder, const std::
   for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
        at.increment(error)) {
     const std::string name = at->path().filename().string();
-    const bool is_manifest = name.starts_with(kStem) && name.ends_with(kEnd);
     const std::string path = (fs::path(folder) / name).string();
-    if (is_manifest && path != own) found.push_back(path);
+    if (is_manifest_name(name) && path != own) found.push_back(path);
   }
   std::ranges::sort(found);
   return found;
@@ -107,7 +113,9 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     return manifests;
   }
   if (!options.resume) {
-    for (const std::string& path : {manifests.path, whole}) {
+    std::vector<std::string> there = {manifests.path, whole};
+    if (shard.count == 1) there = manifests_beside(folder, {});
+    for (const std::string& path : there) {
       if (!fs::exists(path, ignored)) continue;
       return usage_failure(path + " is there: the folder holds a batch already",
                            "--resume goes on with it, --redo does all of it again");
@@ -145,9 +153,11 @@ Result<std::size_t> merge_manifests(const std::string& folder,
                                     const std::vector<std::string>& further, Console& console) {
   const std::string path = folder + "/" + kStem + kEnd;
   const std::vector<std::string> parts = manifests_beside(folder, path);
-  std::vector<std::string> all = parts;
   std::error_code ignored;
+  // of entries of one time the later in this list counts: parts are newer than the whole
+  std::vector<std::string> all;
   if (fs::exists(path, ignored)) all.push_back(path);
+  all.insert(all.end(), parts.begin(), parts.end());
   for (const std::string& name : further) {
     if (!fs::exists(name, ignored)) return input_failure(name, "there is no such manifest");
     all.push_back(name);

@@ -24,12 +24,16 @@ constexpr std::uint64_t kMemoryOfBvh = 8;
 constexpr std::uint64_t kMemoryOfNpz = 20;
 constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
 
+// to the millisecond: later entries of a clip count more
 std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
+  const std::time_t now = ms / 1000;
   std::tm parts{};
   ::gmtime_r(&now, &parts);
   char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts)};
+  std::string seconds(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts));
+  return seconds + "." + std::to_string(1000 + ms % 1000).substr(1) + "Z";
 }
 
 bool is_archive(const std::string& name) {
@@ -52,7 +56,7 @@ class BatchWorker {
   [[nodiscard]] ManifestEntry entry_of(const BatchTask& task) const;
   Result<void> solve(const BatchTask& task, ManifestEntry& entry) const;
   Result<void> run(const BatchTask& task, const std::string& output, ManifestEntry& entry) const;
-  static void remove_outputs(const BatchTask& task, const std::string& output);
+  void remove_outputs(const BatchTask& task) const;
   bool is_done_already(const BatchTask& task);
   [[nodiscard]] bool is_lost();
   void append(const ManifestEntry& entry);
@@ -104,15 +108,13 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
   return {};
 }
 
-void BatchWorker::remove_outputs(const BatchTask& task, const std::string& output) {
-  OutputOptions options = task.robot->run;
-  options.output = output;
-  const auto items = plan_outputs(options);
-  if (!items) return;
+// what earlier runs made of a clip whose file is no longer good
+void BatchWorker::remove_outputs(const BatchTask& task) const {
   std::error_code ignored;
-  for (const OutputItem& item : *items) {
-    fs::remove(item.path, ignored);
-    if (options.sidecar) fs::remove(item.path + ".json", ignored);
+  for (const std::string& file :
+       context_.finished.outputs_of(task.input->relative, task.robot->name)) {
+    const std::string path = context_.output_folder + "/" + file;
+    if (!fs::is_directory(path, ignored)) fs::remove(path, ignored);
   }
 }
 
@@ -129,8 +131,11 @@ Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) con
                        "cannot make the folder: " + std::generic_category().message(error.value()));
   }
   auto done = run(task, output, entry);
-  // what an earlier run made of a clip that now fails must not be taken for its motion
-  if (!done && done.error().kind != ErrorKind::kInterrupted) remove_outputs(task, output);
+  if (!done) {
+    if (done.error().file.empty()) done.error().file = task.input->path;
+    // a wrong option or a full disk says nothing about the motion that is there
+    if (done.error().kind == ErrorKind::kInput) remove_outputs(task);
+  }
   return done;
 }
 

@@ -123,6 +123,14 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
       return sidecar_text(options, setup, source, file, *outcome.quality, read);
     };
   }
+  // complete before the motion's files appear
+  std::optional<OutputFile> report;
+  if (!options.report.empty()) {
+    auto written = write_run_report(options.report, *outcome.quality, console);
+    if (!written) return failure(written.error());
+    report = std::move(*written);
+    outcome.others.push_back(options.report);
+  }
   auto files = outputs.finish(motion, sidecar);
   if (!files) return failure(files.error());
   outcome.motions = std::move(*files);
@@ -131,11 +139,9 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
       outcome.others.push_back(file.item.path + ".json");
     }
   }
-  if (options.report.empty()) return outcome;
-  if (auto written = write_run_report(options.report, *outcome.quality, console); !written) {
-    return failure(written.error());
+  if (report) {
+    if (auto done = report->commit(); !done) return failure(done.error());
   }
-  outcome.others.push_back(options.report);
   return outcome;
 }
 
@@ -214,7 +220,7 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   if (console.is_read()) print_joints(motion, *source, of_clip, options, console);
   if (InterruptGuard::interrupted()) return interrupted_failure();
   auto outcome = write_results(options, of_clip, *source, *result, data_folder, **outputs, console);
-  if (!outcome) return outcome;
+  if (!outcome || writing == Writing::kHashes) return outcome;
   console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return outcome;

@@ -30,6 +30,15 @@ bool colours_wanted() {
   return no_color == nullptr || *no_color == '\0';
 }
 
+// what a file holds must not command the terminal
+std::string printable(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f) c = '?';
+  }
+  return text;
+}
+
 }  // namespace
 
 ExitCode exit_code(ErrorKind kind) {
@@ -77,7 +86,7 @@ void Console::line(std::string_view label, std::string_view text) {
   end_progress();
   std::string padded(label);
   padded.resize(9, ' ');
-  put(paint(padded, kFaint) + std::string(text) + "\n");
+  put(paint(padded, kFaint) + printable(std::string(text)) + "\n");
 }
 
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
@@ -87,12 +96,13 @@ void Console::warn(const std::vector<Warning>& warnings, std::string_view file) 
   }
   if (quiet_) return;
   end_progress();
-  for (const Warning& warning : warnings) put(paint_severity(describe(warning, file)) + "\n");
+  for (const Warning& warning : warnings)
+    put(paint_severity(printable(describe(warning, file))) + "\n");
 }
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
-  if (notes_ == nullptr) put(paint_severity(describe(error)) + "\n");
+  if (notes_ == nullptr) put(paint_severity(printable(describe(error))) + "\n");
   return exit_code(error.kind);
 }
 

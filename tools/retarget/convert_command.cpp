@@ -18,7 +18,8 @@ namespace {
 
 Result<void> check_usage(const ConvertOptions& options) {
   if (auto robot = check_robot_choice(options.run); !robot) return robot;
-  return check_outputs(options.run, options.input, {});
+  return check_outputs(options.run,
+                       {options.input, options.run.robot_xml, options.run.robot_profile}, {});
 }
 
 // what the variant holds and the motion moves

@@ -28,7 +28,10 @@ Result<void> check_options(const EditOptions& options) {
   if (options.output.empty() && has_new_path(path) && path.svg.empty()) {
     return usage_failure("edit path needs -o for the motion on its new path");
   }
-  if (path.radius == 0.0) return usage_failure("--radius must not be 0");
+  constexpr double kSmallestRadius = 0.01;
+  if (!(std::abs(path.radius) >= kSmallestRadius)) {
+    return usage_failure("--radius must be 0.01 m at least");
+  }
   return {};
 }
 

@@ -9,27 +9,6 @@
 namespace retarget::cli {
 namespace {
 
-// the options of a fit that the command line asks for
-Result<FitOptions> fit_options(const RunOptions& options) {
-  FitOptions fit;
-  // limits hold for what is written; coarser numbers than these serve nobody
-  constexpr int kFewestDecimals = 3;
-  fit.decimals = std::max(kFewestDecimals, options.precision);
-  if (!options.fit_config.empty()) {
-    const auto file = read_file(options.fit_config, ErrorKind::kConfig);
-    if (!file) return failure(file.error());
-    auto read = parse_fit_options(file->view(), options.fit_config, fit);
-    if (!read) return failure(read.error());
-    fit = *read;
-  }
-  if (fit.threads == 0) fit.threads = options.threads;
-  if (options.fit_window_s > 0.0) fit.window = options.fit_window_s;
-  if (auto left_out = leave_out_terms(fit, options.without); !left_out) {
-    return failure(left_out.error());
-  }
-  return fit;
-}
-
 // what a fit found and what is left
 void print_fit(const FitReport& report, Console& console) {
   for (const std::string& note : report.notes) console.line("fit", note);
@@ -51,6 +30,26 @@ void print_fit(const FitReport& report, Console& console) {
 }
 
 }  // namespace
+
+Result<FitOptions> fit_options(const RunOptions& options) {
+  FitOptions fit;
+  // limits hold for what is written; coarser numbers than these serve nobody
+  constexpr int kFewestDecimals = 3;
+  fit.decimals = std::max(kFewestDecimals, options.precision);
+  if (!options.fit_config.empty()) {
+    const auto file = read_file(options.fit_config, ErrorKind::kConfig);
+    if (!file) return failure(file.error());
+    auto read = parse_fit_options(file->view(), options.fit_config, fit);
+    if (!read) return failure(read.error());
+    fit = *read;
+  }
+  if (fit.threads == 0) fit.threads = options.threads;
+  if (options.fit_window_s > 0.0) fit.window = options.fit_window_s;
+  if (auto left_out = leave_out_terms(fit, options.without); !left_out) {
+    return failure(left_out.error());
+  }
+  return fit;
+}
 
 Result<FitResult> run_fit(const Clip& clip, const HumanSource& human,
                           const std::shared_ptr<const Robot>& robot, const IkTables& tables,

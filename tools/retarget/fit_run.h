@@ -7,6 +7,9 @@
 
 namespace retarget::cli {
 
+/// The options of a fit that the command line asks for, from their file and the rest.
+[[nodiscard]] Result<FitOptions> fit_options(const RunOptions& options);
+
 /// Retargets a clip with `--method fit` and prints what was found and what is left.
 [[nodiscard]] Result<FitResult> run_fit(const Clip& clip, const HumanSource& human,
                                         const std::shared_ptr<const Robot>& robot,

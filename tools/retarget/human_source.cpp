@@ -116,4 +116,18 @@ Result<HumanSource> find_human(const SourceMotion& motion, const SourceOptions& 
   return HumanSource{std::move(*map), std::move(*calibration)};
 }
 
+Result<void> check_human_options(const HumanOptions& options) {
+  if (auto unit = unit_from(options.unit); !unit) return failure(unit.error());
+  for (const auto& [name, text] :
+       {std::pair("--up", &options.up), {"--forward", &options.forward}}) {
+    if (auto axis = axis_from(name, *text); !axis) return failure(axis.error());
+  }
+  if (auto rest = rest_from(options); !rest) return failure(rest.error());
+  for (const std::string* file : {&options.map, &options.tpose_file}) {
+    if (file->empty()) continue;
+    if (auto there = read_file(*file, ErrorKind::kConfig); !there) return failure(there.error());
+  }
+  return {};
+}
+
 }  // namespace retarget::cli

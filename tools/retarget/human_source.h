@@ -23,4 +23,8 @@ struct HumanSource {
                                              const HumanOptions& options,
                                              const std::filesystem::path& dialects);
 
+/// What can be told of the options without a clip: wrong values are kUsage errors, files that
+/// cannot be read kConfig.
+[[nodiscard]] Result<void> check_human_options(const HumanOptions& options);
+
 }  // namespace retarget::cli

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <utility>
 
 #include "retarget/base/hash.h"
@@ -89,25 +88,33 @@ Result<std::vector<OutputItem>> plan_outputs(const OutputOptions& options) {
   return items;
 }
 
-Result<void> check_outputs(const OutputOptions& options, const std::string& input,
+Result<void> check_outputs(const OutputOptions& options, const std::vector<std::string>& inputs,
                            const std::vector<std::string>& other_outputs) {
   const auto items = plan_outputs(options);
   if (!items) return failure(items.error());
-  std::set<std::string> names;
-  for (const std::string& other : other_outputs) {
-    if (!other.empty()) names.insert(fs::path(other).lexically_normal().string());
-  }
-  const auto take = [&](const std::string& path) -> Result<void> {
+  std::vector<std::string> taken;
+  const auto same_file = [](const std::string& a, const std::string& b) {
     std::error_code ignored;
-    if (path != "-" && fs::equivalent(input, path, ignored)) {
+    return fs::path(a).lexically_normal() == fs::path(b).lexically_normal() ||
+           fs::equivalent(a, b, ignored);
+  };
+  const auto take = [&](const std::string& path) -> Result<void> {
+    if (path == "-") return {};
+    for (const std::string& input : inputs) {
+      if (input.empty() || !same_file(input, path)) continue;
       return usage_failure("the output would overwrite the input \"" + input + "\"",
-                           "give another name with -o");
+                           "give another name");
     }
-    if (path != "-" && !names.insert(fs::path(path).lexically_normal().string()).second) {
-      return usage_failure("two outputs have the name \"" + path + "\"");
+    for (const std::string& other : taken) {
+      if (same_file(other, path)) return usage_failure("two outputs are the file \"" + path + "\"");
     }
+    taken.push_back(path);
     return check_output_folder(path);
   };
+  for (const std::string& other : other_outputs) {
+    if (other.empty()) continue;
+    if (auto sound = take(other); !sound) return sound;
+  }
   for (const OutputItem& item : *items) {
     if (auto sound = take(item.path); !sound) return sound;
     if (!options.sidecar) continue;
@@ -161,14 +168,18 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const OutputOptions& 
     outputs->sinks_.push_back(nullptr);
     if (!is_csv(item.format)) {
       // fails now rather than after the work
+      outputs->others_.emplace_back();
       if (in_memory) continue;
-      if (auto file = OutputFile::create(item.path); !file) return failure(file.error());
+      auto file = OutputFile::create(item.path);
+      if (!file) return failure(file.error());
+      outputs->others_.back() = std::move(*file);
       continue;
     }
     const RobotCsvOptions& csv = outputs->write_options_.csv;
     const CsvSink::Options sink_options{
         item.format == MotionFormat::kCsvSoma ? soma_csv_options(csv.precision) : csv,
         options.normalize_start};
+    outputs->others_.emplace_back();
     auto sink = CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options);
     if (!sink) return failure(sink.error());
     outputs->sinks_.back() = std::move(*sink);
@@ -196,10 +207,7 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
     if (!hash) return failure(hash.error());
     written_[i] = {items_[i], std::move(*hash)};
     if (in_memory_) continue;
-    auto file = OutputFile::create(items_[i].path);
-    if (!file) return failure(file.error());
-    if (auto done = file->write(*bytes); !done) return done;
-    files_.push_back(std::move(*file));
+    if (auto done = others_[i]->write(*bytes); !done) return done;
   }
   return {};
 }
@@ -221,7 +229,7 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
       auto file = OutputFile::create(written.item.path + ".json");
       if (!file) return failure(file.error());
       if (auto done = file->write(*text); !done) return failure(done.error());
-      files_.push_back(std::move(*file));
+      sidecars_.push_back(std::move(*file));
     }
   }
   if (in_memory_) return written_;
@@ -229,7 +237,11 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
     if (!sink) continue;
     if (auto done = sink->commit(); !done) return failure(done.error());
   }
-  for (OutputFile& file : files_) {
+  for (auto& file : others_) {
+    if (!file) continue;
+    if (auto done = file->commit(); !done) return failure(done.error());
+  }
+  for (OutputFile& file : sidecars_) {
     if (auto done = file.commit(); !done) return failure(done.error());
   }
   return written_;

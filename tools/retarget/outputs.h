@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,9 +28,12 @@ struct OutputItem {
 /// format, .npz and .pkl without a format, several formats to standard output.
 [[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const OutputOptions& options);
 
-/// The same, and whether everything can be written: folders are there, no file is also the input,
-/// no name is used twice.
-[[nodiscard]] Result<void> check_outputs(const OutputOptions& options, const std::string& input,
+/// The same, and whether everything can be written: folders are there, no file is also an input,
+/// no file is written twice.
+/// @param inputs         files that are read; empty names are passed over.
+/// @param other_outputs  files that are written besides.
+[[nodiscard]] Result<void> check_outputs(const OutputOptions& options,
+                                         const std::vector<std::string>& inputs,
                                          const std::vector<std::string>& other_outputs);
 
 /// How the options want a motion to be written.
@@ -69,8 +73,9 @@ class MotionOutputs {
   WriteMotionOptions write_options_;
   bool in_memory_ = false;
   std::vector<OutputItem> items_;
-  std::vector<std::unique_ptr<CsvSink>> sinks_;  // by item; null: no CSV
-  std::vector<OutputFile> files_;                // those that no sink has
+  std::vector<std::unique_ptr<CsvSink>> sinks_;    // by item; null: no CSV
+  std::vector<std::optional<OutputFile>> others_;  // by item; nothing: a CSV
+  std::vector<OutputFile> sidecars_;
   std::vector<WrittenFile> written_;
 };
 

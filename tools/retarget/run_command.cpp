@@ -1,5 +1,8 @@
 // The default command: one motion file to a robot's motion files.
 
+#include <string>
+#include <vector>
+
 #include "clip_run.h"
 #include "commands.h"
 #include "outputs.h"
@@ -22,7 +25,11 @@ Result<void> check_usage(const RunOptions& options) {
   if (!options.report.empty()) {
     if (auto folder = check_output_folder(options.report); !folder) return folder;
   }
-  return check_outputs(options, options.source.file, {options.report, options.human.write_map});
+  const std::vector<std::string> inputs = {
+      options.source.file, options.source.smpl_model, options.human.map, options.human.tpose_file,
+      options.robot_xml,   options.robot_profile,     options.ik_config, options.limits,
+      options.fit_config};
+  return check_outputs(options, inputs, {options.report, options.human.write_map});
 }
 
 Result<void> run_checked(RunOptions options, Console& console) {

@@ -42,14 +42,18 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   return report;
 }
 
-Result<void> write_run_report(const std::string& path, const QualityReport& report,
-                              Console& console) {
-  if (auto written = write_file(path, report_json({&report, 1})); !written) return written;
+Result<OutputFile> write_run_report(const std::string& path, const QualityReport& report,
+                                    Console& console) {
+  auto file = OutputFile::create(path);
+  if (!file) return file;
+  if (auto written = file->write(report_json({&report, 1})); !written) {
+    return failure(written.error());
+  }
   const auto missed =
       std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
   console.line("report", path + ": " + count_text(missed, "gate") + " of " +
                              std::to_string(report.gates.size()) + " missed");
-  return {};
+  return file;
 }
 
 }  // namespace retarget::cli

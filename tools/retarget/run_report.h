@@ -4,6 +4,7 @@
 
 #include "console.h"
 #include "options.h"
+#include "retarget/base/file.h"
 #include "retarget/io/robot_csv.h"
 #include "retarget/quality/gates.h"
 #include "retarget/quality/report.h"
@@ -30,8 +31,8 @@ struct RunReportInputs {
                                                 const RunReportInputs& inputs,
                                                 const std::filesystem::path& data_folder);
 
-/// Writes --report and says how many gates were missed.
-[[nodiscard]] Result<void> write_run_report(const std::string& path, const QualityReport& report,
-                                            Console& console);
+/// Writes --report, which commit() puts in its place, and says how many gates were missed.
+[[nodiscard]] Result<OutputFile> write_run_report(const std::string& path,
+                                                  const QualityReport& report, Console& console);
 
 }  // namespace retarget::cli

@@ -102,7 +102,7 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   const fs::path beside = fs::path(options.file).parent_path();
   for (std::string* file :
        {&run.source.file, &run.robot_xml, &run.robot_profile, &run.ik_config, &run.fit_config,
-        &run.human.map, &run.human.tpose_file, &run.source.smpl_model}) {
+        &run.human.map, &run.human.tpose_file, &run.source.smpl_model, &run.limits, &run.robot}) {
     find_moved(*file, beside);
   }
   const auto data_folder = data_folder_of(run.common);
@@ -123,9 +123,13 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
 
   const std::string output = (beside / sidecar->output).string();
   std::error_code ignored;
-  const auto there = hash_file(output);
-  if (fs::exists(output, ignored) && there && *there != sidecar->hash) {
-    return run_failure(output, "the file is not the one that the sidecar tells of: it has changed");
+  if (fs::exists(output, ignored)) {
+    const auto there = hash_file(output);
+    if (!there) return failure(there.error());
+    if (*there != sidecar->hash) {
+      return run_failure(output,
+                         "the file is not the one that the sidecar tells of: it has changed");
+    }
   }
   if (made == sidecar->hash) {
     console.line("verified", sidecar->output + ": the same bytes come out");

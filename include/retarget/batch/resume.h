@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,6 +47,10 @@ class FinishedClips {
                                const std::string& options_hash,
                                const std::string& input_path) const;
 
+  /// The files, below the output folder, that earlier runs made of a clip.
+  [[nodiscard]] std::vector<std::string> outputs_of(const std::string& relative,
+                                                    const std::string& robot) const;
+
   /// Whether input and outputs of an entry have the recorded contents; files whose size and time
   /// are the recorded ones are trusted.
   [[nodiscard]] bool still_holds(const ManifestEntry& entry, const std::string& input_path) const;
@@ -55,6 +60,7 @@ class FinishedClips {
                                      const std::string& input_path) const;
 
   std::multimap<std::pair<std::string, std::string>, ManifestEntry> entries_;
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> outputs_;
   std::string output_folder_;
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "retarget/base/result.h"
@@ -18,6 +19,8 @@ struct MotionTable {
   std::vector<std::size_t> quaternions;
   std::size_t frames = 0;
   std::vector<double> values;  ///< Row by row.
+  /// Numbers that are no columns, by name: a rate, arrays with other than a row a frame.
+  std::vector<std::pair<std::string, std::vector<double>>> others;
 };
 
 /// Root position, root quaternion xyzw and all output joints.
@@ -25,8 +28,8 @@ struct MotionTable {
 
 /// What a file holds, without knowing the robot: the columns of a CSV (by their names where it has
 /// a header; columns 4 to 7, or after a frame number 5 to 8, as a quaternion where they are of unit
-/// length), or all arrays of numbers of an NPZ or a pickle that have a row a frame. Errors (kInput)
-/// as of the readers of those files.
+/// length), or all numbers and arrays of numbers of an NPZ or a pickle, those that have a row a frame
+/// as columns. Errors (kInput): those of the readers of such files; a file without any column.
 [[nodiscard]] Result<MotionTable> parse_motion_table(std::string_view bytes,
                                                      const std::string& file);
 
@@ -47,7 +50,8 @@ struct MotionDifference {
   [[nodiscard]] bool agree() const { return columns.empty() && frames_a == frames_b; }
 };
 
-/// Compares column by column. Errors (kInput): other columns.
+/// Compares column by column, then what is no column. A difference of the tolerance itself, give or
+/// take rounding, is not beyond it. Errors (kInput): other columns.
 [[nodiscard]] Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,
                                                        double tolerance);
 
