@@ -48,7 +48,9 @@ check_asan-input() {
   local modules=(base batch bvh edit human io motion robot smpl)
   cmake --preset asan
   cmake --build --preset asan --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
-  ctest --preset asan --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\."
+  # of the command line what brings odd input; the rest solves ordinary clips, slowly
+  ctest --preset asan --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
+    -E '^cli\.(human|run|determinism|fit_odd_sources|compare_peers)$'
 }
 
 check_tidy() {
