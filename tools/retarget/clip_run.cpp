@@ -148,15 +148,7 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
 }  // namespace
 
 Result<void> check_solving_options(const RunOptions& options) {
-  if (options.robot.empty() && options.robot_xml.empty()) {
-    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
-  }
-  if (!options.robot.empty() && !options.robot_xml.empty()) {
-    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
-  }
-  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
-    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
-  }
+  if (auto robot = check_robot_choice(options); !robot) return robot;
   if (!options.robot_xml.empty() && options.ik_config.empty()) {
     return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
   }

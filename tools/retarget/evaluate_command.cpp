@@ -37,14 +37,7 @@ struct Measures {
 
 Result<void> check_usage(const EvaluateOptions& options) {
   const RunOptions& run = options.run;
-  if (run.robot.empty() == run.robot_xml.empty()) {
-    return run.robot.empty()
-               ? usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE")
-               : usage_failure("--robot and --robot-xml both name a robot", "give one of them");
-  }
-  if (!run.robot_profile.empty() && run.robot_xml.empty()) {
-    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
-  }
+  if (auto robot = check_robot_choice(run); !robot) return robot;
   const bool source = !run.source.file.empty() || !run.smpl_file.empty();
   if (!source && (run.start_s >= 0.0 || run.fps == "source")) {
     return usage_failure(

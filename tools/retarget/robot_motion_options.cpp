@@ -31,17 +31,4 @@ void print_motion(const std::string& file, const RobotMotion& motion, Console& c
   for (const std::string& note : motion.notes) console.line("", note);
 }
 
-Result<void> check_robot_choice(const RunOptions& options) {
-  if (options.robot.empty() && options.robot_xml.empty()) {
-    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
-  }
-  if (!options.robot.empty() && !options.robot_xml.empty()) {
-    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
-  }
-  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
-    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
-  }
-  return {};
-}
-
 }  // namespace retarget::cli

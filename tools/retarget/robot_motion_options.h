@@ -14,7 +14,4 @@ namespace retarget::cli {
 /// Says what a file was taken for.
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console);
 
-/// One robot, by --robot or --robot-xml.
-[[nodiscard]] Result<void> check_robot_choice(const RunOptions& options);
-
 }  // namespace retarget::cli

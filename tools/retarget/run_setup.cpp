@@ -105,6 +105,19 @@ Result<fs::path> data_folder_of(const CommonOptions& options) {
   return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
 }
 
+Result<void> check_robot_choice(const RunOptions& options) {
+  if (options.robot.empty() && options.robot_xml.empty()) {
+    return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
+  }
+  if (!options.robot.empty() && !options.robot_xml.empty()) {
+    return usage_failure("--robot and --robot-xml both name a robot", "give one of them");
+  }
+  if (!options.robot_profile.empty() && options.robot_xml.empty()) {
+    return usage_failure("--robot-profile belongs to --robot-xml", "add --robot-xml FILE");
+  }
+  return {};
+}
+
 Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path& data_folder,
                                       Console& console) {
   std::string model = options.robot_xml, profile = options.robot_profile;

@@ -39,6 +39,9 @@ struct ChosenRobot {
                                          const std::filesystem::path& data_folder,
                                          Console& console);
 
+/// One robot, by --robot or --robot-xml; else a kUsage error.
+[[nodiscard]] Result<void> check_robot_choice(const RunOptions& options);
+
 /// The robot that --robot or --robot-xml names.
 [[nodiscard]] Result<ChosenRobot> load_chosen_robot(const RunOptions& options,
                                                     const std::filesystem::path& data_folder,
