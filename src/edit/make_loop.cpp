@@ -189,8 +189,7 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   seam.distance = end.aligned.distance;
   Clip next = clip;
   mover->move_all(next, advance.in_space());
-  auto joined =
-      join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
+  auto joined = join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
   if (!joined) return failure(joined.error());
 
   const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));

@@ -19,13 +19,13 @@ class SeamMixer {
  public:
   SeamMixer(const Clip& a, const Clip& b, const SeamRegion& region)
       : a_(a), b_(b), region_(region), crossfades_(region.a_end > region.b_begin) {
-    const int at_a = region.begin, at_b = region.begin - region.b_shift;
-    // steps at one time: to the seam, or on from it where both clips have one; else they are not
-    // known to differ
+    const int at_a = region.begin, at_b = seam_in_b();
+    // steps at one time: to the seam, or on from it where both clips have one
     const int after = at_a > 0 && at_b > 0 ? 0 : 1;
     step_a_ = at_a + after;
     step_b_ = at_b + after;
-    steps_ = step_a_ < a.frame_count() && step_b_ < b.frame_count();
+    foretold_ = step_a_ >= a.frame_count();
+    steps_ = step_b_ < b.frame_count() && (!foretold_ || at_a >= 2);
   }
 
   /// @param in  the value of a clip in a frame.
@@ -36,13 +36,11 @@ class SeamMixer {
     const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
       return log_so3(to * from.conjugate());
     };
+    const auto step = [&](const Clip& clip, int to) {
+      return turn(in(clip, to - 1), in(clip, to));
+    };
     const Eigen::Vector3d gap = turn(in(b_, seam_in_b()), in(a_, region_.begin));
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps_) {
-      velocity =
-          turn(in(a_, step_a_ - 1), in(a_, step_a_)) - turn(in(b_, step_b_ - 1), in(b_, step_b_));
-    }
-    return (exp_so3(faded(gap, velocity, frame)) * of_b).normalized();
+    return (exp_so3(faded(gap, step, frame)) * of_b).normalized();
   }
 
   template <typename Value>
@@ -52,12 +50,11 @@ class SeamMixer {
       const Eigen::Vector3d of_a = in(a_, frame);
       return of_a + weight_of_b(frame) * (of_b - of_a);
     }
+    const auto step = [&](const Clip& clip, int to) -> Eigen::Vector3d {
+      return in(clip, to) - in(clip, to - 1);
+    };
     const Eigen::Vector3d gap = in(a_, region_.begin) - in(b_, seam_in_b());
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps_) {
-      velocity = (in(a_, step_a_) - in(a_, step_a_ - 1)) - (in(b_, step_b_) - in(b_, step_b_ - 1));
-    }
-    return of_b + faded(gap, velocity, frame);
+    return of_b + faded(gap, step, frame);
   }
 
  private:
@@ -65,8 +62,19 @@ class SeamMixer {
   [[nodiscard]] int seam_in_b() const { return region_.begin - region_.b_shift; }
 
   // what fades in b: at the seam b is a's value, and steps as a stepped
-  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Eigen::Vector3d& velocity,
+  template <typename Step>
+  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Step& step,
                                       int frame) const {
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    // the same frame in both goes on as b does
+    constexpr double kSame = 1e-7;
+    if (steps_ && (!foretold_ || gap.norm() > kSame)) {
+      const int last = region_.begin;
+      const Eigen::Vector3d of_a = foretold_
+                                       ? Eigen::Vector3d(2.0 * step(a_, last) - step(a_, last - 1))
+                                       : step(a_, step_a_);
+      velocity = of_a - step(b_, step_b_);
+    }
     return fade(gap, velocity, region_.end - region_.begin, frame - region_.begin);
   }
 
@@ -75,7 +83,8 @@ class SeamMixer {
   const SeamRegion& region_;
   const bool crossfades_;
   int step_a_ = 0, step_b_ = 0;  // frames that end a step
-  bool steps_ = false;
+  bool steps_ = false;           // they are known
+  bool foretold_ = false;        // a's is not there, but follows from the two before
 };
 
 Pose world_from(const Clip& clip, int frame, int joint) {
@@ -134,8 +143,12 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
     if (mover.joint() == hips) continue;
     // joints above the hips may share the way between them differently in each clip: it is the
     // hips' pose that counts
-    const auto turned = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).rotation; };
-    const auto placed = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).translation; };
+    const auto turned = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).rotation;
+    };
+    const auto placed = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).translation;
+    };
     const Pose wanted{mixer.rotation(turned, frame), mixer.translation(placed, frame)};
     const Pose in_source = wanted * world_from(result, frame, hips).inverse();
     mover.move(result, frame,

@@ -226,8 +226,8 @@ TEST(Concatenation, AClipThatClimbsStaysAsItWas) {
     const double height = std::min(0.5, 0.01 * (frame - 160));
     mover.move(climbing, frame, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
   }
-  const auto joined = concatenate(cut(climbing, 0, 160), cut(climbing, 150, 301), sample.mapping,
-                                  {}, "a", "b");
+  const auto joined =
+      concatenate(cut(climbing, 0, 160), cut(climbing, 150, 301), sample.mapping, {}, "a", "b");
   ASSERT_TRUE(joined);
   EXPECT_EQ(joined->lift, 0.0);
   EXPECT_LT(largest_distance(joined->clip, climbing, 0.01), 1e-6);
@@ -258,7 +258,8 @@ TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
     }
     // and one that does jump is seen
     options.fade = options.seam.window = 0.01;
-    const auto jumping = concatenate(a, raised(sample, b, 0.004), sample.mapping, options, "a", "b");
+    const auto jumping =
+        concatenate(a, raised(sample, b, 0.004), sample.mapping, options, "a", "b");
     ASSERT_TRUE(jumping);
     EXPECT_THAT(jumping->check.faults, testing::Contains(testing::HasSubstr("jumps")));
   }
@@ -305,9 +306,7 @@ TransferTarget turned_axes() {
 TEST(EditsAndTransfer, Commute) {
   const EditSample& walk = data_sample("walk");
   const TransferTarget other = turned_axes();
-  const auto transferred = [&](const Clip& clip) {
-    return transfer(clip, walk.mapping, other);
-  };
+  const auto transferred = [&](const Clip& clip) { return transfer(clip, walk.mapping, other); };
   const GroundPath circle = circle_path(fit_path(walk.human(), {}, "clip")->path.at(0.0), 3.0, 7.0);
   const Clip& waving = data_sample("wave").clip;
   using EditOf = std::function<Clip(const Clip&, const HumanMapping&)>;

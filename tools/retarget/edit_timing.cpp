@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "edits.h"
+#include "retarget/base/suggest.h"
 #include "retarget/edit/ground_pose.h"
 #include "retarget/edit/make_loop.h"
 #include "retarget/edit/mirror.h"
 #include "retarget/edit/put_on_floor.h"
 #include "retarget/motion/resample.h"
-#include "retarget/base/suggest.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
@@ -97,7 +97,8 @@ Result<Clip> edit_place(EditSource source, const EditOptions& options) {
     const auto x = number_from_text(text.substr(0, comma));
     const auto y = number_from_text(text.substr(std::min(comma + 1, text.size())));
     if (!x || !y) {
-      return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + options.amount + "\"");
+      return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + options.amount +
+                           "\"");
     }
     over_ground.position = {*x, *y};
   }
