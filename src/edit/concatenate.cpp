@@ -168,9 +168,11 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
     return input_failure(b_file, "has another skeleton than " + a_file);
   }
-  const auto mover = BodyMover::of(a.skeleton(), mapping, a_file);
-  if (!mover) return failure(mover.error());
-  return Joiner(a, b, mapping, *mover, options, a_file, b_file).run();
+  const auto of_a = BodyMover::of(a, mapping, a_file), of_b = BodyMover::of(b, mapping, b_file);
+  if (!of_a || !of_b) return failure(of_a ? of_b.error() : of_a.error());
+  // what moves in either clip
+  const BodyMover& mover = of_a->joint() < of_b->joint() ? *of_a : *of_b;
+  return Joiner(a, b, mapping, mover, options, a_file, b_file).run();
 }
 
 }  // namespace retarget

@@ -61,7 +61,7 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
 
 Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const GroundPath& path,
                             const RethreadOptions& options, const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   auto own = fit_path(to_human(clip, mapping), options.fit, file);
   if (!own) return failure(own.error());

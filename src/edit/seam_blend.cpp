@@ -95,6 +95,26 @@ Pose world_from(const Clip& clip, int frame, int joint) {
   return pose;
 }
 
+// gives the hips a world pose: by their own channels, or, where those are not free, by those of
+// what moves the body
+void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
+              const HumanMapping& mapping, const BodyMover& mover) {
+  const Skeleton& skeleton = clip.skeleton();
+  const int slot = skeleton.translation_slot(hips);
+  if (slot >= 0) {
+    const Pose world_from_parent = world_from(clip, frame, skeleton.joint(hips).parent);
+    const Pose parent_from_hips = world_from_parent.inverse() * world_from_hips;
+    clip.rotations(frame)[hips] = parent_from_hips.rotation.normalized();
+    clip.translations(frame)[slot] = parent_from_hips.translation;
+    return;
+  }
+  const Pose move = world_from_hips * world_from(clip, frame, hips).inverse();
+  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  mover.move(clip, frame,
+             Pose{human_from_source * move.rotation * human_from_source.conjugate(),
+                  human_from_source * move.translation * mapping.metres_per_unit});
+}
+
 }  // namespace
 
 double SeamRegion::weight_of_a(int frame) const {
@@ -130,7 +150,6 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
   }
   const SeamMixer mixer(a, b, region);
   const int hips = mapping.bones[0].position_joint;
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
   for (int frame = region.begin; frame < region.end; ++frame) {
     for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
       const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };
@@ -140,7 +159,7 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
       const auto in = [slot](const Clip& clip, int at) { return clip.translations(at)[slot]; };
       result.translations(frame)[slot] = mixer.translation(in, frame);
     }
-    if (mover.joint() == hips) continue;
+    if (a.skeleton().joint(hips).parent < 0) continue;
     // joints above the hips may share the way between them differently in each clip: it is the
     // hips' pose that counts
     const auto turned = [hips](const Clip& clip, int at) {
@@ -149,11 +168,8 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
     const auto placed = [hips](const Clip& clip, int at) {
       return world_from(clip, at, hips).translation;
     };
-    const Pose wanted{mixer.rotation(turned, frame), mixer.translation(placed, frame)};
-    const Pose in_source = wanted * world_from(result, frame, hips).inverse();
-    mover.move(result, frame,
-               Pose{human_from_source * in_source.rotation * human_from_source.conjugate(),
-                    human_from_source * in_source.translation * mapping.metres_per_unit});
+    put_hips(result, frame, hips, {mixer.rotation(turned, frame), mixer.translation(placed, frame)},
+             mapping, mover);
   }
   return result;
 }
