@@ -1,56 +1,17 @@
 #include "retarget/edit/concatenate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
+#include <optional>
 #include <utility>
 
+#include "edit/goes_on.h"
 #include "edit/join_clips.h"
-#include "retarget/edit/pose_distance.h"
+#include "edit/seam_check.h"
 #include "retarget/edit/put_on_floor.h"
 
 namespace retarget {
 namespace {
-
-// the largest distance of a bone in a frame from where the three frames before lead it, metres
-double departure(const std::array<std::span<const Pose>, 4>& frames,
-                 const std::vector<int>& bones) {
-  double largest = 0.0;
-  for (const int bone : bones) {
-    const auto at = [&](int i) {
-      return frames[static_cast<std::size_t>(i)][static_cast<std::size_t>(bone)].translation;
-    };
-    largest = std::max(largest, (at(3) - (3.0 * (at(2) - at(1)) + at(0))).norm());
-  }
-  return largest;
-}
-
-// whether b begins where a ends, a frame later: a clip that was cut in two, as it lies
-bool goes_on(const HumanClip& a, const HumanClip& b) {
-  // frames on either side by which a step across is judged
-  constexpr int kBeside = 8, kFewest = 4;
-  const int beside_frames = std::min({kBeside, a.frame_count, b.frame_count});
-  if (beside_frames < kFewest) return false;
-  const std::vector<int> bones = common_bones(a, b);
-  const auto frame = [&](int i) { return i < 0 ? a.frame(a.frame_count + i) : b.frame(i); };
-  const auto departure_at = [&](int i) {
-    return departure({frame(i - 3), frame(i - 2), frame(i - 1), frame(i)}, bones);
-  };
-  double across = 0.0, beside = 0.0;
-  for (int i = 3 - beside_frames; i < beside_frames; ++i) {
-    double& largest = i >= 0 && i < 3 ? across : beside;
-    largest = std::max(largest, departure_at(i));
-  }
-  double step = 0.0;
-  for (const int bone : bones) {
-    const auto index = static_cast<std::size_t>(bone);
-    step = std::max(step, (frame(0)[index].translation - frame(-1)[index].translation).norm());
-  }
-  // as smooth as beside, and a step rather than the same frame again
-  constexpr double kAsSmooth = 1.5, kRounding = 1e-5;
-  return across <= kAsSmooth * beside + kRounding && step > kRounding;
-}
 
 class Joiner {
  public:
@@ -75,19 +36,21 @@ class Joiner {
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     auto first = join(seam);
-    if (first && goes_on(motion_a_.human, to_human(b_, mapping_))) {
-      return put_together(std::move(first->map));
+    if (!first) return first;
+    if (goes_on(motion_a_.human, to_human(b_, mapping_))) {
+      auto whole = put_together(first->map);
+      if (whole.check.faults.empty()) return whole;
     }
-    if (!first || first->check.faults.empty() || seam.search_all) return first;
+    if (first->check.faults.empty() || seam.search_all) return first;
     const double longest = std::max(a_.duration(), b_.duration());
     while (seam.band > 0.0 && seam.band < std::min(longest, options_.widest_band)) {
       seam.band = std::min(2.0 * seam.band, options_.widest_band);
       auto wider = join(seam);
       // too much to search
-      if (!wider) return first;
+      if (!wider) break;
       if (wider->check.faults.empty()) return wider;
+      first->band = seam.band;
     }
-    first->band = seam.band;
     return first;
   }
 
@@ -104,7 +67,11 @@ class Joiner {
     Seam seam;
     seam.a_frame = a_.frame_count();
     seam.overlap = 0;
-    return {std::move(whole), seam, std::move(map), 0.0, 0.0, {}};
+    SeamRegion region;
+    region.begin = region.end = seam.a_frame;
+    SeamCheck check = check_speeds(motion_a_.human, to_human(b_, mapping_),
+                                   to_human(whole, mapping_), region, options_.speed_factor);
+    return {std::move(whole), seam, std::move(map), 0.0, 0.0, std::move(check)};
   }
 
   Result<Concatenation> join(const SeamOptions& options) {
@@ -118,18 +85,25 @@ class Joiner {
       auto other =
           find_seam(motion_a_.human, to_human(raised, mapping_), options, a_file_, b_file_);
       if (!other) return failure(other.error());
-      if (other->seam.distance < search->seam.distance) {
+      if (other->seams[0].distance < search->seams[0].distance) {
         search = std::move(other);
         on_floor = std::move(raised);
         lift = lift_;
       }
     }
-    auto joined = join_at(search->seam, std::move(on_floor));
-    if (!joined) return joined;
-    joined->map = std::move(search->map);
-    joined->lift = lift;
-    joined->band = options.band;
-    return joined;
+    // the best of those that turn out well
+    std::optional<Concatenation> best;
+    for (const Seam& seam : search->seams) {
+      auto joined = join_at(seam, on_floor);
+      if (!joined) return joined;
+      const bool good = joined->check.faults.empty();
+      if (!best || good) best = std::move(*joined);
+      if (good) break;
+    }
+    best->map = std::move(search->map);
+    best->lift = lift;
+    best->band = options.band;
+    return std::move(*best);
   }
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
@@ -164,11 +138,9 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
     return input_failure(b_file, "has another skeleton than " + a_file);
   }
-  const auto of_a = BodyMover::of(a, mapping, a_file), of_b = BodyMover::of(b, mapping, b_file);
-  if (!of_a || !of_b) return failure(of_a ? of_b.error() : of_a.error());
-  // what moves in either clip
-  const BodyMover& mover = of_a->joint() < of_b->joint() ? *of_a : *of_b;
-  return Joiner(a, b, mapping, mover, options, a_file, b_file).run();
+  const auto mover = BodyMover::of(a, mapping, a_file, &b);
+  if (!mover) return failure(mover.error());
+  return Joiner(a, b, mapping, *mover, options, a_file, b_file).run();
 }
 
 }  // namespace retarget

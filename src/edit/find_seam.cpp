@@ -56,14 +56,43 @@ class SeamFinder {
     SeamSearch result;
     result.map = {band_a_.begin, band_b_.begin, static_cast<int>(band_b_.size()),
                   distance_.map(band_a_.begin, band_a_.end, band_b_.begin, band_b_.end)};
-    result.seam = describe_seam(best_pair(result.map));
+    std::vector<PairOfFrames> taken;
+    if (const int shared = shared_frames(result.map); shared > 0) {
+      taken.push_back({a_.frame_count - shared, 0, 0.0});
+    }
+    while (static_cast<int>(taken.size()) < std::max(1, options_.most_seams)) {
+      const PairOfFrames next = best_pair(result.map, taken);
+      if (std::isinf(next.cost)) break;
+      taken.push_back(next);
+    }
+    for (const PairOfFrames& pair : taken) result.seams.push_back(describe_seam(pair));
     return result;
   }
 
  private:
-  [[nodiscard]] PairOfFrames best_pair(const SeamMap& map) const {
+  // how many frames at the end of a are those at the beginning of b, somewhere else perhaps; but
+  // not all of a clip: it is joined to itself on purpose
+  [[nodiscard]] int shared_frames(const SeamMap& map) const {
+    constexpr double kSame = 1e-5;
+    const int fewer = std::min(a_.frame_count, b_.frame_count);
+    for (int i = std::max(band_a_.begin, a_.frame_count - fewer + 1); i < band_a_.end; ++i) {
+      const auto row = static_cast<std::size_t>(i - band_a_.begin);
+      if (map.distances[row * static_cast<std::size_t>(map.width)] > kSame) continue;
+      const int shared = a_.frame_count - i;
+      bool same = true;
+      for (int k = 0; same && k < shared; k += window_)
+        same = distance_.at(i + k, k).distance <= kSame;
+      if (same) return shared;
+    }
+    return 0;
+  }
+
+  // of those that are not near others
+  [[nodiscard]] PairOfFrames best_pair(const SeamMap& map,
+                                       const std::vector<PairOfFrames>& others) const {
     const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time() +
                                  options_.cost_of_all / (a_.frame_count + b_.frame_count);
+    const int near = std::max(1, window_ / 2);
     PairOfFrames best;
     std::size_t at = 0;
     for (int i = band_a_.begin; i < band_a_.end; ++i) {
@@ -73,6 +102,10 @@ class SeamFinder {
         const double distance = map.distances[at] * (1.0 + 0.5 * missing);
         double cost = distance + cost_of_frame * lost;
         if (cost >= best.cost) continue;
+        const bool known = std::ranges::any_of(others, [&](const PairOfFrames& other) {
+          return std::abs(other.a - i) < near && std::abs(other.b - j) < near;
+        });
+        if (known) continue;
         if (!same_support(i, j)) cost += options_.other_support * distance;
         if (cost < best.cost) best = {i, j, cost};
       }

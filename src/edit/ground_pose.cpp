@@ -71,7 +71,7 @@ BodyMover::BodyMover(int joint, const HumanMapping& mapping)
       human_from_source_(mapping.human_from_source) {}
 
 Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping,
-                                const std::string& file) {
+                                const std::string& file, const Clip* with) {
   const Skeleton& skeleton = clip.skeleton();
   std::vector<int> chain;
   for (int joint = mapping.bones[0].position_joint; joint >= 0;
@@ -80,8 +80,9 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping,
   }
   const auto is_free = [&](int joint) { return moves_freely(skeleton.joint(joint)); };
   std::erase_if(chain, [&](int joint) { return !is_free(joint); });
-  const auto moving = std::ranges::find_if(chain.rbegin(), chain.rend(),
-                                           [&](int joint) { return is_moved(clip, joint); });
+  const auto moving = std::ranges::find_if(chain.rbegin(), chain.rend(), [&](int joint) {
+    return is_moved(clip, joint) || (with != nullptr && is_moved(*with, joint));
+  });
   if (moving != chain.rend()) chain.erase(moving.base(), chain.end());
   bool moves_all = !chain.empty();
   for (const BoneSource& bone : mapping.bones) {

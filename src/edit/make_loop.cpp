@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <vector>
 
 #include "edit/join_clips.h"
@@ -24,17 +26,23 @@ struct CycleEnd {
 CycleEnd find_end(const HumanClip& human, int from, int window) {
   const PoseClouds clouds(human, common_bones(human, human));
   const WindowDistance distance(clouds, clouds, window);
-  CycleEnd best{from, distance.frames_at(from, 0), distance.at(from, 0)};
-  for (int frame = from + 1; frame < human.frame_count; ++frame) {
+  CycleEnd best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int frame = from; frame < human.frame_count; ++frame) {
+    const int overlap = distance.frames_at(frame, 0);
     const CloudAlignment aligned = distance.at(frame, 0);
-    if (aligned.distance >= best.aligned.distance) continue;
-    best = {frame, distance.frames_at(frame, 0), aligned};
+    const double missing = 1.0 - overlap / static_cast<double>(window);
+    // of poses that are equal but for rounding the first counts
+    constexpr double kEqual = 1e-6;
+    const double cost = aligned.distance * (1.0 + 0.5 * missing);
+    if (cost >= least - kEqual) continue;
+    least = cost;
+    best = {frame, overlap, aligned};
   }
   return best;
 }
 
-// how far the body has come when it is back in its first pose
-GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
+GroundPose advance_over_ground(const HumanMotion& motion, const CycleEnd& end) {
   // a foot that never leaves its place says it exactly
   for (int foot = 0; foot < 2; ++foot) {
     if (motion.feet.ankles[foot].empty()) continue;
@@ -45,6 +53,16 @@ GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
     }
   }
   return end.aligned.a_from_b;
+}
+
+// how far the body has come when it is back in its first pose, whole turns and all
+GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
+  constexpr double kWhole = 2.0 * std::numbers::pi;
+  GroundPose advance = advance_over_ground(motion, end);
+  const auto hips = hips_over_ground(motion.human);
+  const double turned = hips[static_cast<std::size_t>(end.frame)].heading - hips.front().heading;
+  advance.heading += kWhole * std::round((turned - advance.heading) / kWhole);
+  return advance;
 }
 
 // part of a rigid motion over the ground: along the arc that it makes when repeated

@@ -115,7 +115,8 @@ std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
     const std::size_t first_new = plants.size();
     const bool near_seam = !of_a.empty() && of_a.back().end >= region.begin;
     const auto near = static_cast<int>(std::lround(kSameStand * rate.fps()));
-    if (near_seam && !of_b.empty() && of_b.front().begin <= of_a.back().end + near) {
+    if (near_seam && !of_b.empty() && of_b.front().begin <= of_a.back().end + near &&
+        of_b.front().end > of_a.back().begin) {
       const ContactPhase in_a = of_a.back(), in_b = of_b.front();
       of_a.pop_back();
       of_b.erase(of_b.begin());

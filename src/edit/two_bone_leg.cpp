@@ -58,7 +58,8 @@ double bend_to(const Eigen::Vector3d& thigh, const Eigen::Vector3d& shin,
   // a knee that is bent backwards is not bent so any further: on the way to the other side the leg
   // is as good as straight, and what its length is off is nothing
   constexpr double kTurned = 0.15;
-  return straightest + bend * (2.0 * smooth_step(0.0, kTurned, bend - straightest) - 1.0);
+  const double turned = smooth_step(0.0, std::min(2.0 * straightest, kTurned), bend - straightest);
+  return straightest + turned * bend - (1.0 - turned) * std::min(bend, straightest);
 }
 
 }  // namespace
@@ -100,6 +101,10 @@ double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,
   const Eigen::Vector3d thigh = poses[joints_.knee].translation - hip;
   const Eigen::Vector3d shin = poses[joints_.ankle].translation - poses[joints_.knee].translation;
   const Eigen::Vector3d wanted = world_from_ankle.translation - hip;
+  // bones without a length turn nothing
+  if (!(thigh.norm() * shin.norm() > 0.0)) {
+    return (poses[joints_.ankle].translation - world_from_ankle.translation).norm();
+  }
   const double shortest = 1.001 * std::abs(thigh.norm() - shin.norm());
   const double distance = std::clamp(wanted.norm(), shortest, std::max(longest, shortest));
 

@@ -40,17 +40,23 @@ Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vect
   return 0.5 * sum;
 }
 
-// how far the lowest joint of the body wanders along a direction: from the tenth to the fiftieth
-// percentile, so that jumps do not count
-double wander(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
+// of the lowest joint along a direction, in all poses, sorted
+std::vector<double> lowest_levels(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
   std::vector<double> lowest;
   for (const JointPoses& pose : poses) {
     double least = std::numeric_limits<double>::infinity();
     for (const Pose& joint : pose) least = std::min(least, up.dot(joint.translation));
     lowest.push_back(least);
   }
-  if (lowest.empty()) return 0.0;
   std::ranges::sort(lowest);
+  return lowest;
+}
+
+// how far the lowest joint of the body wanders along a direction: from the tenth to the fiftieth
+// percentile, so that jumps do not count
+double wander(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
+  const std::vector<double> lowest = lowest_levels(poses, up);
+  if (lowest.empty()) return 0.0;
   return lowest[lowest.size() / 2] - lowest[lowest.size() / 10];
 }
 
@@ -135,6 +141,12 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
                     floor(custom) < 0.4 * floor(best);
   if (is_near || lies) best = custom;
   return {best, mean.dot(best.direction())};
+}
+
+bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
+  constexpr double kNear = 0.2;  // of a leg
+  const std::vector<double> lowest = lowest_levels(poses, up.direction());
+  return !lowest.empty() && std::abs(lowest[lowest.size() / 2]) <= kNear * size_of(body);
 }
 
 Eigen::Matrix3d z_up_from_file(const SignedAxis& up) {

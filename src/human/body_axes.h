@@ -38,6 +38,11 @@ struct UpGuess {
 };
 [[nodiscard]] UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses);
 
+/// Whether the body is on a floor at height 0 along an axis: half of the poses have their lowest joint
+/// within a fifth of a leg's length of it, as nearly all recordings have along up.
+[[nodiscard]] bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses,
+                               const SignedAxis& up);
+
 /// Rotation from the file's axes to z up: the identity for +z, the quarter turn about x for +y.
 /// Of determinant +1 for every axis.
 [[nodiscard]] Eigen::Matrix3d z_up_from_file(const SignedAxis& up);

@@ -143,6 +143,10 @@ bool Calibrator::stands_otherwise(const SignedAxis& custom) const {
   constexpr double kPlainly = 0.5, kBeyondDoubt = 0.95;
   if (view_.poses.size() < kFewest) return false;
   const UpGuess guess = guess_up(body_, view_.poses);
+  // who lies all the time lies on the floor
+  if (is_on_floor(body_, view_.poses, custom) && !is_on_floor(body_, view_.poses, guess.axis)) {
+    return false;
+  }
   return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
 }
 

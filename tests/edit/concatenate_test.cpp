@@ -337,6 +337,7 @@ TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
     }
     // and one that does jump is seen
     options.fade = options.seam.window = 0.01;
+    options.seam.most_seams = 1;
     const auto jumping =
         concatenate(a, raised(sample, b, 0.004), sample.mapping, options, "a", "b");
     ASSERT_TRUE(jumping);

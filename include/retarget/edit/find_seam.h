@@ -20,6 +20,7 @@ struct SeamOptions {
   double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
   /// Where other feet are planted in the one than in the other, the distance counts so much more.
   double other_support = 0.5;
+  int most_seams = 4;  ///< How many places are given.
 };
 
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
@@ -42,14 +43,15 @@ struct SeamMap {
 };
 
 struct SeamSearch {
-  Seam seam;
+  std::vector<Seam> seams;  ///< The best one, then the next best elsewhere; one at least.
   SeamMap map;
 };
 
 /// Finds where b goes on best from a: the least distance of Kovar, Gleicher and Pighin (2002) over
 /// windows of bone positions (all bones alike), each window turned and moved over the ground as
 /// fits best; see WindowDistance. Where the clips share less than a window, the distance counts
-/// more by half the share that is missing, and so it does where other feet are on the floor.
+/// more by half the share that is missing, and so it does where other feet are on the floor. Frames
+/// that both clips have, at the end of a and the beginning of b, are found before all else.
 ///
 /// @param a_file, b_file  for messages.
 /// @return kInput errors: a clip without frames; no bones in common. kUsage errors: more than 16

@@ -38,9 +38,10 @@ struct GroundPose {
 class BodyMover {
  public:
   /// @param file  for messages.
+  /// @param with  another clip of the skeleton that is to be moved by the same joint.
   /// @return a kInput error for a body that no joint moves as a whole.
   [[nodiscard]] static Result<BodyMover> of(const Clip& clip, const HumanMapping& mapping,
-                                            const std::string& file);
+                                            const std::string& file, const Clip* with = nullptr);
 
   /// @param move  of the world, metres, z up.
   void move(Clip& clip, int frame, const Pose& move) const;

@@ -19,14 +19,15 @@ struct LoopOptions {
 
 /// A cycle without a seam.
 struct Loop {
-  Clip clip;              ///< `cycle` frames for each time: the next one would be the first again.
-  int cycle = 0;          ///< Frames of one cycle, from the source's first frame on.
+  Clip clip;      ///< `cycle` frames for each time: the next one would be the first again.
+  int cycle = 0;  ///< Frames of one cycle: the source's from its first one on, but for those
+                  ///< around the seam.
   double distance = 0.0;  ///< Between beginning and end before they were joined, as WindowDistance.
   GroundPose advance;     ///< Of one cycle over the ground, before `in_place`.
   SeamCheck check;        ///< Of where the end meets the beginning.
 };
 
-/// Makes a cycle that begins with the clip's first frame and ends where the body is most like it,
+/// Makes a cycle of the clip from its first frame to where the body is most like that,
 /// after `shortest` or later. The clip is joined there to itself as by `concatenate`: frames around
 /// the seam are blended, feet that stand stay where they stand, the seam is checked. Positions and
 /// velocities of all joints go on steadily from each cycle to the next. Where a foot stands all
