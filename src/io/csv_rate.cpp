@@ -1,7 +1,9 @@
 // The rate of a CSV, as far as a column of times or frame numbers tells it.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "io/csv_columns.h"
 #include "retarget/base/number_text.h"
@@ -54,15 +56,34 @@ ClockSteps clock_steps(const CsvTable& table, int column) {
   return steps;
 }
 
-// a whole rate that gives these times where they are rounded as they are, else what the mean says
+// the rates that motions have
+constexpr std::array<int, 14> kUsualRates = {10, 15, 20, 24,  25,  30,  50,
+                                             60, 72, 90, 100, 120, 200, 240};
+
+// a usual, else a whole rate that gives these times where they are rounded as they are, else what
+// the mean says; of several usual ones, which a few times may fit, the nearest
 FrameRate rate_of_times(const CsvTable& table, int column, const ClockSteps& steps, double tick) {
   const auto at = static_cast<std::size_t>(column);
-  const double whole = std::round(1.0 / (steps.step * tick));
-  bool fits = whole >= 1.0 && steps.resolution > 0.0;
-  for (std::size_t i = 0; fits && i < table.rows(); ++i) {
-    const double expected = static_cast<double>(i) / (whole * tick);
-    fits = std::abs(table.row(i)[at] - table.row(0)[at] - expected) <= 1.01 * steps.resolution;
+  const auto largest_miss = [&](double rate) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      const double expected = static_cast<double>(i) / (rate * tick);
+      largest = std::max(largest, std::abs(table.row(i)[at] - table.row(0)[at] - expected));
+    }
+    return largest;
+  };
+  std::optional<int> best;
+  // first and last may both be rounded, half a unit each
+  double least = 1.01 * steps.resolution;
+  for (const int rate : kUsualRates) {
+    const double miss = largest_miss(rate);
+    if (!(miss < least)) continue;
+    least = miss;
+    best = rate;
   }
+  if (best) return {*best, 1};
+  const double whole = std::round(1.0 / (steps.step * tick));
+  const bool fits = whole >= 1.0 && largest_miss(whole) <= 1.01 * steps.resolution;
   return fits ? frame_rate_from_fps(whole) : frame_rate_from_frame_time(steps.step * tick);
 }
 

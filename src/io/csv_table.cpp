@@ -18,6 +18,12 @@ std::string columns_text(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " column" : " columns");
 }
 
+// whether a cell is meant as a number, sound or not: no name begins so
+bool begins_as_number(std::string_view text) {
+  const std::size_t first = text.find_first_not_of("+-.");
+  return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
+}
+
 class CsvTableReader {
  public:
   explicit CsvTableReader(const std::string& file) : file_(file) {}
@@ -61,7 +67,8 @@ class CsvTableReader {
       if (!begun_) take_comment(line);
       return {};
     }
-    if (!std::exchange(begun_, true) && !number_of_cell(cells_.front().text)) {
+    const std::string_view first = cells_.front().text;
+    if (!std::exchange(begun_, true) && !number_of_cell(first) && !begins_as_number(first)) {
       for (const CsvCell& cell : cells_) table_.header.emplace_back(cell.text);
       table_.comment.clear();
       return {};
