@@ -147,6 +147,10 @@ class ClockReader {
                 "frame numbers that go up by " + number_text(steps_.step, 0) + ", of 120 fps");
       return {};
     }
+    if (columns_.soma && !even) {
+      return doubt("has frame numbers that do not go up evenly (frame " +
+                   std::to_string(steps_.where) + "): are there frames missing?");
+    }
     if (even) {
       motion_.notes.push_back(
           "a column of frame numbers, passed over" +

@@ -10,7 +10,7 @@ namespace retarget {
 namespace {
 
 // beyond this a number is no motion of a robot in any unit
-constexpr double kLargest = 1e6;
+constexpr double kLargestNumber = 1e6;
 // nanoseconds since 1970 are below
 constexpr double kLargestTime = 1e20;
 
@@ -101,7 +101,7 @@ class CsvTableReader {
       }
       const bool first = &cell == &cells_.front();
       // written so that NaN is caught
-      if (!(std::abs(*value) <= (first ? kLargestTime : kLargest))) {
+      if (!(std::abs(*value) <= (first ? kLargestTime : kLargestNumber))) {
         return fault(cell.column, "the number " + found + " is out of range");
       }
       table_.values.push_back(*value);

@@ -123,7 +123,8 @@ bool looks_like_pickle(std::string_view bytes) {
 
 Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
   PickleDocument document;
-  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) {
+  const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
+  if (compressed) {
     auto unpacked = unpack(bytes, file);
     if (!unpacked) return failure(unpacked.error());
     document.unpacked_ = std::move(*unpacked);
@@ -134,9 +135,11 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
   if (!bytes.starts_with('\x80')) {
     const bool old = is_old_pickle(bytes);
     return input_failure(file,
-                         old ? "the pickle is of protocol 0 or 1, and 2 to 5 are read"
-                             : "the file is no pickle of protocol 2 or later",
-                         "write it with Python 3's pickle.dump(motion, file)");
+                         old          ? "the pickle is of protocol 0 or 1, and 2 to 5 are read"
+                         : compressed ? "what the compressed file holds is no pickle"
+                                      : "the file is no pickle of protocol 2 or later",
+                         compressed && !old ? "unpack it and give what is inside"
+                                            : "write it with Python 3's pickle.dump(motion, file)");
   }
   PickleReader reader(bytes, file, document);
   if (auto done = reader.read(); !done) return failure(done.error());

@@ -19,7 +19,7 @@ constexpr int kMostDigits = 17;
 
 constexpr double kDegreesPerRadian = 57.29577951308232087680;
 constexpr double kCentimetresPerMetre = 100.0;
-constexpr std::int64_t kSomaRate = 120;
+constexpr std::int64_t kSomaFramesASecond = 120;
 // a quaternion of this length has no direction
 constexpr double kNoLength = 1e-6;
 
@@ -81,12 +81,12 @@ void append_number(std::string& text, double value, int precision) {
 }  // namespace
 
 bool soma_csv_tells(const FrameRate& rate) {
-  return rate.seconds == 1 && kSomaRate % rate.frames == 0;
+  return rate.seconds == 1 && kSomaFramesASecond % rate.frames == 0;
 }
 
 RobotCsvOptions soma_csv_options(const FrameRate& rate, int precision) {
   RobotCsvOptions options;
-  if (soma_csv_tells(rate)) options.frame_step = static_cast<int>(kSomaRate / rate.frames);
+  if (soma_csv_tells(rate)) options.frame_step = static_cast<int>(kSomaFramesASecond / rate.frames);
   options.precision = precision;
   options.header = true;
   options.frame_column = true;

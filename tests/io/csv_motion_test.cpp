@@ -238,6 +238,16 @@ TEST_F(CsvMotion, SomasRateIsInItsFrameNumbers) {
   EXPECT_EQ(rate_of({30, 1}, with([](auto& o) { o.default_rate = FrameRate{50, 1}; })), "30");
 }
 
+TEST_F(CsvMotion, SomasFramesThatAreMissingAreAFault) {
+  RobotClip clip(robot_, {30, 1}, 4);
+  std::string text = format_robot_csv(clip, soma_csv_options({30, 1}));
+  const std::size_t second = text.find("\n4,");
+  text.erase(second, text.find('\n', second + 1) - second);
+  const auto gap = parse_robot_motion(text, robot_, "m", {});
+  ASSERT_FALSE(gap);
+  EXPECT_THAT(describe(gap.error()), AllOf(HasSubstr("frames missing"), HasSubstr("--source-fps")));
+}
+
 TEST_F(CsvMotion, UnitsHoldForAnglesOfTheRootAsForJoints) {
   const std::string header =
       "Frame,root_translateX,root_translateY,root_translateZ,root_rotateX,root_rotateY,"

@@ -208,7 +208,8 @@ TEST(PickleTest, CompressedFilesOfJoblib) {
   ASSERT_TRUE(read.has_value()) << describe(read.error());
   EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
   EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
-  EXPECT_THAT(error_of(compressed("no pickle")), HasSubstr("no pickle of protocol 2"));
+  EXPECT_THAT(error_of(compressed("no pickle")),
+              HasSubstr("what the compressed file holds is no pickle"));
 }
 
 TEST(PickleTest, WhatUnpacksToMuchMoreThanItIsIsRefused) {
@@ -216,7 +217,7 @@ TEST(PickleTest, WhatUnpacksToMuchMoreThanItIsIsRefused) {
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{33} << 20, '\0'))),
               HasSubstr("unpacked, the file has more than 33554432 bytes"));
   EXPECT_THAT(error_of(compressed(std::string(std::size_t{31} << 20, '\0'))),
-              HasSubstr("no pickle of protocol 2"));
+              HasSubstr("is no pickle"));
 }
 
 TEST(PickleTest, OldProtocolsAreNamed) {

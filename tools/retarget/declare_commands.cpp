@@ -50,7 +50,6 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
   // what convert calls --source-quat had this name here
   command->add_option("--csv-quat", options.reading.quaternion)
       ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
-      ->excludes("--source-quat")
       ->group("");
   add_human_options(*command, run.human);
   command->add_option("--robot", run.robot, "Robot by name, or a robot folder")
