@@ -18,6 +18,7 @@ constexpr const char* kByNumber = "--ignore-header takes the columns by their nu
 
 std::string quoted(const std::vector<std::string>& names) {
   std::vector<std::string> shown;
+  shown.reserve(names.size());
   for (const std::string& name : names) shown.push_back("\"" + name.substr(0, 60) + "\"");
   return list_names(shown, kNamesShown);
 }

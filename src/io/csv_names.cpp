@@ -114,6 +114,7 @@ std::string shared_part(const std::vector<ColumnName>& names) {
 
 std::vector<ColumnName> column_names(const std::vector<std::string>& cells) {
   std::vector<ColumnName> names;
+  names.reserve(cells.size());
   for (const std::string& cell : cells) names.push_back(column_name(cell));
   for (std::string part = shared_part(names); !part.empty(); part = shared_part(names)) {
     for (ColumnName& name : names) {

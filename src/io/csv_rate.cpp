@@ -48,7 +48,9 @@ ClockSteps clock_steps(const CsvTable& table, int column) {
     }
     return true;
   };
-  for (double resolution = 1.0; resolution > 1e-7; resolution *= 0.1) {
+  constexpr int kMostDecimals = 6;
+  double resolution = 1.0;
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, resolution *= 0.1) {
     if (!fits(resolution)) continue;
     steps.resolution = resolution;
     break;

@@ -133,7 +133,7 @@ class OutputTree {
   }
 
   Result<void> add(const BatchInput& input) {
-    OutputOptions of_clip = options_.run;
+    OutputOptions of_clip = static_cast<const OutputOptions&>(options_.run);
     of_clip.output = batch_output(options_.run, input.relative);
     const auto items = plan_outputs(of_clip);
     if (!items) return failure(items.error());

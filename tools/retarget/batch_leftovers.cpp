@@ -46,7 +46,7 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
                                                   const FinishedClips& finished) {
   std::vector<std::string> files;
   for (const BatchTask& task : tasks) {
-    OutputOptions options = task.robot->run;
+    OutputOptions options = static_cast<const OutputOptions&>(task.robot->run);
     options.output = task.robot->folder + batch_output(options, task.input->relative);
     const auto items = plan_outputs(options);
     if (!items) continue;
@@ -55,7 +55,9 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
         return file == item.path || (options.sidecar && file == item.path + ".json");
       });
       std::error_code ignored;
-      if (!replaced && fs::is_regular_file(folder + "/" + file, ignored)) files.push_back(file);
+      if (!replaced && fs::is_regular_file(fs::path(folder) / file, ignored)) {
+        files.push_back(file);
+      }
     }
   }
   return files;
