@@ -75,8 +75,9 @@ class Joiner {
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     auto first = join(seam);
-    if (first && goes_on(motion_a_.human, to_human(b_, mapping_)))
+    if (first && goes_on(motion_a_.human, to_human(b_, mapping_))) {
       return put_together(std::move(first->map));
+    }
     if (!first || first->check.faults.empty() || seam.search_all) return first;
     const double longest = std::max(a_.duration(), b_.duration());
     while (seam.band > 0.0 && seam.band < std::min(longest, options_.widest_band)) {
@@ -91,12 +92,6 @@ class Joiner {
   }
 
  private:
-  [[nodiscard]] Clip lifted(double lift) const {
-    Clip result = b_;
-    if (lift != 0.0) mover_.move_all(result, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift}});
-    return result;
-  }
-
   // one after the other, as they lie
   [[nodiscard]] Concatenation put_together(SeamMap map) const {
     Clip whole = a_;
@@ -118,7 +113,8 @@ class Joiner {
     auto search = find_seam(motion_a_.human, to_human(b_, mapping_), options, a_file_, b_file_);
     if (!search) return failure(search.error());
     if (lift_ != 0.0) {
-      Clip raised = lifted(lift_);
+      Clip raised = b_;
+      mover_.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift_}});
       auto other =
           find_seam(motion_a_.human, to_human(raised, mapping_), options, a_file_, b_file_);
       if (!other) return failure(other.error());

@@ -13,15 +13,6 @@ namespace {
 // nearer to upside down than this the hips have no heading: it stays as it was
 constexpr double kNoHeading = 1e-3;
 
-bool moves_freely(const Joint& joint) {
-  int positions = 0, rotations = 0;
-  for (const Channel channel : joint.channels) {
-    positions += is_position(channel) ? 1 : 0;
-    rotations += is_rotation(channel) ? 1 : 0;
-  }
-  return positions == 3 && rotations >= 3;
-}
-
 bool is_moved(const Clip& clip, int joint) {
   constexpr double kStill = 1e-9;
   const auto slot = static_cast<std::size_t>(clip.skeleton().translation_slot(joint));
@@ -39,6 +30,15 @@ bool is_below(const Skeleton& skeleton, int joint, int above) {
 }
 
 }  // namespace
+
+bool moves_freely(const Joint& joint) {
+  int positions = 0, rotations = 0;
+  for (const Channel channel : joint.channels) {
+    positions += is_position(channel) ? 1 : 0;
+    rotations += is_rotation(channel) ? 1 : 0;
+  }
+  return positions == 3 && rotations >= 3;
+}
 
 GroundPose GroundPose::inverse() const {
   const GroundPose turned{Eigen::Vector2d::Zero(), -heading};

@@ -100,12 +100,11 @@ Pose world_from(const Clip& clip, int frame, int joint) {
 void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
               const HumanMapping& mapping, const BodyMover& mover) {
   const Skeleton& skeleton = clip.skeleton();
-  const int slot = skeleton.translation_slot(hips);
-  if (slot >= 0) {
+  if (moves_freely(skeleton.joint(hips))) {
     const Pose world_from_parent = world_from(clip, frame, skeleton.joint(hips).parent);
     const Pose parent_from_hips = world_from_parent.inverse() * world_from_hips;
     clip.rotations(frame)[hips] = parent_from_hips.rotation.normalized();
-    clip.translations(frame)[slot] = parent_from_hips.translation;
+    clip.translations(frame)[skeleton.translation_slot(hips)] = parent_from_hips.translation;
     return;
   }
   const Pose move = world_from_hips * world_from(clip, frame, hips).inverse();

@@ -80,8 +80,7 @@ Result<Clip> edit_ground(EditSource source, const EditOptions& options, Console&
 }
 
 Result<Clip> edit_place(EditSource source, const EditOptions& options) {
-  const auto mover =
-      BodyMover::of(source.clip, source.mapping(), source_name(options.source));
+  const auto mover = BodyMover::of(source.clip, source.mapping(), source_name(options.source));
   if (!mover) return failure(mover.error());
   GroundPose over_ground;
   if (options.edit == Edit::kTurn) {
