@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -43,6 +45,15 @@ constexpr std::array kForeign = {
     Foreign{"<html"sv, "a web page", "the download gave a page in place of the file"},
     Foreign{"HIERARCHY"sv, "a BVH file", ""},
 };
+
+constexpr std::string_view kBombHint =
+    "no motion is packed as tightly; numpy.savez writes it without compression";
+
+// whether so many bytes are not to be unpacked from so few
+bool is_too_much(std::uint64_t unpacked, std::uint64_t packed, std::uint64_t free,
+                 std::uint64_t ratio) {
+  return unpacked > free && unpacked / ratio > packed;
+}
 
 bool has_control_bytes(std::string_view name) {
   return std::ranges::any_of(
@@ -87,6 +98,17 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
   Result<std::vector<ZipEntry>> entries = read_zip_directory(bytes);
   if (!entries) return contents->complete(entries.error());
   contents->entries = std::move(*entries);
+
+  std::uint64_t total = 0;
+  for (const ZipEntry& entry : contents->entries) {
+    // written so that nothing overflows
+    total += std::min(entry.size, std::numeric_limits<std::uint64_t>::max() - total);
+  }
+  if (is_too_much(total, bytes.size(), options.free_total_bytes, options.max_ratio)) {
+    return fault("unpacked, its arrays would have " + bytes_text(total) + ", and the file has " +
+                     std::to_string(bytes.size()),
+                 kBombHint);
+  }
 
   std::vector<std::string> names;
   for (const ZipEntry& entry : contents->entries) {
@@ -155,6 +177,13 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
     return array_failure(name, needs + bytes_text(layout->data_size) + ", at most " +
                                    std::to_string(contents_->options.max_array_bytes) +
                                    " are read");
+  }
+  if (is_too_much(entry.size, entry.packed_size, contents_->options.free_array_bytes,
+                  contents_->options.max_ratio)) {
+    return array_failure(name,
+                         needs + bytes_text(layout->data_size) + ", and the file has " +
+                             bytes_text(entry.packed_size) + " of it",
+                         std::string(kBombHint));
   }
   Result<std::string> data = reader->read(layout->data_size);
   if (!data) return contents_->complete(data.error(), name);

@@ -162,6 +162,10 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
         path, "there is no such file or folder: " + std::generic_category().message(errno));
   }
   if (there && S_ISDIR(info.st_mode)) {
+    if (must_exist && output_folder_ == FolderId(info.st_dev, info.st_ino)) {
+      return usage_failure("the folder of clips \"" + path + "\" is the output folder",
+                           "give another folder with -o; it may lie in this one");
+    }
     std::string relative;
     if (!base.empty()) {
       const auto found = below(path, base);
@@ -268,18 +272,12 @@ std::string output_stem(const std::string& relative) {
              : relative;
 }
 
-Result<void> check_distinct_outputs(std::span<const BatchInput> inputs,
-                                    std::span<const std::string> reserved) {
+Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
   std::map<std::string, const BatchInput*> taken;
   int clashes = 0;
   std::string first;
   for (const BatchInput& input : inputs) {
     const std::string stem = output_stem(input.relative);
-    if (std::ranges::find(reserved, stem) != reserved.end()) {
-      return usage_failure("the output of \"" + input.path + "\" would be called \"" + stem +
-                               ".csv\", which is a file of the batch itself",
-                           "rename it or leave it out with --exclude");
-    }
     const auto [at, is_new] = taken.emplace(stem, &input);
     if (is_new) continue;
     if (clashes++ == 0) {

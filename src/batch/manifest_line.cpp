@@ -1,8 +1,9 @@
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/json.h"
+#include "retarget/base/utf8.h"
 #include "retarget/batch/manifest.h"
 
 namespace retarget {
@@ -21,13 +22,7 @@ void put_name(Json& json, const std::string& key, const std::string& bytes) {
   const bool as_it_is = text == bytes;
   json[key] = std::move(text);
   if (as_it_is) return;
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  for (const char byte : bytes) {
-    hex += kDigits[static_cast<unsigned char>(byte) >> 4U];
-    hex += kDigits[static_cast<unsigned char>(byte) & 15U];
-  }
-  json[key + "_hex"] = hex;
+  json[key + "_hex"] = hex_text(bytes);
 }
 
 Json json_of(const FileRecord& record) {
@@ -85,15 +80,8 @@ class EntryReader {
     text(key, value);
     std::string hex;
     text(key + "_hex", hex);
-    if (hex.empty() || hex.size() % 2 != 0) return;
-    std::string bytes;
-    for (std::size_t i = 0; i < hex.size(); i += 2) {
-      unsigned byte = 0;
-      const char* end = hex.data() + i + 2;
-      if (std::from_chars(hex.data() + i, end, byte, 16).ptr != end) return;
-      bytes += static_cast<char>(byte);
-    }
-    value = bytes;
+    if (hex.empty()) return;
+    if (auto bytes = bytes_from_hex(hex)) value = std::move(*bytes);
   }
   void texts(const std::string& key, std::vector<std::string>& values) const {
     const Json* json = member(key);

@@ -10,61 +10,117 @@ namespace retarget {
 namespace {
 
 // beyond this a number is no motion of a robot in any unit
-constexpr double kLargest = 1e6;
+constexpr double kLargestNumber = 1e6;
+// nanoseconds since 1970 are below
+constexpr double kLargestTime = 1e20;
 
 std::string columns_text(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " column" : " columns");
 }
 
+// whether a cell is meant as a number, sound or not: no name begins so
+bool begins_as_number(std::string_view text) {
+  const std::size_t first = text.find_first_not_of("+-.");
+  return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
+}
+
+class CsvTableReader {
+ public:
+  explicit CsvTableReader(const std::string& file) : file_(file) {}
+
+  Result<CsvTable> read(std::string_view text) {
+    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+      return input_failure(file_, "the file is text of two bytes a character (UTF-16)",
+                           "save it as UTF-8");
+    }
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      ++line_;
+      if (auto done = read_line(text.substr(0, end)); !done) return failure(done.error());
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (table_.rows() == 0) return input_failure(file_, "the file holds no frames");
+    if (!table_.header.empty() && table_.header.size() != table_.columns) {
+      return input_failure(file_, "the header has " + columns_text(table_.header.size()) +
+                                      ", the lines " + std::to_string(table_.columns));
+    }
+    if (table_.comment.size() != table_.columns) table_.comment.clear();
+    return std::move(table_);
+  }
+
+ private:
+  [[nodiscard]] Failure fault(std::size_t column, std::string message,
+                              std::string hint = {}) const {
+    return failure({.kind = ErrorKind::kInput,
+                    .file = file_,
+                    .line = line_,
+                    .column = column + 1,
+                    .message = std::move(message),
+                    .hint = std::move(hint)});
+  }
+
+  Result<void> read_line(std::string_view line) {
+    split_cells(line, cells_);
+    if (cells_.empty()) return {};
+    if (cells_.front().text.starts_with('#')) {
+      if (!begun_) take_comment(line);
+      return {};
+    }
+    const std::string_view first = cells_.front().text;
+    if (!std::exchange(begun_, true) && !number_of_cell(first) && !begins_as_number(first)) {
+      for (const CsvCell& cell : cells_) table_.header.emplace_back(cell.text);
+      table_.comment.clear();
+      return {};
+    }
+    return read_row();
+  }
+
+  void take_comment(std::string_view line) {
+    const std::size_t begin = line.find_first_not_of("# \t\r");
+    if (begin == std::string_view::npos) return;
+    split_cells(line.substr(begin), cells_);
+    table_.comment.clear();
+    for (const CsvCell& cell : cells_) table_.comment.emplace_back(cell.text);
+  }
+
+  Result<void> read_row() {
+    if (table_.rows() == 0) table_.columns = cells_.size();
+    if (cells_.size() != table_.columns) {
+      return fault(0, "this line has " + columns_text(cells_.size()) + ", those before it " +
+                          std::to_string(table_.columns));
+    }
+    for (const CsvCell& cell : cells_) {
+      const auto value = number_of_cell(cell.text);
+      const std::string found(cell.text.substr(0, 40));
+      if (!value) {
+        return fault(cell.column, "expected a number, found \"" + found + "\"",
+                     found.find(',') == std::string::npos
+                         ? ""
+                         : "decimals follow a point: numbers with commas in them are not read");
+      }
+      const bool first = &cell == &cells_.front();
+      // written so that NaN is caught
+      if (!(std::abs(*value) <= (first ? kLargestTime : kLargestNumber))) {
+        return fault(cell.column, "the number " + found + " is out of range");
+      }
+      table_.values.push_back(*value);
+    }
+    table_.lines.push_back(line_);
+    return {};
+  }
+
+  const std::string& file_;
+  CsvTable table_;
+  std::vector<CsvCell> cells_;
+  std::size_t line_ = 0;  // from 1
+  bool begun_ = false;    // a line with cells was read
+};
+
 }  // namespace
 
 Result<CsvTable> read_csv_table(std::string_view text, const std::string& file) {
-  CsvTable table;
-  std::vector<CsvCell> cells;
-  std::size_t line_number = 0;
-  bool begun = false;
-  const auto fault = [&](std::size_t column, std::string message) {
-    return failure({.kind = ErrorKind::kInput,
-                    .file = file,
-                    .line = line_number,
-                    .column = column + 1,
-                    .message = std::move(message),
-                    .hint = {}});
-  };
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    ++line_number;
-    split_cells(text.substr(0, end), cells);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (cells.empty() || cells.front().text.starts_with('#')) continue;
-    if (!std::exchange(begun, true) && !number_of_cell(cells.front().text)) {
-      for (const CsvCell& cell : cells) table.header.emplace_back(cell.text);
-      continue;
-    }
-    if (table.rows() == 0) table.columns = cells.size();
-    if (cells.size() != table.columns) {
-      return fault(0, "this line has " + columns_text(cells.size()) + ", those before it " +
-                          std::to_string(table.columns));
-    }
-    for (const CsvCell& cell : cells) {
-      const auto value = number_of_cell(cell.text);
-      const std::string found(cell.text.substr(0, 40));
-      if (!value) return fault(cell.column, "expected a number, found \"" + found + "\"");
-      // written so that NaN is caught
-      if (!(std::abs(*value) <= kLargest)) {
-        return fault(cell.column, "the number " + found + " is out of range");
-      }
-      table.values.push_back(*value);
-    }
-    table.lines.push_back(line_number);
-  }
-  if (table.rows() == 0) return input_failure(file, "the file holds no frames");
-  if (!table.header.empty() && table.header.size() != table.columns) {
-    return input_failure(file, "the header has " + columns_text(table.header.size()) +
-                                   ", the lines " + std::to_string(table.columns));
-  }
-  return table;
+  return CsvTableReader(file).read(text);
 }
 
 }  // namespace retarget

@@ -13,16 +13,43 @@ namespace {
 using Kind = PickleNode::Kind;
 
 constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
+// a file may unpack to so many times its size; motions of joblib are below 4
+constexpr std::size_t kMostRatio = 64;
+// or to so much in any case
+constexpr std::size_t kFreeUnpacked = std::size_t{32} << 20;
 
 bool is_zlib(std::string_view bytes) {
   return bytes.starts_with("\x78\x01") || bytes.starts_with("\x78\x5e") ||
          bytes.starts_with("\x78\x9c") || bytes.starts_with("\x78\xda");
 }
 
+// protocols 0 and 1 have no head: a dictionary or list, or the name of a class, and a final stop
+bool is_old_pickle(std::string_view bytes) {
+  if (!bytes.ends_with('.')) return false;
+  for (const std::string_view begin : {"(dp", "(lp", "}q", "]q", "(d", "(l"}) {
+    if (bytes.starts_with(begin)) return true;
+  }
+  // `cnumpy.core.multiarray\n_reconstruct\n`
+  if (!bytes.starts_with('c')) return false;
+  const auto is_name = [](std::string_view line) {
+    return !line.empty() && std::ranges::all_of(line, [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             c == '_' || c == '.';
+    });
+  };
+  const std::size_t first = bytes.find('\n');
+  if (first == std::string_view::npos || !is_name(bytes.substr(1, first - 1))) return false;
+  const std::size_t second = bytes.find('\n', first + 1);
+  return second != std::string_view::npos && is_name(bytes.substr(first + 1, second - first - 1));
+}
+
 // all of a zlib or gzip stream; memory grows with what really comes out of it
 Result<std::string> unpack(std::string_view bytes, const std::string& file) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   constexpr int kZlibOrGzip = MAX_WBITS + 32;
+  // the sizes in such files may lie, so what comes out is counted
+  const std::size_t most =
+      std::min(kMostUnpacked, std::max(kFreeUnpacked, kMostRatio * bytes.size()));
   z_stream stream{};
   if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) {
     return run_failure(file, "not enough memory to unpack the file");
@@ -30,7 +57,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
   std::string unpacked;
   std::size_t fed = 0;
   int state = Z_OK;
-  while (state == Z_OK && unpacked.size() <= kMostUnpacked) {
+  while (state == Z_OK && unpacked.size() <= most) {
     if (stream.avail_in == 0) {
       const std::size_t size = std::min(bytes.size() - fed, kPiece);
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + fed));
@@ -45,8 +72,11 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
     unpacked.resize(unpacked.size() - stream.avail_out);
   }
   inflateEnd(&stream);
-  if (unpacked.size() > kMostUnpacked) {
-    return input_failure(file, "unpacked, the file has more than 1 GiB: no motion is that large");
+  if (unpacked.size() > most) {
+    return input_failure(file,
+                         "unpacked, the file has more than " + std::to_string(most) +
+                             " bytes, and it has " + std::to_string(bytes.size()),
+                         "no motion is as large or packed as tightly");
   }
   if (state != Z_STREAM_END) {
     return input_failure(file, "the compressed file is damaged or cut off");
@@ -87,13 +117,14 @@ std::optional<double> PickleDocument::number(const PickleNode& node) const {
 }
 
 bool looks_like_pickle(std::string_view bytes) {
-  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) return true;
+  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b") || is_old_pickle(bytes)) return true;
   return bytes.size() >= 2 && bytes[0] == '\x80' && bytes[1] >= 0 && bytes[1] <= 5;
 }
 
 Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& file) {
   PickleDocument document;
-  if (is_zlib(bytes) || bytes.starts_with("\x1f\x8b")) {
+  const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
+  if (compressed) {
     auto unpacked = unpack(bytes, file);
     if (!unpacked) return failure(unpacked.error());
     document.unpacked_ = std::move(*unpacked);
@@ -102,8 +133,13 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
     bytes = document.unpacked_;
   }
   if (!bytes.starts_with('\x80')) {
-    return input_failure(file, "the file is no pickle of protocol 2 or later",
-                         "write it with Python 3's pickle.dump");
+    const bool old = is_old_pickle(bytes);
+    return input_failure(file,
+                         old          ? "the pickle is of protocol 0 or 1, and 2 to 5 are read"
+                         : compressed ? "what the compressed file holds is no pickle"
+                                      : "the file is no pickle of protocol 2 or later",
+                         compressed && !old ? "unpack it and give what is inside"
+                                            : "write it with Python 3's pickle.dump(motion, file)");
   }
   PickleReader reader(bytes, file, document);
   if (auto done = reader.read(); !done) return failure(done.error());

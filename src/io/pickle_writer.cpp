@@ -6,6 +6,7 @@
 
 #include "io/pickle_opcodes.h"
 #include "retarget/base/npz_writer.h"
+#include "retarget/base/utf8.h"
 
 namespace retarget {
 namespace {
@@ -52,7 +53,8 @@ void PickleWriter::number(double value) {
   for (int i = 7; i >= 0; --i) bytes_ += static_cast<char>(bits >> (8 * i));
 }
 
-void PickleWriter::text(std::string_view utf8) {
+void PickleWriter::text(std::string_view value) {
+  const std::string utf8 = valid_utf8(value);
   const bool is_short = utf8.size() < 256;
   put(bytes_, is_short ? PickleOp::kShortBinUnicode : PickleOp::kBinUnicode8);
   put_number(bytes_, utf8.size(), is_short ? 1 : 8);

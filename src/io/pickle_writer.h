@@ -21,7 +21,8 @@ class PickleWriter {
   void none();
   void integer(std::int64_t value);
   void number(double value);
-  void text(std::string_view utf8);
+  /// What is no UTF-8, which Python would refuse, is replaced.
+  void text(std::string_view value);
   void texts(std::span<const std::string> values);  ///< A list.
   void array(const NpyArray& array);
 

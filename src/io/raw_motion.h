@@ -19,16 +19,19 @@ struct RawMotion {
   MotionFormat format = MotionFormat::kCsv;
   std::optional<FrameRate> rate;  ///< As the file says.
   std::size_t frames = 0;
-  std::vector<double> position;                    ///< 3 a frame.
-  std::vector<double> rotation;                    ///< 4 a frame, in the order of the file.
+  std::vector<double> position;  ///< 3 a frame.
+  std::vector<double> rotation;  ///< 4 a frame, in the order of the file.
+  /// In their place: 3 a frame, angles about the fixed axes x, y, z (R = Rz Ry Rx), in the unit of
+  /// the joints.
+  std::vector<double> euler;
   std::optional<QuaternionOrder> order;            ///< Where the file tells.
   QuaternionOrder usual = QuaternionOrder::kXyzw;  ///< Of the format.
   std::vector<double> joints;                      ///< joint_count a frame.
   std::size_t joint_count = 0;
-  std::vector<int> joint_indices;         ///< Into Robot::joints(); empty: by their number.
-  std::optional<bool> degrees;            ///< Where the file tells.
-  std::optional<double> metres_per_unit;  ///< Where the file tells.
-  std::vector<std::string> notes;
+  std::vector<int> joint_indices;            ///< Into Robot::joints(); empty: by their number.
+  std::optional<bool> degrees;               ///< Where the file tells.
+  std::optional<double> metres_per_unit;     ///< Where the file tells.
+  std::vector<std::string> notes, warnings;  ///< As in RobotMotion.
 };
 
 [[nodiscard]] Result<RawMotion> read_csv_motion(std::string_view text, const Robot& robot,

@@ -1,8 +1,10 @@
 #include "retarget/io/robot_csv.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 
 #include "retarget/math/trigonometry.h"
@@ -13,8 +15,13 @@ namespace {
 // the largest finite double has 309 digits before the point
 constexpr std::size_t kLongestNumber = 340;
 
+constexpr int kMostDigits = 17;
+
 constexpr double kDegreesPerRadian = 57.29577951308232087680;
 constexpr double kCentimetresPerMetre = 100.0;
+constexpr std::int64_t kSomaFramesASecond = 120;
+// a quaternion of this length has no direction
+constexpr double kNoLength = 1e-6;
 
 // names of the columns in the order in which they are written
 std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions& options) {
@@ -73,8 +80,13 @@ void append_number(std::string& text, double value, int precision) {
 
 }  // namespace
 
-RobotCsvOptions soma_csv_options(int precision) {
+bool soma_csv_tells(const FrameRate& rate) {
+  return rate.seconds == 1 && kSomaFramesASecond % rate.frames == 0;
+}
+
+RobotCsvOptions soma_csv_options(const FrameRate& rate, int precision) {
   RobotCsvOptions options;
+  if (soma_csv_tells(rate)) options.frame_step = static_cast<int>(kSomaFramesASecond / rate.frames);
   options.precision = precision;
   options.header = true;
   options.frame_column = true;
@@ -86,6 +98,7 @@ RobotCsvOptions soma_csv_options(int precision) {
 
 RobotCsvFormatter::RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options)
     : options_(options), header_(options.header ? header_line(robot, options) : std::string()) {
+  options_.precision = std::clamp(options.precision, 0, kMostDigits);
   const double length = options.centimetres ? kCentimetresPerMetre : 1.0;
   const double angle = options.degrees ? kDegreesPerRadian : 1.0;
   position_ = {{0, length}, {1, length}, {2, length}};
@@ -107,7 +120,9 @@ void RobotCsvFormatter::append_value(double value, std::string& text) const {
 void RobotCsvFormatter::append_line(std::span<const double> qpos, std::string& text,
                                     int frame) const {
   const std::size_t begin = text.size();
-  if (options_.frame_column) text += options_.delimiter + std::to_string(frame);
+  if (options_.frame_column) {
+    text += options_.delimiter + std::to_string(std::int64_t{frame} * options_.frame_step);
+  }
   for (const Column& column : position_) {
     append_value(column.factor * qpos[column.address], text);
   }
@@ -131,6 +146,44 @@ std::string format_robot_csv(const RobotClip& clip, const RobotCsvOptions& optio
     formatter.append_line(clip.qpos(frame), text, frame);
   }
   return text;
+}
+
+Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
+  const Robot& robot = clip.robot();
+  std::string text;
+  const auto printed = [&](double value) {
+    text.clear();
+    append_number(text, value, std::clamp(precision, 0, kMostDigits));
+    double read = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), read);
+    return read;
+  };
+  RobotClip result(clip.shared_robot(), clip.rate(), clip.frame_count());
+  const std::vector<double> zero = robot.zero_configuration();
+  Eigen::Quaterniond before = Eigen::Quaterniond::Identity();
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto from = clip.qpos(frame);
+    const auto to = result.qpos(frame);
+    std::ranges::copy(zero, to.begin());
+    for (std::size_t i = 0; i < 3; ++i) to[i] = printed(from[i]);
+    Eigen::Quaterniond turn(printed(from[3]), printed(from[4]), printed(from[5]), printed(from[6]));
+    if (turn.norm() < kNoLength) {
+      return run_failure("",
+                         "of the root's quaternion in frame " + std::to_string(frame) +
+                             " nothing is left with " + std::to_string(precision) + " digits",
+                         "print more: --precision");
+    }
+    turn.normalize();
+    if (frame > 0 && turn.dot(before) < 0.0) turn.coeffs() = -turn.coeffs();
+    before = turn;
+    to[3] = turn.w();
+    for (int i = 0; i < 3; ++i) to[4 + i] = turn.vec()[i];
+    for (const int joint : robot.output_joints()) {
+      const int address = robot.joints()[joint].qpos_address;
+      to[address] = printed(from[address]);
+    }
+  }
+  return result;
 }
 
 }  // namespace retarget

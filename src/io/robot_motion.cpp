@@ -10,6 +10,7 @@
 #include "retarget/base/number_text.h"
 #include "retarget/base/suggest.h"
 #include "retarget/io/pickle.h"
+#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {
@@ -59,9 +60,11 @@ class MotionInterpreter {
       raw_.joint_indices = std::move(*joints);
     }
     for (const auto step : {&MotionInterpreter::check_numbers, &MotionInterpreter::find_angle_unit,
-                            &MotionInterpreter::find_length_unit}) {
+                            &MotionInterpreter::find_length_unit, &MotionInterpreter::take_euler,
+                            &MotionInterpreter::check_rotations}) {
       if (auto done = (this->*step)(); !done) return failure(done.error());
     }
+    note_missing_joints();
     RobotMotion motion;
     motion.format = raw_.format;
     motion.rate_known = options_.rate || raw_.rate;
@@ -71,15 +74,19 @@ class MotionInterpreter {
     const auto order = find_order(motion.clip);
     if (!order) return failure(order.error());
     take_rotations(motion.clip, *order);
-    motion.notes = raw_.notes;
+    motion.notes = std::move(raw_.notes);
+    motion.warnings = std::move(raw_.warnings);
     return motion;
   }
 
  private:
   [[nodiscard]] FrameRate default_rate() const {
-    constexpr FrameRate kSomaRate{120, 1};
-    return raw_.format == MotionFormat::kCsvSoma ? kSomaRate : options_.default_rate;
+    constexpr FrameRate kUsualRate{30, 1}, kSomaRate{120, 1};
+    return options_.default_rate.value_or(raw_.format == MotionFormat::kCsvSoma ? kSomaRate
+                                                                                : kUsualRate);
   }
+
+  [[nodiscard]] bool is_csv() const { return format_ending(raw_.format) == ".csv"; }
 
   Result<void> check_numbers() {
     constexpr double kLargest = 1e6;
@@ -88,6 +95,13 @@ class MotionInterpreter {
     if (!std::ranges::all_of(raw_.position, sound) || !std::ranges::all_of(raw_.joints, sound)) {
       return input_failure(file_, "the motion holds what is no finite number, or beyond 1e6");
     }
+    if (!std::ranges::all_of(raw_.euler, sound)) {
+      return input_failure(file_, "the root's angles are no finite numbers, or beyond 1e6");
+    }
+    return {};
+  }
+
+  Result<void> check_rotations() {
     for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
       double square = 0.0;
       for (std::size_t i = 0; i < 4; ++i) {
@@ -110,9 +124,14 @@ class MotionInterpreter {
     for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
       if (is_hinge(i % raw_.joint_count)) largest = std::max(largest, std::abs(raw_.joints[i]));
     }
+    for (const double angle : raw_.euler) largest = std::max(largest, std::abs(angle));
     const double widest = widest_angle(*robot_);
     constexpr double kBeyond = 0.5;  // radians that a motion may go beyond the widest range
     if (options_.degrees) {
+      if (raw_.degrees && *raw_.degrees != *options_.degrees) {
+        note_other_unit("angles", *raw_.degrees ? "degrees" : "radians",
+                        *options_.degrees ? "degrees" : "radians");
+      }
       raw_.degrees = options_.degrees;
     } else if (!raw_.degrees && largest > widest + kBeyond) {
       if (largest < 3.0 * widest) {
@@ -129,6 +148,10 @@ class MotionInterpreter {
 
   Result<void> find_length_unit() {
     if (options_.metres_per_unit) {
+      if (raw_.metres_per_unit && *raw_.metres_per_unit != *options_.metres_per_unit) {
+        note_other_unit("lengths", "units of " + number_text(*raw_.metres_per_unit, 3) + " m",
+                        number_text(*options_.metres_per_unit, 3) + " m");
+      }
       raw_.metres_per_unit = options_.metres_per_unit;
       return {};
     }
@@ -156,6 +179,41 @@ class MotionInterpreter {
     return {};
   }
 
+  void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
+    raw_.warnings.push_back("by its format or header the file has " + what + " in " + own +
+                            "; taken are the " + taken + " that were asked for");
+  }
+
+  // Euler angles as quaternions, once their unit is known
+  Result<void> take_euler() {
+    const double unit = raw_.degrees.value_or(false) ? kRadiansPerDegree : 1.0;
+    for (std::size_t i = 0; i + 3 <= raw_.euler.size(); i += 3) {
+      const Eigen::Quaterniond q = exp_so3(unit * raw_.euler[i + 2] * Eigen::Vector3d::UnitZ()) *
+                                   exp_so3(unit * raw_.euler[i + 1] * Eigen::Vector3d::UnitY()) *
+                                   exp_so3(unit * raw_.euler[i] * Eigen::Vector3d::UnitX());
+      raw_.rotation.insert(raw_.rotation.end(), {q.x(), q.y(), q.z(), q.w()});
+    }
+    return {};
+  }
+
+  // what the robot has and the file does not
+  void note_missing_joints() {
+    std::vector<std::string> missing;
+    for (const int joint : robot_->output_joints()) {
+      if (std::ranges::find(raw_.joint_indices, joint) == raw_.joint_indices.end()) {
+        missing.push_back(robot_->joints()[joint].name);
+      }
+    }
+    if (missing.empty()) return;
+    constexpr std::size_t kShown = 6;
+    const std::string note =
+        std::to_string(missing.size()) + " of the robot's " +
+        std::to_string(robot_->output_joints().size()) +
+        " joints are not in the file and stay as in its zero pose: " + list_names(missing, kShown);
+    // a pickle has PBHC's joints by its format, and who names a variant knows
+    (is_csv() && options_.variant.empty() ? raw_.warnings : raw_.notes).push_back(note);
+  }
+
   [[nodiscard]] bool is_hinge(std::size_t column) const {
     return robot_->joints()[raw_.joint_indices[column]].type == RobotJoint::Type::kHinge;
   }
@@ -177,18 +235,22 @@ class MotionInterpreter {
   }
 
   Result<QuaternionOrder> find_order(const RobotClip& clip) {
-    if (raw_.order) return *raw_.order;
+    if (raw_.order) {
+      if (options_.quaternion && is_csv()) {
+        raw_.notes.emplace_back("the header tells the order of the quaternion: it is believed");
+      }
+      return *raw_.order;
+    }
     if (options_.quaternion) return *options_.quaternion;
     const OrderGuess guess = guess_order(weigh_orders(clip, raw_), raw_.usual);
-    const bool is_csv = raw_.format == MotionFormat::kCsv;
     if (!guess.order) {
-      if (!is_csv) return raw_.usual;
+      if (!is_csv()) return raw_.usual;
       return input_failure(file_,
                            "the order of the root's quaternion cannot be told: as xyzw and "
                            "as wxyz the robot moves equally well",
                            "say which with --source-quat");
     }
-    if (is_csv || *guess.order != raw_.usual) {
+    if (is_csv() || *guess.order != raw_.usual) {
       raw_.notes.push_back(std::string("quaternion ") +
                            (*guess.order == QuaternionOrder::kXyzw ? "xyzw: " : "wxyz: ") +
                            guess.reason);
@@ -221,7 +283,13 @@ class MotionInterpreter {
 // what a file is by its first bytes
 Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
                            const std::string& file, const ReadMotionOptions& options) {
-  if (bytes.starts_with("PK")) return read_npz_motion(bytes, robot, file, options);
+  if (bytes.starts_with("PK")) {
+    if (options.degrees || options.metres_per_unit) {
+      return input_failure(file, "an NPZ of a tracker is in radians and metres",
+                           "--source-angles and --source-unit are for CSVs and pickles");
+    }
+    return read_npz_motion(bytes, robot, file, options);
+  }
   if (looks_like_pickle(bytes)) return read_pickle_motion(bytes, file, options);
   if (bytes.starts_with("BZh") ||
       bytes.starts_with("\xFD"

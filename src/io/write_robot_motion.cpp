@@ -156,7 +156,7 @@ Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat form
     case MotionFormat::kCsv:
       return format_robot_csv(clip, options.csv);
     case MotionFormat::kCsvSoma:
-      return format_robot_csv(clip, soma_csv_options(options.csv.precision));
+      return format_robot_csv(clip, soma_csv_options(clip.rate(), options.csv.precision));
     case MotionFormat::kPklGmr:
       return gmr_pickle(clip);
     case MotionFormat::kPklPbhc: {

@@ -303,6 +303,7 @@ TEST(Npz, SizesThatAreNotTrueCostNoMemory) {
   style.claimed_size = static_cast<std::int64_t>(array.size() - 8) + 1099511627776;
   NpzReadOptions options;
   options.max_array_bytes = std::numeric_limits<std::size_t>::max();
+  options.free_array_bytes = options.free_total_bytes = options.max_array_bytes;
   for (const bool compress : {false, true}) {
     style.compress = compress;
     const auto found = read_array(NpzBuilder().add("a", array, style).build(), "a", options);
@@ -330,6 +331,37 @@ TEST(Npz, InflatesNoMoreThanTheShapeExplains) {
               HasSubstr("needs 1048576 bytes, at most 1048575 are read"));
   options.max_array_bytes = zeros.size();
   EXPECT_TRUE(read_array(bytes, "a", options).has_value());
+}
+
+TEST(Npz, RefusesWhatUnpacksToMuchMoreThanItIs) {
+  const std::string zeros(std::size_t{1} << 20, '\0');
+  Style style;
+  style.compress = true;
+  const std::string array = npy("<u1", "(1048576,)", zeros);
+  NpzReadOptions options;
+  options.free_array_bytes = std::size_t{1} << 19;
+  const std::string one = NpzBuilder().add("a", array, style).build();
+  EXPECT_THAT(error_of(read_array(one, "a", options)),
+              ::testing::AllOf(HasSubstr("array \"a\": its shape (1048576,) of <u1 needs 1048576 "
+                                         "bytes, and the file has"),
+                               HasSubstr("packed as tightly")));
+  // what is not packed may be as large
+  EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", options).has_value());
+  options.max_ratio = 2000;
+  EXPECT_TRUE(read_array(one, "a", options).has_value());
+  // small arrays, but many: nothing is unpacked to find that out
+  NpzBuilder builder;
+  for (int i = 0; i < 20; ++i) builder.add("a" + std::to_string(i), array, style);
+  NpzReadOptions of_many;
+  of_many.free_total_bytes = std::size_t{16} << 20;
+  EXPECT_THAT(error_of(read_array(builder.build(), "a0", of_many)),
+              HasSubstr("unpacked, its arrays would have 209"));
+  // claims that add up to more than a number holds
+  style.zip64_central = true;
+  style.claimed_size = std::numeric_limits<std::int64_t>::max();
+  NpzBuilder claims;
+  for (int i = 0; i < 4; ++i) claims.add("a" + std::to_string(i), array, style);
+  EXPECT_THAT(error_of(read_array(claims.build(), "a0", {})), HasSubstr("its arrays would have"));
 }
 
 TEST(Npz, ChecksTheChecksum) {

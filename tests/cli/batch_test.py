@@ -135,6 +135,13 @@ class Outputs(BatchTest):
         self.assertEqual(self.contents()["walk.csv"], (self.folder / "out.csv").read_bytes())
 
 
+    def test_summary_is_a_name_like_others_where_nothing_is_called_so(self):
+        self.clips("summary.bvh")
+        self.assert_done(self.batch("--format", "pkl-gmr"))
+        self.assertEqual(self.outputs(end=".pkl"), ["summary.pkl"])
+        self.assert_fails(self.batch(output="two"), 2, "summary.csv", "the batch itself")
+
+
 class BadFiles(BatchTest):
     def test_do_not_stop_the_others(self):
         self.clips("a.bvh", "m/z.bvh")
@@ -176,6 +183,9 @@ class BadFiles(BatchTest):
         self.write("twins/a.bvh", both)
         self.write("twins/a.npz", b"PK")
         self.write("sum/summary.bvh", both)
+        self.write("folder/a.bvh", both)
+        self.write("folder/a.csv/b.bvh", both)
+        self.write("own/manifest.jsonl/b.bvh", both)
         for code, words, arguments in (
                 (2, ["no motion files"], ["batch", "-o", "x", "--robot", "unitree_g1"]),
                 (2, ["no robot"], ["batch", "in", "-o", "x"]),
@@ -187,6 +197,12 @@ class BadFiles(BatchTest):
                                              "--resume", "--redo"]),
                 (2, ["a.bvh", "a.npz"], ["batch", "twins", "-o", "x", "--robot", "unitree_g1"]),
                 (2, ["summary"], ["batch", "sum", "-o", "x", "--robot", "unitree_g1"]),
+                (2, ["folder/a.csv/b.bvh", "\"a.csv\"", "folder/a.bvh"],
+                 ["batch", "folder", "-o", "x", "--robot", "unitree_g1"]),
+                (2, ["manifest.jsonl", "the batch itself"],
+                 ["batch", "own", "-o", "x", "--robot", "unitree_g1"]),
+                (2, ["\"in\" is the output folder"],
+                 ["batch", "in", "-o", "in", "--robot", "unitree_g1"]),
                 (2, ["twice"], ["batch", "in", "-o", "x", "--robot", "unitree_g1,unitree_g1"]),
                 (2, ["--ik-config"], ["batch", "in", "-o", "x", "--robot", "unitree_g1,unitree_h1",
                                       "--ik-config", "m.json"]),
@@ -254,6 +270,49 @@ class Resume(BatchTest):
         self.assertEqual(self.redone("--ik-config", "map.json"), ["a.csv"])
         self.assertEqual(len(self.manifest()), 1)
 
+    def test_defaults_that_are_given_change_nothing(self):
+        self.clips("a.bvh")
+        self.assert_done(self.batch())
+        for given in (["--format", "csv"], ["--fps", "30.0"], ["--precision", "06"],
+                      ["--dof", "29"], ["--limits", "gmr"], ["--csv-header=false"],
+                      ["--ik-config", SOURCE / "configs/lafan1_to_unitree_g1.json"]):
+            self.assertEqual(self.redone(*given), [], given)
+        self.assertEqual(self.redone("--dof", "23-pbhc"), ["a.csv"])
+        self.assertEqual(self.redone("--dof", "23-pbhc", "--limits", "official"), ["a.csv"])
+
+    def test_files_of_another_format_are_told_of(self):
+        self.clips("a.bvh", "sub/b.bvh")
+        self.assert_done(self.batch())
+        result = self.batch("--resume", "--format", "pkl-gmr")
+        self.assert_done(result)
+        self.assertIn("2 files that earlier options made", result.stderr)
+        self.assertIn("a.csv, sub/b.csv", result.stderr)
+        self.assertEqual(self.outputs(), ["a.csv", "sub/b.csv"])
+        self.assertEqual(self.outputs(end=".pkl"), ["a.pkl", "sub/b.pkl"])
+        # the same files again are replaced, and nothing is to be told
+        self.assertNotIn("earlier options", self.batch("--resume", "--format", "pkl-gmr",
+                                                       "--fps", "25").stderr)
+
+    def test_failed_clips_that_are_gone_are_no_failures(self):
+        self.clips("a.bvh")
+        bad = self.write("in/bad.bvh", "HIERARCHY\n")
+        self.assertEqual(self.batch().returncode, 1)
+        bad.unlink()
+        self.assert_done(self.batch("--resume"))
+        self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "out"))
+        self.assertEqual([row["clip"] for row in self.summary()], ["a.bvh"])
+        # the same from the manifests of parts
+        self.write("in/bad.bvh", "HIERARCHY\n")
+        self.clips("c.bvh")
+        codes = [self.batch("--shard", f"{i}/2", output="parts").returncode for i in (1, 2)]
+        self.assertEqual(sorted(codes), [0, 1])
+        bad.unlink()
+        self.assert_done(self.batch("--resume", output="parts"))
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
+        self.assertEqual([row["clip"] for row in self.summary("parts/summary.csv")],
+                         ["a.bvh", "c.bvh"])
+
     def test_torn_and_foreign_lines_count_for_nothing(self):
         self.clips("a.bvh", "b.bvh")
         self.assert_done(self.batch())
@@ -267,6 +326,13 @@ class Resume(BatchTest):
         self.clips("sub/a.bvh")
         left = self.write("out/sub/.retarget-1-0.tmp", "half")
         self.assert_done(self.batch())
+        self.assertFalse(left.exists())
+        # parts may be at work beside each other, so the merging of them does it
+        left = self.write("parts/sub/.retarget-1-0.tmp", "half")
+        for part in ("1/2", "2/2"):
+            self.assert_done(self.batch("--shard", part, output="parts"))
+        self.assertTrue(left.exists())
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
         self.assertFalse(left.exists())
 
     def test_interrupt_keeps_what_is_done(self):

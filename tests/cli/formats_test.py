@@ -469,7 +469,7 @@ class Evaluating(FormatsTest):
         self.assertEqual(figures["out.csv"], (301, 30))
         self.assertEqual(figures["out.gmr.pkl"], (301, 30))
         self.assertEqual(figures["out.mjlab.npz"], (500, 50))
-        self.assertEqual(figures["out.soma.csv"], (301, 120))
+        self.assertEqual(figures["out.soma.csv"], (301, 30))
 
 
 class Provenance(FormatsTest):

@@ -1,10 +1,17 @@
-"""What happens to files beside and between runs: nothing is overwritten, differences are told."""
+"""What happens to files beside and between runs: nothing is overwritten, differences are told, and
+what a file does not say is asked for or said."""
 
+import json
+import math
+import os
 import pathlib
 import pickle
 import unittest
 
-from tool import ToolTest, sample
+from tool import SOURCE, ToolTest, difference, read_rows, sample, short_clip
+
+GOLDEN = SOURCE / "tests" / "golden" / "walk.csv"
+G1 = ("--robot", "unitree_g1")
 
 
 class NothingIsOverwritten(ToolTest):
@@ -45,6 +52,271 @@ class Differences(ToolTest):
         self.assert_fails(self.run_tool("compare", "30.pkl", "25.pkl"), 1, "fps")
         (self.folder / "empty.pkl").write_bytes(pickle.dumps({"about": "nothing"}, protocol=4))
         self.assert_fails(self.run_tool("compare", "empty.pkl", "empty.pkl"), 3)
+
+
+class MotionFilesTest(ToolTest):
+    """A test that has the golden walk with the usual six digits."""
+
+    def setUp(self):
+        super().setUp()
+        self.assert_done(self.run_tool("convert", GOLDEN, "plain.csv", *G1))
+
+    def assert_plain(self, name="out.csv"):
+        found, wanted = (read_rows((self.folder / each).read_text()) for each in (name, "plain.csv"))
+        # quaternions are brought to length 1
+        self.assertIsNone(difference(found, wanted, 1.5e-6))
+
+
+class Headers(MotionFilesTest):
+    """Columns of a CSV are what their names say, or nothing is read."""
+
+    def setUp(self):
+        super().setUp()
+        self.assert_done(self.run_tool("convert", GOLDEN, "named.csv", *G1, "--csv-header"))
+        self.header, _, self.rows = (self.folder / "named.csv").read_text().partition("\n")
+
+    def convert(self, header, *arguments, rows=None):
+        self.write("in.csv", header + "\n" + (self.rows if rows is None else rows))
+        return self.run_tool("convert", "in.csv", "out.csv", *G1, *arguments)
+
+    def test_names_as_others_write_them(self):
+        # in another order, so that columns by their number would be another motion
+        names = self.header.split(",")[::-1]
+        self.header = ",".join(names)
+        self.rows = "".join(",".join(line.split(",")[::-1]) + "\n"
+                            for line in self.rows.splitlines())
+        for header in (",".join(f'"{name}"' for name in names), self.header.upper(),
+                       ",".join("robot/" + name for name in names), "\ufeff" + self.header):
+            self.assert_done(self.convert(header))
+            self.assert_plain()
+        self.assert_done(self.convert(";".join(names), rows=self.rows.replace(",", ";")))
+        self.assert_plain()
+
+    def test_what_is_not_understood_is_no_guess(self):
+        letters = ",".join(f"c{i}" for i in range(36))
+        self.assert_fails(self.convert(letters), 3, "not understood", '"c0", "c1"',
+                          "--ignore-header")
+        self.assert_fails(self.run_tool("evaluate", "in.csv", *G1), 3, "not understood")
+        self.assert_done(self.convert(letters, "--ignore-header"))
+        self.assert_plain()
+
+    def test_joints_that_are_left_out_are_named(self):
+        names = self.header.split(",")
+        few = [",".join(line.split(",")[:20]) for line in self.rows.splitlines()]
+        self.assert_fails(self.convert(",".join(names[:20]), rows="\n".join(few)), 3,
+                          "names 13 joints", "missing: waist_roll_joint", "right_wrist_yaw_joint")
+        self.assert_done(self.run_tool("convert", GOLDEN, "few.csv", *G1, "--csv-header", "--dof",
+                                       "23-pbhc"))
+        result = self.run_tool("convert", "few.csv", "out.csv", *G1)
+        self.assert_done(result)
+        self.assertIn("warning: 6 of the robot's 29 joints are not in the file", result.stderr)
+
+    def test_times_are_the_rate(self):
+        lines = self.rows.splitlines()
+        for unit, name, ticks in (("s", "time", 0.02), ("ms", "time_ms", 20)):
+            timed = "\n".join(f"{i * ticks:.6f},{line}" for i, line in enumerate(lines))
+            result = self.convert(f"{name},{self.header}", rows=timed)
+            self.assert_done(result)
+            self.assertIn("at 50 fps", result.stderr)
+            result = self.convert(f"{name},{self.header}", "--source-fps", "30", rows=timed)
+            self.assert_done(result)
+            self.assertIn("warning: the file has times in " + unit, result.stderr)
+            result = self.run_tool("evaluate", "in.csv", *G1, "--gate", "none", "--json", "r.json")
+            self.assert_done(result)
+            report = json.loads((self.folder / "r.json").read_text())
+            self.assertEqual(report["motions"][0]["fps"], 50)
+        odd = "\n".join(f"{i + (i > 30)},{line}" for i, line in enumerate(lines))
+        self.assert_fails(self.convert(f"time,{self.header}", rows=odd), 3, "--source-fps")
+
+
+class Rates(ToolTest):
+    """A motion is as fast after it went through a file as before."""
+
+    def test_soma_comes_back_as_it_went(self):
+        self.assert_done(self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
+                                       "--precision", "9"))
+        result = self.run_tool("convert", "soma.csv", "back.pkl", *G1, "--format", "pkl-gmr")
+        self.assert_done(result)
+        self.assertIn("csv-soma, 301 frames at 30 fps", result.stderr)
+        self.assert_done(self.run_tool("convert", GOLDEN, "there.pkl", *G1, "--format", "pkl-gmr"))
+        self.assert_done(self.run_tool("compare", "there.pkl", "soma.csv", *G1))
+        result = self.run_tool("evaluate", "soma.csv", *G1, "--gate", "none", "--json", "r.json")
+        self.assert_done(result)
+        self.assertEqual(json.loads((self.folder / "r.json").read_text())["motions"][0]["fps"], 30)
+
+    def test_a_rate_that_soma_cannot_tell_is_said(self):
+        result = self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
+                               "--source-fps", "50")
+        self.assert_done(result)
+        self.assertIn("its readers take 120 fps, this motion has 50", result.stderr)
+        for command in (("convert", "soma.csv", "x.csv"), ("evaluate", "soma.csv", "--gate", "none"),
+                        ("compare", "soma.csv", "soma.csv")):
+            result = self.run_tool(*command, *G1)
+            self.assert_done(result)
+            self.assertIn("at 120 fps, which the file does not say", result.stderr)
+            result = self.run_tool(*command, *G1, "--source-fps", "50")
+            self.assert_done(result)
+            self.assertIn("at 50 fps\n", result.stderr)
+        result = self.run_tool("evaluate", "soma.csv", "--gate", "none", *G1, "--fps", "50")
+        self.assertIn("at 50 fps\n", result.stderr)
+
+    def test_rates_are_compared_where_files_say_them(self):
+        for fps in ("30", "25"):
+            self.assert_done(self.run_tool("convert", GOLDEN, f"{fps}.pkl", *G1, "--format",
+                                           "pkl-gmr", "--source-fps", fps))
+        self.assert_fails(self.run_tool("compare", "30.pkl", "25.pkl", *G1), 1, "fps")
+        self.assert_done(self.run_tool("compare", "25.pkl", GOLDEN, *G1))
+        self.assert_fails(self.run_tool("compare", "30.pkl", "25.pkl", "--source-fps", "30"), 2,
+                          "--robot")
+
+
+class Reading(MotionFilesTest):
+    def report_of(self, *arguments):
+        result = self.run_tool("evaluate", *arguments, *G1, "--gate", "none", "--json", "r.json")
+        self.assert_done(result)
+        report = json.loads((self.folder / "r.json").read_text())["motions"][0]
+        del report["file"]
+        return report, result.stderr
+
+    def test_evaluate_finds_the_order_of_the_quaternion(self):
+        self.assert_done(self.run_tool("convert", GOLDEN, "wxyz.csv", *G1, "--csv-quat", "wxyz"))
+        golden, _ = self.report_of("plain.csv")
+        found, said = self.report_of("wxyz.csv")
+        self.assertEqual(found, golden)
+        self.assertIn("quaternion wxyz", said)
+        for option in ("--source-quat", "--csv-quat"):
+            wrong, _ = self.report_of("wxyz.csv", option, "xyzw")
+            self.assertNotEqual(wrong, golden)
+        lying = ("0,0,.2,.5,.5,.5,.5" + ",0" * 29 + "\n") * 20
+        self.write("lying.csv", lying)
+        self.assert_fails(self.run_tool("evaluate", "lying.csv", *G1), 3, "--source-quat")
+        self.assert_done(self.run_tool("evaluate", "lying.csv", *G1, "--source-quat", "xyzw",
+                                       "--gate", "none"))
+
+    def test_units_hold_for_all_of_a_file(self):
+        self.assert_done(self.run_tool("convert", GOLDEN, "soma.csv", *G1, "--format", "csv-soma",
+                                       "--precision", "12"))
+        rows = [line.split(",") for line in (self.folder / "soma.csv").read_text().splitlines()]
+        for row in rows[1:]:
+            row[4:] = [repr(math.radians(float(value))) for value in row[4:]]
+        self.write("rad.csv", "".join(",".join(row) + "\n" for row in rows))
+        self.assert_done(self.run_tool("convert", "rad.csv", "out.csv", *G1, "--source-angles",
+                                       "rad"))
+        self.assert_plain()
+        self.assert_done(self.run_tool("convert", GOLDEN, "a.pkl", *G1, "--format", "pkl-gmr"))
+        motion = pickle.loads((self.folder / "a.pkl").read_bytes()) if self.has_numpy() else None
+        if motion:
+            motion["dof_pos"] = motion["dof_pos"] * 180 / math.pi
+            motion["root_pos"] = motion["root_pos"] * 100
+            self.write("deg.pkl", pickle.dumps(motion))
+            self.assert_done(self.run_tool("convert", "deg.pkl", "out.csv", *G1, "--source-angles",
+                                           "deg", "--source-unit", "cm"))
+            self.assert_plain()
+        self.assert_done(self.run_tool("convert", GOLDEN, "a.npz", *G1, "--format", "npz-mjlab"))
+        for option in (("--source-angles", "deg"), ("--source-unit", "cm")):
+            self.assert_fails(self.run_tool("convert", "a.npz", "x.csv", *G1, *option), 3,
+                              "radians and metres")
+
+    @staticmethod
+    def has_numpy():
+        try:
+            import numpy  # pylint: disable=unused-import,import-outside-toplevel
+        except ImportError:
+            return False
+        return True
+
+    def test_old_pickles_are_named(self):
+        for protocol in (0, 1):
+            self.write("old.pkl", pickle.dumps({"fps": 30, "root_pos": [[0.0, 0.0, 1.0]]}, protocol))
+            self.assert_fails(self.run_tool("convert", "old.pkl", "x.csv", *G1), 3,
+                              "protocol 0 or 1", "pickle.dump(motion, file)")
+
+    def test_bombs_are_refused(self):
+        if not self.has_numpy():
+            self.skipTest("no numpy")
+        import gzip  # pylint: disable=import-outside-toplevel
+
+        import numpy  # pylint: disable=import-outside-toplevel
+        numpy.savez_compressed(self.folder / "bomb.npz",
+                               joint_pos=numpy.zeros((400_000, 29), numpy.float32))
+        self.assertLess((self.folder / "bomb.npz").stat().st_size, 100_000)
+        self.assert_fails(self.run_tool("compare", "bomb.npz", "bomb.npz"), 3, "packed as tightly")
+        self.write("bomb.pkl", gzip.compress(b"\x80\x04" + bytes(40 << 20)))
+        self.assert_fails(self.run_tool("convert", "bomb.pkl", "x.csv", *G1), 3, "unpacked")
+
+
+class Losses(ToolTest):
+    def test_wrists_that_a_format_has_no_place_for(self):
+        for command in (("convert", GOLDEN, "out.pkl"),
+                        ("--bvh", sample("walk"), "-o", "out.pkl", "--frames", "0:30", "--method",
+                         "gmr")):
+            result = self.run_tool(*command, *G1, "--format", "pkl-pbhc")
+            self.assert_done(result)
+            self.assertIn("warning: pkl-pbhc has the joints of the variant 23-pbhc: 6 joints that "
+                          "move are held and lost, by up to 0.", result.stderr)
+            self.assertIn("--dof 23-pbhc does without them", result.stderr)
+        largest = max(max(abs(value) for value in row[26:29] + row[33:36])
+                      for row in read_rows(GOLDEN.read_text()))
+        result = self.run_tool("convert", GOLDEN, "out.pkl", *G1, "--format", "pkl-pbhc")
+        self.assertIn(f"by up to {round(largest, 3):g} rad", result.stderr)
+        self.assert_done(self.run_tool("convert", GOLDEN, "few.csv", *G1, "--dof", "23-pbhc"))
+        result = self.run_tool("convert", "few.csv", "out.pkl", *G1, "--source-dof", "23-pbhc",
+                               "--format", "pkl-pbhc")
+        self.assertNotIn("lost", result.stderr)
+
+
+class Names(ToolTest):
+    def test_names_say_what_a_file_is(self):
+        for name, words in (("x.NPZ", "npz-mjlab, npz-beyondmimic"), ("x.Pkl", "pkl-gmr, pkl-pbhc"),
+                            ("x.pickle", "pkl-gmr"), ("x.joblib", "pkl-gmr"),
+                            ("x.bvh", "ends in .bvh"), ("x.json", "ends in .json"),
+                            ("x.JSON", "ends in .JSON"), ("x.csv.gz", "ends in .gz")):
+            self.assert_fails(self.retarget(output=name), 2, words)
+        self.assert_fails(self.retarget("--format", "npz-mjlab", output="x.CSV"), 2, "ends in .CSV")
+        self.assertEqual(self.files(), [])
+        self.assert_done(self.run_tool("convert", GOLDEN, "x.NPZ", *G1, "--format", "npz-mjlab"))
+        self.assert_done(self.run_tool("convert", GOLDEN, "y.CSV", *G1, "--format",
+                                       "csv,npz-mjlab"))
+        self.assert_done(self.run_tool("convert", GOLDEN, "z.pickle", *G1, "--format", "pkl-gmr"))
+        self.assertEqual(self.files(), ["x.NPZ", "y.csv", "y.mjlab.npz", "z.pickle"])
+
+    def test_names_that_are_no_utf8(self):
+        clip = os.fsdecode(b"bad\xff clip.bvh")
+        self.write(clip, short_clip("wave", 3))
+        out = os.fsdecode(b"bad\xff out")
+        self.assert_done(self.retarget("--method", "gmr", "--sidecar", "--format",
+                                       "csv,pkl-pbhc", bvh=clip, output=out,
+                                       errors="surrogateescape"))
+        sidecar = self.folder / (out + ".csv.json")
+        found = json.loads(sidecar.read_text(encoding="utf-8"))
+        self.assertEqual(bytes.fromhex(found["output"]["file_hex"]), b"bad\xff out.csv")
+        self.assertEqual(bytes.fromhex(found["options"]["motion_hex"]), b"bad\xff clip.bvh")
+        self.assertIn("file_hex", found["inputs"][0])
+        self.assert_done(self.run_tool("verify", sidecar, errors="surrogateescape"))
+        if Reading.has_numpy():
+            motions = pickle.loads((self.folder / (out + ".pbhc.pkl")).read_bytes())
+            self.assertEqual(list(motions), ["bad\ufffd out"])
+
+
+class EditedSidecars(ToolTest):
+    def test_options_are_held_to_the_command_lines_rules(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:3", "--sidecar"))
+        text = (self.folder / "out.csv.json").read_text()
+        for name, value, words in (("precision", 2_000_000_000, "--precision"),
+                                   ("precision", -1, "--precision"), ("precision", 1e300, ""),
+                                   ("precision", 6.5, "--precision"), ("method", "magic", "--method"),
+                                   ("csv-delimiter", "pipe", "--csv-delimiter"),
+                                   ("npz-fps", 0, "--npz-fps"), ("start", -7.0, "--start"),
+                                   ("height", 1e9, "--height"), ("format", ["tape"], "--format"),
+                                   ("source-fps", -3.0, "--source-fps"), ("start", 1.0, "--frames"),
+                                   ("robot-xml", "r.xml", "--robot-xml"), ("lenient", 1, "lenient")):
+            edited = json.loads(text)
+            edited["options"][name] = value
+            self.write("out.csv.json", json.dumps(edited))
+            with self.subTest(name=name, value=value):
+                self.assert_fails(self.run_tool("verify", "out.csv.json"), 3, "out.csv.json", words)
+        self.write("out.csv.json", text)
+        self.assert_done(self.run_tool("verify", "out.csv.json"))
 
 
 if __name__ == "__main__":

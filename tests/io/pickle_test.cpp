@@ -208,7 +208,43 @@ TEST(PickleTest, CompressedFilesOfJoblib) {
   ASSERT_TRUE(read.has_value()) << describe(read.error());
   EXPECT_EQ(read->number(*read->find(read->root(), "fps")), 30.0);
   EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("damaged or cut off"));
-  EXPECT_THAT(error_of(compressed("no pickle")), HasSubstr("no pickle of protocol 2"));
+  EXPECT_THAT(error_of(compressed("no pickle")),
+              HasSubstr("what the compressed file holds is no pickle"));
+}
+
+TEST(PickleTest, WhatUnpacksToMuchMoreThanItIsIsRefused) {
+  // 33 MiB of noughts in 33 kB; 31 MiB are let pass for what they are
+  EXPECT_THAT(error_of(compressed(std::string(std::size_t{33} << 20, '\0'))),
+              HasSubstr("unpacked, the file has more than 33554432 bytes"));
+  EXPECT_THAT(error_of(compressed(std::string(std::size_t{31} << 20, '\0'))),
+              HasSubstr("is no pickle"));
+}
+
+TEST(PickleTest, OldProtocolsAreNamed) {
+  for (const std::string& bytes :
+       {"(dp0\nVfps\np1\nI30\ns."s,
+        "}q\x00(X\x03\x00\x00\x00"
+        "fpsK\x1eu."s,
+        "(lp0\nI1\na."s, "cnumpy.core.multiarray\n_reconstruct\np0\n(I0\ntp1\nRp2\n."s}) {
+    EXPECT_TRUE(looks_like_pickle(bytes));
+    EXPECT_THAT(error_of(bytes), ::testing::AllOf(HasSubstr("is of protocol 0 or 1"),
+                                                  HasSubstr("pickle.dump(motion, file)")));
+  }
+  for (const char* text : {"count,x\n1,2.", "c\n1\n2.", "(1, 2)", "car, bus\n."}) {
+    EXPECT_FALSE(looks_like_pickle(text)) << text;
+  }
+}
+
+TEST(PickleTest, TextsAreWrittenAsUtf8) {
+  PickleWriter pickle;
+  pickle.begin_dict();
+  pickle.text("bad\xFF name");
+  pickle.integer(1);
+  pickle.end_dict();
+  const std::string bytes = pickle.finish();
+  const auto read = read_pickle(bytes, "x.pkl");
+  ASSERT_TRUE(read.has_value());
+  EXPECT_THAT(read->keys(read->root()), ::testing::ElementsAre("bad\xEF\xBF\xBD name"));
 }
 
 // joblib's array: wrapper, its state, padding, raw bytes

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <clocale>
+#include <cmath>
 
 #include "support/test_robots.h"
 
@@ -74,6 +75,56 @@ TEST(RobotCsv, IsTheSameInEveryLocale) {
     }
   }
   std::setlocale(LC_NUMERIC, kept.c_str());
+}
+
+TEST(RobotCsv, DigitsBeyondAllAreTheMost) {
+  RobotCsvOptions options;
+  options.precision = 2'000'000'000;
+  RobotCsvOptions most;
+  most.precision = 17;
+  RobotClip clip = two_frames();
+  clip.qpos(0)[0] = -1.7e308;
+  EXPECT_EQ(format_robot_csv(clip, options), format_robot_csv(clip, most));
+  options.precision = -5;
+  EXPECT_EQ(format_robot_csv(two_frames(), options).substr(0, 5), "2,-2,");
+}
+
+TEST(RobotCsv, SomaCountsFramesOf120ASecond) {
+  const auto frame_numbers = [](const FrameRate& rate) {
+    RobotClip clip(robot_from_text(kTwoArms), rate, 3);
+    const std::string text = format_robot_csv(clip, soma_csv_options(rate));
+    std::string numbers;
+    for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) {
+      numbers += text.substr(at + 1, text.find(',', at) - at);
+    }
+    return numbers;
+  };
+  EXPECT_EQ(frame_numbers({120, 1}), "0,1,2,");
+  EXPECT_EQ(frame_numbers({30, 1}), "0,4,8,");
+  EXPECT_EQ(frame_numbers({60, 1}), "0,2,4,");
+  // rates that such numbers do not tell
+  for (const FrameRate& rate : {FrameRate{50, 1}, {240, 1}, {2997, 125}}) {
+    EXPECT_FALSE(soma_csv_tells(rate));
+    EXPECT_EQ(frame_numbers(rate), "0,1,2,");
+  }
+}
+
+TEST(RobotCsv, PrintedClipIsWhatAReaderHas) {
+  RobotClip clip = two_frames();
+  const auto printed = printed_clip(clip, 3);
+  ASSERT_TRUE(printed) << describe(printed.error());
+  EXPECT_EQ(printed->qpos(0)[2], 0.123);
+  EXPECT_FALSE(std::signbit(printed->qpos(0)[7]));
+  EXPECT_EQ(printed->qpos(1)[11], 11.0);
+  for (int frame = 0; frame < 2; ++frame) {
+    const auto q = printed->qpos(frame);
+    EXPECT_NEAR(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1.0, 1e-15);
+  }
+  // the sign goes on: 3, 4, 5, 6 lies on the other side of .5, -.5, .5, -.5
+  EXPECT_LT(printed->qpos(1)[3], 0.0);
+  const auto nothing = printed_clip(clip, 0);
+  ASSERT_FALSE(nothing);
+  EXPECT_NE(nothing.error().message.find("nothing is left with 0 digits"), std::string::npos);
 }
 
 TEST(RobotCsv, EmptyClipIsAnEmptyFile) {

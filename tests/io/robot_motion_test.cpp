@@ -90,9 +90,7 @@ TEST_F(RobotMotionTest, EveryFormatComesBack) {
     write.tracking.rate = {30, 1};
     const auto bytes = format_robot_motion(clip, format, write);
     ASSERT_TRUE(bytes) << describe(bytes.error());
-    ReadMotionOptions options;
-    if (format == MotionFormat::kCsvSoma) options.rate = FrameRate{30, 1};
-    const auto motion = read(*bytes, options);
+    const auto motion = read(*bytes);
     ASSERT_TRUE(motion) << format_name(format) << ": " << describe(motion.error());
     EXPECT_EQ(motion->format, format);
     RobotClip expected = clip;

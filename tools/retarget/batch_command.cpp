@@ -10,6 +10,7 @@
 #include <set>
 #include <system_error>
 
+#include "batch_leftovers.h"
 #include "batch_manifests.h"
 #include "batch_runner.h"
 #include "commands.h"
@@ -115,54 +116,101 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchOptions& options,
 // all that a batch needs before its first clip
 struct BatchPlan {
   std::vector<BatchInput> inputs;
+  std::set<std::string> known;  // relative names, those of other parts too
   std::list<BatchRobot> robots;
   std::vector<BatchTask> tasks;  // that are left to do
   std::size_t unchanged = 0;
   std::uint64_t bytes = 0;
 };
 
-// with several formats a.soma.bvh and a.bvh may both want a.soma.csv
-Result<void> check_distinct_files(const std::vector<BatchInput>& inputs,
-                                  const OutputOptions& options) {
-  if (options.formats.size() < 2) return {};
-  std::map<std::string, const BatchInput*> owners;
-  OutputOptions of_clip = options;
-  for (const BatchInput& input : inputs) {
-    of_clip.output = batch_output(options, input.relative);
+// every file that a batch would write: no two are one, and none is where a folder is to be
+class OutputTree {
+ public:
+  explicit OutputTree(const BatchOptions& options) : options_(options) {
+    // with several robots clips have folders of their own
+    if (options.robots.size() > 1) return;
+    for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) files_[own] = {};
+  }
+
+  Result<void> add(const BatchInput& input) {
+    OutputOptions of_clip = static_cast<const OutputOptions&>(options_.run);
+    of_clip.output = batch_output(options_.run, input.relative);
     const auto items = plan_outputs(of_clip);
     if (!items) return failure(items.error());
     for (const OutputItem& item : *items) {
-      const auto [owner, is_new] = owners.emplace(item.path, &input);
-      if (is_new) continue;
-      return usage_failure("\"" + owner->second->path + "\" and \"" + input.path +
-                               "\" would both be written to \"" + item.path + "\"",
-                           "rename one of them, or write one format at a time");
+      if (auto added = add_file(item.path, input); !added) return added;
+      if (!options_.run.sidecar) continue;
+      if (auto added = add_file(item.path + ".json", input); !added) return added;
     }
+    return {};
   }
-  return {};
+
+  // once all are there
+  [[nodiscard]] Result<void> check_folders() const {
+    for (const auto& [folder, input] : folders_) {
+      const auto file = files_.find(folder);
+      if (file == files_.end()) continue;
+      return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
+                               "\", which is " + what_is(file->second),
+                           "rename one of them or leave it out with --exclude");
+    }
+    return {};
+  }
+
+ private:
+  static std::string what_is(const BatchInput* owner) {
+    return owner == nullptr ? "a file of the batch itself"
+                            : "the output of \"" + owner->path + "\"";
+  }
+
+  Result<void> add_file(const std::string& path, const BatchInput& input) {
+    const auto [owner, is_new] = files_.emplace(path, &input);
+    if (!is_new) {
+      return usage_failure(
+          "the output of \"" + input.path + "\" would be called \"" + path + "\", which is " +
+              what_is(owner->second),
+          "rename one of them, leave it out with --exclude, or write one format at a time");
+    }
+    for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
+         folder = folder.parent_path()) {
+      if (!folders_.emplace(folder.string(), &input).second) break;
+    }
+    return {};
+  }
+
+  const BatchOptions& options_;
+  std::map<std::string, const BatchInput*> files_;  // and of which clip; null: of the batch
+  std::map<std::string, const BatchInput*> folders_;
+};
+
+Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const BatchOptions& options) {
+  OutputTree tree(options);
+  for (const BatchInput& input : inputs) {
+    if (auto added = tree.add(input); !added) return added;
+  }
+  return tree.check_folders();
 }
 
-Result<std::vector<BatchInput>> plan_inputs(const BatchOptions& options, const Shard& shard,
-                                            Console& console) {
+Result<void> plan_inputs(const BatchOptions& options, const Shard& shard, BatchPlan& plan,
+                         Console& console) {
   InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
   auto found = find_inputs(search);
   if (!found) return failure(found.error());
   for (const std::string& note : found->notes) console.line("inputs", note);
-  std::vector<std::string> reserved;
-  if (options.robots.size() < 2) reserved.emplace_back("summary");
-  if (auto distinct = check_distinct_outputs(found->inputs, reserved); !distinct) {
+  if (auto distinct = check_distinct_outputs(found->inputs); !distinct) {
     return failure(distinct.error());
   }
-  if (auto distinct = check_distinct_files(found->inputs, options.run); !distinct) {
+  if (auto distinct = check_outputs_of(found->inputs, options); !distinct) {
     return failure(distinct.error());
   }
   const std::size_t all = found->inputs.size();
-  auto inputs = take_shard(std::move(found->inputs), shard);
+  for (const BatchInput& input : found->inputs) plan.known.insert(input.relative);
+  plan.inputs = take_shard(std::move(found->inputs), shard);
   console.line("inputs",
-               count_text(static_cast<long>(inputs.size()), "clip") +
+               count_text(static_cast<long>(plan.inputs.size()), "clip") +
                    (shard.count > 1 ? " of " + std::to_string(all) + ", part " + options.shard
                                     : std::string()));
-  return inputs;
+  return {};
 }
 
 // longest first, what is done already left out
@@ -181,7 +229,7 @@ void plan_tasks(const FinishedClips& finished, BatchPlan& plan) {
   }
 }
 
-// own entries that stay: all but those of clips that are done again
+// own entries that stay: all but those of clips that are done again, or are gone
 std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const BatchPlan& plan) {
   std::set<std::pair<std::string, std::string>> redone;
   for (const BatchTask& task : plan.tasks) {
@@ -189,27 +237,23 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   }
   std::vector<ManifestEntry> kept = latest_entries(manifests.own);
   std::erase_if(kept, [&](const ManifestEntry& entry) {
-    return redone.contains({entry.relative, entry.robot});
+    return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.known);
   });
   return kept;
 }
 
-// what a killed run left of outputs that were not whole; nobody else writes there now
-void remove_unfinished(const std::string& folder, const BatchPlan& plan) {
-  std::set<fs::path> folders = {folder};
-  for (const BatchTask& task : plan.tasks) {
-    folders.insert(
-        fs::path(folder + "/" + task.robot->folder + task.input->relative).parent_path());
-  }
-  for (const fs::path& place : folders) {
-    std::error_code error;
-    std::vector<fs::path> unfinished;
-    for (fs::directory_iterator at(place, error); !error && at != fs::directory_iterator();
-         at.increment(error)) {
-      if (is_temporary_name(at->path().filename().string())) unfinished.push_back(at->path());
-    }
-    for (const fs::path& file : unfinished) fs::remove(file, error);
-  }
+// of outputs whose files no option of this call makes any more
+void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
+                           const FinishedClips& finished, Console& console) {
+  const auto files = files_of_earlier_options(folder, plan.tasks, finished);
+  if (files.empty()) return;
+  constexpr std::size_t kShown = 3;
+  console.warn({{0, 0,
+                 count_text(static_cast<long>(files.size()), "file") +
+                     " that earlier options made of these clips stay as they are and are no "
+                     "longer in the manifest: " +
+                     list_names(files, kShown)}},
+               folder);
 }
 
 Result<void> write_options_file(const std::string& folder, const std::list<BatchRobot>& robots) {
@@ -251,9 +295,9 @@ Result<BatchPlan> plan_batch(const BatchOptions& options, const Shard& shard,
   auto robots = load_batch_robots(options, data_folder, console);
   if (!robots) return failure(robots.error());
   plan.robots = std::move(*robots);
-  auto inputs = plan_inputs(options, shard, console);
-  if (!inputs) return failure(inputs.error());
-  plan.inputs = std::move(*inputs);
+  if (auto planned = plan_inputs(options, shard, plan, console); !planned) {
+    return failure(planned.error());
+  }
   return plan;
 }
 
@@ -311,14 +355,17 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   const FinishedClips finished(std::move(known), *folder);
   auto manifest = begin_manifest(*manifests, finished, *plan, console);
   if (!manifest) return failure(manifest.error());
-  if (shard->count == 1 && locks->folder.is_held()) remove_unfinished(*folder, *plan);
+  if (shard->count == 1 && locks->folder.is_held()) {
+    remove_unfinished(output_folders(*folder, plan->tasks));
+  }
+  warn_of_earlier_files(*folder, *plan, finished, console);
   if (auto written = write_options_file(*folder, plan->robots); !written) {
     return failure(written.error());
   }
   const auto failed =
       work_through(*plan, options, *folder, *data_folder, finished, **manifest, console);
   if (!failed) return failure(failed.error());
-  if (auto ended = finish_manifests(*folder, *shard, console); !ended) {
+  if (auto ended = finish_manifests(*folder, *shard, plan->known, console); !ended) {
     return failure(ended.error());
   }
   return *failed > 0 ? kRunFailed : kDone;

@@ -9,7 +9,9 @@
 #include <system_error>
 #include <vector>
 
+#include "fit_run.h"
 #include "retarget/base/hash.h"
+#include "retarget/io/motion_format.h"
 #include "retarget/robot/find_robot.h"
 #include "retarget/version.h"
 
@@ -72,6 +74,8 @@ class Fingerprint {
 Result<void> add_options(const BatchOptions& options, Fingerprint& print) {
   std::error_code ignored;
   for (const auto& [name, values] : options.deciding) {
+    // the mapping that is taken is hashed below, whether it is named or the robot's own
+    if (name == "ik-config") continue;
     const bool names_file = std::ranges::find(kFileOptions, name) != kFileOptions.end() &&
                             values.size() == 1 && fs::is_regular_file(values.front(), ignored);
     if (names_file) {
@@ -80,6 +84,19 @@ Result<void> add_options(const BatchOptions& options, Fingerprint& print) {
       print.hashed["options"][name] = values.size() == 1 ? Json(values.front()) : Json(values);
     }
   }
+  return {};
+}
+
+// what the options mean, where one that is given may say the same as one that is not
+Result<void> resolve_options(const RunOptions& run, const RobotSetup& setup, Fingerprint& print) {
+  Json& options = print.hashed["options"];
+  if (run.formats.empty()) options["format"] = format_name(MotionFormat::kCsv);
+  if (options.contains("limits")) options["limits"] = setup.limits.name;
+  options["dof"] = setup.robot->variant().name;
+  if (run.method != "fit") return {};
+  const auto fit = fit_options(run);
+  if (!fit) return failure(fit.error());
+  options["window"] = fit->window;
   return {};
 }
 
@@ -104,6 +121,9 @@ Result<BatchFingerprint> batch_fingerprint(const BatchOptions& options, const Ru
   Fingerprint print;
   print.hashed["tool"] = version_text();
   if (auto added = add_options(options, print); !added) return failure(added.error());
+  if (auto resolved = resolve_options(run, setup, print); !resolved) {
+    return failure(resolved.error());
+  }
   if (auto added = add_robot(run, setup, data_folder, print); !added) {
     return failure(added.error());
   }

@@ -6,6 +6,7 @@
 #include <regex>
 #include <system_error>
 
+#include "batch_leftovers.h"
 #include "retarget/base/file.h"
 #include "retarget/batch/summary.h"
 
@@ -133,20 +134,34 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
   return manifests;
 }
 
-Result<void> finish_manifests(const std::string& folder, const Shard& shard, Console& console) {
+bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
+  if (entry.done || known.contains(entry.relative)) return false;
+  std::error_code ignored;
+  return !fs::exists(fs::symlink_status(entry.input.file, ignored));
+}
+
+Result<void> finish_manifests(const std::string& folder, const Shard& shard,
+                              const std::set<std::string>& known, Console& console) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
   auto own = read_entries(path, console);
   if (!own) return failure(own.error());
-  auto entries = latest_entries(std::move(*own));
-  if (auto written = write_file(path, lines_of(entries)); !written) return written;
-  console.line("wrote", path);
-  if (shard.count > 1) return {};
-  for (const std::string& other : manifests_beside(folder, path)) {
-    auto more = read_entries(other, console);
+  std::vector<ManifestEntry> entries = std::move(*own);
+  std::vector<std::string> parts;
+  if (shard.count == 1) parts = manifests_beside(folder, path);
+  for (const std::string& part : parts) {
+    auto more = read_entries(part, console);
     if (!more) return failure(more.error());
     append_to(entries, std::move(*more));
   }
-  return write_summary(folder, latest_entries(std::move(entries)), console);
+  entries = latest_entries(std::move(entries));
+  std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
+  if (auto written = write_file(path, lines_of(entries)); !written) return written;
+  // what they say is on the disk by now
+  std::error_code ignored;
+  for (const std::string& part : parts) fs::remove(part, ignored);
+  console.line("wrote", path);
+  if (shard.count > 1) return {};
+  return write_summary(folder, entries, console);
 }
 
 Result<std::size_t> merge_manifests(const std::string& folder,
@@ -175,6 +190,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   }
   // what they say is on the disk by now
   for (const std::string& part : parts) fs::remove(part, ignored);
+  remove_unfinished(output_folders(folder, entries));
   const std::size_t failed = failed_among(entries);
   console.line("merged", count_text(static_cast<long>(all.size()), "manifest") + ", " +
                              count_text(static_cast<long>(entries.size()), "clip") + ", " +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,13 +27,19 @@ struct BatchManifests {
 [[nodiscard]] Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
                                                     const BatchOptions& options, Console& console);
 
-/// Brings the manifest of a batch that is through into order, a line a clip and robot; writes
-/// summary.csv where the batch is no part of one.
-[[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
-                                            Console& console);
+/// Whether an entry is of a clip that failed and whose file is no longer there: nothing is left to
+/// be done about it.
+/// @param known  relative names of the clips that a batch found.
+[[nodiscard]] bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known);
 
-/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, and
-/// writes summary.csv.
+/// Brings the manifest of a batch that is through into order, a line a clip and robot. Where the
+/// batch is no part of one, what the manifests of parts say goes into it as merge_manifests does
+/// it, but for clips that are gone, and summary.csv is written.
+[[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
+                                            const std::set<std::string>& known, Console& console);
+
+/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, writes
+/// summary.csv, and removes what killed parts left of outputs that were not whole.
 /// @return how many clips failed.
 [[nodiscard]] Result<std::size_t> merge_manifests(const std::string& folder,
                                                   const std::vector<std::string>& further,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fit_run.h"
+#include "format_losses.h"
 #include "interrupt.h"
 #include "limit_lines.h"
 #include "retarget/base/suggest.h"
@@ -198,7 +199,8 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;
-  auto outputs = MotionOutputs::open(options, of_clip.robot, writing == Writing::kHashes);
+  auto outputs =
+      MotionOutputs::open(options, of_clip.robot, source->clip.rate(), writing == Writing::kHashes);
   if (!outputs) return failure(outputs.error());
   const auto result = solve(*source, of_clip, options, **outputs, console);
   if (!result) return failure(result.error());
@@ -213,6 +215,7 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   if (InterruptGuard::interrupted()) return interrupted_failure();
   auto outcome = write_results(options, of_clip, *source, *result, data_folder, **outputs, console);
   if (!outcome || writing == Writing::kHashes) return outcome;
+  warn_of_losses(options, motion, console);
   console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");
   return outcome;

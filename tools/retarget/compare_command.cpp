@@ -26,6 +26,19 @@ std::string difference_text(double value) {
   return std::string(digits.data(), end);
 }
 
+// without a robot the files are compared as they are, and nothing is read into them
+Result<void> check_no_reading(const ReadingOptions& options) {
+  const bool given = !options.from.empty() || options.source_fps > 0.0 ||
+                     !options.quaternion.empty() || !options.angles.empty() ||
+                     !options.unit.empty() || !options.dof.empty() || !options.motion.empty() ||
+                     options.ignore_header;
+  if (!given) return {};
+  return usage_failure(
+      "how the files are to be read is said, and without a robot they are "
+      "compared as they are",
+      "add --robot NAME");
+}
+
 // of the robot where one is given, else as the files have their columns
 Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Console& console) {
   std::array<MotionTable, 2> tables;
@@ -39,6 +52,9 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
     if (!chosen) return failure(chosen.error());
     robot = chosen->robot;
   }
+  if (!has_robot) {
+    if (auto sound = check_no_reading(options.reading); !sound) return failure(sound.error());
+  }
   const auto read_options = read_motion_options(options.reading);
   if (!read_options) return failure(read_options.error());
   const std::array<std::string, 2> files = {options.a, options.b};
@@ -48,6 +64,7 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
       if (!motion) return failure(motion.error());
       print_motion(files[i], *motion, console);
       tables[i] = motion_table(motion->clip);
+      if (motion->rate_known) tables[i].others = {{"fps", {motion->clip.rate().fps()}}};
       continue;
     }
     const auto content = read_file(files[i]);
@@ -55,6 +72,10 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
     auto table = parse_motion_table(content->view(), files[i]);
     if (!table) return failure(table.error());
     tables[i] = std::move(*table);
+  }
+  // a rate is held against a rate
+  if (tables[0].others.empty() || tables[1].others.empty()) {
+    if (has_robot) tables[0].others = tables[1].others = {};
   }
   return tables;
 }

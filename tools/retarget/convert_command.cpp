@@ -1,12 +1,10 @@
 // `retarget convert`: robot motions from one format to another.
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "commands.h"
+#include "format_losses.h"
 #include "outputs.h"
-#include "retarget/base/suggest.h"
 #include "retarget/io/robot_motion.h"
 #include "retarget/robot/resample_robot.h"
 #include "retarget/robot/variant.h"
@@ -20,31 +18,6 @@ Result<void> check_usage(const ConvertOptions& options) {
   if (auto robot = check_robot_choice(options.run); !robot) return robot;
   return check_outputs(options.run,
                        {options.input, options.run.robot_xml, options.run.robot_profile}, {});
-}
-
-// what the variant holds and the motion moves
-void warn_of_held(const RobotClip& clip, const Robot& variant, const std::string& file,
-                  Console& console) {
-  std::vector<std::string> lost;
-  double largest = 0.0;
-  for (const auto& [name, held] : variant.variant().locked) {
-    const auto joint = variant.find_joint(name);
-    if (!joint) continue;
-    double away = 0.0;
-    for (int frame = 0; frame < clip.frame_count(); ++frame) {
-      away =
-          std::max(away, std::abs(clip.qpos(frame)[variant.joints()[*joint].qpos_address] - held));
-    }
-    constexpr double kNothing = 1e-6;
-    if (away > kNothing) lost.push_back(name);
-    largest = std::max(largest, away);
-  }
-  if (lost.empty()) return;
-  console.warn({{0, 0,
-                 count_text(static_cast<long>(lost.size()), "joint") +
-                     " that move are held and lost, by up to " + number_text(largest, 3) + ": " +
-                     list_names(lost, 6)}},
-               file);
 }
 
 Result<RobotClip> at_rate(RobotClip clip, const ConvertOptions& options) {
@@ -78,18 +51,21 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
   if (!options.run.dof.empty()) {
     auto variant = robot_variant(robot->robot, options.run.dof);
     if (!variant) return failure(variant.error());
-    warn_of_held(clip, **variant, options.input, console);
+    if (const auto lost = lost_joints(clip, **variant)) {
+      console.warn({{0, 0, *lost}}, options.input);
+    }
     clip = with_robot(clip, std::move(*variant));
   }
   auto resampled = at_rate(std::move(clip), options);
   if (!resampled) return failure(resampled.error());
-  auto outputs = MotionOutputs::open(options.run, resampled->shared_robot());
+  auto outputs = MotionOutputs::open(options.run, resampled->shared_robot(), resampled->rate());
   if (!outputs) return failure(outputs.error());
   for (int frame = 0; frame < resampled->frame_count(); ++frame) {
     (*outputs)->add(resampled->qpos(frame));
   }
   const auto files = (*outputs)->finish(*resampled);
   if (!files) return failure(files.error());
+  warn_of_losses(options.run, *resampled, console);
   console.line("wrote", outputs_text(*files) + ": " +
                             count_text(resampled->frame_count(), "frame") + " at " +
                             to_text(resampled->rate()) + " fps");

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <string_view>
+#include <system_error>
 
 #include "declare.h"
 #include "declare_shared.h"
@@ -80,6 +82,24 @@ void add_course(CLI::App& command, BatchOptions& options) {
       ->group(kBatch);
 }
 
+// options whose text is a number
+constexpr std::array<std::string_view, 9> kOfNumbers = {
+    "end", "fps", "height", "npz-fps", "precision", "source-fps", "start", "tpose-frame", "window"};
+
+// the same text for the same value: 30 for 30.0, false for a flag that was not given
+std::string canonical(const CLI::Option& option, const std::string& value) {
+  const bool is_flag = option.get_items_expected_max() == 0;
+  if (is_flag && value.empty()) return "false";
+  const std::string& name = option.get_single_name();
+  if (std::ranges::find(kOfNumbers, name) == kOfNumbers.end()) return value;
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc() || end != value.data() + value.size()) return value;
+  std::array<char, 32> text;
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), number);
+  return {text.data(), written.ptr};
+}
+
 // takes down what was given, and the defaults of the rest
 void note_deciding_options(const CLI::App& command, BatchOptions& options) {
   options.deciding.clear();
@@ -88,6 +108,7 @@ void note_deciding_options(const CLI::App& command, BatchOptions& options) {
     if (std::ranges::find(kOfTheBatchAlone, name) != kOfTheBatchAlone.end()) continue;
     std::vector<std::string> values = option->results();
     if (option->count() == 0) values = {option->get_default_str()};
+    for (std::string& value : values) value = canonical(*option, value);
     options.deciding.emplace_back(name, std::move(values));
   }
   std::ranges::sort(options.deciding);

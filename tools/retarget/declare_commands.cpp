@@ -29,9 +29,11 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");
   RunOptions& run = options.run;
-  command->add_option("motions", options.motions, "Robot CSVs; - reads standard input")
+  command
+      ->add_option("motions", options.motions,
+                   "Robot motions, CSV, NPZ or pickle; - reads standard\ninput")
       ->required()
-      ->type_name("CSV...");
+      ->type_name("MOTION...");
   add_motion_options(*command, run);
   command->get_option("--bvh")->description("The movement that the motions came from");
   command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
@@ -40,13 +42,15 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
       ->type_name("S")
       ->check(number_from(0.0, kLongestTime))
       ->group(kInput);
-  command
-      ->add_option("--csv-quat", run.quaternion,
-                   "Order of the root quaternion where no header tells")
-      ->type_name("xyzw|wxyz")
+  command->get_option("--source-fps")
+      ->description(
+          "Frames per second of the source, whatever its header\nsays; without a source: of the "
+          "motions");
+  add_reading_layout(*command, options.reading);
+  // what convert calls --source-quat had this name here
+  command->add_option("--csv-quat", options.reading.quaternion)
       ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
-      ->capture_default_str()
-      ->group(kInput);
+      ->group("");
   add_human_options(*command, run.human);
   command->add_option("--robot", run.robot, "Robot by name, or a robot folder")
       ->type_name("NAME")
@@ -74,12 +78,12 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
       ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))
       ->capture_default_str()
       ->group(kRobot);
+  run.fps.clear();
   command
       ->add_option("--fps", run.fps,
-                   "Rate of the motions in frames per second, or `source`;\nthe source is "
-                   "resampled to it")
+                   "Rate of motions whose files say none, in frames per\nsecond, or `source`; the "
+                   "source is resampled to it\n(default: 30; of SOMA's 120)")
       ->type_name("N|source")
-      ->capture_default_str()
       ->group(kTime);
   command
       ->add_option("--json", options.json,

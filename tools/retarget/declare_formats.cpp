@@ -5,6 +5,11 @@
 #include "retarget/io/motion_format.h"
 
 namespace retarget::cli {
+namespace {
+
+constexpr const char* kFound = "Motion files (all of it is found and printed; this overrides)";
+
+}  // namespace
 
 void add_output_options(CLI::App& app, OutputOptions& options) {
   app.add_option("-o,--output", options.output, "File to write; - writes standard output")
@@ -80,26 +85,33 @@ void add_robot_choice(CLI::App& app, RunOptions& run) {
 }
 
 void add_reading_options(CLI::App& app, ReadingOptions& options) {
-  constexpr const char* kFound = "Motion files (all of it is found and printed; this overrides)";
-  app.add_option("--from", options.from, "NPZ: whose order of joints it has")
-      ->type_name("npz-mjlab|npz-beyondmimic")
-      ->check(silent(CLI::IsMember({"npz-mjlab", "npz-beyondmimic"})))
-      ->group(kFound);
+  add_reading_rate(app, options);
+  add_reading_layout(app, options);
+}
+
+void add_reading_rate(CLI::App& app, ReadingOptions& options) {
   app.add_option(
          "--source-fps", options.source_fps,
          "Frames per second of the file (default: what it says;\nof a CSV 30, of SOMA's 120)")
       ->type_name("N")
       ->check(number_from(kSlowestRate, kFastestRate))
       ->group(kFound);
+}
+
+void add_reading_layout(CLI::App& app, ReadingOptions& options) {
+  app.add_option("--from", options.from, "NPZ: whose order of joints it has")
+      ->type_name("npz-mjlab|npz-beyondmimic")
+      ->check(silent(CLI::IsMember({"npz-mjlab", "npz-beyondmimic"})))
+      ->group(kFound);
   app.add_option("--source-quat", options.quaternion, "Order of the root quaternion in the file")
       ->type_name("xyzw|wxyz")
       ->check(silent(CLI::IsMember({"xyzw", "wxyz"})))
       ->group(kFound);
-  app.add_option("--source-angles", options.angles, "Unit of the joints in a CSV")
+  app.add_option("--source-angles", options.angles, "Unit of the joints in a CSV or pickle")
       ->type_name("rad|deg")
       ->check(silent(CLI::IsMember({"rad", "deg"})))
       ->group(kFound);
-  app.add_option("--source-unit", options.unit, "Unit of the root position in a CSV")
+  app.add_option("--source-unit", options.unit, "Unit of the root position in a CSV or pickle")
       ->type_name("m|cm|mm")
       ->check(silent(CLI::IsMember({"m", "cm", "mm"})))
       ->group(kFound);
@@ -108,6 +120,9 @@ void add_reading_options(CLI::App& app, ReadingOptions& options) {
       ->group(kFound);
   app.add_option("--motion", options.motion, "One of several motions in a PBHC pickle")
       ->type_name("NAME")
+      ->group(kFound);
+  app.add_flag("--ignore-header", options.ignore_header,
+               "Take the columns of a CSV by their number, whatever its\nheader says")
       ->group(kFound);
 }
 

@@ -36,6 +36,9 @@ void add_human_options(CLI::App& app, HumanOptions& options);
 void add_output_options(CLI::App& app, OutputOptions& options);
 void add_robot_choice(CLI::App& app, RunOptions& run);
 void add_reading_options(CLI::App& app, ReadingOptions& options);
+/// The parts of add_reading_options: the rate, and all else.
+void add_reading_rate(CLI::App& app, ReadingOptions& options);
+void add_reading_layout(CLI::App& app, ReadingOptions& options);
 void add_motion_options(CLI::App& app, RunOptions& run);
 
 }  // namespace retarget::cli

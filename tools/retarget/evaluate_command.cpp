@@ -23,11 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kUsualRate = "30";
+
 // what all motions of one call are measured with
 struct Measures {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
-  FrameRate rate;
+  ReadMotionOptions reading;
+  FrameRate rate;  // of the source
   std::optional<HumanClip> human;
   std::optional<IkTables> tables;
   HeightScale scale = HeightScale::kPublished;
@@ -114,6 +117,8 @@ Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
 Result<Measures> load_measures(const EvaluateOptions& options, Console& console) {
   RunOptions run = options.run;
   if (auto chosen = choose_motion_file(run); !chosen) return failure(chosen.error());
+  const bool rate_given = !run.fps.empty();
+  if (!rate_given) run.fps = kUsualRate;
   const auto data_folder = data_folder_of(run.common);
   if (!data_folder) return failure(data_folder.error());
   Measures measures;
@@ -130,22 +135,36 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   const auto rate = output_rate(run.fps);
   if (!rate) return failure(rate.error());
   if (*rate) measures.rate = **rate;
-  if (run.source.file.empty()) return measures;
-  if (auto added = add_source(run, *robot, *data_folder, measures, console); !added) {
+  auto reading = read_motion_options(options.reading);
+  if (!reading) return failure(reading.error());
+  measures.reading = std::move(*reading);
+  if (run.source.file.empty()) {
+    if (run.source.source_fps > 0.0) {
+      measures.reading.rate = frame_rate_from_fps(run.source.source_fps);
+    }
+  } else if (auto added = add_source(run, *robot, *data_folder, measures, console); !added) {
     return failure(added.error());
   }
+  if (rate_given) measures.reading.default_rate = measures.rate;
   return measures;
 }
 
-Result<QualityReport> evaluate_motion(const std::string& file, const EvaluateOptions& options,
-                                      const Measures& measures, Console& console) {
-  ReadMotionOptions reading;
-  reading.quaternion =
-      options.run.quaternion == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
-  reading.default_rate = measures.rate;
-  auto motion = load_robot_motion(file, measures.robot, reading);
+Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
+                                      Console& console) {
+  auto motion = load_robot_motion(file, measures.robot, measures.reading);
   if (!motion) return failure(motion.error());
-  if (motion->format != MotionFormat::kCsv) print_motion(file, *motion, console);
+  // a rate that --fps gave is no guess
+  const bool rate_known = motion->rate_known;
+  motion->rate_known = rate_known || measures.reading.default_rate.has_value();
+  print_motion(file, *motion, console, "--fps");
+  if (rate_known && measures.reading.default_rate && !measures.human &&
+      !same_rate(*measures.reading.default_rate, motion->clip.rate())) {
+    console.warn(
+        {{0, 0,
+          "the file says " + to_text(motion->clip.rate()) +
+              " fps, which counts: --fps is for files that say none, --source-fps for all"}},
+        file);
+  }
   // frame by frame beside the source
   Result<RobotClip> clip = std::move(motion->clip);
   if (measures.human) clip = resample_robot(*clip, measures.rate);
@@ -191,7 +210,7 @@ Result<void> evaluate_checked(const EvaluateOptions& options, Console& console) 
   if (!measures) return failure(measures.error());
   std::vector<QualityReport> reports;
   for (const std::string& file : options.motions) {
-    auto report = evaluate_motion(file, options, *measures, console);
+    auto report = evaluate_motion(file, *measures, console);
     if (!report) return failure(report.error());
     reports.push_back(std::move(*report));
   }

@@ -107,14 +107,6 @@ struct BatchOptions {
   std::vector<std::pair<std::string, std::vector<std::string>>> deciding;
 };
 
-/// `retarget evaluate`: how good robot motions are.
-struct EvaluateOptions {
-  RunOptions run;                    ///< Robot, limits, source and its start; the rate.
-  std::vector<std::string> motions;  ///< Robot CSVs.
-  std::string json;                  ///< Report to write; empty: none, `-`: standard output.
-  std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
-};
-
 /// What a file of a robot's motion does not say; empty: found.
 struct ReadingOptions {
   std::string from;         ///< Format in place of what the content says.
@@ -124,6 +116,16 @@ struct ReadingOptions {
   std::string unit;         ///< `m`, `cm`, `mm`.
   std::string dof;          ///< Variant of the robot that the columns are of.
   std::string motion;       ///< One of several in a PBHC file.
+  bool ignore_header = false;
+};
+
+/// `retarget evaluate`: how good robot motions are.
+struct EvaluateOptions {
+  RunOptions run;                    ///< Robot, limits, source and its start; the rate.
+  ReadingOptions reading;            ///< But for the rate.
+  std::vector<std::string> motions;  ///< Files of robot motions.
+  std::string json;                  ///< Report to write; empty: none, `-`: standard output.
+  std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
 };
 
 /// `retarget convert`: robot motions from one format to another.

@@ -18,7 +18,37 @@ bool is_csv(MotionFormat format) {
   return format == MotionFormat::kCsv || format == MotionFormat::kCsvSoma;
 }
 
-constexpr const char* kEndings[] = {".csv", ".npz", ".pkl"};
+constexpr std::string_view kEndings[] = {".csv", ".npz", ".pkl"};
+
+// other names that files of the same kinds have
+constexpr std::pair<std::string_view, std::string_view> kOtherEndings[] = {
+    {".pickle", ".pkl"}, {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}};
+
+// endings of what is no robot's motion
+constexpr std::string_view kForeignEndings[] = {".bvh",  ".json", ".jsonl", ".npy", ".xml",
+                                                ".urdf", ".html", ".fbx",   ".pt",  ".zip",
+                                                ".gz",   ".xlsx", ".hdf5",  ".h5"};
+
+// of a file's name, in lower case; empty: none
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  for (char& letter : ending) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return ending;
+}
+
+// `.csv`, `.npz` or `.pkl` by a name; empty: it does not say
+std::string_view kind_of(const std::string& path) {
+  const std::string ending = ending_of(path);
+  for (const std::string_view known : kEndings) {
+    if (ending == known) return known;
+  }
+  for (const auto& [other, known] : kOtherEndings) {
+    if (ending == other) return known;
+  }
+  return {};
+}
 
 // the formats of files with this ending
 std::string formats_ending_in(std::string_view ending) {
@@ -32,25 +62,23 @@ std::string formats_ending_in(std::string_view ending) {
 
 Result<MotionFormat> only_format(const OutputOptions& options) {
   if (!options.formats.empty()) return format_from_name(options.formats.front());
-  for (const char* ending : {".npz", ".pkl"}) {
-    if (options.output.ends_with(ending)) {
-      return usage_failure("the output \"" + options.output +
-                               "\" may be of several formats, and --format is not given",
-                           "add --format with one of: " + formats_ending_in(ending));
-    }
-  }
-  return MotionFormat::kCsv;
+  const std::string_view kind = kind_of(options.output);
+  if (kind.empty() || kind == format_ending(MotionFormat::kCsv)) return MotionFormat::kCsv;
+  return usage_failure(
+      "the output \"" + options.output + "\" may be of several formats, and --format is not given",
+      "add --format with one of: " + formats_ending_in(kind));
 }
 
 Result<void> check_ending(const OutputItem& item) {
-  for (const char* ending : kEndings) {
-    if (!item.path.ends_with(ending) || format_ending(item.format) == ending) continue;
-    return usage_failure("the output \"" + item.path + "\" ends in " + ending + ", and --format " +
-                             std::string(format_name(item.format)) + " makes a " +
-                             std::string(format_ending(item.format)) + " file",
-                         "give a name that says what it is");
-  }
-  return {};
+  const std::string_view kind = kind_of(item.path);
+  const std::string ending = ending_of(item.path);
+  const bool foreign = std::ranges::find(kForeignEndings, ending) != std::end(kForeignEndings);
+  if (!foreign && (kind.empty() || kind == format_ending(item.format))) return {};
+  return usage_failure("the output \"" + item.path + "\" ends in " +
+                           fs::path(item.path).extension().string() + ", and --format " +
+                           std::string(format_name(item.format)) + " makes a " +
+                           std::string(format_ending(item.format)) + " file",
+                       "give a name that says what it is");
 }
 
 }  // namespace
@@ -70,11 +98,9 @@ Result<std::vector<OutputItem>> plan_outputs(const OutputOptions& options) {
     return usage_failure("several formats cannot go to standard output", "give a name with -o");
   }
   std::string base = options.output;
-  for (const std::string_view ending : kEndings) {
-    if (base.ends_with(ending)) {
-      base.erase(base.size() - ending.size());
-      break;
-    }
+  const std::string given = ending_of(base);
+  if (std::ranges::find(kEndings, given) != std::end(kEndings)) {
+    base.erase(base.size() - given.size());
   }
   std::vector<OutputItem> items;
   for (const std::string& name : options.formats) {
@@ -90,27 +116,35 @@ Result<std::vector<OutputItem>> plan_outputs(const OutputOptions& options) {
 
 Result<void> check_outputs(const OutputOptions& options, const std::vector<std::string>& inputs,
                            const std::vector<std::string>& other_outputs) {
-  const auto items = plan_outputs(options);
-  if (!items) return failure(items.error());
   std::vector<std::string> taken;
   const auto same_file = [](const std::string& a, const std::string& b) {
     std::error_code ignored;
     return fs::path(a).lexically_normal() == fs::path(b).lexically_normal() ||
            fs::equivalent(a, b, ignored);
   };
-  const auto take = [&](const std::string& path) -> Result<void> {
-    if (path == "-") return {};
+  const auto spares_inputs = [&](const std::string& path) -> Result<void> {
     for (const std::string& input : inputs) {
-      if (input.empty() || !same_file(input, path)) continue;
+      if (input.empty() || path.empty() || !same_file(input, path)) continue;
       return usage_failure("the output would overwrite the input \"" + input + "\"",
                            "give another name");
     }
+    return {};
+  };
+  const auto take = [&](const std::string& path) -> Result<void> {
+    if (path == "-") return {};
+    if (auto spared = spares_inputs(path); !spared) return spared;
     for (const std::string& other : taken) {
       if (same_file(other, path)) return usage_failure("two outputs are the file \"" + path + "\"");
     }
     taken.push_back(path);
     return check_output_folder(path);
   };
+  // before what its name says: whoever names an input has mistaken something else
+  if (options.output != "-" && options.formats.size() <= 1) {
+    if (auto spared = spares_inputs(options.output); !spared) return spared;
+  }
+  const auto items = plan_outputs(options);
+  if (!items) return failure(items.error());
   for (const std::string& other : other_outputs) {
     if (other.empty()) continue;
     if (auto sound = take(other); !sound) return sound;
@@ -154,7 +188,7 @@ Result<WriteMotionOptions> write_options(const OutputOptions& options) {
 
 Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const OutputOptions& options,
                                                            std::shared_ptr<const Robot> robot,
-                                                           bool in_memory) {
+                                                           const FrameRate& rate, bool in_memory) {
   std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
   outputs->options_ = options;
   outputs->in_memory_ = in_memory;
@@ -177,7 +211,7 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const OutputOptions& 
     }
     const RobotCsvOptions& csv = outputs->write_options_.csv;
     const CsvSink::Options sink_options{
-        item.format == MotionFormat::kCsvSoma ? soma_csv_options(csv.precision) : csv,
+        item.format == MotionFormat::kCsvSoma ? soma_csv_options(rate, csv.precision) : csv,
         options.normalize_start};
     outputs->others_.emplace_back();
     auto sink = CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options);

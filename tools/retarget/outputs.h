@@ -52,9 +52,11 @@ using SidecarText = std::function<Result<std::string>(const WrittenFile&)>;
 /// not at all; only a failure while they are put in their places can part them.
 class MotionOutputs {
  public:
+  /// @param rate       of the motion that will come.
   /// @param in_memory  makes the hashes alone and writes nothing.
   [[nodiscard]] static Result<std::unique_ptr<MotionOutputs>> open(
-      const OutputOptions& options, std::shared_ptr<const Robot> robot, bool in_memory = false);
+      const OutputOptions& options, std::shared_ptr<const Robot> robot, const FrameRate& rate,
+      bool in_memory = false);
 
   /// Takes the next frame: CSVs are written while frames are solved.
   void add(std::span<const double> qpos);

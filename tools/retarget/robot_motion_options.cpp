@@ -18,17 +18,20 @@ Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options) {
   if (options.unit == "mm") read.metres_per_unit = 0.001;
   read.variant = options.dof;
   read.motion = options.motion;
+  read.ignore_header = options.ignore_header;
   return read;
 }
 
-void print_motion(const std::string& file, const RobotMotion& motion, Console& console) {
+void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
+                  const std::string& rate_option) {
   console.line("read",
                (file == "-" ? "standard input" : file) + ": " +
                    std::string(format_name(motion.format)) + ", " +
                    count_text(motion.clip.frame_count(), "frame") + " at " +
                    to_text(motion.clip.rate()) + " fps" +
-                   (motion.rate_known ? "" : ", which the file does not say: --source-fps"));
+                   (motion.rate_known ? "" : ", which the file does not say: " + rate_option));
   for (const std::string& note : motion.notes) console.line("", note);
+  for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
 }
 
 }  // namespace retarget::cli

@@ -11,7 +11,9 @@ namespace retarget::cli {
 /// The reader's options as the command line has them.
 [[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options);
 
-/// Says what a file was taken for.
-void print_motion(const std::string& file, const RobotMotion& motion, Console& console);
+/// Says what a file was taken for, and what is odd about it.
+/// @param rate_option  that tells the rate where the file does not.
+void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
+                  const std::string& rate_option = "--source-fps");
 
 }  // namespace retarget::cli

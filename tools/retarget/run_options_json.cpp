@@ -1,6 +1,11 @@
 #include "run_options_json.h"
 
+#include <string_view>
 #include <type_traits>
+#include <utility>
+
+#include "check_as_command_line.h"
+#include "retarget/base/utf8.h"
 
 namespace retarget::cli {
 namespace {
@@ -58,15 +63,40 @@ void each_option(Options& options, const Visit& visit) {
   visit("motion-name", options.motion_name);
 }
 
+constexpr std::string_view kHexEnd = "_hex";
+
 bool same_kind(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b) {
   return a.type() == b.type() || (a.is_number() && b.is_number());
 }
 
 }  // namespace
 
+void put_name(nlohmann::ordered_json& json, const std::string& key, const std::string& bytes) {
+  std::string text = valid_utf8(bytes);
+  const bool as_it_is = text == bytes;
+  json[key] = std::move(text);
+  if (!as_it_is) json[key + std::string(kHexEnd)] = hex_text(bytes);
+}
+
+std::string name_from(const nlohmann::ordered_json& json, const std::string& key) {
+  const auto text_of = [&](const std::string& name) {
+    const auto found = json.find(name);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const std::string hex = text_of(key + std::string(kHexEnd));
+  if (auto bytes = bytes_from_hex(hex); bytes && !hex.empty()) return std::move(*bytes);
+  return text_of(key);
+}
+
 nlohmann::ordered_json run_options_json(const RunOptions& options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  each_option(options, [&](const char* name, const auto& value) { json[name] = value; });
+  each_option(options, [&](const char* name, const auto& value) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, std::string>) {
+      put_name(json, name, value);
+    } else {
+      json[name] = value;
+    }
+  });
   return json;
 }
 
@@ -75,6 +105,9 @@ Result<RunOptions> run_options_from_json(const nlohmann::ordered_json& json,
   const auto known = run_options_json(RunOptions());
   if (!json.is_object()) return input_failure(file, "the sidecar has no options");
   for (const auto& [name, value] : json.items()) {
+    const bool hex = name.ends_with(kHexEnd) && value.is_string() &&
+                     known.contains(name.substr(0, name.size() - kHexEnd.size()));
+    if (hex) continue;
     if (!known.contains(name)) {
       return input_failure(file, "the sidecar has the unknown option \"" + name + "\"",
                            "it may come from a newer version of this tool");
@@ -87,9 +120,18 @@ Result<RunOptions> run_options_from_json(const nlohmann::ordered_json& json,
       return input_failure(file, "the sidecar's option \"" + name + "\" is of another kind");
     }
   }
+  if (auto sound = check_as_command_line(json, known, file); !sound) {
+    return failure(sound.error());
+  }
   RunOptions options;
   each_option(options, [&](const char* name, auto& value) {
-    if (json.contains(name)) value = json[name].get<std::remove_cvref_t<decltype(value)>>();
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if (!json.contains(name)) return;
+    if constexpr (std::is_same_v<Value, std::string>) {
+      value = name_from(json, name);
+    } else {
+      value = json[name].template get<Value>();
+    }
   });
   return options;
 }

@@ -4,7 +4,6 @@
 
 #include "read_source.h"
 #include "retarget/base/file.h"
-#include "retarget/io/read_robot_csv.h"
 #include "retarget/quality/measure.h"
 #include "retarget/robot/normalize_start.h"
 
@@ -26,11 +25,11 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   // what counts is what was printed, digits cut off and all
   RobotClip moved = inputs.motion;
   if (options.normalize_start) normalize_start(moved);
-  RobotCsvOptions csv;
-  csv.precision = inputs.csv.precision;
-  const auto printed = parse_robot_csv(format_robot_csv(moved, csv), moved.shared_robot(),
-                                       moved.rate(), options.output);
-  if (!printed) return failure(printed.error());
+  auto printed = printed_clip(moved, inputs.csv.precision);
+  if (!printed) {
+    printed.error().file = options.output;
+    return failure(printed.error());
+  }
   const HumanClip human = to_human(inputs.source.clip, inputs.source.human.calibration.mapping);
   const QualitySource source{
       &human, &inputs.tables,

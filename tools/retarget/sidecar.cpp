@@ -134,20 +134,22 @@ Result<std::string> sidecar_text(const RunOptions& options, const RobotSetup& se
     begin = end + 1;
   }
   json["build"] = build;
-  json["output"] = {{"file", fs::path(output.item.path).filename().string()},
-                    {"format", format_name(output.item.format)},
-                    {"hash", output.hash}};
+  json["output"] = Json::object();
+  put_name(json["output"], "file", fs::path(output.item.path).filename().string());
+  json["output"]["format"] = format_name(output.item.format);
+  json["output"]["hash"] = output.hash;
   Json inputs = Json::array();
   for (const ReadFile& file : files) {
-    inputs.push_back({{"role", file.role},
-                      {"file", file.file},
-                      {"hash", file.hash.empty() ? Json() : Json(file.hash)}});
+    Json& input = inputs.emplace_back(Json::object());
+    input["role"] = file.role;
+    put_name(input, "file", file.file);
+    input["hash"] = file.hash.empty() ? Json() : Json(file.hash);
   }
   json["inputs"] = inputs;
   json["options"] = run_options_json(options);
   json["found"] = found_json(options, setup, source);
   json["quality"] = Json::parse(report_json({&report, 1}), nullptr, false);
-  // names of files may be anything: what is no UTF-8 is replaced
+  // names of skeletons' parts may be anything: what is no UTF-8 is replaced
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -45,7 +45,7 @@ Result<Sidecar> read_sidecar(const std::string& file) {
   }
   Sidecar sidecar;
   sidecar.version = text_of(json, "retarget");
-  sidecar.output = text_of(json["output"], "file");
+  sidecar.output = name_from(json["output"], "file");
   sidecar.format = text_of(json["output"], "format");
   sidecar.hash = text_of(json["output"], "hash");
   auto options = run_options_from_json(json["options"], file);
@@ -54,7 +54,7 @@ Result<Sidecar> read_sidecar(const std::string& file) {
   for (const Json& each : json["inputs"]) {
     if (!each.is_object()) continue;
     sidecar.files.push_back(
-        {text_of(each, "role"), text_of(each, "file"), {}, text_of(each, "hash")});
+        {text_of(each, "role"), name_from(each, "file"), {}, text_of(each, "hash")});
   }
   return sidecar;
 }
@@ -98,6 +98,11 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   if (run.source.file == "-") {
     return input_failure(options.file,
                          "the motion came from standard input and cannot be read again");
+  }
+  if (auto sound = check_solving_options(run); !sound) {
+    sound.error().kind = ErrorKind::kInput;
+    sound.error().file = options.file;
+    return sound;
   }
   const fs::path beside = fs::path(options.file).parent_path();
   for (std::string* file :

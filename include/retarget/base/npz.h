@@ -16,6 +16,12 @@ struct NpzReadOptions {
   ErrorKind error_kind = ErrorKind::kInput;  ///< Of every error.
   /// A larger array is refused, however well compressed it is.
   std::size_t max_array_bytes = std::size_t{1} << 30;
+  /// Compressed arrays may unpack to so many times the bytes that they have in the file, and all of
+  /// them together to so many times the file. Measured motions are below 4; noughts alone reach 1000.
+  std::size_t max_ratio = 64;
+  /// What is let pass in any case: of one array, and of all together.
+  std::size_t free_array_bytes = std::size_t{32} << 20;
+  std::size_t free_total_bytes = std::size_t{128} << 20;
 };
 
 /// The arrays of an NPZ file (a ZIP archive of NPY files, as numpy.savez and savez_compressed
@@ -23,12 +29,13 @@ struct NpzReadOptions {
 ///
 /// Entries are found through the archive's central directory alone, stored or deflated, with ZIP64
 /// extras and data descriptors; every array that is read is held against its checksum. Memory for
-/// an array grows with the bytes that are really there. Errors name the file, the array, what was
+/// an array grows with the bytes that are really there, and files that unpack to much more than they
+/// are, as bombs do, are refused before any is taken. Errors name the file, the array, what was
 /// expected and what was found.
 class NpzFile {
  public:
   /// Reads the directory. Errors: no ZIP archive (and what it is instead), a damaged or cut off
-  /// one, several arrays of one name.
+  /// one, several arrays of one name, arrays that are too large together.
   /// @param bytes      the whole file; must outlive the object.
   /// @param file_name  as the user named it, for messages.
   [[nodiscard]] static Result<NpzFile> open(std::string_view bytes, std::string file_name,

@@ -46,15 +46,14 @@ struct FoundInputs {
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
 /// folders, and the `._NAME` files of macOS archives, are passed over. A file of a list that is not
 /// there stays an input, whose reading fails; every other name must exist (kInput), as must one
-/// input (kInput). Files below no `base` that was given are kUsage errors.
+/// input (kInput). Files below no `base` that was given, and a folder to be searched that is the output
+/// folder, are kUsage errors.
 [[nodiscard]] Result<FoundInputs> find_inputs(const InputSearch& search);
 
 /// The relative path without its .bvh or .npz: where outputs of an input go, but for their ending.
 [[nodiscard]] std::string output_stem(const std::string& relative);
 
 /// Two inputs whose outputs would be the same file are a kUsage error that names them.
-/// @param reserved  stems that no output may have.
-[[nodiscard]] Result<void> check_distinct_outputs(std::span<const BatchInput> inputs,
-                                                  std::span<const std::string> reserved);
+[[nodiscard]] Result<void> check_distinct_outputs(std::span<const BatchInput> inputs);
 
 }  // namespace retarget

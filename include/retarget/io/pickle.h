@@ -64,7 +64,8 @@ class PickleDocument {
   std::uint32_t root_ = 0;
 };
 
-/// Whether bytes begin as a binary pickle, or as one that joblib compressed with zlib or gzip.
+/// Whether bytes are a pickle as far as they tell at a glance (also of protocols 0 and 1, which are
+/// not read), or begin as one that joblib compressed with zlib or gzip.
 [[nodiscard]] bool looks_like_pickle(std::string_view bytes);
 
 /// Reads a pickle of plain values and NumPy arrays; nothing in it is ever executed.
@@ -76,7 +77,7 @@ class PickleDocument {
 /// of joblib also compressed by zlib or gzip. Everything else is an error that names it and the
 /// byte where it stands: other opcodes, other names, what is cut off. Memory follows the bytes that
 /// are there and not what they claim: at most two million values, arrays together no larger than
-/// the file, a compressed file at most 1 GiB unpacked.
+/// the file, a compressed file at most 1 GiB unpacked and not beyond 64 times its size (or 32 MiB).
 ///
 /// @param bytes  the whole file; must outlive the document.
 /// @param file   for messages.

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "retarget/base/result.h"
+#include "retarget/motion/frame_rate.h"
 #include "retarget/robot/robot_clip.h"
 
 namespace retarget {
@@ -14,11 +16,12 @@ enum class QuaternionOrder { kXyzw, kWxyz };
 /// The dialect of a robot CSV. The defaults are the bytes of Unitree's published G1 data, which
 /// BeyondMimic, mjlab, unitree_rl_lab and PBHC read.
 struct RobotCsvOptions {
-  int precision = 6;     ///< Digits after the decimal point, 0 to 17.
+  int precision = 6;     ///< Digits after the decimal point, 0 to 17; others as the nearer of them.
   char delimiter = ',';  ///< `,`, blank or tab.
   bool header = false;   ///< A first line that names the columns.
   QuaternionOrder quaternion_order = QuaternionOrder::kXyzw;
-  bool frame_column = false;  ///< A first column that counts frames from 0.
+  bool frame_column = false;  ///< A first column that counts frames from 0,
+  int frame_step = 1;         ///< by so many.
   bool degrees = false;       ///< Hinges in degrees.
   bool centimetres = false;   ///< Root position and slides in centimetres.
   /// The root's rotation as three angles about the fixed axes x, y, z, in that order (R = Rz Ry
@@ -27,7 +30,12 @@ struct RobotCsvOptions {
 };
 
 /// The dialect of SOMA and BONES-SEED: comma, header, frame column, centimetres, degrees, Euler.
-[[nodiscard]] RobotCsvOptions soma_csv_options(int precision = 6);
+/// Its readers take 120 frames a second, and so its frame numbers count: where 120 is a multiple of
+/// the rate they go up by as many (at 30 fps 0, 4, 8, ...), else by one.
+[[nodiscard]] RobotCsvOptions soma_csv_options(const FrameRate& rate, int precision = 6);
+
+/// Whether the frame numbers of soma_csv_options tell this rate.
+[[nodiscard]] bool soma_csv_tells(const FrameRate& rate);
 
 /// Writes configurations as lines: root position x y z (metres), root quaternion, then the joints
 /// (radians, metres for slides) in the robot's output order; other units and columns as the
@@ -61,5 +69,10 @@ class RobotCsvFormatter {
 /// The whole file for a clip.
 [[nodiscard]] std::string format_robot_csv(const RobotClip& clip,
                                            const RobotCsvOptions& options = {});
+
+/// The clip as a reader of its CSV has it: every number as it is printed, joints that are no columns
+/// as in the zero configuration, quaternions of unit length and sign-continuous.
+/// Errors (kRun): a quaternion of which so few digits leave nothing.
+[[nodiscard]] Result<RobotClip> printed_clip(const RobotClip& clip, int precision = 6);
 
 }  // namespace retarget

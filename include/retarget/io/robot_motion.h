@@ -17,27 +17,33 @@ namespace retarget {
 struct ReadMotionOptions {
   std::optional<MotionFormat> format;         ///< In place of what the content says.
   std::optional<FrameRate> rate;              ///< Of the file, whatever it says itself.
-  FrameRate default_rate{30, 1};              ///< Of CSVs without a time column.
+  std::optional<FrameRate> default_rate;      ///< Of files that say none; nothing: 30, SOMA's 120.
   std::optional<QuaternionOrder> quaternion;  ///< Of the root, where no header tells.
-  std::optional<bool> degrees;                ///< Hinges of a CSV; false: radians.
-  std::optional<double> metres_per_unit;      ///< Root position of a CSV.
-  std::string variant;                        ///< Of the robot: whose joints the columns are.
-  std::string motion;                         ///< One of several in a kPklPbhc file.
+  /// Hinges, and a root's Euler angles, of a CSV or a pickle; false: radians.
+  std::optional<bool> degrees;
+  std::optional<double> metres_per_unit;  ///< Root position and slides of a CSV or a pickle.
+  bool ignore_header = false;             ///< Columns of a CSV by their number, whatever it has.
+  std::string variant;                    ///< Of the robot: whose joints the columns are.
+  std::string motion;                     ///< One of several in a kPklPbhc file.
 };
 
 /// A motion file as it was read.
 struct RobotMotion {
   RobotClip clip;
   MotionFormat format = MotionFormat::kCsv;
-  bool rate_known = false;         ///< The file has a rate, or one was given.
-  std::vector<std::string> notes;  ///< What was found or guessed, for people; one line each.
+  bool rate_known = false;            ///< The file has a rate, or one was given.
+  std::vector<std::string> notes;     ///< What was found or guessed, for people; one line each.
+  std::vector<std::string> warnings;  ///< What is odd, for people; one line each.
 };
 
 /// Reads a robot's motion from any file that docs/formats.md names; the kind is found by content.
 ///
-/// * CSV: columns by the header's names, else by their number: 7 of the root and the joints of the
-///   robot or of one of its variants, one more in front when it counts up (frame number, or time,
-///   which gives the rate). Radians or degrees, metres, centimetres or millimetres by magnitude:
+/// * CSV: columns by the header's names (letter case, quotes, a path before them and units behind
+///   them aside), which must all be understood and name all joints of the robot or of one of its
+///   variants; without a header by their number: 7 of the root and the joints of the robot or of one
+///   of its variants, one more in front when it counts up. Frame numbers are passed over, times in
+///   s, ms, us or ns give the rate; SOMA's frame numbers count frames of 120 a second, so that every
+///   fourth of them means 30. Radians or degrees, metres, centimetres or millimetres by magnitude:
 ///   radians within the robot's widest range (and half a radian), degrees beyond three times it;
 ///   metres up to five times the height at which the robot's root stands, centimetres from eight
 ///   times on, millimetres from 500; what lies between is refused. SOMA's and BONES-SEED's files
@@ -47,7 +53,8 @@ struct RobotMotion {
 ///   along x) xyzw, the usual order; a body that lies still is refused.
 /// * GMR's pickle, PBHC's and ASAP's (also joblib's, compressed or not); read_pickle says what is
 ///   refused.
-/// * Tracking NPZ: which order joints and bodies are in is found by forward kinematics.
+/// * Tracking NPZ: which order joints and bodies are in is found by forward kinematics. They are in
+///   radians and metres; options that say units are refused.
 ///
 /// Joints that are no columns stand as in the zero configuration, joints that the robot's variant
 /// holds where it holds them. Quaternions are normalised and made sign-continuous.

@@ -1,0 +1,278 @@
+// Which columns of a CSV are what: by their names, else by their number.
+
+#include "io/csv_columns.h"
+
+#include <algorithm>
+#include <set>
+
+#include "io/csv_names.h"
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::size_t kRootColumns = 7;
+constexpr std::size_t kNamesShown = 6;
+
+constexpr const char* kByNumber = "--ignore-header takes the columns by their number";
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::vector<std::string> shown;
+  shown.reserve(names.size());
+  for (const std::string& name : names) shown.push_back("\"" + name.substr(0, 60) + "\"");
+  return list_names(shown, kNamesShown);
+}
+
+// reads a header; what it does not understand stays in unknown()
+class HeaderReader {
+ public:
+  HeaderReader(const std::vector<std::string>& cells, const Robot& robot)
+      : names_(column_names(cells)), joints_(robot) {
+    for (std::size_t i = 0; i < names_.size(); ++i) take(names_[i], static_cast<int>(i));
+  }
+
+  [[nodiscard]] const CsvColumns& columns() const { return columns_; }
+  [[nodiscard]] const std::vector<std::string>& unknown() const { return unknown_; }
+  /// What two columns are called after, or whose units differ; empty: nothing.
+  [[nodiscard]] const std::string& conflict() const { return conflict_; }
+
+ private:
+  void take(ColumnName name, int column) {
+    if (const auto joint = joints_.find(name)) {
+      take_joint(name, column, *joint);
+      return;
+    }
+    if (take_root(name, column)) return;
+    take_unit_suffix(name);
+    if (const auto joint = joints_.find(name)) {
+      take_joint(name, column, *joint);
+    } else if (!take_clock(name, column) && !take_root(name, column)) {
+      unknown_.push_back(name.given);
+    }
+  }
+
+  void take_joint(const ColumnName& name, int column, int joint) {
+    if (!seen_.insert(joint).second) conflict_ = "a joint twice: \"" + name.given + "\"";
+    columns_.joints.emplace_back(column, joint);
+    take_angle_unit(name);
+  }
+
+  void take_angle_unit(const ColumnName& name) {
+    if (name.unit != "rad" && name.unit != "deg") return;
+    const bool degrees = name.unit == "deg";
+    if (columns_.degrees.value_or(degrees) != degrees) conflict_ = "radians and degrees";
+    columns_.degrees = degrees;
+  }
+
+  void take_length_unit(const ColumnName& name) {
+    const double unit = name.unit == "m"    ? 1.0
+                        : name.unit == "cm" ? 0.01
+                        : name.unit == "mm" ? 0.001
+                                            : 0.0;
+    if (unit == 0.0) return;
+    if (columns_.metres_per_unit.value_or(unit) != unit) conflict_ = "lengths in two units";
+    columns_.metres_per_unit = unit;
+  }
+
+  void put(int& place, int column, const ColumnName& name) {
+    if (place != kNoColumn) conflict_ = "a part of the root twice: \"" + name.given + "\"";
+    place = column;
+  }
+
+  bool take_clock(const ColumnName& name, int column) {
+    static const std::set<std::string> kFrames = {"frame", "frames", "frame_id", "frame_index",
+                                                  "frame_number"};
+    static const std::set<std::string> kTimes = {"time", "t", "timestamp", "times", "stamp"};
+    // data frames write their index without a name
+    static const std::set<std::string> kIndices = {"", "index", "unnamed/_0", "id"};
+    const bool frames = kFrames.contains(name.plain), times = kTimes.contains(name.plain);
+    if (!frames && !times && !(column == 0 && kIndices.contains(name.plain))) return false;
+    // an index beside frame numbers or times says nothing more; times say more than numbers
+    if (columns_.clock != kNoColumn && !times) return true;
+    if (columns_.clock_counts == CsvClock::kTimes) conflict_ = "two columns of times";
+    columns_.clock = column;
+    columns_.clock_counts = times    ? CsvClock::kTimes
+                            : frames ? CsvClock::kFrames
+                                     : CsvClock::kUnknown;
+    columns_.seconds_per_tick = name.unit == "s"    ? 1.0
+                                : name.unit == "ms" ? 1e-3
+                                : name.unit == "us" ? 1e-6
+                                : name.unit == "ns" ? 1e-9
+                                                    : 0.0;
+    return true;
+  }
+
+  bool take_root(const ColumnName& name, int column) {
+    std::string plain = name.plain;
+    std::ranges::replace(plain, '/', '_');
+    for (const std::string_view prefix : {"floating_base_joint_", "floating_base_", "root_joint_",
+                                          "base_link_", "root_", "base_", "pelvis_"}) {
+      if (plain.size() > prefix.size() && plain.starts_with(prefix)) {
+        plain.erase(0, prefix.size());
+        break;
+      }
+    }
+    if (plain.empty()) return false;
+    const std::size_t axis = std::string_view("xyzw").find(plain.back());
+    if (axis == std::string_view::npos) return false;
+    plain.pop_back();
+    if (plain.ends_with('_')) plain.pop_back();
+    static const std::set<std::string> kPlaces = {"",      "pos", "p",         "position",
+                                                  "trans", "t",   "translate", "translation"};
+    static const std::set<std::string> kTurns = {"q",           "quat",     "rot",       "rot_q",
+                                                 "orientation", "rotation", "quaternion"};
+    if (kTurns.contains(plain) || (axis == 3 && plain.empty())) {
+      put(columns_.quaternion[axis], column, name);
+    } else if (axis < 3 && kPlaces.contains(plain)) {
+      put(columns_.position[axis], column, name);
+      columns_.soma = columns_.soma || plain == "translate";
+      take_length_unit(name);
+    } else if (axis < 3 && plain == "rotate") {
+      put(columns_.euler[axis], column, name);
+      take_angle_unit(name);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  std::vector<ColumnName> names_;
+  JointNames joints_;
+  CsvColumns columns_;
+  std::set<int> seen_;  // joints
+  std::vector<std::string> unknown_;
+  std::string conflict_;
+};
+
+bool complete(std::span<const int> columns) {
+  return std::ranges::find(columns, kNoColumn) == columns.end();
+}
+
+// joints that no column has, where no variant of the robot lacks them
+Result<void> check_joints(const CsvColumns& columns, const Robot& robot, const std::string& file,
+                          const ReadMotionOptions& options) {
+  std::set<int> named;
+  for (const auto& [column, joint] : columns.joints) named.insert(joint);
+  const auto missing_of = [&](const std::string& variant) {
+    const std::vector<int> all =
+        variant.empty() ? robot.output_joints() : output_joints_of(robot, variant);
+    std::vector<std::string> missing;
+    for (const int joint : all) {
+      if (!named.contains(joint)) missing.push_back(robot.joints()[joint].name);
+    }
+    return missing;
+  };
+  const std::vector<std::string> missing = missing_of(options.variant);
+  if (missing.empty()) return {};
+  if (options.variant.empty()) {
+    for (const RobotVariant& variant : robot.profile().variants) {
+      if (missing_of(variant.name).empty()) return {};
+    }
+  }
+  return input_failure(file,
+                       "the header names " + std::to_string(named.size()) +
+                           " joints, and these of the robot " + robot.name() +
+                           " are missing: " + list_names(missing),
+                       "a file may lack what a variant of the robot lacks (retarget robots show)");
+}
+
+Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const Robot& robot,
+                                   const std::string& file, const ReadMotionOptions& options) {
+  const HeaderReader reader(header, robot);
+  CsvColumns columns = reader.columns();
+  if (columns.joints.empty()) {
+    return input_failure(file,
+                         "the header is not understood: " + quoted(header) +
+                             " name no joint of the robot " + robot.name(),
+                         kByNumber);
+  }
+  if (!reader.unknown().empty()) {
+    const std::vector<std::string>& unknown = reader.unknown();
+    return input_failure(file,
+                         "the header names " + quoted(unknown) + ", which " +
+                             (unknown.size() == 1 ? "is" : "are") + " no joint of the robot " +
+                             robot.name() + did_you_mean(unknown.front(), robot.joint_names()),
+                         std::string(kByNumber) + "; columns of other things are to be left out");
+  }
+  if (!reader.conflict().empty()) {
+    return input_failure(file, "the header names " + reader.conflict());
+  }
+  columns.quaternion_named = complete(columns.quaternion);
+  if (!complete(columns.position) || complete(columns.euler) == columns.quaternion_named) {
+    return input_failure(file,
+                         "the header names joints, but not three columns of the root's "
+                         "position and four of its quaternion",
+                         "names such as root_x, root_qx are known");
+  }
+  if (auto whole = check_joints(columns, robot, file, options); !whole) {
+    return failure(whole.error());
+  }
+  // the dialect has its units without saying so
+  if (columns.soma && !columns.degrees) columns.degrees = true;
+  if (columns.soma && !columns.metres_per_unit) columns.metres_per_unit = 0.01;
+  return columns;
+}
+
+bool counts_up(const CsvTable& table) {
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (!(table.row(i)[0] > table.row(i - 1)[0])) return false;
+  }
+  return true;
+}
+
+Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
+                                     const std::string& file, const ReadMotionOptions& options) {
+  CsvColumns columns;
+  RawMotion csv;
+  // a number in front of the others, where what is left fits and it counts up
+  Result<std::vector<int>> joints = input_failure(file, "there are too few columns");
+  int first = 0;
+  const std::size_t found = table.columns;
+  if (found > kRootColumns) {
+    joints = joints_by_count(robot, found - kRootColumns, csv, file, options.variant);
+    if (!joints && found > kRootColumns + 1 && counts_up(table)) {
+      auto others = joints_by_count(robot, found - kRootColumns - 1, csv, file, options.variant);
+      if (others) {
+        joints = std::move(others);
+        first = 1;
+      }
+    }
+  }
+  if (!joints) {
+    if (found > kRootColumns && joints.error().hint.starts_with("--source-dof")) {
+      return failure(joints.error());
+    }
+    const std::size_t joint_count = robot.output_joints().size();
+    return failure({.kind = ErrorKind::kInput,
+                    .file = file,
+                    .line = table.lines.front(),
+                    .column = 1,
+                    .message = "this line has " + std::to_string(found) + " columns, the robot " +
+                               robot.name() + " needs " +
+                               std::to_string(kRootColumns + joint_count) + ": 7 of the root and " +
+                               std::to_string(joint_count) + " joints",
+                    .hint = {}});
+  }
+  if (first == 1) columns.clock = 0;
+  for (int i = 0; i < 3; ++i) columns.position[i] = first + i;
+  for (int i = 0; i < 4; ++i) columns.quaternion[i] = first + 3 + i;
+  for (std::size_t i = 0; i < joints->size(); ++i) {
+    columns.joints.emplace_back(first + static_cast<int>(kRootColumns + i), (*joints)[i]);
+  }
+  return columns;
+}
+
+}  // namespace
+
+Result<CsvColumns> find_csv_columns(const CsvTable& table, const Robot& robot,
+                                    const std::string& file, const ReadMotionOptions& options) {
+  if (!options.ignore_header) {
+    if (!table.header.empty()) return columns_by_name(table.header, robot, file, options);
+    const bool names =
+        !table.comment.empty() && !HeaderReader(table.comment, robot).columns().joints.empty();
+    if (names) return columns_by_name(table.comment, robot, file, options);
+  }
+  return columns_by_number(table, robot, file, options);
+}
+
+}  // namespace retarget

@@ -1,0 +1,213 @@
+// The rate of a CSV, as far as a column of times or frame numbers tells it.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "io/csv_columns.h"
+#include "retarget/base/number_text.h"
+
+namespace retarget {
+namespace {
+
+// seconds between frames of a motion
+constexpr double kShortestStep = 1e-4;
+constexpr double kLongestStep = 1.0;
+
+// how a clock goes
+struct ClockSteps {
+  double step = 0.0;        // on the mean
+  double deviation = 0.0;   // of one value from an even clock, at most
+  std::size_t where = 0;    // that row
+  bool goes_up = true;      // in every row
+  bool whole = true;        // whole numbers all
+  double resolution = 0.0;  // all values are multiples of this power of ten
+};
+
+ClockSteps clock_steps(const CsvTable& table, int column) {
+  const auto at = static_cast<std::size_t>(column);
+  const double first = table.row(0)[at];
+  const std::size_t last = table.rows() - 1;
+  ClockSteps steps;
+  steps.step = (table.row(last)[at] - first) / static_cast<double>(last);
+  for (std::size_t i = 0; i <= last; ++i) {
+    const double value = table.row(i)[at];
+    const double away = std::abs(value - first - static_cast<double>(i) * steps.step);
+    if (away > steps.deviation) {
+      steps.deviation = away;
+      steps.where = i;
+    }
+    steps.whole = steps.whole && value == std::round(value);
+    if (i > 0) steps.goes_up = steps.goes_up && value > table.row(i - 1)[at];
+  }
+  const auto fits = [&](double resolution) {
+    for (std::size_t i = 0; i <= last; ++i) {
+      const double multiple = (table.row(i)[at] - first) / resolution;
+      if (std::abs(multiple - std::round(multiple)) > 1e-4) return false;
+    }
+    return true;
+  };
+  constexpr int kMostDecimals = 6;
+  double resolution = 1.0;
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, resolution *= 0.1) {
+    if (!fits(resolution)) continue;
+    steps.resolution = resolution;
+    break;
+  }
+  return steps;
+}
+
+// the rates that motions have
+constexpr std::array<int, 14> kUsualRates = {10, 15, 20, 24,  25,  30,  50,
+                                             60, 72, 90, 100, 120, 200, 240};
+
+// a usual, else a whole rate that gives these times where they are rounded as they are, else what
+// the mean says; of several usual ones, which a few times may fit, the nearest
+FrameRate rate_of_times(const CsvTable& table, int column, const ClockSteps& steps, double tick) {
+  const auto at = static_cast<std::size_t>(column);
+  const auto largest_miss = [&](double rate) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      const double expected = static_cast<double>(i) / (rate * tick);
+      largest = std::max(largest, std::abs(table.row(i)[at] - table.row(0)[at] - expected));
+    }
+    return largest;
+  };
+  std::optional<int> best;
+  // first and last may both be rounded, half a unit each
+  double least = 1.01 * steps.resolution;
+  for (const int rate : kUsualRates) {
+    const double miss = largest_miss(rate);
+    if (!(miss < least)) continue;
+    least = miss;
+    best = rate;
+  }
+  if (best) return {*best, 1};
+  const double whole = std::round(1.0 / (steps.step * tick));
+  const bool fits = whole >= 1.0 && largest_miss(whole) <= 1.01 * steps.resolution;
+  return fits ? frame_rate_from_fps(whole) : frame_rate_from_frame_time(steps.step * tick);
+}
+
+// seconds a tick, by the size of a step; 0: cannot be told
+double tick_by_magnitude(const ClockSteps& steps) {
+  // whole steps of one may be frames, seconds or milliseconds
+  if (steps.step >= kLongestStep && steps.step < 2.0) return 0.0;
+  for (const double tick : {1.0, 1e-3, 1e-6, 1e-9}) {
+    const double seconds = steps.step * tick;
+    if (seconds >= 0.5 * 1e-3 && seconds < kLongestStep) return tick;
+  }
+  return 0.0;
+}
+
+class ClockReader {
+ public:
+  ClockReader(const CsvTable& table, const CsvColumns& columns, const std::string& file,
+              const ReadMotionOptions& options, RawMotion& motion)
+      : table_(table), columns_(columns), file_(file), options_(options), motion_(motion) {}
+
+  Result<void> read() {
+    if (columns_.clock == kNoColumn || table_.rows() < 2) return {};
+    steps_ = clock_steps(table_, columns_.clock);
+    CsvClock counts = columns_.clock_counts;
+    if (counts == CsvClock::kUnknown) {
+      // whole numbers one apart are frames; whole numbers an even step apart may be either
+      const bool even = steps_.whole && steps_.deviation < 1e-9;
+      if (even && steps_.step > 1.5) {
+        return doubt("may be frame numbers or times: it goes up by " + number_text(steps_.step, 3) +
+                     " a line");
+      }
+      counts = even || !steps_.goes_up ? CsvClock::kFrames : CsvClock::kTimes;
+    }
+    return counts == CsvClock::kFrames ? take_frames() : take_times();
+  }
+
+ private:
+  // an error, or, where a rate is given, a warning
+  Result<void> doubt(const std::string& what) {
+    const std::string message =
+        "column " + std::to_string(columns_.clock + 1) + " (" + name() + ") " + what;
+    if (!options_.rate) {
+      return input_failure(file_, message, "say the rate with --source-fps");
+    }
+    motion_.warnings.push_back(message + "; it is passed over");
+    return {};
+  }
+
+  [[nodiscard]] std::string name() const {
+    const auto at = static_cast<std::size_t>(columns_.clock);
+    const auto& names = table_.header.empty() ? table_.comment : table_.header;
+    return at < names.size() && !names[at].empty() ? "\"" + names[at] + "\"" : "without a name";
+  }
+
+  Result<void> take_frames() {
+    const bool even = steps_.whole && steps_.deviation < 1e-9 && steps_.step >= 1.0;
+    // SOMA's frames are of 120 a second, also where only every fourth is there
+    constexpr double kSomaRate = 120.0;
+    if (columns_.soma && even && steps_.step > 1.0) {
+      take_rate(frame_rate_from_fps(kSomaRate / steps_.step),
+                "frame numbers that go up by " + number_text(steps_.step, 0) + ", of 120 fps");
+      return {};
+    }
+    if (columns_.soma && !even) {
+      return doubt("has frame numbers that do not go up evenly (frame " +
+                   std::to_string(steps_.where) + "): are there frames missing?");
+    }
+    if (even) {
+      motion_.notes.push_back(
+          "a column of frame numbers, passed over" +
+          (steps_.step > 1.0 ? ": they go up by " + number_text(steps_.step, 0) : std::string()));
+    } else {
+      motion_.warnings.push_back("the frame numbers do not go up evenly (frame " +
+                                 std::to_string(steps_.where) +
+                                 "), and are passed over: are there frames missing?");
+    }
+    return {};
+  }
+
+  Result<void> take_times() {
+    if (!steps_.goes_up) return doubt("does not go up in every line, as times do");
+    const double tick =
+        columns_.seconds_per_tick > 0.0 ? columns_.seconds_per_tick : tick_by_magnitude(steps_);
+    const double seconds = steps_.step * tick;
+    if (!(seconds >= kShortestStep && seconds <= 1.0 / kSlowestFileRate)) {
+      return doubt("tells no rate: it goes up by " + number_text(steps_.step, 6) +
+                   " a line, in what unit is not known");
+    }
+    if (steps_.deviation > 0.5 * steps_.step) {
+      return doubt("is not even: the time of frame " + std::to_string(steps_.where) + " is " +
+                   number_text(steps_.deviation * tick, 4) + " s away from an even rate");
+    }
+    const char* unit = tick == 1.0 ? "s" : tick == 1e-3 ? "ms" : tick == 1e-6 ? "us" : "ns";
+    const FrameRate rate = rate_of_times(table_, columns_.clock, steps_, tick);
+    take_rate(rate, "times in " + std::string(unit) + ": " + to_text(rate) + " a second");
+    return {};
+  }
+
+  void take_rate(const FrameRate& rate, const std::string& found) {
+    motion_.rate = rate;
+    if (options_.rate && !same_rate(*options_.rate, rate)) {
+      motion_.warnings.push_back("the file has " + found + "; taken are the " +
+                                 to_text(*options_.rate) + " fps that were asked for");
+      return;
+    }
+    motion_.notes.push_back("a column of " + found);
+  }
+
+  const CsvTable& table_;
+  const CsvColumns& columns_;
+  const std::string& file_;
+  const ReadMotionOptions& options_;
+  RawMotion& motion_;
+  ClockSteps steps_;
+};
+
+}  // namespace
+
+Result<void> take_csv_rate(const CsvTable& table, const CsvColumns& columns,
+                           const std::string& file, const ReadMotionOptions& options,
+                           RawMotion& motion) {
+  return ClockReader(table, columns, file, options, motion).read();
+}
+
+}  // namespace retarget
