@@ -96,7 +96,7 @@ Result<void> add_robot(const RunOptions& run, const RobotSetup& setup, const fs:
   }
   const RobotMappings& mappings = setup.mappings;
   if (auto added = print.add_file("mapping", mappings.of_lafan1.file); !added) return added;
-  return mappings.of_others ? print.add_file("mapping of others", mappings.of_others->file)
+  return mappings.of_others ? print.add_file("mapping_of_others", mappings.of_others->file)
                             : Result<void>();
 }
 
