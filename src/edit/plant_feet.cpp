@@ -126,7 +126,7 @@ class FootPlanter {
       Eigen::Vector3d axis = -Eigen::Vector3d::UnitZ();
       const auto& bone_axes = mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
-      solvers_[foot].emplace(*legs[foot], axis);
+      solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
       ankles_[foot] = ankle_poses(clip, mapping, *legs[foot]);
     }
   }

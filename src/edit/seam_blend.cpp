@@ -14,58 +14,76 @@ int count_frames(double seconds, const FrameRate& rate) {
   return std::max(1, static_cast<int>(std::lround(seconds * rate.fps())));
 }
 
-void crossfade(Clip& result, const Clip& a, const Clip& b, const SeamRegion& region) {
-  for (int frame = region.begin; frame < region.end; ++frame) {
-    const double of_b = 1.0 - region.weight_of_a(frame);
-    const auto rotations_a = a.rotations(frame), rotations_b = b.rotations(frame - region.b_shift);
-    const auto rotations = result.rotations(frame);
-    for (std::size_t joint = 0; joint < rotations.size(); ++joint) {
-      rotations[joint] = interpolate_linear(rotations_a[joint], rotations_b[joint], of_b);
-    }
-    const auto places_a = a.translations(frame), places_b = b.translations(frame - region.b_shift);
-    const auto places = result.translations(frame);
-    for (std::size_t slot = 0; slot < places.size(); ++slot) {
-      places[slot] = places_a[slot] + of_b * (places_b[slot] - places_a[slot]);
-    }
+// mixes values of two clips in the frames around their seam
+class SeamMixer {
+ public:
+  SeamMixer(const Clip& a, const Clip& b, const SeamRegion& region)
+      : a_(a), b_(b), region_(region), crossfades_(region.a_end > region.b_begin) {
+    const int at_a = region.begin, at_b = region.begin - region.b_shift;
+    // steps at one time: to the seam, or on from it where both clips have one; else they are not
+    // known to differ
+    const int after = at_a > 0 && at_b > 0 ? 0 : 1;
+    step_a_ = at_a + after;
+    step_b_ = at_b + after;
+    steps_ = step_a_ < a.frame_count() && step_b_ < b.frame_count();
   }
-}
 
-// what fades in b: at the seam b is a's pose, and steps as a stepped
-void fade_in(Clip& result, const Clip& a, const Clip& b, const SeamRegion& region) {
-  const int at_a = region.begin, at_b = region.begin - region.b_shift;
-  // steps at one time: to the seam, or on from it where both clips have one; else they are not
-  // known to differ
-  const int after = at_a > 0 && at_b > 0 ? 0 : 1;
-  const int step_a = at_a + after, step_b = at_b + after;
-  const bool steps = step_a < a.frame_count() && step_b < b.frame_count();
-  const double length = region.end - region.begin;
-  const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
-    return log_so3(to * from.conjugate());
-  };
-  for (std::size_t joint = 0; joint < result.rotations(0).size(); ++joint) {
-    const auto in = [joint](const Clip& clip, int frame) { return clip.rotations(frame)[joint]; };
-    const Eigen::Vector3d gap = turn(in(b, at_b), in(a, at_a));
+  /// @param in  the value of a clip in a frame.
+  template <typename Value>
+  [[nodiscard]] Eigen::Quaterniond rotation(const Value& in, int frame) const {
+    const Eigen::Quaterniond of_b = in(b_, frame - region_.b_shift);
+    if (crossfades_) return interpolate_linear(in(a_, frame), of_b, weight_of_b(frame));
+    const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+      return log_so3(to * from.conjugate());
+    };
+    const Eigen::Vector3d gap = turn(in(b_, seam_in_b()), in(a_, region_.begin));
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps) {
-      velocity = turn(in(a, step_a - 1), in(a, step_a)) - turn(in(b, step_b - 1), in(b, step_b));
+    if (steps_) {
+      velocity =
+          turn(in(a_, step_a_ - 1), in(a_, step_a_)) - turn(in(b_, step_b_ - 1), in(b_, step_b_));
     }
-    for (int frame = region.begin; frame < region.end; ++frame) {
-      Eigen::Quaterniond& rotation = result.rotations(frame)[joint];
-      rotation =
-          (exp_so3(fade(gap, velocity, length, frame - region.begin)) * rotation).normalized();
-    }
+    return (exp_so3(faded(gap, velocity, frame)) * of_b).normalized();
   }
-  for (std::size_t slot = 0; slot < result.translations(0).size(); ++slot) {
-    const auto in = [slot](const Clip& clip, int frame) { return clip.translations(frame)[slot]; };
+
+  template <typename Value>
+  [[nodiscard]] Eigen::Vector3d translation(const Value& in, int frame) const {
+    const Eigen::Vector3d of_b = in(b_, frame - region_.b_shift);
+    if (crossfades_) {
+      const Eigen::Vector3d of_a = in(a_, frame);
+      return of_a + weight_of_b(frame) * (of_b - of_a);
+    }
+    const Eigen::Vector3d gap = in(a_, region_.begin) - in(b_, seam_in_b());
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps) {
-      velocity = (in(a, step_a) - in(a, step_a - 1)) - (in(b, step_b) - in(b, step_b - 1));
+    if (steps_) {
+      velocity = (in(a_, step_a_) - in(a_, step_a_ - 1)) - (in(b_, step_b_) - in(b_, step_b_ - 1));
     }
-    const Eigen::Vector3d gap = in(a, at_a) - in(b, at_b);
-    for (int frame = region.begin; frame < region.end; ++frame) {
-      result.translations(frame)[slot] += fade(gap, velocity, length, frame - region.begin);
-    }
+    return of_b + faded(gap, velocity, frame);
   }
+
+ private:
+  [[nodiscard]] double weight_of_b(int frame) const { return 1.0 - region_.weight_of_a(frame); }
+  [[nodiscard]] int seam_in_b() const { return region_.begin - region_.b_shift; }
+
+  // what fades in b: at the seam b is a's value, and steps as a stepped
+  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Eigen::Vector3d& velocity,
+                                      int frame) const {
+    return fade(gap, velocity, region_.end - region_.begin, frame - region_.begin);
+  }
+
+  const Clip& a_;
+  const Clip& b_;
+  const SeamRegion& region_;
+  const bool crossfades_;
+  int step_a_ = 0, step_b_ = 0;  // frames that end a step
+  bool steps_ = false;
+};
+
+Pose world_from(const Clip& clip, int frame, int joint) {
+  Pose pose;
+  for (; joint >= 0; joint = clip.skeleton().joint(joint).parent) {
+    pose = Pose{clip.rotations(frame)[joint], clip.translation(frame, joint)} * pose;
+  }
+  return pose;
 }
 
 }  // namespace
@@ -93,17 +111,36 @@ SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options, cons
   return region;
 }
 
-Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region) {
+Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
+                 const HumanMapping& mapping, const BodyMover& mover) {
   Clip result = cut(a, 0, region.begin);
   result.resize(b.frame_count() + region.b_shift);
   for (int frame = region.begin; frame < result.frame_count(); ++frame) {
     std::ranges::copy(b.rotations(frame - region.b_shift), result.rotations(frame).begin());
     std::ranges::copy(b.translations(frame - region.b_shift), result.translations(frame).begin());
   }
-  if (region.a_end > region.b_begin) {
-    crossfade(result, a, b, region);
-  } else {
-    fade_in(result, a, b, region);
+  const SeamMixer mixer(a, b, region);
+  const int hips = mapping.bones[0].position_joint;
+  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  for (int frame = region.begin; frame < region.end; ++frame) {
+    for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
+      const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };
+      result.rotations(frame)[joint] = mixer.rotation(in, frame);
+    }
+    for (std::size_t slot = 0; slot < result.translations(frame).size(); ++slot) {
+      const auto in = [slot](const Clip& clip, int at) { return clip.translations(at)[slot]; };
+      result.translations(frame)[slot] = mixer.translation(in, frame);
+    }
+    if (mover.joint() == hips) continue;
+    // joints above the hips may share the way between them differently in each clip: it is the
+    // hips' pose that counts
+    const auto turned = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).rotation; };
+    const auto placed = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).translation; };
+    const Pose wanted{mixer.rotation(turned, frame), mixer.translation(placed, frame)};
+    const Pose in_source = wanted * world_from(result, frame, hips).inverse();
+    mover.move(result, frame,
+               Pose{human_from_source * in_source.rotation * human_from_source.conjugate(),
+                    human_from_source * in_source.translation * mapping.metres_per_unit});
   }
   return result;
 }

@@ -239,6 +239,17 @@ TEST(Rethreading, TimeSpeedAndStride) {
   EXPECT_NEAR(way(in_stride), length, 0.02);
 }
 
+// slower motion has its feet planted as it is played, not as it was before
+TEST(Rethreading, FeetStandAtAKeptSpeed) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const GroundPath longer = circle_path(own.path.at(0.0), 1.5, 1.6 * own.path.length());
+  const HumanClip slow = sample.human_of(follow(sample, longer, PathKeep::kSpeed).clip);
+  const StepFacts steps = steps_of(slow, find_foot_contacts(slow));
+  EXPECT_LT(steps.slip, 0.02);
+  EXPECT_GT(steps.mean_stride, 1.5);
+}
+
 TEST(Rethreading, AUTurnDoesNotSpin) {
   // a walk out and back by a hairpin, then all of it straight on
   const EditSample& sample = data_sample("walk");

@@ -45,6 +45,8 @@ class BodyMover {
   }
   void move_all(Clip& clip, const Pose& over_all) const;
 
+  [[nodiscard]] int joint() const { return joint_; }
+
  private:
   BodyMover(int joint, const HumanMapping& mapping);
 
