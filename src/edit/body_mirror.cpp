@@ -175,9 +175,8 @@ class MirrorFinder {
   }
 
   [[nodiscard]] bool turns_bone(int joint) const {
-    return std::ranges::any_of(mapping_.bones, [joint](const BoneSource& bone) {
-      return bone.rotation_joint == joint;
-    });
+    return std::ranges::any_of(
+        mapping_.bones, [joint](const BoneSource& bone) { return bone.rotation_joint == joint; });
   }
 
   [[nodiscard]] Eigen::Matrix3d guessed(int joint) const {

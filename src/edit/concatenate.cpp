@@ -14,10 +14,13 @@ namespace retarget {
 namespace {
 
 // the largest distance of a bone in a frame from where the three frames before lead it, metres
-double departure(const std::array<std::span<const Pose>, 4>& frames, const std::vector<int>& bones) {
+double departure(const std::array<std::span<const Pose>, 4>& frames,
+                 const std::vector<int>& bones) {
   double largest = 0.0;
   for (const int bone : bones) {
-    const auto at = [&](int i) { return frames[static_cast<std::size_t>(i)][static_cast<std::size_t>(bone)].translation; };
+    const auto at = [&](int i) {
+      return frames[static_cast<std::size_t>(i)][static_cast<std::size_t>(bone)].translation;
+    };
     largest = std::max(largest, (at(3) - (3.0 * (at(2) - at(1)) + at(0))).norm());
   }
   return largest;
@@ -26,15 +29,16 @@ double departure(const std::array<std::span<const Pose>, 4>& frames, const std::
 // whether b begins where a ends, a frame later: a clip that was cut in two, as it lies
 bool goes_on(const HumanClip& a, const HumanClip& b) {
   // frames on either side by which a step across is judged
-  constexpr int kBeside = 8;
-  if (a.frame_count < kBeside || b.frame_count < kBeside) return false;
+  constexpr int kBeside = 8, kFewest = 4;
+  const int beside_frames = std::min({kBeside, a.frame_count, b.frame_count});
+  if (beside_frames < kFewest) return false;
   const std::vector<int> bones = common_bones(a, b);
   const auto frame = [&](int i) { return i < 0 ? a.frame(a.frame_count + i) : b.frame(i); };
   const auto departure_at = [&](int i) {
     return departure({frame(i - 3), frame(i - 2), frame(i - 1), frame(i)}, bones);
   };
   double across = 0.0, beside = 0.0;
-  for (int i = 3 - kBeside; i < kBeside; ++i) {
+  for (int i = 3 - beside_frames; i < beside_frames; ++i) {
     double& largest = i >= 0 && i < 3 ? across : beside;
     largest = std::max(largest, departure_at(i));
   }
@@ -60,7 +64,8 @@ class Joiner {
         a_file_(a_file),
         b_file_(b_file),
         motion_a_(a, mapping) {
-    const auto floor_a = floor_height(a, mapping, a_file), floor_b = floor_height(b, mapping, b_file);
+    const auto floor_a = floor_height(a, mapping, a_file),
+               floor_b = floor_height(b, mapping, b_file);
     if (!floor_a || !floor_b) return;
     const double lift = *floor_a - *floor_b;
     if (std::abs(lift) > options.same_floor) lift_ = lift;
@@ -70,7 +75,9 @@ class Joiner {
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     auto first = join(seam);
-    if (first && goes_on(motion_a_.human, to_human(b_, mapping_))) return put_together(std::move(first->map));
+    if (first && goes_on(motion_a_.human, to_human(b_, mapping_))) {
+      return put_together(std::move(first->map));
+    }
     if (!first || first->check.faults.empty() || seam.search_all) return first;
     const double longest = std::max(a_.duration(), b_.duration());
     while (seam.band > 0.0 && seam.band < std::min(longest, options_.widest_band)) {
@@ -85,12 +92,6 @@ class Joiner {
   }
 
  private:
-  [[nodiscard]] Clip lifted(double lift) const {
-    Clip result = b_;
-    if (lift != 0.0) mover_.move_all(result, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift}});
-    return result;
-  }
-
   // one after the other, as they lie
   [[nodiscard]] Concatenation put_together(SeamMap map) const {
     Clip whole = a_;
@@ -112,8 +113,10 @@ class Joiner {
     auto search = find_seam(motion_a_.human, to_human(b_, mapping_), options, a_file_, b_file_);
     if (!search) return failure(search.error());
     if (lift_ != 0.0) {
-      Clip raised = lifted(lift_);
-      auto other = find_seam(motion_a_.human, to_human(raised, mapping_), options, a_file_, b_file_);
+      Clip raised = b_;
+      mover_.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift_}});
+      auto other =
+          find_seam(motion_a_.human, to_human(raised, mapping_), options, a_file_, b_file_);
       if (!other) return failure(other.error());
       if (other->seam.distance < search->seam.distance) {
         search = std::move(other);
@@ -131,8 +134,8 @@ class Joiner {
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
     mover_.move_all(moved, seam.a_from_b.in_space());
-    auto joined =
-        join_clips(motion_a_, HumanMotion(moved, mapping_), seam, mapping_, mover_, options_, a_file_);
+    auto joined = join_clips(motion_a_, HumanMotion(moved, mapping_), seam, mapping_, mover_,
+                             options_, a_file_);
     if (!joined) return failure(joined.error());
     return Concatenation{std::move(joined->clip), seam, {}, 0.0, 0.0, std::move(joined->check)};
   }
@@ -161,9 +164,11 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
     return input_failure(b_file, "has another skeleton than " + a_file);
   }
-  const auto mover = BodyMover::of(a.skeleton(), mapping, a_file);
-  if (!mover) return failure(mover.error());
-  return Joiner(a, b, mapping, *mover, options, a_file, b_file).run();
+  const auto of_a = BodyMover::of(a, mapping, a_file), of_b = BodyMover::of(b, mapping, b_file);
+  if (!of_a || !of_b) return failure(of_a ? of_b.error() : of_a.error());
+  // what moves in either clip
+  const BodyMover& mover = of_a->joint() < of_b->joint() ? *of_a : *of_b;
+  return Joiner(a, b, mapping, mover, options, a_file, b_file).run();
 }
 
 }  // namespace retarget

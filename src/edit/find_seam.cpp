@@ -70,9 +70,10 @@ class SeamFinder {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
         const int lost = (a_.frame_count - 1 - i) + j;
         const double missing = 1.0 - distance_.frames_at(i, j) / static_cast<double>(window_);
-        double cost = map.distances[at] * (1.0 + 0.5 * missing) + cost_of_frame * lost;
+        const double distance = map.distances[at] * (1.0 + 0.5 * missing);
+        double cost = distance + cost_of_frame * lost;
         if (cost >= best.cost) continue;
-        if (!same_support(i, j)) cost += options_.cost_of_support;
+        if (!same_support(i, j)) cost += options_.other_support * distance;
         if (cost < best.cost) best = {i, j, cost};
       }
     }

@@ -211,9 +211,9 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
 }
 
 void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
-  constexpr double kFastest = 4.0;      // rad/s, a quick turn on the spot
-  constexpr double kLongest = 1.0;      // seconds: what turns for longer is no corner
-  constexpr double kPeakOfEase = 1.5;   // fastest against mean
+  constexpr double kFastest = 4.0;     // rad/s, a quick turn on the spot
+  constexpr double kLongest = 1.0;     // seconds: what turns for longer is no corner
+  constexpr double kPeakOfEase = 1.5;  // fastest against mean
   const int count = static_cast<int>(frames.size());
   const auto longest = static_cast<int>(std::lround(kLongest * rate.fps()));
   const double fastest_step = kFastest * rate.frame_time();

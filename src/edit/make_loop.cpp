@@ -156,7 +156,7 @@ Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& a
 
 Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options,
                        const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
   const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
@@ -189,8 +189,7 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   seam.distance = end.aligned.distance;
   Clip next = clip;
   mover->move_all(next, advance.in_space());
-  auto joined =
-      join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
+  auto joined = join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
   if (!joined) return failure(joined.error());
 
   const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));

@@ -81,7 +81,7 @@ Result<std::vector<int>> mirrored_joints(const Skeleton& skeleton, const HumanMa
 Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping, const std::string& file) {
   const auto body = body_mirror(clip.skeleton(), mapping, file);
   if (!body) return failure(body.error());
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   Clip result = Mirroring(clip, mapping, *body).run();
   if (clip.frame_count() == 0) return result;

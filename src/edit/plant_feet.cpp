@@ -267,7 +267,7 @@ std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, con
 Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
                                 std::span<const PlantedFoot> plants, const PlantOptions& options,
                                 const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   return FootPlanter(clip, mapping, *mover, options).run(plants);
 }

@@ -47,7 +47,7 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
 
 Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor,
                           const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   mover->move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
   return clip;

@@ -44,7 +44,8 @@ std::optional<double> sole_depth(const Skeleton& skeleton, const HumanMapping& m
   }
   std::optional<double> lowest;
   for (const char* foot : {"LeftFoot", "RightFoot"}) {
-    const int ankle = mapping.bones[static_cast<std::size_t>(find_bone(foot).value())].position_joint;
+    const int ankle =
+        mapping.bones[static_cast<std::size_t>(find_bone(foot).value())].position_joint;
     for (const SkeletonPoint& point : points_below(skeleton, ankle)) {
       const Eigen::Vector3d place = places[point.joint] + turns[point.joint] * point.offset;
       lowest = std::min(lowest.value_or(place.z()), place.z());

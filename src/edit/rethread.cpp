@@ -45,8 +45,9 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
     const auto ankles = ankle_poses(clip, mapping, *legs[foot]);
     for (const ContactPhase& phase :
          without_short_breaks(contacts.phases[foot], same_stand, clip.rate())) {
-      const double middle = std::round(speed * ((phase.begin + phase.end) / 2));
-      const Pose move = moves[static_cast<std::size_t>(std::min(middle, last_move))].in_space();
+      const int middle = (phase.begin + phase.end) / 2;
+      const double moved_as = std::min(std::round(speed * middle), last_move);
+      const Pose move = moves[static_cast<std::size_t>(moved_as)].in_space();
       PlantedFoot plant{foot, phase.begin, {}};
       for (int frame = phase.begin; frame < phase.end; ++frame) {
         plant.world_from_foot.push_back(move * ankles[frame]);
@@ -61,7 +62,7 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
 
 Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const GroundPath& path,
                             const RethreadOptions& options, const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   auto own = fit_path(to_human(clip, mapping), options.fit, file);
   if (!own) return failure(own.error());

@@ -19,13 +19,13 @@ class SeamMixer {
  public:
   SeamMixer(const Clip& a, const Clip& b, const SeamRegion& region)
       : a_(a), b_(b), region_(region), crossfades_(region.a_end > region.b_begin) {
-    const int at_a = region.begin, at_b = region.begin - region.b_shift;
-    // steps at one time: to the seam, or on from it where both clips have one; else they are not
-    // known to differ
+    const int at_a = region.begin, at_b = seam_in_b();
+    // steps at one time: to the seam, or on from it where both clips have one
     const int after = at_a > 0 && at_b > 0 ? 0 : 1;
     step_a_ = at_a + after;
     step_b_ = at_b + after;
-    steps_ = step_a_ < a.frame_count() && step_b_ < b.frame_count();
+    foretold_ = step_a_ >= a.frame_count();
+    steps_ = step_b_ < b.frame_count() && (!foretold_ || at_a >= 2);
   }
 
   /// @param in  the value of a clip in a frame.
@@ -36,13 +36,11 @@ class SeamMixer {
     const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
       return log_so3(to * from.conjugate());
     };
+    const auto step = [&](const Clip& clip, int to) {
+      return turn(in(clip, to - 1), in(clip, to));
+    };
     const Eigen::Vector3d gap = turn(in(b_, seam_in_b()), in(a_, region_.begin));
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps_) {
-      velocity =
-          turn(in(a_, step_a_ - 1), in(a_, step_a_)) - turn(in(b_, step_b_ - 1), in(b_, step_b_));
-    }
-    return (exp_so3(faded(gap, velocity, frame)) * of_b).normalized();
+    return (exp_so3(faded(gap, step, frame)) * of_b).normalized();
   }
 
   template <typename Value>
@@ -52,12 +50,11 @@ class SeamMixer {
       const Eigen::Vector3d of_a = in(a_, frame);
       return of_a + weight_of_b(frame) * (of_b - of_a);
     }
+    const auto step = [&](const Clip& clip, int to) -> Eigen::Vector3d {
+      return in(clip, to) - in(clip, to - 1);
+    };
     const Eigen::Vector3d gap = in(a_, region_.begin) - in(b_, seam_in_b());
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps_) {
-      velocity = (in(a_, step_a_) - in(a_, step_a_ - 1)) - (in(b_, step_b_) - in(b_, step_b_ - 1));
-    }
-    return of_b + faded(gap, velocity, frame);
+    return of_b + faded(gap, step, frame);
   }
 
  private:
@@ -65,8 +62,19 @@ class SeamMixer {
   [[nodiscard]] int seam_in_b() const { return region_.begin - region_.b_shift; }
 
   // what fades in b: at the seam b is a's value, and steps as a stepped
-  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Eigen::Vector3d& velocity,
+  template <typename Step>
+  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Step& step,
                                       int frame) const {
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    // the same frame in both goes on as b does
+    constexpr double kSame = 1e-7;
+    if (steps_ && (!foretold_ || gap.norm() > kSame)) {
+      const int last = region_.begin;
+      const Eigen::Vector3d of_a = foretold_
+                                       ? Eigen::Vector3d(2.0 * step(a_, last) - step(a_, last - 1))
+                                       : step(a_, step_a_);
+      velocity = of_a - step(b_, step_b_);
+    }
     return fade(gap, velocity, region_.end - region_.begin, frame - region_.begin);
   }
 
@@ -75,7 +83,8 @@ class SeamMixer {
   const SeamRegion& region_;
   const bool crossfades_;
   int step_a_ = 0, step_b_ = 0;  // frames that end a step
-  bool steps_ = false;
+  bool steps_ = false;           // they are known
+  bool foretold_ = false;        // a's is not there, but follows from the two before
 };
 
 Pose world_from(const Clip& clip, int frame, int joint) {
@@ -84,6 +93,25 @@ Pose world_from(const Clip& clip, int frame, int joint) {
     pose = Pose{clip.rotations(frame)[joint], clip.translation(frame, joint)} * pose;
   }
   return pose;
+}
+
+// gives the hips a world pose: by their own channels, or, where those are not free, by those of
+// what moves the body
+void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
+              const HumanMapping& mapping, const BodyMover& mover) {
+  const Skeleton& skeleton = clip.skeleton();
+  if (moves_freely(skeleton.joint(hips))) {
+    const Pose world_from_parent = world_from(clip, frame, skeleton.joint(hips).parent);
+    const Pose parent_from_hips = world_from_parent.inverse() * world_from_hips;
+    clip.rotations(frame)[hips] = parent_from_hips.rotation.normalized();
+    clip.translations(frame)[skeleton.translation_slot(hips)] = parent_from_hips.translation;
+    return;
+  }
+  const Pose move = world_from_hips * world_from(clip, frame, hips).inverse();
+  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  mover.move(clip, frame,
+             Pose{human_from_source * move.rotation * human_from_source.conjugate(),
+                  human_from_source * move.translation * mapping.metres_per_unit});
 }
 
 }  // namespace
@@ -121,7 +149,6 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
   }
   const SeamMixer mixer(a, b, region);
   const int hips = mapping.bones[0].position_joint;
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
   for (int frame = region.begin; frame < region.end; ++frame) {
     for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
       const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };
@@ -131,16 +158,17 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
       const auto in = [slot](const Clip& clip, int at) { return clip.translations(at)[slot]; };
       result.translations(frame)[slot] = mixer.translation(in, frame);
     }
-    if (mover.joint() == hips) continue;
+    if (a.skeleton().joint(hips).parent < 0) continue;
     // joints above the hips may share the way between them differently in each clip: it is the
     // hips' pose that counts
-    const auto turned = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).rotation; };
-    const auto placed = [hips](const Clip& clip, int at) { return world_from(clip, at, hips).translation; };
-    const Pose wanted{mixer.rotation(turned, frame), mixer.translation(placed, frame)};
-    const Pose in_source = wanted * world_from(result, frame, hips).inverse();
-    mover.move(result, frame,
-               Pose{human_from_source * in_source.rotation * human_from_source.conjugate(),
-                    human_from_source * in_source.translation * mapping.metres_per_unit});
+    const auto turned = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).rotation;
+    };
+    const auto placed = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).translation;
+    };
+    put_hips(result, frame, hips, {mixer.rotation(turned, frame), mixer.translation(placed, frame)},
+             mapping, mover);
   }
   return result;
 }

@@ -59,7 +59,8 @@ SeamCheck check_speeds(const HumanClip& a, const HumanClip& b, const HumanClip& 
   double largest_share = -1.0;
   const int end = std::min(region.end + 1, joined.frame_count - 1);
   for (std::size_t k = 0; k < bones.size(); ++k) {
-    const double usual = std::max(kSlow, std::min(usual_of_all, speed_percentile(std::move(own[k]))));
+    const double usual =
+        std::max(kSlow, std::min(usual_of_all, speed_percentile(std::move(own[k]))));
     for (int frame = std::max(region.begin - 1, 0); frame < end; ++frame) {
       const double speed = speed_of(joined, frame, bones[k]);
       if (speed <= largest_share * usual) continue;
@@ -88,8 +89,8 @@ void check_feet(SeamCheck& check, const ClipFeet& a, const ClipFeet& b, const Cl
       const Eigen::Vector3d step = step_at(ankles, frame);
       const Eigen::Vector3d in_a = step_at(a.ankles[plant.foot], frame),
                             in_b = step_at(b.ankles[plant.foot], frame - region.b_shift);
-      check.jump = std::max(
-          check.jump, (step.norm() - std::max(in_a.norm(), in_b.norm())) * rate.fps());
+      check.jump =
+          std::max(check.jump, (step.norm() - std::max(in_a.norm(), in_b.norm())) * rate.fps());
       if (frame < region.begin) continue;
       speeds.push_back(step.head<2>().norm() * rate.fps());
       own_speeds.push_back(std::max(in_a.head<2>().norm(), in_b.head<2>().norm()) * rate.fps());
@@ -101,11 +102,13 @@ void check_feet(SeamCheck& check, const ClipFeet& a, const ClipFeet& b, const Cl
 
 void find_faults(SeamCheck& check, const Seam& seam, const ConcatenateOptions& options) {
   if (seam.distance > options.threshold) {
-    check.faults.insert(check.faults.begin(),
-                        "the poses are " + number_text(100.0 * seam.distance, 1) +
-                            " cm apart, more than " + number_text(100.0 * options.threshold, 1) +
-                            " (" + seam.worst_bone + " by " +
-                            number_text(100.0 * seam.worst_distance, 1) + " cm)");
+    check.faults.insert(
+        check.faults.begin(),
+        "the poses are " + number_text(100.0 * seam.distance, 1) + " cm apart, more than " +
+            number_text(100.0 * options.threshold, 1) +
+            (seam.worst_bone.empty() ? std::string()
+                                     : " (" + seam.worst_bone + " by " +
+                                           number_text(100.0 * seam.worst_distance, 1) + " cm)"));
   }
   if (check.slip > check.own_slip + options.slip) {
     check.faults.push_back("planted feet slip at " + number_text(check.slip, 3) +

@@ -14,17 +14,6 @@ namespace {
 // two contacts nearer in time than this are one, seconds
 constexpr double kSameStand = 0.1;
 
-// what a foot's pose lacks to another
-struct Gap {
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = shift;  // metres, rotation vector
-
-  static Gap between(const Pose& from, const Pose& to) {
-    return {to.translation - from.translation, log_so3(to.rotation * from.rotation.conjugate())};
-  }
-
-  friend Gap operator-(const Gap& a, const Gap& b) { return {a.shift - b.shift, a.turn - b.turn}; }
-};
-
 class FootJoiner {
  public:
   FootJoiner(const std::vector<Pose>& a, const std::vector<Pose>& b, const SeamRegion& region)
@@ -54,34 +43,29 @@ class FootJoiner {
   // a foot that stands in both: over the ground it stays where a has it, height and tilt go over
   // from a's to b's
   [[nodiscard]] PlantedFoot from_both(const ContactPhase& in_a, const ContactPhase& in_b) const {
-    const int frames_of_a = static_cast<int>(a_.size());
-    // a's last pose that stands; a foot that b puts down later is held there
-    const int held = std::min(std::max(in_a.end - 1, region_.begin), frames_of_a - 1);
-    const int change = std::max(region_.begin, in_b.begin);
+    // where a ends, b has to take over, before it has the foot down too
+    const int last = static_cast<int>(a_.size()) - 1;
+    const int change = std::clamp(in_b.begin, region_.begin, last);
     const int middle = (std::max(in_a.begin, in_b.begin) + std::min(in_a.end, in_b.end)) / 2;
-    const int of_a = std::clamp(middle, in_a.begin, held);
-    const int of_b_too = std::clamp(middle, in_b.begin, in_b.end - 1);
-    const Pose a_from_b = between_places(of_b(of_b_too), a_[of_a]).in_space();
+    // compared in a frame that both clips have
+    const int both = std::clamp(middle, region_.begin, last);
+    const Pose a_from_b = between_places(of_b(both), a_[both]).in_space();
 
-    const auto as_a = [&](int frame) -> const Pose& { return a_[std::min(frame, held)]; };
-    const auto as_b = [&](int frame) { return a_from_b * of_b(frame); };
-    const auto lacks = [&](int frame) { return Gap::between(as_b(frame), as_a(frame)); };
-    const Gap gap = lacks(change);
-    // per frame; b's pose before its contact is that of a foot in the air
-    Gap velocity;
-    if (change > in_b.begin && change <= held) velocity = gap - lacks(change - 1);
+    const Pose first = a_from_b * of_b(change);
+    const Eigen::Vector3d shift = a_[change].translation - first.translation;
+    const Eigen::Vector3d turn = log_so3(a_[change].rotation * first.rotation.conjugate());
+    const Eigen::Vector3d at_rest = Eigen::Vector3d::Zero();
     const double frames = std::max(region_.end - region_.begin, 1);
     PlantedFoot plant{0, in_a.begin, {}};
     for (int frame = in_a.begin; frame < in_b.end; ++frame) {
       if (frame < change) {
-        plant.world_from_foot.push_back(as_a(frame));
+        plant.world_from_foot.push_back(a_[frame]);
         continue;
       }
-      Pose pose = as_b(frame);
-      pose.translation += fade(gap.shift, velocity.shift, frames, frame - change);
+      Pose pose = a_from_b * of_b(frame);
+      pose.translation += fade(shift, at_rest, frames, frame - change);
       pose.rotation =
-          (exp_so3(fade(gap.turn, velocity.turn, frames, frame - change)) * pose.rotation)
-              .normalized();
+          (exp_so3(fade(turn, at_rest, frames, frame - change)) * pose.rotation).normalized();
       plant.world_from_foot.push_back(pose);
     }
     return plant;
@@ -146,7 +130,8 @@ std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
         return std::abs(is.translation.z() - stands.translation.z()) > kLifted;
       };
       int leaves = region.begin, comes = middle;
-      while (leaves < middle && !rises(leaves, a.ankles[foot][static_cast<std::size_t>(leaves)])) ++leaves;
+      while (leaves < middle && !rises(leaves, a.ankles[foot][static_cast<std::size_t>(leaves)]))
+        ++leaves;
       while (comes < region.end && rises(comes, joiner.of_b(comes))) ++comes;
       for (const ContactPhase& phase : clipped(of_a, 0, 0, std::min(leaves, a_end))) {
         plants.push_back(joiner.from_a(phase));

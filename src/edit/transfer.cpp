@@ -60,7 +60,8 @@ class Transfer {
   void place(Clip& clip, int frame) {
     const int slot = target_.skeleton->translation_slot(placed_joint_);
     if (slot < 0) return;
-    Eigen::Vector3d wanted = human_.frame(frame)[0].translation * target_.mapping.size / human_.size;
+    Eigen::Vector3d wanted =
+        human_.frame(frame)[0].translation * target_.mapping.size / human_.size;
     wanted.z() += raise_;
     const auto& beside = target_.mapping.bones[0].position_in_joint;
     const Eigen::Vector3d hips = world_from_joint_[target_.map.joint("Hips")] *

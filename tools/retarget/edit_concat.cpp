@@ -100,20 +100,20 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
                            number_text(rate.time_of(seam.b_frame), 3) + " s), " +
                            count_text(seam.overlap, "frame") + " in common");
   const GroundPose& move = seam.a_from_b;
-  console.line("", "the second is turned by " +
-                       number_text(move.heading * 180.0 / std::numbers::pi, 2) +
-                       " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
-                       number_text(move.position.y(), 3) + " m" +
-                       (joined.lift == 0.0 ? std::string()
-                                           : ", and raised by " + number_text(joined.lift, 3) +
-                                                 " m to the first's floor"));
+  console.line(
+      "", "the second is turned by " + number_text(move.heading * 180.0 / std::numbers::pi, 2) +
+              " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
+              number_text(move.position.y(), 3) + " m" +
+              (joined.lift == 0.0
+                   ? std::string()
+                   : ", and raised by " + number_text(joined.lift, 3) + " m to the first's floor"));
   console.line("",
                number_text(100.0 * seam.distance, 2) + " cm apart, " +
                    (seam.same_support ? "the same feet on the floor" : "other feet on the floor"));
   console.line("", "fastest for what it does: " + joined.check.fastest_bone + " " +
-                       number_text(joined.check.largest_speed, 2) +
-                       " m/s (in the clips " + number_text(joined.check.usual_speed, 2) +
-                       "); planted feet slip at " + number_text(joined.check.slip, 3) + " m/s");
+                       number_text(joined.check.largest_speed, 2) + " m/s (in the clips " +
+                       number_text(joined.check.usual_speed, 2) + "); planted feet slip at " +
+                       number_text(joined.check.slip, 3) + " m/s");
 }
 
 // a failure for one that is not good

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "edits.h"
+#include "retarget/base/suggest.h"
 #include "retarget/edit/ground_pose.h"
 #include "retarget/edit/make_loop.h"
 #include "retarget/edit/mirror.h"
 #include "retarget/edit/put_on_floor.h"
 #include "retarget/motion/resample.h"
-#include "retarget/base/suggest.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
@@ -80,8 +80,7 @@ Result<Clip> edit_ground(EditSource source, const EditOptions& options, Console&
 }
 
 Result<Clip> edit_place(EditSource source, const EditOptions& options) {
-  const auto mover =
-      BodyMover::of(source.clip.skeleton(), source.mapping(), source_name(options.source));
+  const auto mover = BodyMover::of(source.clip, source.mapping(), source_name(options.source));
   if (!mover) return failure(mover.error());
   GroundPose over_ground;
   if (options.edit == Edit::kTurn) {
@@ -97,7 +96,8 @@ Result<Clip> edit_place(EditSource source, const EditOptions& options) {
     const auto x = number_from_text(text.substr(0, comma));
     const auto y = number_from_text(text.substr(std::min(comma + 1, text.size())));
     if (!x || !y) {
-      return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + options.amount + "\"");
+      return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + options.amount +
+                           "\"");
     }
     over_ground.position = {*x, *y};
   }

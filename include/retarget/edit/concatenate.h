@@ -41,8 +41,8 @@ struct SeamCheck {
                                ///< own, or that of all joints where this is less.
   double largest_speed = 0.0;  ///< Of the joint at the seam that is fastest for what it does, m/s,
   std::string fastest_bone;    ///< and which it is.
-  double slip = 0.0;      ///< Mean speed over the floor of planted ankles at the seam, m/s,
-  double own_slip = 0.0;  ///< and of the same in the clips.
+  double slip = 0.0;           ///< Mean speed over the floor of planted ankles at the seam, m/s,
+  double own_slip = 0.0;       ///< and of the same in the clips.
   double jump = 0.0;  ///< Largest speed of a planted ankle beyond that in either clip, m/s.
   std::vector<std::string> faults;  ///< What is wrong with it, a phrase each; none: it is good.
 };

@@ -18,8 +18,8 @@ struct SeamOptions {
   /// the one that keeps most is taken.
   double cost_of_second = 0.01;
   double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
-  /// What it costs that other feet are planted in the one than in the other.
-  double cost_of_support = 0.05;
+  /// Where other feet are planted in the one than in the other, the distance counts so much more.
+  double other_support = 0.5;
 };
 
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
@@ -49,7 +49,7 @@ struct SeamSearch {
 /// Finds where b goes on best from a: the least distance of Kovar, Gleicher and Pighin (2002) over
 /// windows of bone positions (all bones alike), each window turned and moved over the ground as
 /// fits best; see WindowDistance. Where the clips share less than a window, the distance counts
-/// more by half the share that is missing. What is left out costs, and other feet on the floor do.
+/// more by half the share that is missing, and so it does where other feet are on the floor.
 ///
 /// @param a_file, b_file  for messages.
 /// @return kInput errors: a clip without frames; no bones in common. kUsage errors: more than 16

@@ -11,10 +11,10 @@
 namespace retarget {
 
 struct LoopOptions {
-  double shortest = 0.0;      ///< Of the cycle, seconds; 0: half the clip.
-  ConcatenateOptions seam;    ///< How end and beginning are joined, and when that is good.
-  bool in_place = false;      ///< The cycle neither advances nor turns.
-  int times = 1;              ///< How often the cycle is played.
+  double shortest = 0.0;    ///< Of the cycle, seconds; 0: half the clip.
+  ConcatenateOptions seam;  ///< How end and beginning are joined, and when that is good.
+  bool in_place = false;    ///< The cycle neither advances nor turns.
+  int times = 1;            ///< How often the cycle is played.
 };
 
 /// A cycle without a seam.

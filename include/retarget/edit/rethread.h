@@ -35,7 +35,8 @@ struct Rethreaded {
   PathMotion source;               ///< The motion's own path.
   std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
   PlantSummary feet;
-  SeamCheck check;  ///< Speeds in the whole clip, against the source's; faults where a path hurries.
+  SeamCheck
+      check;  ///< Speeds in the whole clip, against the source's; faults where a path hurries.
 };
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves
