@@ -12,8 +12,8 @@ PUBLISHED = "configs/lafan1_to_unitree_g1.json"
 DERIVED = "robots/unitree_g1/ik.json"
 # what GAMES-105 calls the joints of LAFAN1
 OTHER_NAMES = {"Hips": "RootJoint", "Spine": "pelvis_lowerback", "Spine1": "lowerback_torso",
-               "LeftUpLeg": "lHip", "LeftLeg": "lKnee", "LeftFoot": "lAnkle", "LeftToe": "lToeJoint",
-               "RightUpLeg": "rHip", "RightLeg": "rKnee", "RightFoot": "rAnkle",
+               "LeftUpLeg": "lHip", "LeftLeg": "lKnee", "LeftFoot": "lAnkle",
+               "LeftToe": "lToeJoint", "RightUpLeg": "rHip", "RightLeg": "rKnee", "RightFoot": "rAnkle",
                "RightToe": "rToeJoint", "LeftShoulder": "lTorso_Clavicle", "LeftArm": "lShoulder",
                "LeftForeArm": "lElbow", "LeftHand": "lWrist", "RightShoulder": "rTorso_Clavicle",
                "RightArm": "rShoulder", "RightForeArm": "rElbow", "RightHand": "rWrist"}
