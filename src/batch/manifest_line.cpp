@@ -148,6 +148,7 @@ std::string manifest_line(const ManifestEntry& entry) {
   json["seconds"] = entry.seconds;
   json["finished"] = entry.finished;
   if (!entry.taken_as.empty()) json["taken_as"] = valid_text(entry.taken_as);
+  if (!entry.mapping.empty()) json["mapping"] = valid_text(entry.mapping);
   if (!entry.warnings.empty()) {
     json["warnings"] = Json::array();
     for (const std::string& warning : entry.warnings) {
@@ -180,6 +181,7 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.number("seconds", entry.seconds);
   reader.text("finished", entry.finished);
   reader.text("taken_as", entry.taken_as);
+  reader.text("mapping", entry.mapping);
   reader.texts("warnings", entry.warnings);
   if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
   return entry;

@@ -28,19 +28,21 @@ std::string without_side(std::string_view bone) {
 }
 
 // what the published tables have in common: a first pass of rotations that places the feet alone,
-// a second that places everything
+// a second that places everything. The first turns trunk and upper arms harder than the rest: from
+// the zero configuration an arm may have to go half around, and a shoulder that is stuck is stuck
+// for good. Positions of forearms and hands are weak against the arm's rotations, for a robot's
+// shoulders are not where the human's are.
 Weights weights_of(const std::string& bone, int pass, int wrist_joints) {
   const bool second = pass == 1;
   if (bone == "Hips") return {second ? 100.0 : 0.0, 10.0};
   if (bone == "FootMod") return {50.0, 10.0};
-  if (bone == "Spine2") return {0.0, 10.0};
+  if (bone == "Spine2" || bone == "Arm") return {0.0, second ? 10.0 : 30.0};
   if (bone == "Head") return {0.0, 2.0};
   if (bone == "UpLeg" || bone == "Leg") return {0.0, 10.0};
-  if (bone == "Arm") return {0.0, 10.0};
-  if (bone == "ForeArm") return {second ? 1.0 : 0.0, 10.0};
+  if (bone == "ForeArm") return {second ? 5.0 : 0.0, 10.0};
   // a hand without a whole wrist cannot turn as the human's does
   const double rotation = wrist_joints >= 3 ? 5.0 : (wrist_joints > 0 ? 2.0 : 0.0);
-  return {second ? 2.0 : 0.0, rotation};
+  return {second ? 10.0 : 0.0, rotation};
 }
 
 class MappingMaker {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <new>
 #include <random>
 
 #include "retarget/pipeline/targets.h"
@@ -71,6 +73,16 @@ IkTables limbed_tables() {
     follow(l + "hand", s + "Hand");
   }
   return tables;
+}
+
+// a target that stands on what lay in memory makes the same input give other bytes
+TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {
+  alignas(RobotLimbs) std::array<unsigned char, sizeof(RobotLimbs)> memory;
+  memory.fill(0xff);  // as doubles: no numbers
+  const auto* limbs = new (memory.data()) RobotLimbs;
+  for (const Eigen::Vector3d& joint : limbs->body_from_joint) {
+    EXPECT_EQ(joint, Eigen::Vector3d::Zero());
+  }
 }
 
 TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {

@@ -22,6 +22,7 @@
 #include "retarget/batch/folder_lock.h"
 #include "retarget/batch/shard.h"
 #include "retarget/motion/clip_range.h"
+#include "robot_mapping.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
@@ -40,7 +41,7 @@ Result<void> check_batch_usage(const BatchOptions& options) {
                          "retarget batch clips/ -o out/ --robot unitree_g1; "
                          "retarget batch --help shows more");
   }
-  if (options.robots.size() > 1 && !run.ik_config.empty()) {
+  if (options.robots.size() > 1 && !run.ik_config.empty() && !is_mapping_kind(run.ik_config)) {
     return usage_failure("--ik-config is a mapping to one robot, and there are several",
                          "run a batch for each robot");
   }
@@ -106,8 +107,12 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchOptions& options,
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
       return usage_failure("the robot \"" + robot.name + "\" is given twice");
     }
+    const RobotMappings& mappings = robot.setup.mappings;
     console.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
-                              robot.setup.tables.file);
+                              mappings.of_lafan1.file);
+    if (mappings.of_others) {
+      console.line("", "of sources that are not LAFAN1: " + mappings.of_others->file);
+    }
     robots.push_back(std::move(robot));
   }
   return robots;

@@ -111,7 +111,10 @@ Result<void> add_robot(const RunOptions& run, const RobotSetup& setup, const fs:
     if (!files) return failure(files.error());
     if (auto added = print.add_file("profile", files->profile.string()); !added) return added;
   }
-  return print.add_file("mapping", setup.tables.file);
+  const RobotMappings& mappings = setup.mappings;
+  if (auto added = print.add_file("mapping", mappings.of_lafan1.file); !added) return added;
+  return mappings.of_others ? print.add_file("mapping_of_others", mappings.of_others->file)
+                            : Result<void>();
 }
 
 }  // namespace

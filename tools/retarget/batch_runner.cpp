@@ -10,6 +10,7 @@
 #include "interrupt.h"
 #include "retarget/batch/summary.h"
 #include "retarget/batch/worker_pool.h"
+#include "robot_mapping.h"
 
 namespace retarget::cli {
 namespace {
@@ -96,6 +97,7 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
   if (!outcome) return failure(outcome.error());
   entry.frames = outcome->frames;
   entry.fps = outcome->fps;
+  entry.mapping = recorded_name(outcome->mapping, context_.data_folder);
   if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
   std::vector<std::string> files;
   for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);

@@ -54,6 +54,19 @@ void leave_out_missing(const HumanSource& human, IkTables& tables, Console& cons
                               " of the mapping left out, for there is no " + list_names(missing));
 }
 
+// the robot, and by which of its mappings
+void print_robot(const ClipSetup& of_clip, const RobotSetup& setup, Console& console) {
+  const std::string& mapping = of_clip.tables.file;
+  const auto joints = static_cast<long>(setup.robot->output_joints().size());
+  console.line("robot", setup.robot->name() + ", " + count_text(joints, "joint") + ", limits " +
+                            setup.limits.name + ", mapping " + mapping);
+  if (setup.mappings.of_others && mapping == setup.mappings.of_others->file) {
+    console.line("",
+                 "the derived mapping, for the source is not LAFAN1; --ik-config published "
+                 "takes the published one");
+  }
+}
+
 // a motion, and what a fit found
 struct Solved {
   RobotClip clip;
@@ -61,7 +74,7 @@ struct Solved {
   std::optional<FitReport> fit;
 };
 
-Result<Solved> solve(const Source& source, const RobotSetup& setup, const RunOptions& options,
+Result<Solved> solve(const Source& source, const ClipSetup& setup, const RunOptions& options,
                      MotionOutputs& outputs, Console& console) {
   RetargetOptions retarget_options;
   retarget_options.engine = options.engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
@@ -90,7 +103,7 @@ Result<Solved> solve(const Source& source, const RobotSetup& setup, const RunOpt
 }
 
 // joints that stay at a limit, and why
-void print_joints(const RobotClip& motion, const Source& source, const RobotSetup& setup,
+void print_joints(const RobotClip& motion, const Source& source, const ClipSetup& setup,
                   const RunOptions& options, Console& console) {
   const auto at_limits = joints_at_limits(
       motion, source.clip, source.human.calibration.mapping, setup.tables,
@@ -99,7 +112,7 @@ void print_joints(const RobotClip& motion, const Source& source, const RobotSetu
 }
 
 // the motion's files, their sidecars, the report
-Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& setup,
+Result<ClipOutcome> write_results(const RunOptions& options, const ClipSetup& setup,
                                   const Source& source, const Solved& solved,
                                   const std::filesystem::path& data_folder, MotionOutputs& outputs,
                                   Console& console) {
@@ -107,6 +120,7 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
   ClipOutcome outcome;
   outcome.frames = motion.frame_count();
   outcome.fps = motion.rate().fps();
+  outcome.mapping = setup.tables.file;
   if (options.measure || options.sidecar || !options.report.empty()) {
     const auto write = write_options(options);
     if (!write) return failure(write.error());
@@ -118,7 +132,7 @@ Result<ClipOutcome> write_results(const RunOptions& options, const RobotSetup& s
   }
   SidecarText sidecar;
   if (options.sidecar) {
-    auto read = files_read(options, data_folder);
+    auto read = files_read(options, data_folder, setup.tables.file);
     if (!read) return failure(read.error());
     sidecar = [&, read = std::move(*read)](const WrittenFile& file) {
       return sidecar_text(options, setup, source, file, *outcome.quality, read);
@@ -177,9 +191,9 @@ Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                                        : options.limits);
   if (!limits) return failure(limits.error());
   setup.limits = std::move(*limits);
-  auto tables = load_mapping(options, *chosen, data_folder);
-  if (!tables) return failure(tables.error());
-  setup.tables = std::move(*tables);
+  auto mappings = load_mappings(options, *chosen, data_folder);
+  if (!mappings) return failure(mappings.error());
+  setup.mappings = std::move(*mappings);
   return setup;
 }
 
@@ -189,13 +203,9 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   const auto start = std::chrono::steady_clock::now();
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
-  IkTables tables = setup.tables;
-  if (source->human.map.partial) leave_out_missing(source->human, tables, console);
-  const RobotSetup of_clip{setup.robot, setup.limits, std::move(tables)};
-  console.line("robot",
-               setup.robot->name() + ", " +
-                   count_text(static_cast<long>(setup.robot->output_joints().size()), "joint") +
-                   ", limits " + setup.limits.name + ", mapping " + setup.tables.file);
+  ClipSetup of_clip{setup.robot, setup.limits, setup.mappings.for_source(source->human)};
+  if (source->human.map.partial) leave_out_missing(source->human, of_clip.tables, console);
+  print_robot(of_clip, setup, console);
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind
   const InterruptGuard guard;

@@ -14,6 +14,7 @@
 #include "retarget/quality/report.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/robot.h"
+#include "run_setup.h"
 
 namespace retarget::cli {
 
@@ -21,13 +22,20 @@ namespace retarget::cli {
 struct RobotSetup {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
-  IkTables tables;
+  RobotMappings mappings;
+};
+
+/// What one clip is solved with.
+struct ClipSetup {
+  std::shared_ptr<const Robot> robot;
+  LimitSet limits;
+  IkTables tables;  ///< Of the robot's mappings the one for this source.
 };
 
 /// Options of robot, method and time that contradict each other are kUsage errors.
 [[nodiscard]] Result<void> check_solving_options(const RunOptions& options);
 
-/// Robot, limits and mapping as the options name them.
+/// Robot, limits and mappings as the options name them.
 [[nodiscard]] Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                                   const std::filesystem::path& data_folder,
                                                   Console& console);
@@ -36,6 +44,7 @@ struct RobotSetup {
 struct ClipOutcome {
   int frames = 0;                        ///< Of the motion that was written,
   double fps = 0.0;                      ///< and its rate.
+  std::string mapping;                   ///< The mapping's file.
   std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
   std::vector<std::string> others;       ///< Sidecars and the report.
   std::optional<QualityReport> quality;  ///< Where it was asked for.

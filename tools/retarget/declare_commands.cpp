@@ -63,8 +63,8 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
       ->group(kRobot);
   command
       ->add_option("--ik-config", run.ik_config,
-                   "Mapping whose targets are tracked (default: the robot's\nown)")
-      ->type_name("FILE")
+                   "Mapping whose targets are tracked (default: as in a run)")
+      ->type_name("published|derived|FILE")
       ->group(kRobot);
   command
       ->add_option("--limits", run.limits,

@@ -38,9 +38,10 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->type_name("NAME")
       ->group(kRobot);
   app.add_option("--ik-config", options.ik_config,
-                 "Mapping from human bones to robot bodies, JSON\n"
-                 "(default: the robot's own)")
-      ->type_name("FILE")
+                 "Mapping from human bones to robot bodies: that of the\npublished method, the one "
+                 "derived from the robot's model, or\na JSON file (default: published for LAFAN1 "
+                 "where there is\none, else derived)")
+      ->type_name("published|derived|FILE")
       ->group(kRobot);
   app.add_option("--limits", options.limits,
                  "Joint limits: a set of the robot (official, gmr), or\n"

@@ -14,6 +14,7 @@
 #include "retarget/quality/measure.h"
 #include "retarget/robot/limits.h"
 #include "retarget/robot/resample_robot.h"
+#include "robot_mapping.h"
 #include "robot_motion_options.h"
 #include "run_report.h"
 #include "run_setup.h"
@@ -34,7 +35,8 @@ struct Measures {
   std::optional<HumanClip> human;
   std::optional<IkTables> tables;
   HeightScale scale = HeightScale::kPublished;
-  std::string source;  // file name
+  std::string source;   // file name
+  std::string mapping;  // file
   Gates gates;
 };
 
@@ -102,11 +104,12 @@ Result<Gates> gates_of(const EvaluateOptions& options, const fs::path& data_fold
 
 Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
                         const fs::path& data_folder, Measures& measures, Console& console) {
-  auto tables = load_mapping(run, robot, data_folder);
-  if (!tables) return failure(tables.error());
+  const auto mappings = load_mappings(run, robot, data_folder);
+  if (!mappings) return failure(mappings.error());
   const auto source = load_source(run, data_folder, console);
   if (!source) return failure(source.error());
-  measures.tables = std::move(*tables);
+  measures.tables = mappings->for_source(source->human);
+  measures.mapping = recorded_name(measures.tables->file, data_folder);
   measures.human = to_human(source->clip, source->human.calibration.mapping);
   measures.scale = choose_scale(source->human, *robot.robot, *measures.tables, run);
   measures.rate = source->clip.rate();
@@ -186,6 +189,7 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
   report.source = measures.source;
+  report.mapping = measures.mapping;
   measures.gates.judge(report);
   console.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
                                number_text(time.count(), 2) + " s");

@@ -69,7 +69,7 @@ struct RunOptions : OutputOptions {
   std::string robot_profile;
   std::string dof;        ///< Variant of the robot; empty: all of it.
   std::string limits;     ///< Empty: the method's own.
-  std::string ik_config;  ///< Empty: the robot's own.
+  std::string ik_config;  ///< A file, `published` or `derived`; empty: as is best for the source.
   std::string method = "fit";
   std::string fit_config;            ///< Options of the fit, JSON; empty: the defaults.
   double fit_window_s = 0.0;         ///< Seconds that a fit solves together; 0: its own.

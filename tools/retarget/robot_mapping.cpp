@@ -4,18 +4,60 @@
 
 namespace retarget::cli {
 
-Result<std::string> find_mapping(const std::filesystem::path& robot_folder,
-                                 const std::filesystem::path& configs, const std::string& robot) {
-  const std::filesystem::path own = robot_folder / "ik.json";
-  const std::filesystem::path shared = configs / ("lafan1_to_" + robot + ".json");
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kPublished = "published";
+constexpr const char* kDerived = "derived";
+
+bool is_file(const fs::path& path) {
   std::error_code ignored;
-  for (const std::filesystem::path& path : {own, shared}) {
-    if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+  return fs::is_regular_file(path, ignored);
+}
+
+// a robot of the data folder, not one of that name that somebody made
+bool is_of_folder(const fs::path& robot_folder, const fs::path& robots) {
+  const fs::path parent = robot_folder.parent_path();
+  std::error_code ignored;
+  return fs::equivalent(parent.empty() ? fs::path(".") : parent, robots, ignored);
+}
+
+}  // namespace
+
+bool is_mapping_kind(const std::string& ik_config) {
+  return ik_config == kPublished || ik_config == kDerived;
+}
+
+Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path& robot_folder,
+                                   const fs::path& data_folder, const std::string& robot) {
+  if (!ik_config.empty() && !is_mapping_kind(ik_config)) return MappingFiles{ik_config, {}};
+  const fs::path own = robot_folder / "ik.json";
+  const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
+  if (!ik_config.empty()) {
+    const fs::path& chosen = ik_config == kPublished ? published : own;
+    if (is_file(chosen)) return MappingFiles{chosen.string(), {}};
+    return config_failure("",
+                          "there is no " + ik_config + " mapping for the robot \"" + robot +
+                              "\": no " + chosen.string(),
+                          "leave out --ik-config, or give a file");
+  }
+  if (is_file(own) && is_file(published) && is_of_folder(robot_folder, data_folder / "robots")) {
+    return MappingFiles{published.string(), own.string()};
+  }
+  for (const fs::path& path : {own, published}) {
+    if (is_file(path)) return MappingFiles{path.string(), {}};
   }
   return config_failure("",
                         "there is no mapping for the robot \"" + robot + "\": neither " +
-                            own.string() + " nor " + shared.string(),
+                            own.string() + " nor " + published.string(),
                         "add --ik-config FILE");
+}
+
+std::string recorded_name(const fs::path& path, const fs::path& data_folder) {
+  const fs::path relative = path.lexically_relative(data_folder);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return below ? relative.generic_string() : path.string();
 }
 
 }  // namespace retarget::cli

@@ -7,10 +7,31 @@
 
 namespace retarget::cli {
 
-/// The mapping that comes with a robot: `ik.json` in its folder, else `lafan1_to_NAME.json` among
-/// the mappings.
-[[nodiscard]] Result<std::string> find_mapping(const std::filesystem::path& robot_folder,
-                                               const std::filesystem::path& configs,
-                                               const std::string& robot);
+/// Files of the mappings that runs to one robot use.
+struct MappingFiles {
+  std::string of_lafan1;  ///< For sources in LAFAN1's shape, and for all where there is no other.
+  std::string of_others;  ///< For all other sources; empty: the same.
+};
+
+/// Whether --ik-config names a kind of mapping, `published` or `derived`, and no file.
+[[nodiscard]] bool is_mapping_kind(const std::string& ik_config);
+
+/// The mappings that --ik-config chooses.
+///
+/// A robot may have two: `lafan1_to_NAME.json` in configs/, the published method's, and `ik.json`
+/// in its folder, derived from its model. With no choice the robots of the data folder keep the
+/// published one for LAFAN1, where results are compared with published ones; for other skeletons,
+/// and for robots of other folders, theirs comes first. kConfig error: there is none.
+/// @param ik_config  `published`, `derived`, a file, or nothing.
+/// @param robot      name of the robot.
+[[nodiscard]] Result<MappingFiles> find_mappings(const std::string& ik_config,
+                                                 const std::filesystem::path& robot_folder,
+                                                 const std::filesystem::path& data_folder,
+                                                 const std::string& robot);
+
+/// The name under which a file is recorded: below the data folder relative to it, so that an
+/// installed tool and a source tree say the same.
+[[nodiscard]] std::string recorded_name(const std::filesystem::path& path,
+                                        const std::filesystem::path& data_folder);
 
 }  // namespace retarget::cli

@@ -26,17 +26,16 @@ Result<fs::path> data_folder_of(const RobotsOptions& options) {
   return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
 }
 
-// where a robot and its mapping are; no mapping: none
+// where a robot and its mappings are; no mappings: none
 struct RobotPlace {
   RobotFiles files;
-  std::optional<std::string> mapping;
+  std::optional<MappingFiles> mappings;
 };
 
 RobotPlace place_of(const RobotFiles& files, const fs::path& data_folder) {
   const fs::path folder = files.model.parent_path();
-  const auto mapping =
-      find_mapping(folder, data_folder / "configs", fs::absolute(folder).filename().string());
-  return {files, mapping ? std::optional<std::string>(*mapping) : std::nullopt};
+  auto found = find_mappings({}, folder, data_folder, fs::absolute(folder).filename().string());
+  return {files, found ? std::optional<MappingFiles>(std::move(*found)) : std::nullopt};
 }
 
 Result<RobotPlace> find_place(const std::string& robot, const fs::path& data_folder) {
@@ -119,7 +118,7 @@ Json mapping_json(const IkTables& tables) {
   return rows;
 }
 
-Json robot_json(const Robot& robot, const std::optional<std::string>& mapping) {
+Json robot_json(const Robot& robot, const std::optional<MappingFiles>& mappings) {
   Json json;
   json["name"] = robot.name();
   json["description"] = robot.profile().description;
@@ -131,10 +130,12 @@ Json robot_json(const Robot& robot, const std::optional<std::string>& mapping) {
   json["root_body"] = robot.bodies()[robot.root_body()].name;
   json["default_limits"] = robot.limits_for("");
   json["joints"] = joints_json(robot);
-  json["mapping_file"] = mapping ? Json(*mapping) : Json();
-  if (mapping) {
-    const auto tables = load_ik_tables(*mapping);
+  json["mapping_file"] = mappings ? Json(mappings->of_lafan1) : Json();
+  if (mappings) {
+    const auto tables = load_ik_tables(mappings->of_lafan1);
     json["mapping"] = tables ? mapping_json(*tables) : Json();
+    // of sources that are not LAFAN1, where it is another one
+    if (!mappings->of_others.empty()) json["mapping_file_of_others"] = mappings->of_others;
   }
   return json;
 }
@@ -177,8 +178,12 @@ std::string plain_text(const Json& json) {
     text += (speed.is_null() ? "none" : number_text(speed.get<double>(), 2)) + "\n";
   }
   if (json["mapping_file"].is_null()) return text + "\nno mapping\n";
-  text += "\nmapping  " + json["mapping_file"].get<std::string>() + "\n" + padded("body", 32) +
-          padded("bone", 16) + padded("scale", 8) +
+  text += "\nmapping  " + json["mapping_file"].get<std::string>() + "\n";
+  if (json.contains("mapping_file_of_others")) {
+    text += "         of sources that are not LAFAN1: " +
+            json["mapping_file_of_others"].get<std::string>() + "\n";
+  }
+  text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +
           "weights of position and rotation, both passes\n";
   if (!json.contains("mapping") || json["mapping"].is_null()) return text;
   for (const Json& row : json["mapping"]) {
@@ -214,11 +219,11 @@ Result<std::string> list(const RobotsOptions& options) {
                    {"description", (*robot)->profile().description},
                    {"joints", joints},
                    {"height_m", heights ? Json(heights->whole) : Json()},
-                   {"mapping", place->mapping.has_value()},
+                   {"mapping", place->mappings.has_value()},
                    {"licence", (*robot)->profile().licence}});
     text += padded(name, 26) + padded(count_text(static_cast<long>(joints), "joint"), 12) +
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
-            (*robot)->profile().description + (place->mapping ? "" : " (no mapping)") + "\n";
+            (*robot)->profile().description + (place->mappings ? "" : " (no mapping)") + "\n";
   }
   return options.json ? all.dump(2) + "\n" : text;
 }
@@ -230,7 +235,7 @@ Result<std::string> show(const RobotsOptions& options) {
   if (!place) return failure(place.error());
   const auto robot = load_robot(place->files.model.string(), place->files.profile.string());
   if (!robot) return failure(robot.error());
-  const Json json = robot_json(**robot, place->mapping);
+  const Json json = robot_json(**robot, place->mappings);
   return options.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
                       : plain_text(json);
 }
@@ -239,6 +244,30 @@ bool is_model_file(const std::string& path) {
   std::error_code ignored;
   const fs::path extension = fs::path(path).extension();
   return (extension == ".xml" || extension == ".urdf") && fs::is_regular_file(path, ignored);
+}
+
+// what a check says of the robot with each of its mappings
+void add_findings(const Robot& robot, const std::optional<MappingFiles>& mappings,
+                  std::vector<RobotFinding>& findings) {
+  std::vector<std::string> files = {mappings ? mappings->of_lafan1 : std::string()};
+  if (mappings && !mappings->of_others.empty()) files.push_back(mappings->of_others);
+  for (const std::string& file : files) {
+    std::optional<IkTables> tables;
+    if (!file.empty()) {
+      auto read = load_ik_tables(file);
+      if (!read) findings.push_back({true, describe(read.error())});
+      if (read) tables = std::move(*read);
+    }
+    for (RobotFinding& finding : check_robot(robot, tables ? &*tables : nullptr)) {
+      const bool known = std::ranges::any_of(
+          findings, [&](const RobotFinding& other) { return other.text == finding.text; });
+      if (known) continue;
+      // what only the second mapping is to blame for
+      if (file != files.front())
+        finding.text = fs::path(file).filename().string() + ": " + finding.text;
+      findings.push_back(std::move(finding));
+    }
+  }
 }
 
 // what is wrong, where a file cannot even be read as well
@@ -265,18 +294,8 @@ Result<std::vector<RobotFinding>> examine(const RobotsOptions& options) {
     findings.push_back({true, robot.error().message});
     robot = std::move(bare);
   }
-  std::optional<IkTables> tables;
-  if (place.mapping) {
-    auto read = load_ik_tables(*place.mapping);
-    if (read) {
-      tables = std::move(*read);
-    } else {
-      findings.push_back({true, describe(read.error())});
-    }
-  }
   for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
-  const auto more = check_robot(**robot, tables ? &*tables : nullptr);
-  findings.insert(findings.end(), more.begin(), more.end());
+  add_findings(**robot, place.mappings, findings);
   std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
   return findings;
 }

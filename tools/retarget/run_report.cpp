@@ -6,6 +6,7 @@
 #include "retarget/base/file.h"
 #include "retarget/quality/measure.h"
 #include "retarget/robot/normalize_start.h"
+#include "robot_mapping.h"
 
 namespace retarget::cli {
 
@@ -37,6 +38,7 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   QualityReport report = measure_quality(*printed, inputs.limits, &source);
   report.file = options.output == "-" ? "-" : fs::path(options.output).filename().string();
   report.source = fs::path(source_name(options.source)).filename().string();
+  report.mapping = recorded_name(inputs.tables.file, data_folder);
   gates->judge(report);
   return report;
 }

@@ -135,16 +135,25 @@ Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path&
   return ChosenRobot{std::move(*robot), model};
 }
 
-Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
-                              const fs::path& data_folder) {
-  std::string mapping = options.ik_config;
-  if (mapping.empty()) {
-    const auto found = find_mapping(fs::path(robot.model).parent_path(), data_folder / "configs",
-                                    fs::path(robot.robot->name()).filename().string());
-    if (!found) return failure(found.error());
-    mapping = *found;
-  }
-  return load_ik_tables(mapping, robot.robot.get());
+const IkTables& RobotMappings::for_source(const HumanSource& human) const {
+  const std::string& dialect = human.calibration.mapping.dialect;
+  const bool is_lafan1 = dialect == "lafan1" || dialect == "lafan1_resolved";
+  return of_others && !is_lafan1 ? *of_others : of_lafan1;
+}
+
+Result<RobotMappings> load_mappings(const RunOptions& options, const ChosenRobot& robot,
+                                    const fs::path& data_folder) {
+  const auto files = find_mappings(options.ik_config, fs::path(robot.model).parent_path(),
+                                   data_folder, fs::path(robot.robot->name()).filename().string());
+  if (!files) return failure(files.error());
+  auto of_lafan1 = load_ik_tables(files->of_lafan1, robot.robot.get());
+  if (!of_lafan1) return failure(of_lafan1.error());
+  RobotMappings mappings{std::move(*of_lafan1), std::nullopt};
+  if (files->of_others.empty()) return mappings;
+  auto of_others = load_ik_tables(files->of_others, robot.robot.get());
+  if (!of_others) return failure(of_others.error());
+  mappings.of_others = std::move(*of_others);
+  return mappings;
 }
 
 HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkTables& tables,

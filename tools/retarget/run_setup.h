@@ -47,9 +47,19 @@ struct ChosenRobot {
                                                     const std::filesystem::path& data_folder,
                                                     Console& console);
 
-/// The mapping of --ik-config, or the robot's own.
-[[nodiscard]] Result<IkTables> load_mapping(const RunOptions& options, const ChosenRobot& robot,
-                                            const std::filesystem::path& data_folder);
+/// The mappings of a robot, loaded.
+struct RobotMappings {
+  IkTables of_lafan1;                 ///< For sources in LAFAN1's shape.
+  std::optional<IkTables> of_others;  ///< For all other sources; nothing: the same.
+
+  /// The one for a source: LAFAN1's shape is that of its two releases.
+  [[nodiscard]] const IkTables& for_source(const HumanSource& human) const;
+};
+
+/// The mappings that --ik-config chooses, or the robot's own (find_mappings), checked.
+[[nodiscard]] Result<RobotMappings> load_mappings(const RunOptions& options,
+                                                  const ChosenRobot& robot,
+                                                  const std::filesystem::path& data_folder);
 
 /// How the body's size scales the motion: as --scale says, else as is best for the source.
 [[nodiscard]] HeightScale choose_scale(const HumanSource& human, const Robot& robot,

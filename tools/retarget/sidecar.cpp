@@ -17,14 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// the name under which a file is recorded: below the data folder relative to it, so that an
-// installed tool and a source tree say the same
-std::string recorded_name(const fs::path& path, const fs::path& data_folder) {
-  const fs::path relative = path.lexically_relative(data_folder);
-  const bool below = !relative.empty() && *relative.begin() != "..";
-  return below ? relative.generic_string() : path.string();
-}
-
 void add_file(std::vector<ReadFile>& files, const char* role, const fs::path& path,
               const fs::path& data_folder) {
   std::error_code ignored;
@@ -59,7 +51,7 @@ const char* scale_name(HeightScale scale) {
 }
 
 // what was found in the motion or chosen for it
-Json found_json(const RunOptions& options, const RobotSetup& setup, const Source& source) {
+Json found_json(const RunOptions& options, const ClipSetup& setup, const Source& source) {
   const Calibration& calibration = source.human.calibration;
   Json found;
   found["skeleton"] = calibration.mapping.description;
@@ -81,7 +73,8 @@ Json found_json(const RunOptions& options, const RobotSetup& setup, const Source
 
 }  // namespace
 
-Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::path& data_folder) {
+Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::path& data_folder,
+                                         const std::string& mapping) {
   std::vector<ReadFile> files;
   if (options.source.file == "-") {
     files.push_back({"motion", "-", "-", {}});
@@ -97,13 +90,6 @@ Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::pa
   }
   add_file(files, "model", model, data_folder);
   add_file(files, "profile", profile, data_folder);
-  std::string mapping = options.ik_config;
-  if (mapping.empty()) {
-    const std::string name = fs::path(model).parent_path().filename().string();
-    const auto found = find_mapping(fs::path(model).parent_path(), data_folder / "configs", name);
-    if (!found) return failure(found.error());
-    mapping = *found;
-  }
   add_file(files, "mapping", mapping, data_folder);
   std::error_code ignored;
   if (fs::is_regular_file(options.limits, ignored)) {
@@ -121,7 +107,7 @@ Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::pa
   return files;
 }
 
-Result<std::string> sidecar_text(const RunOptions& options, const RobotSetup& setup,
+Result<std::string> sidecar_text(const RunOptions& options, const ClipSetup& setup,
                                  const Source& source, const WrittenFile& output,
                                  const QualityReport& report, const std::vector<ReadFile>& files) {
   Json json;

@@ -20,14 +20,15 @@ struct ReadFile {
   std::string hash;  ///< `sha256:...`; empty: it cannot be hashed (standard input, not there).
 };
 
-/// All files that decide what a run makes. What the options name as names (a robot, its mapping) is
-/// looked up as the run does. Errors are those of the look-up; files are not opened but to be
-/// hashed.
+/// All files that decide what a run makes. A robot that the options name is looked up as the run
+/// does. Errors are those of the look-up; files are not opened but to be hashed.
+/// @param mapping  the file that the source and the options led to.
 [[nodiscard]] Result<std::vector<ReadFile>> files_read(const RunOptions& options,
-                                                       const std::filesystem::path& data_folder);
+                                                       const std::filesystem::path& data_folder,
+                                                       const std::string& mapping);
 
 /// The sidecar of one output: docs/formats.md describes its members.
-[[nodiscard]] Result<std::string> sidecar_text(const RunOptions& options, const RobotSetup& setup,
+[[nodiscard]] Result<std::string> sidecar_text(const RunOptions& options, const ClipSetup& setup,
                                                const Source& source, const WrittenFile& output,
                                                const QualityReport& report,
                                                const std::vector<ReadFile>& files);

@@ -112,17 +112,18 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   }
   const auto data_folder = data_folder_of(run.common);
   if (!data_folder) return failure(data_folder.error());
-  const auto files = files_read(run, *data_folder);
-  if (!files) return failure(files.error());
-  const std::vector<std::string> changed = changes(*sidecar, *files);
-  for (const std::string& change : changed) console.line("changed", change);
-
   // the one output that the sidecar is of
   run.formats = {sidecar->format};
   run.output = sidecar->output;
   const auto setup = load_robot_setup(run, *data_folder, console);
   if (!setup) return failure(setup.error());
   const auto outcome = run_clip(run, *setup, *data_folder, console, Writing::kHashes);
+  // which mapping is read is known from the source only
+  const auto files =
+      files_read(run, *data_folder, outcome ? outcome->mapping : setup->mappings.of_lafan1.file);
+  if (!files) return failure(files.error());
+  const std::vector<std::string> changed = changes(*sidecar, *files);
+  for (const std::string& change : changed) console.line("changed", change);
   if (!outcome) return failure(outcome.error());
   const std::string& made = outcome->motions.front().hash;
 

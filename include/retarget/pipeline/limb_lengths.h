@@ -22,10 +22,13 @@ struct LimbLengths {
 
 /// A robot's limbs as its tree and a mapping tell them.
 struct RobotLimbs {
+  /// Vectors of Eigen are not zero by themselves, not even in braces.
+  RobotLimbs() { body_from_joint.fill(Eigen::Vector3d::Zero()); }
+
   LimbLengths lengths;
   /// Where the joint that a bone begins at lies in the frame of the body that follows the bone,
   /// metres; of Hips the middle of the hips. Zero for the bones outside legs and arms.
-  std::array<Eigen::Vector3d, kBoneCount> body_from_joint{};
+  std::array<Eigen::Vector3d, kBoneCount> body_from_joint;
   /// Of the ankles over the soles in the zero configuration, metres; nothing without soles.
   std::optional<double> ankle_height;
 };

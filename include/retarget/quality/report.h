@@ -86,6 +86,7 @@ struct QualityReport {
   double fps = 30.0;
   std::string limits;            ///< Name of the limit set that limit_pct is about.
   std::string source;            ///< The source clip's file, without folder; empty: none was given.
+  std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
   int source_frames = 0;         ///< Frames of the motion that the source covers.
   int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
   int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.

@@ -1,0 +1,112 @@
+"""Which mapping a run takes: the published one for LAFAN1, else the robot's own."""
+
+import json
+import pathlib
+import re
+import shutil
+import unittest
+
+from tool import SOURCE, ToolTest, sample
+
+PUBLISHED = "configs/lafan1_to_unitree_g1.json"
+DERIVED = "robots/unitree_g1/ik.json"
+# what GAMES-105 calls the joints of LAFAN1
+OTHER_NAMES = {"Hips": "RootJoint", "Spine": "pelvis_lowerback", "Spine1": "lowerback_torso",
+               "LeftUpLeg": "lHip", "LeftLeg": "lKnee", "LeftFoot": "lAnkle",
+               "LeftToe": "lToeJoint", "RightUpLeg": "rHip", "RightLeg": "rKnee", "RightFoot": "rAnkle",
+               "RightToe": "rToeJoint", "LeftShoulder": "lTorso_Clavicle", "LeftArm": "lShoulder",
+               "LeftForeArm": "lElbow", "LeftHand": "lWrist", "RightShoulder": "rTorso_Clavicle",
+               "RightArm": "rShoulder", "RightForeArm": "rElbow", "RightHand": "rWrist"}
+
+
+def other_skeleton():
+    """The sample wave with other joint names."""
+    return re.sub(r"(ROOT|JOINT) (\w+)",
+                  lambda m: f"{m[1]} {OTHER_NAMES.get(m[2], m[2])}", sample("wave").read_text())
+
+
+class MappingChoice(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.other = self.write("other.bvh", other_skeleton())
+
+    def run_with(self, bvh, *arguments, output="out.csv", robot="unitree_g1"):
+        """The bytes of the output, the mapping of its report and the summary."""
+        result = self.retarget(*arguments, "--report", "report.json", bvh=bvh, output=output,
+                               robot=robot)
+        self.assert_done(result)
+        motion = json.loads((self.folder / "report.json").read_text())["motions"][0]
+        return (self.folder / output).read_bytes(), motion["mapping"], result.stderr
+
+    def test_lafan1_keeps_the_published_one(self):
+        found, mapping, summary = self.run_with(sample("wave"))
+        self.assertEqual(mapping, PUBLISHED)
+        self.assertIn(PUBLISHED, summary)
+        self.assertNotIn("derived", summary)
+        self.assertEqual(self.run_with(sample("wave"), "--ik-config", "published")[0], found)
+        other, mapping, summary = self.run_with(sample("wave"), "--ik-config", "derived")
+        self.assertEqual(mapping, DERIVED)
+        self.assertIn(DERIVED, summary)
+        self.assertNotEqual(other, found)
+
+    def test_other_skeletons_take_the_derived_one(self):
+        found, mapping, summary = self.run_with(self.other, "--sidecar")
+        self.assertEqual(mapping, DERIVED)
+        self.assertIn(DERIVED, summary)
+        self.assertIn("--ik-config published", summary)
+        sidecar = json.loads((self.folder / "out.csv.json").read_text())
+        files = {each["role"]: each["file"] for each in sidecar["inputs"]}
+        self.assertEqual(files["mapping"], DERIVED)
+        self.assertEqual(sidecar["options"]["ik-config"], "")
+        self.assert_done(self.run_tool("verify", "out.csv.json"))
+        self.assertEqual(self.run_with(self.other, "--ik-config", "derived")[0], found)
+        self.assertEqual(self.run_with(self.other, "--ik-config", SOURCE / DERIVED)[0], found)
+        other, mapping, _ = self.run_with(self.other, "--ik-config", "published")
+        self.assertEqual(mapping, PUBLISHED)
+        self.assertNotEqual(other, found)
+
+    def test_evaluate_tracks_what_a_run_tracks(self):
+        self.run_with(self.other)
+        for arguments, mapping in (((), DERIVED), (("--ik-config", "published"), PUBLISHED)):
+            result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh",
+                                   self.other, "--json", "-", "--gate", "none", *arguments)
+            self.assert_done(result)
+            self.assertEqual(json.loads(result.stdout)["motions"][0]["mapping"], mapping)
+
+    def test_in_a_batch_each_clip_has_its_own(self):
+        self.write("in/other.bvh", self.other.read_bytes())
+        self.write("in/wave.bvh", sample("wave").read_bytes())
+        result = self.run_tool("batch", "in", "-o", "out", "--robot", "unitree_g1")
+        self.assert_done(result)
+        lines = (self.folder / "out/manifest.jsonl").read_text().splitlines()
+        found = {line["relative"]: line["mapping"] for line in map(json.loads, lines)}
+        self.assertEqual(found, {"other.bvh": DERIVED, "wave.bvh": PUBLISHED})
+        for name, clip in (("other", self.other), ("wave", sample("wave"))):
+            self.assertEqual((self.folder / f"out/{name}.csv").read_bytes(),
+                             self.run_with(clip)[0], name)
+        hashed = json.loads((self.folder / "out/options.json").read_text())[0]["files"]
+        self.assertTrue(hashed["mapping"] and hashed["mapping_of_others"])
+        both = self.run_tool("batch", "in", "-o", "both", "--robot", "unitree_g1,booster_t1",
+                             "--ik-config", "derived")
+        self.assert_done(both)
+
+    def test_a_folder_of_ones_own_keeps_its_mapping(self):
+        folder = pathlib.Path(shutil.copytree(SOURCE / "robots/unitree_g1",
+                                              self.folder / "mine/unitree_g1"))
+        self.assertEqual(self.run_with(sample("wave"), robot=folder)[1], str(folder / "ik.json"))
+        (folder / "ik.json").unlink()
+        self.assertEqual(self.run_with(self.other, robot=folder)[1], PUBLISHED)
+
+    def test_what_is_not_there_is_refused(self):
+        self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,
+                          "no published mapping", "unitree_h1")
+
+    def test_show_names_both(self):
+        shown = self.run_tool("robots", "show", "unitree_g1")
+        self.assertIn(PUBLISHED, shown.stdout)
+        self.assertIn(DERIVED, shown.stdout)
+        self.assert_done(self.run_tool("robots", "check", "unitree_g1"))
+
+
+if __name__ == "__main__":
+    unittest.main()
