@@ -87,8 +87,8 @@ void FrameTerms::add_targets(const FitPose& pose, const FrameGoals& goals, TermC
 }
 
 void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
-                              const FootEndGoal& goal, double upright,
-                              std::span<const Eigen::Vector2d> anchors, TermCosts& costs) {
+                              const FootEndGoal& goal, std::span<const Eigen::Vector2d> anchors,
+                              TermCosts& costs) {
   const Frame& world = pose.world_from_link[at(foot.link)];
   const Vector3d& origin = pose.world_from_link[0].translation;
   const Vector3d middle = world * end.middle, tip = world * end.tip;
@@ -120,15 +120,16 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
       error = height;
       stands = place;
     }
+    error -= goal.support;
     const double weight = square(options_.contact_height_weight);
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
-  } else if (options_.foot_height && upright > 0.0) {
+  } else if (options_.foot_height && goal.importance > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
     const double near = options_.foot_height_near;
     const double weight =
-        square(goal.importance * (near + far * (options_.foot_height_far - near))) * upright;
+        square(goal.importance * (near + far * (options_.foot_height_far - near)));
     add_row(foot.link, 2, low - origin, weight, error);
     costs[kTermFootHeight] += weight * square(error);
   }
@@ -147,8 +148,7 @@ void FrameTerms::add_feet(const FitPose& pose, const FrameGoals& goals, TermCost
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (const std::size_t end : {kHeel, kToe}) {
-      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals.upright[f],
-                   goals.anchors, costs);
+      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals.anchors, costs);
     }
   }
 }

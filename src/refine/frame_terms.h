@@ -38,9 +38,10 @@ struct TaskTarget {
 /// What one end of a foot, heel or toe, should do in a frame.
 struct FootEndGoal {
   double clearance = 0.0;   ///< Metres above the floor.
-  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight.
+  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight, 0: lies.
   int phase = -1;           ///< Contact phase; -1: none.
-  bool level = false;       ///< In contact, its height is that of the floor as well.
+  bool level = false;       ///< In contact, its height is that of what it stands on as well.
+  double support = 0.0;     ///< How high that is, metres; 0: the floor.
 };
 
 /// A frame's goals.
@@ -82,8 +83,8 @@ class FrameTerms {
   void add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
   void add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
   void add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
-                    const FootEndGoal& goal, double upright,
-                    std::span<const Eigen::Vector2d> anchors, TermCosts& costs);
+                    const FootEndGoal& goal, std::span<const Eigen::Vector2d> anchors,
+                    TermCosts& costs);
   void add_floor(const FitPose& pose, TermCosts& costs);
   void add_pair(const FitPose& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);

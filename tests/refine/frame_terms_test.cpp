@@ -86,10 +86,10 @@ class FrameTermsTest : public testing::Test {
     }
     ends_.assign(4, FootEndGoal{});
     anchors_.assign(2, Eigen::Vector2d::Zero());
-    ends_[0] = {0.0, 1.0, 0, true};
-    ends_[1] = {0.0, 1.0, 1, false};
-    ends_[2] = {0.05, 1.0, -1, false};
-    ends_[3] = {0.02, 2.0, -1, false};
+    ends_[0] = {0.0, 1.0, 0, true, 0.1};
+    ends_[1] = {0.0, 1.0, 1, false, 0.0};
+    ends_[2] = {0.05, 0.7, -1, false, 0.0};
+    ends_[3] = {0.02, 2.0, -1, false, 0.0};
     for (const std::size_t end : {0, 1}) {
       const FitFoot& foot = model_.feet[0];
       anchors_[end] =

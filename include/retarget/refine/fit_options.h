@@ -81,6 +81,9 @@ struct FitOptions {
   double contact_height = 0.04;         ///< Metres above its standing height.
   double contact_release_height = 0.06;
   double contact_time = 0.1;  ///< Seconds; what is shorter is no contact.
+  // a foot above the floor stands on something when it is as still as that
+  double support_time = 0.15;   ///< Seconds that it is slow, at least.
+  double support_drift = 0.02;  ///< Metres that it moves in that time, at most.
 
   // solver
   int iterations = 14;        ///< Gauss-Newton steps.
