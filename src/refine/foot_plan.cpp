@@ -93,18 +93,17 @@ class EndPlanner {
     };
     for (int frame = stance.begin; frame < stance.end; ++frame) mark(frame);
     const double size = source_.size();
-    const auto near = [&](int frame, int edge) {
+    const auto near = [&](int frame, int edge, double fast) {
       const double away =
           (source_.at(frame, foot_).end(end_) - source_.at(edge, foot_).end(end_)).norm();
       return away <= options_.support_drift * size &&
-             source_.speed(frame, foot_, end_) <= options_.contact_release_speed * size;
+             source_.speed(frame, foot_, end_) <= fast * size;
     };
-    for (int frame = stance.begin - 1; frame >= 0 && near(frame, stance.begin); --frame) {
-      if (!mark(frame)) break;
+    for (int frame = stance.begin - 1; frame >= 0; --frame) {
+      if (!near(frame, stance.begin, options_.contact_speed) || !mark(frame)) break;
     }
-    for (int frame = stance.end; frame < source_.frame_count() && near(frame, stance.end - 1);
-         ++frame) {
-      if (!mark(frame)) break;
+    for (int frame = stance.end; frame < source_.frame_count(); ++frame) {
+      if (!near(frame, stance.end - 1, options_.contact_release_speed) || !mark(frame)) break;
     }
   }
 
