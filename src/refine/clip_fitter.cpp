@@ -26,7 +26,7 @@ constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 // largest change of a variable by one step: joints and the root's rotation (rad), its position (m)
 constexpr double kLargestTurn = 0.15, kLargestMove = 0.2;
 constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
-constexpr double kPairsWithin = 0.06;  // metres
+constexpr double kPairsWithin = 0.04;  // metres
 // Share of their weight that the places of contacts have at first. They move with the feet that they
 // hold, so while they hold them hard neither gets anywhere.
 constexpr double kFirstHold = 0.12;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "refine/raised_stances.h"
+#include "refine/shorthand.h"
 
 namespace retarget {
 namespace {
@@ -152,15 +153,33 @@ class EndPlanner {
   std::vector<int> stands_on_;  // by frame
 };
 
+// Whether the hips rise over the straight line between a flight's ends as what falls does, by
+// g T^2 / 8. Less is asked for: they are not the centre of mass, and feet leave the floor early.
+bool falls_freely(const SourceFeet& source, int begin, int end) {
+  constexpr double kGravity = 9.81, kShare = 0.25;
+  if (source.hips.empty() || begin >= end) return true;
+  const auto hips =
+      std::span(source.hips)
+          .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+  const double steps = static_cast<double>(hips.size()) - 1.0;
+  const double slope = (hips.back() - hips.front()) / std::max(1.0, steps);
+  double rise = 0.0;
+  for (std::size_t i = 0; i < hips.size(); ++i) {
+    rise = std::max(rise, hips[i] - hips.front() - slope * static_cast<double>(i));
+  }
+  return rise >= kShare * kGravity * square(steps * source.frame_time) / 8.0;
+}
+
 // While all feet are in the air nothing but their clearance says how high the body flies, and of a
 // foot its lower end: the robot's foot is not as long as the source's, so that of a tucked one both
-// cannot be had. What lasts longer stands on something.
-void stress_flights(int frames, double frame_time, FootPlan& plan) {
+// cannot be had. What lasts longer stands on something, what does not fall lies or sits.
+void stress_flights(const SourceFeet& source, FootPlan& plan) {
   constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
   constexpr double kLongestFlight = 1.0;           // seconds
-  constexpr double kImportance = 4.0;
+  constexpr double kImportance = 5.0;
   constexpr double kLowerEnd = 0.05;  // metres; an end so much higher than the other has no stress
   const auto feet = static_cast<std::size_t>(plan.foot_count);
+  const int frames = source.frame_count();
   const auto at_frame = [&](int frame) {
     return std::span(plan.ends).subspan(2 * feet * static_cast<std::size_t>(frame), 2 * feet);
   };
@@ -174,7 +193,9 @@ void stress_flights(int frames, double frame_time, FootPlan& plan) {
   for (int begin = 0; begin < frames;) {
     int end = begin;
     while (end < frames && lowest(end) > kAloft) ++end;
-    for (int frame = begin; frame < end && (end - begin) * frame_time <= kLongestFlight; ++frame) {
+    const bool flies =
+        (end - begin) * source.frame_time <= kLongestFlight && falls_freely(source, begin, end);
+    for (int frame = begin; flies && frame < end; ++frame) {
       const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
       for (std::size_t foot = 0; foot < feet; ++foot) {
         const auto ends = at_frame(frame).subspan(2 * foot, 2);
@@ -259,7 +280,7 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
       EndPlanner(source, standing.of(end), scale, options, stances, foot, end, plan).run();
     }
   }
-  if (plan.foot_count > 0) stress_flights(source.frame_count(), source.frame_time, plan);
+  if (plan.foot_count > 0) stress_flights(source, plan);
   return plan;
 }
 

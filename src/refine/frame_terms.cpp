@@ -252,8 +252,9 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
 void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
                           std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
                           int stride, TermCosts& costs) {
-  for (auto& stiffness : stiffness_) stiffness.setZero();
-  for (auto& force : force_) force.setZero();
+  // all at once: clearing small matrices one by one is slow
+  std::fill_n(stiffness_.front().data(), stiffness_.size() * Matrix6d::SizeAtCompileTime, 0.0);
+  std::fill_n(force_.front().data(), force_.size() * Vector6d::SizeAtCompileTime, 0.0);
   foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);

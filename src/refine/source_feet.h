@@ -28,6 +28,7 @@ struct SourceFeet {
   double leg_length = kUsualSourceLeg;  ///< Thigh and shank, metres.
   std::vector<SourceFoot> feet;         ///< Frame-major, foot_count a frame.
   int foot_count = 0;
+  std::vector<double> hips;  ///< Their height by frame, metres; empty: not known.
 
   [[nodiscard]] int frame_count() const {
     return foot_count == 0 ? 0 : static_cast<int>(feet.size()) / foot_count;
