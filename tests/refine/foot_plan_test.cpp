@@ -142,7 +142,7 @@ TEST(FootPlan, ClearanceIsScaledAndCountsMoreInFlight) {
   // in the middle of the step, a quarter of a metre up
   const FootEndGoal& middle = plan.ends_of(38)[0];
   EXPECT_NEAR(middle.clearance, 0.5 * step(38.0 / 30.0).height, 1e-12);
-  EXPECT_EQ(middle.importance, 5.0);
+  EXPECT_DOUBLE_EQ(middle.importance, 5.0);
   EXPECT_EQ(plan.ends_of(10)[0].importance, 1.0);
 }
 
@@ -221,7 +221,7 @@ TEST(FootPlan, WhoDoesNotFallDoesNotFly) {
     const double t = static_cast<double>(frame) / 30.0 - 1.25;
     feet.hips[frame] += 0.5 * 9.81 * (0.0625 - t * t);
   }
-  EXPECT_EQ(plan_of(feet).ends_of(38)[kToe].importance, 5.0);
+  EXPECT_DOUBLE_EQ(plan_of(feet).ends_of(38)[kToe].importance, 5.0);
 }
 
 TEST(FootPlan, OfATuckedFootInFlightTheLowerEndCounts) {
@@ -232,7 +232,7 @@ TEST(FootPlan, OfATuckedFootInFlightTheLowerEndCounts) {
     feet.feet[frame].up = 0.05;
   }
   const FootPlan plan = plan_of(feet);
-  EXPECT_EQ(plan.ends_of(38)[kToe].importance, 5.0);
+  EXPECT_DOUBLE_EQ(plan.ends_of(38)[kToe].importance, 5.0);
   EXPECT_NEAR(plan.ends_of(38)[kHeel].importance, 0.0, 1e-12);
   EXPECT_EQ(plan.upright_of(38)[0], 1.0);
 }

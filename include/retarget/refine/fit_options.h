@@ -64,7 +64,7 @@ struct FitOptions {
   double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
                                  ///< velocity: times smoothing_time, per rad/s^2.
   double smoothness_arm = 2.15;
-  double smoothness_wrist = 1.6;
+  double smoothness_wrist = 1.65;
   double smoothness_root_position = 3.9;  ///< Per m/s.
   double smoothness_root_rotation = 1.25;
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
@@ -86,7 +86,7 @@ struct FitOptions {
   double support_drift = 0.02;  ///< Metres that it moves in that time, at most.
 
   // solver
-  int iterations = 12;        ///< Gauss-Newton steps.
+  int iterations = 10;        ///< Gauss-Newton steps.
   int anchor_iterations = 7;  ///< Of these, how many also move the places of contacts.
   double window = 20.0;       ///< Seconds that are solved together.
   double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.
