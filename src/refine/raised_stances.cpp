@@ -11,7 +11,7 @@ constexpr double kSoleUp = 0.75;
 // metres by which heel and toe may differ on something flat
 constexpr double kFlat = 0.03;
 
-double median(std::vector<double> values) {
+double middle_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
@@ -55,7 +55,7 @@ std::vector<RaisedStance> find_raised_stances(const SourceFeet& source,
         for (int frame = begin; frame < end; ++frame) {
           heights.push_back(source.at(frame, foot).end(foot_end).z() - standing.of(foot_end));
         }
-        stance.height[foot_end] = median(std::move(heights));
+        stance.height[foot_end] = middle_of(std::move(heights));
       }
       if (std::abs(stance.height[kHeel] - stance.height[kToe]) < kFlat * size) {
         stance.height.fill(0.5 * (stance.height[kHeel] + stance.height[kToe]));
