@@ -56,24 +56,25 @@ class SeamFinder {
     SeamSearch result;
     result.map = {band_a_.begin, band_b_.begin, static_cast<int>(band_b_.size()),
                   distance_.map(band_a_.begin, band_a_.end, band_b_.begin, band_b_.end)};
-    const PairOfFrames best = best_pair(result.map, false), same = best_pair(result.map, true);
-    const bool take_same = same.cost <= std::max(options_.threshold, best.cost);
-    result.seam = describe_seam(take_same ? same : best);
+    result.seam = describe_seam(best_pair(result.map));
     return result;
   }
 
  private:
-  [[nodiscard]] PairOfFrames best_pair(const SeamMap& map, bool of_same_support) const {
-    const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time();
+  [[nodiscard]] PairOfFrames best_pair(const SeamMap& map) const {
+    const double cost_of_frame = options_.cost_of_second * a_.rate.frame_time() +
+                                 options_.cost_of_all / (a_.frame_count + b_.frame_count);
     PairOfFrames best;
     std::size_t at = 0;
     for (int i = band_a_.begin; i < band_a_.end; ++i) {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
         const int lost = (a_.frame_count - 1 - i) + j;
         const double missing = 1.0 - distance_.frames_at(i, j) / static_cast<double>(window_);
-        const double cost = map.distances[at] * (1.0 + 0.5 * missing) + cost_of_frame * lost;
-        if (cost >= best.cost || (of_same_support && !same_support(i, j))) continue;
-        best = {i, j, cost};
+        const double distance = map.distances[at] * (1.0 + 0.5 * missing);
+        double cost = distance + cost_of_frame * lost;
+        if (cost >= best.cost) continue;
+        if (!same_support(i, j)) cost += options_.other_support * distance;
+        if (cost < best.cost) best = {i, j, cost};
       }
     }
     return best;

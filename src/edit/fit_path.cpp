@@ -210,4 +210,33 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
   return frames;
 }
 
+void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
+  constexpr double kFastest = 4.0;     // rad/s, a quick turn on the spot
+  constexpr double kLongest = 1.0;     // seconds: what turns for longer is no corner
+  constexpr double kPeakOfEase = 1.5;  // fastest against mean
+  const int count = static_cast<int>(frames.size());
+  const auto longest = static_cast<int>(std::lround(kLongest * rate.fps()));
+  const double fastest_step = kFastest * rate.frame_time();
+  const auto step = [&](int frame) { return frames[frame].heading - frames[frame - 1].heading; };
+  for (int frame = 1; frame < count; ++frame) {
+    if (std::abs(step(frame)) <= fastest_step) continue;
+    int begin = frame - 1, end = frame;
+    while (end + 1 < count && std::abs(step(end + 1)) > fastest_step) ++end;
+    const auto too_fast = [&] {
+      return kPeakOfEase * std::abs(frames[end].heading - frames[begin].heading) >
+             fastest_step * (end - begin);
+    };
+    while (too_fast() && end - begin < longest && (begin > 0 || end + 1 < count)) {
+      if (begin > 0) --begin;
+      if (end + 1 < count) ++end;
+    }
+    const double from = frames[begin].heading, turn = frames[end].heading - from;
+    for (int i = begin + 1; i < end; ++i) {
+      const double u = static_cast<double>(i - begin) / (end - begin);
+      frames[i].heading = from + turn * u * u * (3.0 - 2.0 * u);
+    }
+    frame = end;
+  }
+}
+
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #include "retarget/edit/ground_pose.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,13 +13,15 @@ namespace {
 // nearer to upside down than this the hips have no heading: it stays as it was
 constexpr double kNoHeading = 1e-3;
 
-bool moves_freely(const Joint& joint) {
-  int positions = 0, rotations = 0;
-  for (const Channel channel : joint.channels) {
-    positions += is_position(channel) ? 1 : 0;
-    rotations += is_rotation(channel) ? 1 : 0;
+bool is_moved(const Clip& clip, int joint) {
+  constexpr double kStill = 1e-9;
+  const auto slot = static_cast<std::size_t>(clip.skeleton().translation_slot(joint));
+  for (int frame = 1; frame < clip.frame_count(); ++frame) {
+    const auto &turn = clip.rotations(frame)[joint], &first = clip.rotations(0)[joint];
+    const Eigen::Vector3d way = clip.translations(frame)[slot] - clip.translations(0)[slot];
+    if (way.norm() > kStill || 1.0 - std::abs(turn.dot(first)) > kStill) return true;
   }
-  return positions == 3 && rotations >= 3;
+  return false;
 }
 
 bool is_below(const Skeleton& skeleton, int joint, int above) {
@@ -27,6 +30,15 @@ bool is_below(const Skeleton& skeleton, int joint, int above) {
 }
 
 }  // namespace
+
+bool moves_freely(const Joint& joint) {
+  int positions = 0, rotations = 0;
+  for (const Channel channel : joint.channels) {
+    positions += is_position(channel) ? 1 : 0;
+    rotations += is_rotation(channel) ? 1 : 0;
+  }
+  return positions == 3 && rotations >= 3;
+}
 
 GroundPose GroundPose::inverse() const {
   const GroundPose turned{Eigen::Vector2d::Zero(), -heading};
@@ -58,14 +70,19 @@ BodyMover::BodyMover(int joint, const HumanMapping& mapping)
       metres_per_unit_(mapping.metres_per_unit),
       human_from_source_(mapping.human_from_source) {}
 
-Result<BodyMover> BodyMover::of(const Skeleton& skeleton, const HumanMapping& mapping,
+Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping,
                                 const std::string& file) {
+  const Skeleton& skeleton = clip.skeleton();
   std::vector<int> chain;
   for (int joint = mapping.bones[0].position_joint; joint >= 0;
        joint = skeleton.joint(joint).parent) {
     chain.push_back(joint);
   }
-  while (!chain.empty() && !moves_freely(skeleton.joint(chain.back()))) chain.pop_back();
+  const auto is_free = [&](int joint) { return moves_freely(skeleton.joint(joint)); };
+  std::erase_if(chain, [&](int joint) { return !is_free(joint); });
+  const auto moving = std::ranges::find_if(chain.rbegin(), chain.rend(),
+                                           [&](int joint) { return is_moved(clip, joint); });
+  if (moving != chain.rend()) chain.erase(moving.base(), chain.end());
   bool moves_all = !chain.empty();
   for (const BoneSource& bone : mapping.bones) {
     if (!moves_all || bone.position_joint < 0) continue;

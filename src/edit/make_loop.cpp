@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "edit/join_clips.h"
 #include "retarget/base/number_text.h"
 #include "retarget/edit/pose_distance.h"
 #include "retarget/math/so3.h"
@@ -16,18 +17,34 @@ constexpr int kFewest = 3;
 
 struct CycleEnd {
   int frame = 0;
+  int overlap = 0;  // frames from there on that the clip has, at most a window
   CloudAlignment aligned;
 };
 
 CycleEnd find_end(const HumanClip& human, int from, int window) {
   const PoseClouds clouds(human, common_bones(human, human));
   const WindowDistance distance(clouds, clouds, window);
-  CycleEnd best{from, distance.at(from, 0)};
+  CycleEnd best{from, distance.frames_at(from, 0), distance.at(from, 0)};
   for (int frame = from + 1; frame < human.frame_count; ++frame) {
     const CloudAlignment aligned = distance.at(frame, 0);
-    if (aligned.distance < best.aligned.distance) best = {frame, aligned};
+    if (aligned.distance >= best.aligned.distance) continue;
+    best = {frame, distance.frames_at(frame, 0), aligned};
   }
   return best;
+}
+
+// how far the body has come when it is back in its first pose
+GroundPose advance_of(const HumanMotion& motion, const CycleEnd& end) {
+  // a foot that never leaves its place says it exactly
+  for (int foot = 0; foot < 2; ++foot) {
+    if (motion.feet.ankles[foot].empty()) continue;
+    for (const ContactPhase& phase : motion.feet.contacts.phases[foot]) {
+      if (phase.begin > 0 || phase.end <= end.frame) continue;
+      return between_places(motion.feet.ankles[foot].front(),
+                            motion.feet.ankles[foot][static_cast<std::size_t>(end.frame)]);
+    }
+  }
+  return end.aligned.a_from_b;
 }
 
 // part of a rigid motion over the ground: along the arc that it makes when repeated
@@ -98,6 +115,26 @@ class LoopCloser {
   const int settle_;
 };
 
+// one cycle of a clip that was joined to itself after `cycle` frames: from the middle of the first
+// to that of the second, far from the seam, put in its order and closed to the last bit
+Clip cycle_of(const Clip& joined, int cycle, const GroundPose& advance, const BodyMover& mover,
+              int settle) {
+  const int middle = cycle / 2;
+  Clip part = cut(joined, middle, middle + cycle + 1);
+  Clip next = cut(joined, middle, middle + 2);
+  mover.move_all(next, advance.in_space());
+  LoopCloser(part, next, settle).run();
+  Clip result = cut(joined, 0, cycle);
+  const GroundPose back = advance.inverse();
+  for (int frame = 0; frame < cycle; ++frame) {
+    const int from = frame >= middle ? frame - middle : frame - middle + cycle;
+    std::ranges::copy(part.rotations(from), result.rotations(frame).begin());
+    std::ranges::copy(part.translations(from), result.translations(frame).begin());
+    if (frame < middle) mover.move(result, frame, back);
+  }
+  return result;
+}
+
 Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& advance,
               const BodyMover& mover) {
   Clip result = cycle;
@@ -119,7 +156,7 @@ Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& a
 
 Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options,
                        const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
   const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
@@ -136,23 +173,35 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   const auto in_frames = [&clip](double seconds) {
     return std::max(1, static_cast<int>(std::lround(seconds * clip.rate().fps())));
   };
-  const CycleEnd end =
-      find_end(to_human(clip, mapping), std::max(kFewest, static_cast<int>(wanted)),
-               in_frames(options.window) + 1);
+  const HumanMotion motion(clip, mapping);
+  const CycleEnd end = find_end(motion.human, std::max(kFewest, static_cast<int>(wanted)),
+                                in_frames(options.seam.seam.window) + 1);
+  const GroundPose advance = advance_of(motion, end);
+  const double share_of_cycle = end.frame * clip.rate().frame_time() / 3.0;
+  ConcatenateOptions how = options.seam;
+  how.fade = std::min(how.fade, share_of_cycle);
+  how.plant.release = std::min(how.plant.release, share_of_cycle);
+  how.plant.pelvis_blend = std::min(how.plant.pelvis_blend, share_of_cycle);
+  Seam seam;
+  seam.a_frame = end.frame;
+  seam.overlap = end.overlap;
+  seam.a_from_b = advance;
+  seam.distance = end.aligned.distance;
+  Clip next = clip;
+  mover->move_all(next, advance.in_space());
+  auto joined = join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
+  if (!joined) return failure(joined.error());
 
-  Clip cycle = cut(clip, 0, end.frame + 1);
-  Clip next = cut(clip, 0, 2);
-  mover->move_all(next, end.aligned.a_from_b.in_space());
-  LoopCloser(cycle, next, std::min(in_frames(options.settle), end.frame)).run();
-  cycle.resize(end.frame);
+  const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));
+  Clip cycle = cycle_of(joined->clip, end.frame, advance, *mover, settle);
   if (options.in_place) {
     for (int frame = 0; frame < end.frame; ++frame) {
       const double share = static_cast<double>(frame) / end.frame;
-      mover->move(cycle, frame, part_of(end.aligned.a_from_b, share).inverse());
+      mover->move(cycle, frame, part_of(advance, share).inverse());
     }
   }
-  Clip whole = repeated(cycle, options, end.aligned.a_from_b, *mover);
-  return Loop{std::move(whole), end.frame, end.aligned.distance, end.aligned.a_from_b};
+  Clip whole = repeated(cycle, options, advance, *mover);
+  return Loop{std::move(whole), end.frame, end.aligned.distance, advance, std::move(joined->check)};
 }
 
 }  // namespace retarget

@@ -45,8 +45,12 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
   }
   const std::string name = controls ? "control_points" : "waypoints";
   const Json& list = (*json)[name];
+  if (!list.is_array()) {
+    return config_failure(
+        file, "\"" + name + "\" must be a list of points, found " + short_text(list), kHint);
+  }
   std::vector<Eigen::Vector2d> points;
-  for (std::size_t i = 0; list.is_array() && i < list.size(); ++i) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
     const auto point = point_from(list[i]);
     if (!point) {
       return config_failure(file,

@@ -126,7 +126,7 @@ class FootPlanter {
       Eigen::Vector3d axis = -Eigen::Vector3d::UnitZ();
       const auto& bone_axes = mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
-      solvers_[foot].emplace(*legs[foot], axis);
+      solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
       ankles_[foot] = ankle_poses(clip, mapping, *legs[foot]);
     }
   }
@@ -267,7 +267,7 @@ std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, con
 Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
                                 std::span<const PlantedFoot> plants, const PlantOptions& options,
                                 const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   return FootPlanter(clip, mapping, *mover, options).run(plants);
 }

@@ -12,30 +12,17 @@
 #include "retarget/motion/skeleton_points.h"
 
 namespace retarget {
-namespace {
-
-// the points of a foot: its joint and all below
-std::vector<SkeletonPoint> foot_points(const Skeleton& skeleton, int ankle) {
-  std::vector<SkeletonPoint> points;
-  if (ankle < 0) return points;
-  for (SkeletonPoint& point : skeleton_points(skeleton)) {
-    int joint = point.joint;
-    while (joint > ankle) joint = skeleton.joint(joint).parent;
-    if (joint == ankle) points.push_back(std::move(point));
-  }
-  return points;
-}
-
-}  // namespace
-
 Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
                             const std::string& file) {
   const Skeleton& skeleton = clip.skeleton();
-  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping));
+  // who is there for less than a contact stands if still
+  ContactOptions standing;
+  standing.shortest = std::min(standing.shortest, clip.frame_count() * clip.rate().frame_time());
+  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping), standing);
   std::array<std::vector<SkeletonPoint>, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
     const int bone = find_bone(foot == 0 ? "LeftFoot" : "RightFoot").value();
-    feet[foot] = foot_points(skeleton, mapping.bones[bone].position_joint);
+    feet[foot] = points_below(skeleton, mapping.bones[bone].position_joint);
   }
   const Eigen::RowVector3d up = mapping.human_from_source.row(2) * mapping.metres_per_unit;
   std::vector<double> heights;
@@ -60,7 +47,7 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
 
 Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor,
                           const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
   mover->move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
   return clip;

@@ -1,8 +1,10 @@
 #include "retarget/edit/rethread.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "edit/seam_check.h"
 #include "retarget/base/number_text.h"
 #include "retarget/edit/change_speed.h"
 #include "retarget/human/foot_contacts.h"
@@ -13,29 +15,39 @@ namespace {
 // shorter than this a path gives no speed, metres
 constexpr double kShortestWay = 0.01;
 
-// the motion on its new path, played so that it goes as fast as on its own
-Result<Clip> at_own_speed(Clip clip, double own_length, double length) {
+// how fast a motion is to be played on its new path, to go as fast as on its own
+Result<double> playing_speed(PathKeep keep, double own_length, double length) {
+  if (keep != PathKeep::kSpeed) return 1.0;
   if (own_length < kShortestWay || length < kShortestWay) {
     return usage_failure("a path of " + number_text(std::min(own_length, length), 3) +
                              " m has no speed that could be kept",
                          "keep the time instead");
   }
-  return change_speed(std::move(clip), own_length / length);
+  return own_length / length;
+}
+
+Result<Clip> at_speed(Clip clip, double speed) {
+  if (speed == 1.0) return clip;
+  return change_speed(std::move(clip), speed);
 }
 
 // where feet stand: each contact as a whole, as its middle frame is moved
+// `clip` is the source, `speed` times as fast as what `moves` has one of per frame
 std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapping,
-                                      const HumanClip& human, const std::vector<GroundPose>& moves,
+                                      const std::vector<GroundPose>& moves, double speed,
                                       double same_stand) {
   std::vector<PlantedFoot> plants;
-  const FootContacts contacts = find_foot_contacts(human);
+  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping));
+  const auto last_move = static_cast<double>(moves.size() - 1);
   const auto legs = find_legs(clip.skeleton(), mapping);
   for (int foot = 0; foot < 2; ++foot) {
     if (!legs[foot]) continue;
     const auto ankles = ankle_poses(clip, mapping, *legs[foot]);
     for (const ContactPhase& phase :
          without_short_breaks(contacts.phases[foot], same_stand, clip.rate())) {
-      const Pose move = moves[static_cast<std::size_t>((phase.begin + phase.end) / 2)].in_space();
+      const int middle = (phase.begin + phase.end) / 2;
+      const double moved_as = std::min(std::round(speed * middle), last_move);
+      const Pose move = moves[static_cast<std::size_t>(moved_as)].in_space();
       PlantedFoot plant{foot, phase.begin, {}};
       for (int frame = phase.begin; frame < phase.end; ++frame) {
         plant.world_from_foot.push_back(move * ankles[frame]);
@@ -50,16 +62,19 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
 
 Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const GroundPath& path,
                             const RethreadOptions& options, const std::string& file) {
-  const auto mover = BodyMover::of(clip.skeleton(), mapping, file);
+  const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
-  const HumanClip human = to_human(clip, mapping);
-  auto own = fit_path(human, options.fit, file);
+  auto own = fit_path(to_human(clip, mapping), options.fit, file);
   if (!own) return failure(own.error());
+
+  const auto speed = playing_speed(options.keep, own->path.length(), path.length());
+  if (!speed) return failure(speed.error());
 
   // turns while standing: of the own path as the body turns, of the new one as the own path does
   std::vector<double> body_turns, own_turns;
   for (const StillPhase& phase : own->still) body_turns.push_back(phase.turn);
-  const auto own_frames = path_frames(own->path, own->along, own->still, body_turns);
+  auto own_frames = path_frames(own->path, own->along, own->still, body_turns);
+  spread_turns(own_frames, clip.rate());
   const auto last = static_cast<int>(own_frames.size()) - 1;
   for (const StillPhase& phase : own->still) {
     own_turns.push_back(own_frames[std::min(phase.end, last)].heading -
@@ -70,22 +85,25 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
   std::vector<double> along;
   for (const double place : own->along) along.push_back(stretch * place);
 
-  Rethreaded result{clip, std::move(*own), {}, {}};
+  Rethreaded result{clip, std::move(*own), {}, {}, {}};
   result.frames = path_frames(path, along, result.source.still, own_turns);
+  spread_turns(result.frames, clip.rate());
   std::vector<GroundPose> moves;
   for (std::size_t frame = 0; frame < own_frames.size(); ++frame) {
     moves.push_back(result.frames[frame] * own_frames[frame].inverse());
     mover->move(result.clip, static_cast<int>(frame), moves.back());
   }
-  const auto plants = moved_plants(clip, mapping, human, moves, options.same_stand);
+  // feet are planted in what is played: no filter comes after
+  auto played = at_speed(clip, *speed), moved = at_speed(std::move(result.clip), *speed);
+  if (!played || !moved) return failure(played ? moved.error() : played.error());
+  result.clip = std::move(*moved);
+  const auto plants = moved_plants(*played, mapping, moves, *speed, options.same_stand);
   const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
   if (!feet) return failure(feet.error());
   result.feet = *feet;
-  if (options.keep == PathKeep::kSpeed) {
-    auto played = at_own_speed(std::move(result.clip), result.source.path.length(), path.length());
-    if (!played) return failure(played.error());
-    result.clip = std::move(*played);
-  }
+  const HumanClip before = to_human(clip, mapping);
+  result.check = check_speeds(before, before, to_human(result.clip, mapping),
+                              {0, result.clip.frame_count(), 0, 0, 0}, options.speed_factor);
   return result;
 }
 

@@ -14,58 +14,104 @@ int count_frames(double seconds, const FrameRate& rate) {
   return std::max(1, static_cast<int>(std::lround(seconds * rate.fps())));
 }
 
-void crossfade(Clip& result, const Clip& a, const Clip& b, const SeamRegion& region) {
-  for (int frame = region.begin; frame < region.end; ++frame) {
-    const double of_b = 1.0 - region.weight_of_a(frame);
-    const auto rotations_a = a.rotations(frame), rotations_b = b.rotations(frame - region.b_shift);
-    const auto rotations = result.rotations(frame);
-    for (std::size_t joint = 0; joint < rotations.size(); ++joint) {
-      rotations[joint] = interpolate_linear(rotations_a[joint], rotations_b[joint], of_b);
-    }
-    const auto places_a = a.translations(frame), places_b = b.translations(frame - region.b_shift);
-    const auto places = result.translations(frame);
-    for (std::size_t slot = 0; slot < places.size(); ++slot) {
-      places[slot] = places_a[slot] + of_b * (places_b[slot] - places_a[slot]);
-    }
+// mixes values of two clips in the frames around their seam
+class SeamMixer {
+ public:
+  SeamMixer(const Clip& a, const Clip& b, const SeamRegion& region)
+      : a_(a), b_(b), region_(region), crossfades_(region.a_end > region.b_begin) {
+    const int at_a = region.begin, at_b = seam_in_b();
+    // steps at one time: to the seam, or on from it where both clips have one
+    const int after = at_a > 0 && at_b > 0 ? 0 : 1;
+    step_a_ = at_a + after;
+    step_b_ = at_b + after;
+    foretold_ = step_a_ >= a.frame_count();
+    steps_ = step_b_ < b.frame_count() && (!foretold_ || at_a >= 2);
   }
+
+  /// @param in  the value of a clip in a frame.
+  template <typename Value>
+  [[nodiscard]] Eigen::Quaterniond rotation(const Value& in, int frame) const {
+    const Eigen::Quaterniond of_b = in(b_, frame - region_.b_shift);
+    if (crossfades_) return interpolate_linear(in(a_, frame), of_b, weight_of_b(frame));
+    const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+      return log_so3(to * from.conjugate());
+    };
+    const auto step = [&](const Clip& clip, int to) {
+      return turn(in(clip, to - 1), in(clip, to));
+    };
+    const Eigen::Vector3d gap = turn(in(b_, seam_in_b()), in(a_, region_.begin));
+    return (exp_so3(faded(gap, step, frame)) * of_b).normalized();
+  }
+
+  template <typename Value>
+  [[nodiscard]] Eigen::Vector3d translation(const Value& in, int frame) const {
+    const Eigen::Vector3d of_b = in(b_, frame - region_.b_shift);
+    if (crossfades_) {
+      const Eigen::Vector3d of_a = in(a_, frame);
+      return of_a + weight_of_b(frame) * (of_b - of_a);
+    }
+    const auto step = [&](const Clip& clip, int to) -> Eigen::Vector3d {
+      return in(clip, to) - in(clip, to - 1);
+    };
+    const Eigen::Vector3d gap = in(a_, region_.begin) - in(b_, seam_in_b());
+    return of_b + faded(gap, step, frame);
+  }
+
+ private:
+  [[nodiscard]] double weight_of_b(int frame) const { return 1.0 - region_.weight_of_a(frame); }
+  [[nodiscard]] int seam_in_b() const { return region_.begin - region_.b_shift; }
+
+  // what fades in b: at the seam b is a's value, and steps as a stepped
+  template <typename Step>
+  [[nodiscard]] Eigen::Vector3d faded(const Eigen::Vector3d& gap, const Step& step,
+                                      int frame) const {
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    // the same frame in both goes on as b does
+    constexpr double kSame = 1e-7;
+    if (steps_ && (!foretold_ || gap.norm() > kSame)) {
+      const int last = region_.begin;
+      const Eigen::Vector3d of_a = foretold_
+                                       ? Eigen::Vector3d(2.0 * step(a_, last) - step(a_, last - 1))
+                                       : step(a_, step_a_);
+      velocity = of_a - step(b_, step_b_);
+    }
+    return fade(gap, velocity, region_.end - region_.begin, frame - region_.begin);
+  }
+
+  const Clip& a_;
+  const Clip& b_;
+  const SeamRegion& region_;
+  const bool crossfades_;
+  int step_a_ = 0, step_b_ = 0;  // frames that end a step
+  bool steps_ = false;           // they are known
+  bool foretold_ = false;        // a's is not there, but follows from the two before
+};
+
+Pose world_from(const Clip& clip, int frame, int joint) {
+  Pose pose;
+  for (; joint >= 0; joint = clip.skeleton().joint(joint).parent) {
+    pose = Pose{clip.rotations(frame)[joint], clip.translation(frame, joint)} * pose;
+  }
+  return pose;
 }
 
-// what fades in b: at the seam b is a's pose, and steps as a stepped
-void fade_in(Clip& result, const Clip& a, const Clip& b, const SeamRegion& region) {
-  const int at_a = region.begin, at_b = region.begin - region.b_shift;
-  // steps at one time: to the seam, or on from it where both clips have one; else they are not
-  // known to differ
-  const int after = at_a > 0 && at_b > 0 ? 0 : 1;
-  const int step_a = at_a + after, step_b = at_b + after;
-  const bool steps = step_a < a.frame_count() && step_b < b.frame_count();
-  const double length = region.end - region.begin;
-  const auto turn = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
-    return log_so3(to * from.conjugate());
-  };
-  for (std::size_t joint = 0; joint < result.rotations(0).size(); ++joint) {
-    const auto in = [joint](const Clip& clip, int frame) { return clip.rotations(frame)[joint]; };
-    const Eigen::Vector3d gap = turn(in(b, at_b), in(a, at_a));
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps) {
-      velocity = turn(in(a, step_a - 1), in(a, step_a)) - turn(in(b, step_b - 1), in(b, step_b));
-    }
-    for (int frame = region.begin; frame < region.end; ++frame) {
-      Eigen::Quaterniond& rotation = result.rotations(frame)[joint];
-      rotation =
-          (exp_so3(fade(gap, velocity, length, frame - region.begin)) * rotation).normalized();
-    }
+// gives the hips a world pose: by their own channels, or, where those are not free, by those of
+// what moves the body
+void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
+              const HumanMapping& mapping, const BodyMover& mover) {
+  const Skeleton& skeleton = clip.skeleton();
+  if (moves_freely(skeleton.joint(hips))) {
+    const Pose world_from_parent = world_from(clip, frame, skeleton.joint(hips).parent);
+    const Pose parent_from_hips = world_from_parent.inverse() * world_from_hips;
+    clip.rotations(frame)[hips] = parent_from_hips.rotation.normalized();
+    clip.translations(frame)[skeleton.translation_slot(hips)] = parent_from_hips.translation;
+    return;
   }
-  for (std::size_t slot = 0; slot < result.translations(0).size(); ++slot) {
-    const auto in = [slot](const Clip& clip, int frame) { return clip.translations(frame)[slot]; };
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    if (steps) {
-      velocity = (in(a, step_a) - in(a, step_a - 1)) - (in(b, step_b) - in(b, step_b - 1));
-    }
-    const Eigen::Vector3d gap = in(a, at_a) - in(b, at_b);
-    for (int frame = region.begin; frame < region.end; ++frame) {
-      result.translations(frame)[slot] += fade(gap, velocity, length, frame - region.begin);
-    }
-  }
+  const Pose move = world_from_hips * world_from(clip, frame, hips).inverse();
+  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  mover.move(clip, frame,
+             Pose{human_from_source * move.rotation * human_from_source.conjugate(),
+                  human_from_source * move.translation * mapping.metres_per_unit});
 }
 
 }  // namespace
@@ -93,17 +139,36 @@ SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options, cons
   return region;
 }
 
-Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region) {
+Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
+                 const HumanMapping& mapping, const BodyMover& mover) {
   Clip result = cut(a, 0, region.begin);
   result.resize(b.frame_count() + region.b_shift);
   for (int frame = region.begin; frame < result.frame_count(); ++frame) {
     std::ranges::copy(b.rotations(frame - region.b_shift), result.rotations(frame).begin());
     std::ranges::copy(b.translations(frame - region.b_shift), result.translations(frame).begin());
   }
-  if (region.a_end > region.b_begin) {
-    crossfade(result, a, b, region);
-  } else {
-    fade_in(result, a, b, region);
+  const SeamMixer mixer(a, b, region);
+  const int hips = mapping.bones[0].position_joint;
+  for (int frame = region.begin; frame < region.end; ++frame) {
+    for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
+      const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };
+      result.rotations(frame)[joint] = mixer.rotation(in, frame);
+    }
+    for (std::size_t slot = 0; slot < result.translations(frame).size(); ++slot) {
+      const auto in = [slot](const Clip& clip, int at) { return clip.translations(at)[slot]; };
+      result.translations(frame)[slot] = mixer.translation(in, frame);
+    }
+    if (a.skeleton().joint(hips).parent < 0) continue;
+    // joints above the hips may share the way between them differently in each clip: it is the
+    // hips' pose that counts
+    const auto turned = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).rotation;
+    };
+    const auto placed = [hips](const Clip& clip, int at) {
+      return world_from(clip, at, hips).translation;
+    };
+    put_hips(result, frame, hips, {mixer.rotation(turned, frame), mixer.translation(placed, frame)},
+             mapping, mover);
   }
   return result;
 }

@@ -21,6 +21,8 @@ struct SeamRegion {
                                      const FrameRate& rate, int frames_of_b);
 
 /// The clips as one; b lies already where it is to go on.
-[[nodiscard]] Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region);
+/// @param mover  of their skeleton.
+[[nodiscard]] Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
+                               const HumanMapping& mapping, const BodyMover& mover);
 
 }  // namespace retarget

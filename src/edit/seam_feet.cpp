@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/fading_offset.h"
 #include "retarget/edit/ground_pose.h"
-#include "retarget/math/spline.h"
+#include "retarget/math/so3.h"
 #include "retarget/math/trigonometry.h"
 
 namespace retarget {
@@ -12,17 +13,6 @@ namespace {
 
 // two contacts nearer in time than this are one, seconds
 constexpr double kSameStand = 0.1;
-
-// the motion over the ground that brings one place of a foot to another, heading and all
-GroundPose between_places(const Pose& from, const Pose& to) {
-  const Eigen::Quaterniond turn = to.rotation * from.rotation.conjugate();
-  GroundPose result;
-  if (turn.z() * turn.z() + turn.w() * turn.w() > 1e-6) {
-    result.heading = 2.0 * portable::atan2(turn.z(), turn.w());
-  }
-  result.position = to.translation.head<2>() - result * Eigen::Vector2d(from.translation.head<2>());
-  return result;
-}
 
 class FootJoiner {
  public:
@@ -50,26 +40,32 @@ class FootJoiner {
     return plant;
   }
 
-  // a foot that stands in both
+  // a foot that stands in both: over the ground it stays where a has it, height and tilt go over
+  // from a's to b's
   [[nodiscard]] PlantedFoot from_both(const ContactPhase& in_a, const ContactPhase& in_b) const {
-    // compared in a frame that both clips have
+    // where a ends, b has to take over, before it has the foot down too
+    const int last = static_cast<int>(a_.size()) - 1;
+    const int change = std::clamp(in_b.begin, region_.begin, last);
     const int middle = (std::max(in_a.begin, in_b.begin) + std::min(in_a.end, in_b.end)) / 2;
-    const int both = std::clamp(middle, region_.b_begin, static_cast<int>(a_.size()) - 1);
+    // compared in a frame that both clips have
+    const int both = std::clamp(middle, region_.begin, last);
     const Pose a_from_b = between_places(of_b(both), a_[both]).in_space();
+
+    const Pose first = a_from_b * of_b(change);
+    const Eigen::Vector3d shift = a_[change].translation - first.translation;
+    const Eigen::Vector3d turn = log_so3(a_[change].rotation * first.rotation.conjugate());
+    const Eigen::Vector3d at_rest = Eigen::Vector3d::Zero();
+    const double frames = std::max(region_.end - region_.begin, 1);
     PlantedFoot plant{0, in_a.begin, {}};
     for (int frame = in_a.begin; frame < in_b.end; ++frame) {
-      double of_a = region_.weight_of_a(frame);
-      if (frame >= in_a.end) of_a = 0.0;
-      if (frame < in_b.begin) of_a = frame < region_.a_end ? 1.0 : of_a;
-      if (of_a == 1.0) {
+      if (frame < change) {
         plant.world_from_foot.push_back(a_[frame]);
         continue;
       }
       Pose pose = a_from_b * of_b(frame);
-      if (of_a > 0.0) {
-        pose.translation += of_a * (a_[frame].translation - pose.translation);
-        pose.rotation = interpolate_linear(pose.rotation, a_[frame].rotation, of_a);
-      }
+      pose.translation += fade(shift, at_rest, frames, frame - change);
+      pose.rotation =
+          (exp_so3(fade(turn, at_rest, frames, frame - change)) * pose.rotation).normalized();
       plant.world_from_foot.push_back(pose);
     }
     return plant;
@@ -93,8 +89,19 @@ std::vector<ContactPhase> clipped(const std::vector<ContactPhase>& phases, int s
 
 }  // namespace
 
+GroundPose between_places(const Pose& from, const Pose& to) {
+  const Eigen::Quaterniond turn = to.rotation * from.rotation.conjugate();
+  GroundPose result;
+  if (turn.z() * turn.z() + turn.w() * turn.w() > 1e-6) {
+    result.heading = 2.0 * portable::atan2(turn.z(), turn.w());
+  }
+  result.position = to.translation.head<2>() - result * Eigen::Vector2d(from.translation.head<2>());
+  return result;
+}
+
 std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
-                                       const SeamRegion& region, const FrameRate& rate) {
+                                       const ClipFeet& blended, const SeamRegion& region,
+                                       const FrameRate& rate) {
   std::vector<PlantedFoot> plants;
   const int a_end = std::max(region.a_end, region.b_begin);
   for (int foot = 0; foot < 2; ++foot) {
@@ -117,10 +124,19 @@ std::vector<PlantedFoot> joined_plants(const ClipFeet& a, const ClipFeet& b,
     } else {
       // while both count, a foot that stands in one alone is half its own
       const int middle = (region.b_begin + a_end) / 2;
-      for (const ContactPhase& phase : clipped(of_a, 0, 0, middle)) {
+      const auto rises = [&](int frame, const Pose& stands) {
+        const Pose& is = blended.ankles[foot][static_cast<std::size_t>(frame)];
+        constexpr double kLifted = 0.02;
+        return std::abs(is.translation.z() - stands.translation.z()) > kLifted;
+      };
+      int leaves = region.begin, comes = middle;
+      while (leaves < middle && !rises(leaves, a.ankles[foot][static_cast<std::size_t>(leaves)]))
+        ++leaves;
+      while (comes < region.end && rises(comes, joiner.of_b(comes))) ++comes;
+      for (const ContactPhase& phase : clipped(of_a, 0, 0, std::min(leaves, a_end))) {
         plants.push_back(joiner.from_a(phase));
       }
-      of_b = clipped(of_b, 0, middle, end);
+      of_b = clipped(of_b, 0, comes, end);
     }
     for (const ContactPhase& phase : of_b) plants.push_back(joiner.from_b(phase));
     for (std::size_t i = first_new; i < plants.size(); ++i) plants[i].foot = foot;

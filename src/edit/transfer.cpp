@@ -2,13 +2,16 @@
 
 #include <vector>
 
+#include "edit/rest_frames.h"
+
 namespace retarget {
 namespace {
 
 class Transfer {
  public:
-  Transfer(const HumanClip& human, const TransferTarget& target)
+  Transfer(const HumanClip& human, double raise, const TransferTarget& target)
       : human_(human),
+        raise_(raise),
         target_(target),
         target_from_human_(Eigen::Quaterniond(target.mapping.human_from_source).conjugate()),
         bone_of_joint_(target.skeleton->joint_count(), -1),
@@ -57,9 +60,14 @@ class Transfer {
   void place(Clip& clip, int frame) {
     const int slot = target_.skeleton->translation_slot(placed_joint_);
     if (slot < 0) return;
-    const double scale = target_.mapping.size / human_.size / target_.mapping.metres_per_unit;
-    const Eigen::Vector3d wanted = target_from_human_ * human_.frame(frame)[0].translation * scale;
-    const Eigen::Vector3d shift = wanted - world_from_joint_[target_.map.joint("Hips")].translation;
+    Eigen::Vector3d wanted =
+        human_.frame(frame)[0].translation * target_.mapping.size / human_.size;
+    wanted.z() += raise_;
+    const auto& beside = target_.mapping.bones[0].position_in_joint;
+    const Eigen::Vector3d hips = world_from_joint_[target_.map.joint("Hips")] *
+                                 (beside ? *beside : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+    const Eigen::Vector3d shift =
+        target_from_human_ * wanted / target_.mapping.metres_per_unit - hips;
     const int parent = target_.skeleton->joint(placed_joint_).parent;
     const Eigen::Quaterniond above =
         parent < 0 ? Eigen::Quaterniond::Identity() : world_from_joint_[parent].rotation;
@@ -67,6 +75,7 @@ class Transfer {
   }
 
   const HumanClip& human_;
+  const double raise_;  // of the hips, metres
   const TransferTarget& target_;
   const Eigen::Quaterniond target_from_human_;
   std::vector<int> bone_of_joint_;  // of target joints; -1: no bone
@@ -76,8 +85,12 @@ class Transfer {
 
 }  // namespace
 
-Clip transfer(const HumanClip& human, const TransferTarget& target) {
-  return Transfer(human, target).run();
+Clip transfer(const Clip& clip, const HumanMapping& mapping, const TransferTarget& target) {
+  const auto depth = sole_depth(clip.skeleton(), mapping);
+  const auto target_depth = sole_depth(*target.skeleton, target.mapping);
+  const double scale = target.mapping.size / mapping.size;
+  const double raise = depth && target_depth ? *target_depth - scale * *depth : 0.0;
+  return Transfer(to_human(clip, mapping), raise, target).run();
 }
 
 }  // namespace retarget

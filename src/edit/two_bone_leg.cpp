@@ -21,14 +21,70 @@ void turn_joint(Clip& clip, int frame, int joint, const Eigen::Quaterniond& turn
   rotation = turned.normalized();
 }
 
-// angle at the knee between thigh and shin, of a triangle with these sides
-double knee_angle(double thigh, double shin, double distance) {
-  const double cosine = std::clamp(
-      (thigh * thigh + shin * shin - distance * distance) / (2.0 * thigh * shin), -1.0, 1.0);
-  return portable::atan2(std::sqrt(1.0 - cosine * cosine), cosine);
+double smooth_step(double from, double to, double value) {
+  const double share = std::clamp((value - from) / (to - from), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
+}
+
+// the axis about which a knee bends, world: that of its bend, as far as it has one; of a leg that
+// is almost straight the hinge's
+Eigen::Vector3d bend_axis(const Eigen::Vector3d& thigh, const Eigen::Vector3d& shin,
+                          const Eigen::Vector3d& hinge) {
+  constexpr double kStraight = 0.1, kBent = 0.35;  // sines of the bend
+  const Eigen::Vector3d across = thigh.cross(shin) / (thigh.norm() * shin.norm());
+  const double bent = smooth_step(kStraight, kBent, across.norm());
+  if (bent == 0.0) return hinge;
+  // a knee that is bent backwards has the same axis
+  const double side = across.dot(hinge) < 0.0 ? -1.0 : 1.0;
+  return (bent * side * across.normalized() + (1.0 - bent) * hinge).normalized();
+}
+
+// the turn of the shin about the axis that brings hip and ankle to a distance
+//
+// With R(angle) shin = along + cos (shin - along) + sin (axis x shin) the distance depends on
+// thigh . R shin = fixed + amplitude cos(angle - straightest).
+double bend_to(const Eigen::Vector3d& thigh, const Eigen::Vector3d& shin,
+               const Eigen::Vector3d& axis, double distance) {
+  const Eigen::Vector3d along = axis.dot(shin) * axis;
+  const double fixed = thigh.dot(along), cosine = thigh.dot(shin - along),
+               sine = thigh.dot(axis.cross(shin));
+  const double amplitude = std::sqrt(cosine * cosine + sine * sine);
+  if (!(amplitude > 0.0)) return 0.0;
+  const double straightest = portable::atan2(sine, cosine);
+  const double wanted = 0.5 * (distance * distance - thigh.squaredNorm() - shin.squaredNorm());
+  const double share = std::clamp((wanted - fixed) / amplitude, -1.0, 1.0);
+  const double bend = portable::atan2(std::sqrt(1.0 - share * share), share);
+  if (straightest <= 0.0) return straightest + bend;
+  // a knee that is bent backwards is not bent so any further: on the way to the other side the leg
+  // is as good as straight, and what its length is off is nothing
+  constexpr double kTurned = 0.15;
+  return straightest + bend * (2.0 * smooth_step(0.0, kTurned, bend - straightest) - 1.0);
 }
 
 }  // namespace
+
+Eigen::Vector3d learned_hinge(const Clip& clip, const LegJoints& joints,
+                              const Eigen::Vector3d& fallback) {
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, poses);
+    const Pose& knee = poses[joints.knee];
+    const Eigen::Vector3d thigh = knee.translation - poses[joints.hip].translation;
+    const Eigen::Vector3d shin = poses[joints.ankle].translation - knee.translation;
+    const double lengths = thigh.norm() * shin.norm();
+    if (!(lengths > 0.0)) continue;
+    const Eigen::Vector3d across = thigh.cross(shin) / lengths;
+    // what a straight leg is bent is noise
+    constexpr double kBent = 0.35;
+    if (across.norm() < kBent) continue;
+    sum += knee.rotation.conjugate() * across;
+    weights += across.norm();
+  }
+  constexpr double kOneAxis = 0.7;
+  return sum.norm() > kOneAxis * weights ? Eigen::Vector3d(sum.normalized()) : fallback;
+}
 
 double TwoBoneLeg::length(const std::vector<Pose>& world_from_joint) const {
   const Eigen::Vector3d& knee = world_from_joint[joints_.knee].translation;
@@ -47,15 +103,9 @@ double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,
   const double shortest = 1.001 * std::abs(thigh.norm() - shin.norm());
   const double distance = std::clamp(wanted.norm(), shortest, std::max(longest, shortest));
 
-  // the knee bends about the axis across thigh and shin, of a straight leg about its own
-  constexpr double kStraight = 1e-3;
-  Eigen::Vector3d axis = thigh.cross(shin);
-  if (axis.norm() < kStraight * thigh.norm() * shin.norm()) {
-    axis = poses[joints_.knee].rotation * bend_axis_;
-  }
-  const double bend = knee_angle(thigh.norm(), shin.norm(), (thigh + shin).norm()) -
-                      knee_angle(thigh.norm(), shin.norm(), distance);
-  turn_joint(clip, frame, joints_.knee, exp_so3(axis.normalized() * bend), poses);
+  const Eigen::Vector3d axis = bend_axis(thigh, shin, poses[joints_.knee].rotation * hinge_);
+  const double bend = bend_to(thigh, shin, axis, distance);
+  turn_joint(clip, frame, joints_.knee, exp_so3(axis * bend), poses);
 
   forward_kinematics(clip, frame, poses);
   const Eigen::Vector3d now = poses[joints_.ankle].translation - hip;

@@ -9,12 +9,17 @@
 
 namespace retarget {
 
+/// The axis in the knee joint's frame about which a knee bends, a unit vector: the mean of that in
+/// all frames in which it is clearly bent; where there are none, or they differ, `fallback`.
+[[nodiscard]] Eigen::Vector3d learned_hinge(const Clip& clip, const LegJoints& joints,
+                                            const Eigen::Vector3d& fallback);
+
 /// Two-bone inverse kinematics of one leg, in the file's units and axes.
 class TwoBoneLeg {
  public:
-  /// @param shin_back  the axis in the knee joint's frame about which a straight knee bends.
-  TwoBoneLeg(const LegJoints& joints, const Eigen::Vector3d& shin_back)
-      : joints_(joints), bend_axis_(shin_back) {}
+  /// @param hinge  the axis in the knee joint's frame about which the knee bends.
+  TwoBoneLeg(const LegJoints& joints, const Eigen::Vector3d& hinge)
+      : joints_(joints), hinge_(hinge) {}
 
   [[nodiscard]] const LegJoints& joints() const { return joints_; }
 
@@ -22,13 +27,14 @@ class TwoBoneLeg {
   [[nodiscard]] double length(const std::vector<Pose>& world_from_joint) const;
 
   /// Turns hip, knee and ankle so that the ankle joint gets the wanted pose, or as near as
-  /// `longest` (from hip to ankle) lets it.
+  /// `longest` (from hip to ankle) lets it. The knee bends in the plane that it is bent in; the
+  /// less it is bent, the more about its hinge; and never backwards farther than it was.
   /// @return the distance that is left.
   double reach(Clip& clip, int frame, const Pose& world_from_ankle, double longest) const;
 
  private:
   LegJoints joints_;
-  Eigen::Vector3d bend_axis_;
+  Eigen::Vector3d hinge_;
 };
 
 }  // namespace retarget

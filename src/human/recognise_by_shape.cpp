@@ -282,9 +282,9 @@ bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& sh
 
 void swap_sides(BoneMap& map, bool legs) {
   using Bones = std::array<std::string_view, 4>;
-  static constexpr Bones kLeg = {"UpLeg", "Leg", "Foot", "Toe"};
-  static constexpr Bones kArm = {"Shoulder", "Arm", "ForeArm", "Hand"};
-  for (const std::string_view bone : legs ? kLeg : kArm) {
+  static constexpr Bones kLegBones = {"UpLeg", "Leg", "Foot", "Toe"};
+  static constexpr Bones kArmBones = {"Shoulder", "Arm", "ForeArm", "Hand"};
+  for (const std::string_view bone : legs ? kLegBones : kArmBones) {
     std::swap(joint_of(map, "Left" + std::string(bone)),
               joint_of(map, "Right" + std::string(bone)));
   }

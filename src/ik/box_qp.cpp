@@ -17,6 +17,8 @@ double symmetric_row_times(const Eigen::MatrixXd& H, int row, const Eigen::Vecto
          H.col(row).tail(size - row - 1).dot(x.tail(size - row - 1));
 }
 
+}  // namespace
+
 // a dense system for ActiveSet
 class DenseSystem {
  public:
@@ -68,8 +70,6 @@ bool DenseSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::Vec
   for (int a = 0; a < count; ++a) minimum[free_[a]] = right[a];
   return right.allFinite();
 }
-
-}  // namespace
 
 class BoxQp::Workspace {
  public:

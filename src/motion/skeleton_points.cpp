@@ -1,5 +1,7 @@
 #include "retarget/motion/skeleton_points.h"
 
+#include <utility>
+
 #include "retarget/motion/forward_kinematics.h"
 
 namespace retarget {
@@ -19,6 +21,17 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
       } while (skeleton.find(name));
       points.push_back({name, j, end_site});
     }
+  }
+  return points;
+}
+
+std::vector<SkeletonPoint> points_below(const Skeleton& skeleton, int joint) {
+  std::vector<SkeletonPoint> points;
+  if (joint < 0) return points;
+  for (SkeletonPoint& point : skeleton_points(skeleton)) {
+    int above = point.joint;
+    while (above > joint) above = skeleton.joint(above).parent;
+    if (above == joint) points.push_back(std::move(point));
   }
   return points;
 }

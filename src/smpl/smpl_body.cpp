@@ -138,11 +138,11 @@ Eigen::Index best_vertex(const RowMatrix& vertices, int side, const Score& score
 }
 
 Result<void> BodyReader::find_landmarks() {
-  constexpr double kLeastHeight = 0.3;
-  constexpr double kMostHeight = 3.0;
+  constexpr double kLowestBody = 0.3;
+  constexpr double kHighestBody = 3.0;
   const double lowest = vertices_.col(1).minCoeff();
   const double height = vertices_.col(1).maxCoeff() - lowest;
-  if (height < kLeastHeight || height > kMostHeight) {
+  if (height < kLowestBody || height > kHighestBody) {
     return file_.array_failure("v_template", "a body that is " + std::to_string(height) +
                                                  " high along y is none in metres");
   }

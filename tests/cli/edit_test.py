@@ -35,6 +35,11 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "rest", walk, "-o", "x.bvh"), 2, "--like")
         self.assert_fails(self.run_tool("edit", "lafan", walk), 2, "--output")
         self.assert_fails(self.run_tool("edit", walk), 2)
+        # an empty word in a value's place: a shell's variable that is not set
+        self.assert_fails(self.run_tool("edit", "path", walk, "-o", ""), 2, "empty")
+        self.assert_fails(self.run_tool("edit", "trim", walk, "--frmes", ":9", "-o", "x.bvh"), 2,
+                          "--frames")
+        self.assert_fails(self.run_tool("edit", "move", walk, "1e300,0", "-o", "x.bvh"), 2, "X,Y")
         self.assert_fails(self.run_tool("edit", "lafan", "no.bvh", "-o", "x.bvh"), 3, "no.bvh")
         self.assert_fails(self.run_tool("edit", "lafan", walk, "-o", "no/x.bvh"), 2, "no")
         self.assertEqual(self.files(), [])
@@ -87,6 +92,10 @@ class Edit(ToolTest):
                           "--times", 3, "-o", "loop.bvh")
         cycle = int(words.split("cycle")[1].split()[0])
         self.assertEqual(len(self.frames(self.folder / "loop.bvh")), 3 * cycle)
+        # who gets up does not come back to lying
+        up = sample("get_up")
+        self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")
+        self.said("loop", up, "--force", "-o", "x.bvh")
 
     def test_concat(self):
         walk = sample("walk")
@@ -112,6 +121,25 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "concat", walk, "-o", "x.bvh"), 2, "two files")
         self.assert_fails(
             self.run_tool("edit", "concat", walk, walk, "--search", "x", "-o", "x.bvh"), 2, "--search")
+        self.assert_fails(self.run_tool("edit", "concat", "-", "-", "-o", "x.bvh"), 2, "standard input")
+
+    def test_a_refused_seam_still_has_its_picture(self):
+        fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
+                              "--matrix", "d.pgm", "-o", "x.bvh")
+        self.assert_fails(fails, 1, "cm apart")
+        self.assertEqual(self.files(), ["d.pgm"])
+        # with nothing said of the search, the seam behind the lying is found
+        words = self.said("concat", sample("walk"), sample("get_up"), "-o", "x.bvh")
+        self.assertIn("meets frame", words)
+
+    def test_parts_that_share_no_frame(self):
+        walk = sample("walk")
+        for name, part in (("a", ":150"), ("b", "150:")):
+            self.assert_done(
+                self.run_tool("edit", "trim", walk, "--frames", part, "-o", name + ".bvh"))
+        self.assertIn("goes on", self.said("concat", "a.bvh", "b.bvh", "-o", "ab.bvh"))
+        self.assertIsNone(difference([row[:3] for row in self.frames(self.folder / "ab.bvh")],
+                                     [row[:3] for row in self.frames(walk)], 1e-6))
 
     def test_path(self):
         walk = sample("walk")

@@ -8,6 +8,7 @@
 #include "retarget/edit/rethread.h"
 #include "retarget/human/foot_contacts.h"
 #include "retarget/math/statistics.h"
+#include "support/shared_data.h"
 
 namespace retarget {
 namespace {
@@ -137,9 +138,7 @@ TEST(Rethreading, ARigidlyMovedPathMovesTheMotionRigidly) {
   for (const char* name : {"walk", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
     Clip wanted = sample.clip;
-    BodyMover::of(wanted.skeleton(), sample.mapping, "clip")
-        .value()
-        .move_all(wanted, move.in_space());
+    BodyMover::of(wanted, sample.mapping, "clip").value().move_all(wanted, move.in_space());
     const Clip found = follow(sample, path_of(sample).path.moved(move)).clip;
     EXPECT_LT(largest_distance(found, wanted, 0.01), 1e-6) << name;
     EXPECT_LT(largest_distance(through_bvh(found), found, 0.01), 1e-7) << name;
@@ -211,7 +210,7 @@ TEST(Rethreading, PlantingHoldsTheFeet) {
   const FootContacts contacts = find_foot_contacts(sample.human());
   EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
   Clip slid = sample.clip;
-  const auto mover = BodyMover::of(slid.skeleton(), sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(slid, sample.mapping, "clip").value();
   const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
   for (int i = 0; i < slid.frame_count(); ++i) {
     mover.move(slid, i, round.frames[i] * frames[i].inverse());
@@ -239,6 +238,17 @@ TEST(Rethreading, TimeSpeedAndStride) {
   EXPECT_NEAR(way(in_stride), length, 0.02);
 }
 
+// slower motion has its feet planted as it is played, not as it was before
+TEST(Rethreading, FeetStandAtAKeptSpeed) {
+  const EditSample& sample = data_sample("walk");
+  const PathMotion own = path_of(sample);
+  const GroundPath longer = circle_path(own.path.at(0.0), 1.5, 1.6 * own.path.length());
+  const HumanClip slow = sample.human_of(follow(sample, longer, PathKeep::kSpeed).clip);
+  const StepFacts steps = steps_of(slow, find_foot_contacts(slow));
+  EXPECT_LT(steps.slip, 0.02);
+  EXPECT_GT(steps.mean_stride, 1.5);
+}
+
 TEST(Rethreading, AUTurnDoesNotSpin) {
   // a walk out and back by a hairpin, then all of it straight on
   const EditSample& sample = data_sample("walk");
@@ -255,6 +265,66 @@ TEST(Rethreading, AUTurnDoesNotSpin) {
   for (std::size_t i = 1; i < after.size(); ++i) {
     ASSERT_LT(std::abs(after[i].heading - after[i - 1].heading), 0.25) << i;
     ASSERT_LT(std::abs(after[i].heading - after[0].heading), 1.0) << i;
+  }
+}
+
+// degrees; bent forwards positive, about the mean axis of bent knees in the shin
+std::vector<double> knee_angles(const Clip& clip, const LegJoints& leg) {
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  std::vector<Eigen::Vector3d> across;
+  std::vector<double> along;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    forward_kinematics(clip, frame, poses);
+    const Pose& knee = poses[leg.knee];
+    const Eigen::Vector3d thigh = (knee.translation - poses[leg.hip].translation).normalized();
+    const Eigen::Vector3d shin = (poses[leg.ankle].translation - knee.translation).normalized();
+    across.push_back(knee.rotation.conjugate() * thigh.cross(shin));
+    along.push_back(thigh.dot(shin));
+    if (across.back().norm() > 0.35) axis += across.back();
+  }
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    angles.push_back(std::atan2(across[i].dot(axis.normalized()), along[i]) * 180.0 / kPi);
+  }
+  return angles;
+}
+
+// legs that are almost straight, whose bend is noise: on other paths they bend as knees do
+TEST(Rethreading, KneesBendForwards) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  const auto file = *shared / "data/dialects/games105_walk60.bvh";
+  const EditSample sample(load_bvh(file.string()).value().clip);
+  const PathMotion own = path_of(sample);
+  const auto legs = find_legs(sample.clip.skeleton(), sample.mapping);
+  for (const GroundPath& path :
+       {own.path.scaled(0.8), circle_path(own.path.at(0.0), 3.0, own.path.length()),
+        circle_path(own.path.at(0.0), 1.0, own.path.length())}) {
+    const Clip moved = follow(sample, path).clip;
+    for (const auto& leg : legs) {
+      const auto before = knee_angles(sample.clip, *leg), after = knee_angles(moved, *leg);
+      EXPECT_GT(*std::ranges::min_element(after), *std::ranges::min_element(before) - 1.0);
+      for (std::size_t i = 1; i < after.size(); ++i) {
+        ASSERT_LT(std::abs(after[i] - after[i - 1]), 12.0) << i;
+      }
+    }
+  }
+}
+
+TEST(Rethreading, CornersAreTurnedAsABodyTurns) {
+  const EditSample& sample = data_sample("walk");
+  const GroundPose start = path_of(sample).path.at(0.0);
+  const auto at = [&](double x, double y) { return start * Eigen::Vector2d(x, y); };
+  for (const GroundPath& path :
+       {path_through({at(0, 0), at(3.8, 0), at(0, 0)}),
+        GroundPath({at(0, 0), at(1, 0), at(2, 0), at(3, 0), at(3, 1), at(3, 2), at(3, 3)})}) {
+    const HumanClip moved = sample.human_of(follow(sample, path).clip);
+    const auto hips = hips_over_ground(moved);
+    for (std::size_t i = 1; i < hips.size(); ++i) {
+      // 4 rad/s and what the walk itself turns
+      ASSERT_LT(std::abs(hips[i].heading - hips[i - 1].heading), 0.2) << i;
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include "retarget/edit/ground_pose.h"
 #include "retarget/edit/make_loop.h"
 #include "retarget/edit/put_on_floor.h"
+#include "retarget/human/foot_contacts.h"
 
 namespace retarget {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 
 Clip moved(const EditSample& sample, const GroundPose& move) {
   Clip clip = sample.clip;
-  BodyMover::of(clip.skeleton(), sample.mapping, "clip").value().move_all(clip, move.in_space());
+  BodyMover::of(clip, sample.mapping, "clip").value().move_all(clip, move.in_space());
   return clip;
 }
 
@@ -66,7 +67,9 @@ TEST(BodyMoves, NeedAJointThatMovesTheBody) {
   const EditSample& sample = data_sample("walk");
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   std::erase_if(joints[0].channels, is_position);
-  const auto mover = BodyMover::of(Skeleton(joints), sample.mapping, "fixed.bvh");
+  const auto mover =
+      BodyMover::of(Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1),
+                    sample.mapping, "fixed.bvh");
   ASSERT_FALSE(mover);
   EXPECT_EQ(mover.error().file, "fixed.bvh");
 }
@@ -74,7 +77,7 @@ TEST(BodyMoves, NeedAJointThatMovesTheBody) {
 TEST(Floor, IsWhereTheFeetStand) {
   const EditSample& sample = data_sample("walk");
   Clip raised = sample.clip;
-  const auto mover = BodyMover::of(raised.skeleton(), sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(raised, sample.mapping, "clip").value();
   mover.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.37}});
   const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
   EXPECT_NEAR(floor_height(raised, sample.mapping, "clip").value(), floor + 0.37, 1e-9);
@@ -85,12 +88,18 @@ TEST(Floor, IsWhereTheFeetStand) {
 TEST(Floor, OfAFlyingBodyIsAsked) {
   const EditSample& sample = data_sample("walk");
   Clip flying = cut(sample.clip, 0, 60);
-  const auto mover = BodyMover::of(flying.skeleton(), sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(flying, sample.mapping, "clip").value();
   for (int i = 0; i < flying.frame_count(); ++i)
     mover.move(flying, i, {{}, {0.2 * i, 0.0, 0.1 * i}});
   const auto floor = floor_height(flying, sample.mapping, "clip");
   ASSERT_FALSE(floor);
   EXPECT_THAT(floor.error().hint, testing::HasSubstr("--floor"));
+}
+
+TEST(Floor, OfASingleFrameIsUnderItsLowerFoot) {
+  const EditSample& sample = data_sample("walk");
+  const double floor = floor_height(cut(sample.clip, 0, 1), sample.mapping, "clip").value();
+  EXPECT_NEAR(floor, floor_height(sample.clip, sample.mapping, "clip").value(), 0.01);
 }
 
 // frames 100.. of the walk are periodic strides
@@ -119,6 +128,32 @@ TEST(Loops, AWalkHasNoSeam) {
   };
   const double usual = largest_acceleration(strides, 1, 119);
   EXPECT_LT(largest_acceleration(loop.clip, loop.cycle - 4, loop.cycle + 4), 1.2 * usual);
+}
+
+// end and beginning that are not alike: feet stay where they stand, and what is not a cycle is said
+TEST(Loops, FeetStandAndBadSeamsAreSaid) {
+  const EditSample& sample = data_sample("walk");
+  LoopOptions options;
+  options.shortest = 1.2;
+  options.times = 2;
+  const Clip part = cut(sample.clip, 100, 145);
+  const Loop loop = make_loop(part, sample.mapping, options, "clip").value();
+  const HumanClip human = sample.human_of(loop.clip);
+  const FootContacts contacts = find_foot_contacts(human);
+  const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
+  EXPECT_NEAR(floor_height(loop.clip, sample.mapping, "clip").value(), floor, 0.01);
+  for (int foot = 0; foot < 2; ++foot) {
+    const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
+    for (const ContactPhase& phase : contacts.phases[foot]) {
+      const Eigen::Vector3d way =
+          human.frame(phase.end - 1)[bone].translation - human.frame(phase.begin)[bone].translation;
+      EXPECT_LT(way.head<2>().norm(), 0.02) << phase.begin;
+    }
+  }
+  const EditSample& up = data_sample("get_up");
+  const Loop bad = make_loop(up.clip, up.mapping, {}, "clip").value();
+  EXPECT_GT(bad.distance, 0.2);
+  EXPECT_FALSE(bad.check.faults.empty());
 }
 
 TEST(Loops, InPlaceTheBodyComesBack) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "retarget/bvh/read_bvh.h"
+#include "retarget/edit/put_on_floor.h"
 #include "retarget/human/calibrate.h"
 #include "retarget/human/recognise.h"
 #include "support/shared_data.h"
@@ -39,7 +40,7 @@ TEST(Transfer, ToItselfChangesNothing) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
     const TransferTarget target = understood(clip);
-    const Clip same = transfer(human_of(clip, target), target);
+    const Clip same = transfer(clip, target.mapping, target);
     ASSERT_EQ(same.frame_count(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
       EXPECT_LT((same.translation(frame, 0) - clip.translation(frame, 0)).norm(), 1e-9);
@@ -54,10 +55,16 @@ TEST(Transfer, ToItselfChangesNothing) {
 // a body of half the size walks half the way, turned alike
 TEST(Transfer, ScalesThePathBySize) {
   const Clip clip = sample("walk");
-  TransferTarget target = understood(clip);
-  const HumanClip human = human_of(clip, target);
+  const TransferTarget whole = understood(clip);
+  TransferTarget target = whole;
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    joint.offset *= 0.5;
+    for (Eigen::Vector3d& end : joint.end_sites) end *= 0.5;
+  }
+  target.skeleton = std::make_shared<const Skeleton>(joints);
   target.mapping.size *= 0.5;
-  const Clip half = transfer(human, target);
+  const Clip half = transfer(clip, whole.mapping, target);
   EXPECT_LT((half.translation(100, 0) - 0.5 * clip.translation(100, 0)).norm(), 1e-9);
   EXPECT_LT(half.rotations(100)[3].angularDistance(clip.rotations(100)[3]), 1e-7);
 }
@@ -67,13 +74,17 @@ TEST(Transfer, TheHumanSurvivesEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const Clip walk = sample("walk");
-  const HumanClip human = human_of(walk, understood(walk));
+  const TransferTarget source = understood(walk);
+  const HumanClip human = human_of(walk, source);
+  const double floor = floor_height(walk, source.mapping, "walk").value();
   for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
                            "xsens_boxing_120fps", "vicon_mixed_orders_zup_inch_1"}) {
     const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
     const Clip clip = load_bvh(path.string()).value().clip;
     const TransferTarget target = understood(clip);
-    const Clip moved = transfer(human, target);
+    const Clip moved = transfer(walk, source.mapping, target);
+    const double scale = target.mapping.size / human.size;
+    EXPECT_NEAR(floor_height(moved, target.mapping, file).value(), scale * floor, 0.02) << file;
     EXPECT_EQ(moved.skeleton().names(), clip.skeleton().names());
     const HumanClip again = to_human(moved, target.mapping);
     for (int frame = 0; frame < human.frame_count; frame += 10) {
@@ -83,9 +94,12 @@ TEST(Transfer, TheHumanSurvivesEveryDialect) {
         const auto& after = again.frame(frame)[bone].rotation;
         ASSERT_GT(std::abs(before.dot(after)), 1.0 - 1e-9) << file << " " << kBoneNames[bone];
       }
-      const Eigen::Vector3d hips =
-          human.frame(frame)[0].translation * (target.mapping.size / human.size);
-      ASSERT_LT((again.frame(frame)[0].translation - hips).norm(), 1e-9) << file;
+      const Eigen::Vector3d from_scaled =
+          again.frame(frame)[0].translation - human.frame(frame)[0].translation * scale;
+      ASSERT_LT(from_scaled.head<2>().norm(), 1e-9) << file;
+      const Eigen::Vector3d first =
+          again.frame(0)[0].translation - human.frame(0)[0].translation * scale;
+      ASSERT_NEAR(from_scaled.z(), first.z(), 1e-9) << file;
     }
   }
 }

@@ -61,6 +61,15 @@ void finish_edit(CLI::App& command, EditOptions& options, bool human) {
   add_output_options(command, options);
 }
 
+void add_seam_limits(CLI::App& command, double& threshold_cm, bool& force) {
+  command.add_option("--threshold", threshold_cm, "Largest distance of a seam, cm")
+      ->type_name("CM")
+      ->check(number_from(0.0, 1e6))
+      ->capture_default_str()
+      ->group(kTime);
+  command.add_flag("--force", force, "Join what does not fit, too")->group(kTime);
+}
+
 void add_resample(CLI::App& edits, EditOptions& options) {
   CLI::App* command = start_edit(edits, options, Edit::kResample, "resample",
                                  "Another frame rate, or faster or slower");
@@ -102,6 +111,7 @@ void add_loop(CLI::App& edits, EditOptions& options) {
       ->group(kTime);
   command->add_flag("--in-place", cycle.in_place, "The body neither advances nor turns")
       ->group(kTime);
+  add_seam_limits(*command, cycle.threshold_cm, cycle.force);
   finish_edit(*command, options, true);
 }
 
@@ -144,9 +154,8 @@ void add_concat(CLI::App& edits, EditOptions& options) {
   command
       ->add_option("--search", concat.search,
                    "Where the seam is looked for: so many seconds at the end of\nthe one and the "
-                   "beginning of the other, or `all`")
+                   "beginning of the other, or `all`\n(default: 2, and more while no seam is good)")
       ->type_name("S|all")
-      ->capture_default_str()
       ->group(kTime);
   command
       ->add_option("--window", concat.window_s,
@@ -161,12 +170,7 @@ void add_concat(CLI::App& edits, EditOptions& options) {
       ->check(silent(CLI::IsMember({"crossfade", "inertial"})))
       ->capture_default_str()
       ->group(kTime);
-  command->add_option("--threshold", concat.threshold_cm, "Largest distance of a seam, cm")
-      ->type_name("CM")
-      ->check(number_from(0.0, 1e6))
-      ->capture_default_str()
-      ->group(kTime);
-  command->add_flag("--force", concat.force, "Join clips that do not fit, too")->group(kTime);
+  add_seam_limits(*command, concat.threshold_cm, concat.force);
   command
       ->add_option("--matrix", concat.matrix,
                    "Write the distances that were searched as a picture, PGM\n(of several seams: "

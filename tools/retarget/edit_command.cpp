@@ -51,7 +51,7 @@ Result<Clip> to_other(const EditOptions& options, Console& console) {
   if (!target) return failure(target.error());
   const auto of_target = understand(*target, target_options, {}, options.common, console);
   if (!of_target) return failure(of_target.error());
-  return transfer(to_human(motion->clip, human->calibration.mapping),
+  return transfer(motion->clip, human->calibration.mapping,
                   {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping});
 }
 

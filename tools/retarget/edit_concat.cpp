@@ -1,11 +1,14 @@
 // `retarget edit concat`: several clips as one.
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "edits.h"
 #include "retarget/base/file.h"
+#include "retarget/base/suggest.h"
 #include "retarget/edit/concatenate.h"
 #include "retarget/edit/transfer.h"
 #include "retarget/motion/resample.h"
@@ -16,9 +19,8 @@ namespace {
 Result<ConcatenateOptions> concatenate_options(const SeamCliOptions& options) {
   ConcatenateOptions result;
   result.seam.window = options.window_s;
-  result.seam.threshold = result.threshold = 0.01 * options.threshold_cm;
+  result.threshold = 0.01 * options.threshold_cm;
   result.blend = options.blend == "inertial" ? SeamBlend::kInertial : SeamBlend::kCrossfade;
-  result.force = options.force;
   result.seam.search_all = options.search == "all";
   if (result.seam.search_all) {
     // who searches everywhere would rather have a good seam than all of both clips
@@ -26,6 +28,7 @@ Result<ConcatenateOptions> concatenate_options(const SeamCliOptions& options) {
     result.seam.cost_of_second = kCostOfSecond;
     return result;
   }
+  if (options.search.empty()) return result;
   const std::string& text = options.search;
   double seconds = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
@@ -34,7 +37,7 @@ Result<ConcatenateOptions> concatenate_options(const SeamCliOptions& options) {
     return usage_failure("--search must be seconds from 0 to 100000 or `all`, found \"" + text +
                          "\"");
   }
-  result.seam.band = seconds;
+  result.seam.band = result.widest_band = seconds;
   return result;
 }
 
@@ -61,13 +64,21 @@ bool same_skeleton(const Skeleton& a, const Skeleton& b) {
   return true;
 }
 
+bool same_body(const EditSource& a, const EditSource& b) {
+  return same_skeleton(a.clip.skeleton(), b.clip.skeleton()) &&
+         a.mapping().human_from_source.isApprox(b.mapping().human_from_source, 1e-9) &&
+         std::abs(a.mapping().metres_per_unit - b.mapping().metres_per_unit) <=
+             1e-9 * a.mapping().metres_per_unit;
+}
+
 // the clip on the first one's skeleton and at its rate
 Result<Clip> like_first(EditSource source, const EditSource& first, const std::string& file,
                         Console& console) {
+  const bool same = same_body(source, first);
   Clip clip = std::move(source.clip);
-  if (!same_skeleton(clip.skeleton(), first.clip.skeleton())) {
+  if (!same) {
     console.line("", "brought to the first clip's skeleton through the T-pose");
-    clip = transfer(to_human(clip, source.mapping()),
+    clip = transfer(clip, source.mapping(),
                     {first.clip.shared_skeleton(), first.human.map, first.mapping()});
   }
   if (same_rate(clip.rate(), first.clip.rate())) return clip;
@@ -79,23 +90,48 @@ Result<Clip> like_first(EditSource source, const EditSource& first, const std::s
 
 void print_seam(const Concatenation& joined, const FrameRate& rate, Console& console) {
   const Seam& seam = joined.seam;
+  if (seam.overlap == 0) {
+    console.line("seam", "the second goes on where the first ends: put together as they are");
+    return;
+  }
   console.line("seam", "frame " + std::to_string(seam.a_frame) + " (" +
                            number_text(rate.time_of(seam.a_frame), 3) + " s) meets frame " +
                            std::to_string(seam.b_frame) + " (" +
                            number_text(rate.time_of(seam.b_frame), 3) + " s), " +
                            count_text(seam.overlap, "frame") + " in common");
   const GroundPose& move = seam.a_from_b;
-  console.line("", "the second is turned by " +
-                       number_text(move.heading * 180.0 / std::numbers::pi, 2) +
-                       " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
-                       number_text(move.position.y(), 3) + " m");
+  console.line(
+      "", "the second is turned by " + number_text(move.heading * 180.0 / std::numbers::pi, 2) +
+              " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
+              number_text(move.position.y(), 3) + " m" +
+              (joined.lift == 0.0
+                   ? std::string()
+                   : ", and raised by " + number_text(joined.lift, 3) + " m to the first's floor"));
   console.line("",
                number_text(100.0 * seam.distance, 2) + " cm apart, " +
                    (seam.same_support ? "the same feet on the floor" : "other feet on the floor"));
-  console.line("", "fastest " + joined.check.fastest_bone + " " +
-                       number_text(joined.check.largest_speed, 2) +
-                       " m/s (the clips: " + number_text(joined.check.usual_speed, 2) +
-                       "), planted feet slip at " + number_text(joined.check.slip, 3) + " m/s");
+  console.line("", "fastest for what it does: " + joined.check.fastest_bone + " " +
+                       number_text(joined.check.largest_speed, 2) + " m/s (in the clips " +
+                       number_text(joined.check.usual_speed, 2) + "); planted feet slip at " +
+                       number_text(joined.check.slip, 3) + " m/s");
+}
+
+// a failure for one that is not good
+Result<void> judge_seam(const Concatenation& joined, const std::string& before,
+                        const std::string& file, const SeamCliOptions& options, Console& console) {
+  const std::vector<std::string>& faults = joined.check.faults;
+  if (faults.empty()) return {};
+  if (options.force) {
+    std::vector<Warning> warnings;
+    for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
+    console.warn(warnings, file);
+    return {};
+  }
+  const std::string where =
+      options.search == "all" ? "anywhere" : "within " + number_text(joined.band, 1) + " s";
+  return run_failure(file, "does not fit to " + before + " " + where + ": " + list_names(faults),
+                     std::string("--force joins them all the same") +
+                         (options.search == "all" ? "" : "; --search all looks everywhere"));
 }
 
 }  // namespace
@@ -105,6 +141,9 @@ Result<Clip> edit_concat(const EditOptions& options, Console& console) {
   if (!how) return failure(how.error());
   const std::vector<std::string>& files = options.concat.files;
   if (files.size() < 2) return usage_failure("edit concat joins two files or more");
+  if (std::ranges::count(files, "-") > 1) {
+    return usage_failure("standard input is one clip, `-` stands for two");
+  }
   auto first = read_one(options, files[0], true, console);
   if (!first) return failure(first.error());
   for (std::size_t i = 1; i < files.size(); ++i) {
@@ -112,17 +151,16 @@ Result<Clip> edit_concat(const EditOptions& options, Console& console) {
     if (!source) return failure(source.error());
     const auto next = like_first(std::move(*source), *first, files[i], console);
     if (!next) return failure(next.error());
-    auto joined = concatenate(first->clip, *next, first->mapping(), *how,
-                              i == 1 ? files[0] : "what goes before", files[i]);
+    const std::string before = i == 1 ? files[0] : "what goes before";
+    auto joined = concatenate(first->clip, *next, first->mapping(), *how, before, files[i]);
     if (!joined) return failure(joined.error());
-    print_seam(*joined, first->clip.rate(), console);
-    std::vector<Warning> faults;
-    for (const std::string& fault : joined->check.faults) faults.push_back({0, 0, fault});
-    console.warn(faults, files[i]);
     if (i == 1 && !options.concat.matrix.empty()) {
       const auto written = write_file(options.concat.matrix, format_pgm(joined->map));
       if (!written) return failure(written.error());
     }
+    print_seam(*joined, first->clip.rate(), console);
+    const auto good = judge_seam(*joined, before, files[i], options.concat, console);
+    if (!good) return failure(good.error());
     first->clip = std::move(joined->clip);
   }
   console.line("result", count_text(first->clip.frame_count(), "frame"));

@@ -43,12 +43,14 @@ struct CycleOptions {
   double shortest_s = 0.0;  ///< 0: half the clip.
   bool in_place = false;
   int times = 1;
+  double threshold_cm = 20.0;
+  bool force = false;
 };
 
 /// `retarget edit concat`.
 struct SeamCliOptions {
   std::vector<std::string> files;
-  std::string search = "2";  ///< Seconds, or `all`.
+  std::string search;  ///< Seconds, or `all`; empty: 2, and more where that gives no good seam.
   double window_s = 1.0 / 3.0;
   std::string blend = "crossfade";
   double threshold_cm = 20.0;

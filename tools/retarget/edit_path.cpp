@@ -65,6 +65,26 @@ RethreadOptions rethread_options(const PathCliOptions& options) {
   return result;
 }
 
+std::vector<Warning> doubts_about(const Rethreaded& moved) {
+  const PlantSummary& feet = moved.feet;
+  std::vector<Warning> doubts;
+  for (const std::string& fault : moved.check.faults) doubts.push_back({0, 0, fault});
+  constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
+  if (feet.largest_miss > kNotedMiss) {
+    doubts.push_back({0, 0,
+                      "a leg is too short for its place by " +
+                          number_text(100.0 * feet.largest_miss, 1) + " cm"});
+  }
+  if (feet.largest_correction > kNotedCorrection) {
+    doubts.push_back({0, 0,
+                      "a foot had to be moved by " +
+                          number_text(100.0 * feet.largest_correction, 0) +
+                          " cm to stand: the new path turns or hurries where these steps do not; "
+                          "a gentler path or --keep stride suits them better"});
+  }
+  return doubts;
+}
+
 // a motion on a new path, drawn with the old one
 Result<Clip> follow(const EditSource& source, const EditOptions& options, const PathMotion& own,
                     Console& console) {
@@ -77,13 +97,7 @@ Result<Clip> follow(const EditSource& source, const EditOptions& options, const 
   console.line("feet", "moved by up to " + number_text(100.0 * moved->feet.largest_correction, 1) +
                            " cm to stand, hips lowered by up to " +
                            number_text(100.0 * moved->feet.largest_drop, 1) + " cm");
-  constexpr double kNotedMiss = 0.005;
-  if (moved->feet.largest_miss > kNotedMiss) {
-    console.warn({{0, 0,
-                   "a leg is too short for its place by " +
-                       number_text(100.0 * moved->feet.largest_miss, 1) + " cm"}},
-                 source_name(options.source));
-  }
+  console.warn(doubts_about(*moved), source_name(options.source));
   if (!options.path.svg.empty()) {
     const HumanClip before = to_human(source.clip, source.mapping());
     const HumanClip after = to_human(moved->clip, source.mapping());

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "edits.h"
+#include "retarget/base/suggest.h"
 #include "retarget/edit/ground_pose.h"
 #include "retarget/edit/make_loop.h"
 #include "retarget/edit/mirror.h"
@@ -19,11 +20,14 @@
 namespace retarget::cli {
 namespace {
 
+// metres and degrees: more than any motion, less than any slip
+constexpr double kFarthest = 1e6;
+
 std::optional<double> number_from_text(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+  return whole && std::abs(value) <= kFarthest ? std::optional<double>(value) : std::nullopt;
 }
 
 std::string clip_text(const Clip& clip) {
@@ -76,8 +80,7 @@ Result<Clip> edit_ground(EditSource source, const EditOptions& options, Console&
 }
 
 Result<Clip> edit_place(EditSource source, const EditOptions& options) {
-  const auto mover =
-      BodyMover::of(source.clip.skeleton(), source.mapping(), source_name(options.source));
+  const auto mover = BodyMover::of(source.clip, source.mapping(), source_name(options.source));
   if (!mover) return failure(mover.error());
   GroundPose over_ground;
   if (options.edit == Edit::kTurn) {
@@ -93,7 +96,8 @@ Result<Clip> edit_place(EditSource source, const EditOptions& options) {
     const auto x = number_from_text(text.substr(0, comma));
     const auto y = number_from_text(text.substr(std::min(comma + 1, text.size())));
     if (!x || !y) {
-      return usage_failure("a move is X,Y in metres, found \"" + options.amount + "\"");
+      return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + options.amount +
+                           "\"");
     }
     over_ground.position = {*x, *y};
   }
@@ -106,6 +110,7 @@ Result<Clip> edit_loop(const EditSource& source, const EditOptions& options, Con
   how.shortest = options.cycle.shortest_s;
   how.in_place = options.cycle.in_place;
   how.times = options.cycle.times;
+  how.seam.threshold = 0.01 * options.cycle.threshold_cm;
   auto loop = make_loop(source.clip, source.mapping(), how, source_name(options.source));
   if (!loop) return failure(loop.error());
   const GroundPose& advance = loop->advance;
@@ -116,6 +121,16 @@ Result<Clip> edit_loop(const EditSource& source, const EditOptions& options, Con
   console.line("advance", number_text(advance.position.norm(), 3) + " m and " +
                               number_text(advance.heading * 180.0 / std::numbers::pi, 2) +
                               " degrees a cycle" + (how.in_place ? ", taken out" : ""));
+  const std::vector<std::string>& faults = loop->check.faults;
+  if (!faults.empty() && !options.cycle.force) {
+    return run_failure(source_name(options.source),
+                       "its end does not fit to its beginning: " + list_names(faults),
+                       "--start and --end choose a part that comes back to its first pose; --force "
+                       "closes it all the same");
+  }
+  std::vector<Warning> warnings;
+  for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
+  console.warn(warnings, source_name(options.source));
   return std::move(loop->clip);
 }
 

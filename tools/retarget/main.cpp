@@ -31,10 +31,10 @@ Examples:
 // names what the command line holds beyond its options, with the option that may be meant
 Failure unknown_words(const CLI::App& app) {
   std::vector<std::string> known;
-  for (const CLI::App* part : app.get_subcommands()) {
-    for (const CLI::Option* option : part->get_options()) known.push_back(option->get_name());
-  }
-  for (const CLI::Option* option : app.get_options()) known.push_back(option->get_name());
+  // the command that was given: `retarget edit path` has its own options alone
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
   for (const std::string& word : app.remaining(true)) {
     if (word.starts_with('-')) {
       return usage_failure("unknown option " + word + did_you_mean(word, known),
@@ -71,6 +71,7 @@ int main_with(int argc, char** argv) {
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

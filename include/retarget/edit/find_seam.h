@@ -17,7 +17,9 @@ struct SeamOptions {
   /// What it costs to leave out a second of either clip, metres of distance: of equally good seams
   /// the one that keeps most is taken.
   double cost_of_second = 0.01;
-  double threshold = 0.2;  ///< Seams with the same support foot are preferred below this, metres.
+  double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
+  /// Where other feet are planted in the one than in the other, the distance counts so much more.
+  double other_support = 0.5;
 };
 
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
@@ -47,7 +49,7 @@ struct SeamSearch {
 /// Finds where b goes on best from a: the least distance of Kovar, Gleicher and Pighin (2002) over
 /// windows of bone positions (all bones alike), each window turned and moved over the ground as
 /// fits best; see WindowDistance. Where the clips share less than a window, the distance counts
-/// more by half the share that is missing. Pairs of frames with the same feet planted are preferred.
+/// more by half the share that is missing, and so it does where other feet are on the floor.
 ///
 /// @param a_file, b_file  for messages.
 /// @return kInput errors: a clip without frames; no bones in common. kUsage errors: more than 16

@@ -55,4 +55,8 @@ struct PathMotion {
                                                   const std::vector<StillPhase>& still,
                                                   const std::vector<double>& turns);
 
+/// Turns at corners and cusps that are faster than a body turns (4 rad/s) are spread over the frames
+/// before and after, up to a second; all other frames keep their headings.
+void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate);
+
 }  // namespace retarget

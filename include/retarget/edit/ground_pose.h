@@ -29,13 +29,17 @@ struct GroundPose {
 /// The motion that turns about a point on the ground.
 [[nodiscard]] GroundPose turn_about(const Eigen::Vector2d& point, double angle);
 
+/// Whether a joint has three position and three rotation channels.
+[[nodiscard]] bool moves_freely(const Joint& joint);
+
 /// Moves the whole body of single frames, in the canonical human's world; only channels of one
-/// joint change: the first one from the root to the hips that can be moved and turned freely.
+/// joint change: the first one from the root to the hips that can be moved and turned freely, and is
+/// in this clip. (A root that stands still above moving hips is a place of reference.)
 class BodyMover {
  public:
   /// @param file  for messages.
   /// @return a kInput error for a body that no joint moves as a whole.
-  [[nodiscard]] static Result<BodyMover> of(const Skeleton& skeleton, const HumanMapping& mapping,
+  [[nodiscard]] static Result<BodyMover> of(const Clip& clip, const HumanMapping& mapping,
                                             const std::string& file);
 
   /// @param move  of the world, metres, z up.
@@ -44,6 +48,8 @@ class BodyMover {
     move(clip, frame, over_ground.in_space());
   }
   void move_all(Clip& clip, const Pose& over_all) const;
+
+  [[nodiscard]] int joint() const { return joint_; }
 
  private:
   BodyMover(int joint, const HumanMapping& mapping);

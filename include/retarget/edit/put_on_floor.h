@@ -9,7 +9,8 @@
 namespace retarget {
 
 /// Height of the floor that a human stands on, metres: the median, over the frames in which a foot
-/// is planted, of the lowest of that foot's joints and end sites.
+/// is planted, of the lowest of that foot's joints and end sites. In a clip that is shorter than a
+/// contact a foot is planted that stands still in all of it: in a single frame the lower one.
 /// @param file  for messages.
 /// @return a kInput error when no foot ever stands.
 [[nodiscard]] Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "retarget/base/result.h"
+#include "retarget/edit/concatenate.h"
 #include "retarget/edit/fit_path.h"
 #include "retarget/edit/plant_feet.h"
 #include "retarget/human/human_clip.h"
@@ -24,7 +25,8 @@ struct RethreadOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
-  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break are one, seconds.
+  double same_stand = 0.1;    ///< Contacts of a foot with a shorter break are one, seconds.
+  double speed_factor = 3.0;  ///< A joint's largest speed against its own 99.9th percentile.
 };
 
 /// A motion on another path.
@@ -33,11 +35,13 @@ struct Rethreaded {
   PathMotion source;               ///< The motion's own path.
   std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
   PlantSummary feet;
+  SeamCheck
+      check;  ///< Speeds in the whole clip, against the source's; faults where a path hurries.
 };
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves
 /// along the path (place and tangent), so the body at s(t) on its own path moves by
-/// F'(s'(t)) F(s(t))^-1. Only the channels that move the whole body change; then feet that stand
+/// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s (spread_turns). Only the channels that move the whole body change; then feet that stand
 /// are planted where the frame in the middle of each contact brings them (plant_feet).
 ///
 /// @param file  for messages.

@@ -20,9 +20,12 @@ struct TransferTarget {
 /// Both sides know their T-pose as the canonical human's, so this is the canonical bone's rotation
 /// times the inverse of the target's joint_from_bone.
 ///
-/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths) and put on the
-/// hips, or on the root above them where they have no position channels. Joints that are no bone
-/// keep their rest rotation (zero). Joint order, offsets and channels are the target's.
-[[nodiscard]] Clip transfer(const HumanClip& human, const TransferTarget& target);
+/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by what
+/// the soles are farther below the hips than the source's, so that who stood on the floor stands on
+/// it, and put on the hips, or on the root above them where they have no position channels. Joints
+/// that are no bone keep their rest rotation (zero). Joint order, offsets and channels are the
+/// target's.
+[[nodiscard]] Clip transfer(const Clip& clip, const HumanMapping& mapping,
+                            const TransferTarget& target);
 
 }  // namespace retarget

@@ -20,6 +20,9 @@ struct SkeletonPoint {
 /// All joints in order, each followed by its end sites.
 [[nodiscard]] std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton);
 
+/// A joint, all that hang below it, and their end sites; nothing for a negative joint.
+[[nodiscard]] std::vector<SkeletonPoint> points_below(const Skeleton& skeleton, int joint);
+
 /// World pose of a point, given those of the joints; end sites are turned like their joint.
 [[nodiscard]] Pose world_from_point(const SkeletonPoint& point,
                                     const std::vector<Pose>& world_from_joint);

@@ -1,0 +1,306 @@
+#include "edit/body_mirror.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "edit/rest_frames.h"
+#include "retarget/human/bone_map.h"
+
+namespace retarget {
+namespace {
+
+// shorter than this share of the longest bone an offset has no direction
+constexpr double kNoLength = 1e-3;
+
+// what measured bodies are uneven, as a share of a length
+constexpr double kUneven = 0.25;
+
+int mirrored_bone(int bone) {
+  const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+  if (name.starts_with("Left")) return find_bone("Right" + name.substr(4)).value();
+  if (name.starts_with("Right")) return find_bone("Left" + name.substr(5)).value();
+  return bone;
+}
+
+struct OffsetPair {
+  Eigen::Vector3d own, of_mate;
+};
+
+// the children of a joint with those of its counterpart, under some reflection
+struct ChildPairs {
+  double cost = 0.0;                        // file units
+  std::vector<std::pair<int, int>> joints;  // that were not paired before
+};
+
+// the reflection of axes onto axes that is near another
+std::optional<Eigen::Matrix3d> of_axes(const Eigen::Matrix3d& guess) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  constexpr double kNear = 0.82;  // cosine of 35 degrees
+  for (int column = 0; column < 3; ++column) {
+    int row = 0;
+    if (guess.col(column).cwiseAbs().maxCoeff(&row) < kNear) return std::nullopt;
+    axes(row, column) = guess(row, column) < 0.0 ? -1.0 : 1.0;
+  }
+  return axes;
+}
+
+class MirrorFinder {
+ public:
+  MirrorFinder(const Skeleton& skeleton, const HumanMapping& mapping, const std::string& file)
+      : skeleton_(skeleton),
+        mapping_(mapping),
+        file_(file),
+        t_pose_(t_pose_rotations(skeleton, mapping)),
+        children_(static_cast<std::size_t>(skeleton.joint_count())),
+        mates_(children_.size(), -1),
+        axes_(children_.size()) {
+    for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+      const Joint& own = skeleton.joint(joint);
+      if (own.parent < 0) continue;
+      children_[own.parent].push_back(joint);
+      longest_ = std::max(longest_, own.offset.norm());
+    }
+  }
+
+  Result<BodyMirror> run() {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (auto paired = pair_bones(bone); !paired) return failure(paired.error());
+    }
+    const std::optional<Eigen::Matrix3d> all = of_zero_pose();
+    for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
+      // what hangs from nothing that is paired hangs from the root
+      if (mates_[joint] < 0 && skeleton_.joint(joint).parent < 0) mates_[joint] = joint;
+      if (mates_[joint] < 0) return lonely(joint);
+      // of a pair, one side decides
+      if (mates_[joint] < joint) {
+        axes_[joint] = axes_[mates_[joint]].transpose();
+        continue;
+      }
+      if (auto decided = decide(joint, all); !decided) return failure(decided.error());
+    }
+    return BodyMirror{std::move(mates_), std::move(axes_)};
+  }
+
+ private:
+  [[nodiscard]] Failure lonely(int joint) const {
+    return input_failure(file_, "the joint \"" + skeleton_.joint(joint).name +
+                                    "\" has no counterpart on the other side of the body");
+  }
+
+  // the bone's joint with the other side's, and what lies above both
+  Result<void> pair_bones(int bone) {
+    const auto joint_of = [this](int b) {
+      return mapping_.bones[static_cast<std::size_t>(b)].position_joint;
+    };
+    int joint = joint_of(bone), mate = joint_of(mirrored_bone(bone));
+    if (joint < 0) return {};
+    while (joint >= 0 || mate >= 0) {
+      if (joint < 0 || mate < 0) return lonely(joint < 0 ? mate : joint);
+      if (mates_[joint] == mate && mates_[mate] == joint) return {};
+      if (mates_[joint] >= 0 || mates_[mate] >= 0) return lonely(mates_[joint] >= 0 ? mate : joint);
+      mates_[joint] = mate;
+      mates_[mate] = joint;
+      joint = skeleton_.joint(joint).parent;
+      mate = skeleton_.joint(mate).parent;
+    }
+    return {};
+  }
+
+  // the mirror of a zero pose that is its own mirror image
+  [[nodiscard]] std::optional<Eigen::Matrix3d> of_zero_pose() const {
+    Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
+    for (int joint = 1; joint < skeleton_.joint_count(); ++joint) {
+      if (mates_[joint] < 0) continue;
+      const Eigen::Vector3d apart =
+          skeleton_.joint(joint).offset - skeleton_.joint(mates_[joint]).offset;
+      across += apart * apart.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(across);
+    Eigen::Vector3d normal = solver.eigenvectors().col(2);
+    // an axis that is near is meant
+    constexpr double kNearAxis = 0.99;
+    int axis = 0;
+    if (normal.cwiseAbs().maxCoeff(&axis) > kNearAxis) normal = Eigen::Vector3d::Unit(axis);
+    const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2.0 * normal * normal.transpose();
+    for (int joint = 1; joint < skeleton_.joint_count(); ++joint) {
+      if (mates_[joint] >= 0 && !agrees(mirror, offsets(joint, mates_[joint]))) return std::nullopt;
+    }
+    return mirror;
+  }
+
+  [[nodiscard]] OffsetPair offsets(int joint, int mate) const {
+    return {skeleton_.joint(joint).offset, skeleton_.joint(mate).offset};
+  }
+
+  [[nodiscard]] bool agrees(const Eigen::Matrix3d& axes, const OffsetPair& pair) const {
+    const double size = std::max({pair.own.norm(), pair.of_mate.norm(), kUneven * longest_});
+    return (axes * pair.own - pair.of_mate).norm() <= kUneven * size;
+  }
+
+  // finds a joint's reflection, and pairs what hangs from it
+  Result<void> decide(int joint, const std::optional<Eigen::Matrix3d>& all) {
+    const int parent = skeleton_.joint(joint).parent;
+    const Eigen::Matrix3d guess = guessed(joint);
+    std::vector<Eigen::Matrix3d> candidates;
+    if (all) candidates.push_back(*all);
+    if (const auto axes = of_axes(guess)) candidates.push_back(*axes);
+    if (parent >= 0) {
+      // of a limb's bone alone the T-pose knows more
+      const bool like_parent = mates_[joint] == joint || !turns_bone(joint);
+      candidates.insert(like_parent ? candidates.begin() : candidates.end(), axes_[parent]);
+    }
+    candidates.push_back(guess);
+
+    ChildPairs best;
+    best.cost = std::numeric_limits<double>::infinity();
+    for (const Eigen::Matrix3d& axes : candidates) {
+      auto pairs = pair_children(joint, axes);
+      if (!pairs) return failure(pairs.error());
+      if (pairs->cost >= best.cost) continue;
+      best = std::move(*pairs);
+      axes_[joint] = axes;
+      if (agrees_all(axes, leaving(joint, best))) break;
+    }
+    for (const auto& [child, mate] : best.joints) {
+      mates_[child] = mate;
+      mates_[mate] = child;
+    }
+    const auto pairs = leaving(joint, best);
+    if (!agrees_all(axes_[joint], pairs)) axes_[joint] = fitted(guess, pairs);
+    return {};
+  }
+
+  [[nodiscard]] bool turns_bone(int joint) const {
+    return std::ranges::any_of(
+        mapping_.bones, [joint](const BoneSource& bone) { return bone.rotation_joint == joint; });
+  }
+
+  [[nodiscard]] Eigen::Matrix3d guessed(int joint) const {
+    const Eigen::DiagonalMatrix<double, 3> mirror(1.0, -1.0, 1.0);
+    return t_pose_[mates_[joint]].conjugate().toRotationMatrix() * mirror *
+           t_pose_[joint].toRotationMatrix();
+  }
+
+  [[nodiscard]] bool agrees_all(const Eigen::Matrix3d& axes,
+                                const std::vector<OffsetPair>& pairs) const {
+    return std::ranges::all_of(pairs, [&](const auto& pair) { return agrees(axes, pair); });
+  }
+
+  // what leaves a joint, with what leaves its counterpart
+  [[nodiscard]] std::vector<OffsetPair> leaving(int joint, const ChildPairs& found) const {
+    std::vector<OffsetPair> pairs;
+    for (const int child : children_[joint]) {
+      if (mates_[child] >= 0) pairs.push_back(offsets(child, mates_[child]));
+    }
+    for (const auto& [child, mate] : found.joints) {
+      if (mates_[child] < 0) pairs.push_back(offsets(child, mate));
+    }
+    const auto& own = skeleton_.joint(joint).end_sites;
+    const auto& of_mate = skeleton_.joint(mates_[joint]).end_sites;
+    if (own.size() == 1 && of_mate.size() == 1) pairs.push_back({own[0], of_mate[0]});
+    return pairs;
+  }
+
+  // each child that is not paired yet with that which is most like it in the mirror
+  [[nodiscard]] Result<ChildPairs> pair_children(int joint, const Eigen::Matrix3d& axes) const {
+    const int mate = mates_[joint];
+    ChildPairs result;
+    for (const OffsetPair& pair : leaving(joint, result)) {
+      result.cost += (axes * pair.own - pair.of_mate).norm();
+    }
+    std::vector<int> left = unpaired(mate);
+    std::vector<int> done;
+    for (const int child : unpaired(joint)) {
+      if (std::ranges::find(done, child) != done.end()) continue;
+      const auto cost = [&](int other) {
+        return (axes * skeleton_.joint(child).offset - skeleton_.joint(other).offset).norm() +
+               difference(child, other);
+      };
+      const auto best = std::ranges::min_element(left, {}, cost);
+      if (best == left.end() || std::isinf(cost(*best))) return lonely(child);
+      const int other = *best;
+      result.cost += cost(other);
+      result.joints.emplace_back(child, other);
+      left.erase(best);
+      if (joint != mate || child == other) continue;
+      // both hang from this joint
+      std::erase(left, child);
+      done.push_back(other);
+    }
+    if (!left.empty()) return lonely(left.front());
+    return result;
+  }
+
+  [[nodiscard]] std::vector<int> unpaired(int joint) const {
+    std::vector<int> result;
+    std::ranges::copy_if(children_[joint], std::back_inserter(result),
+                         [this](int child) { return mates_[child] < 0; });
+    return result;
+  }
+
+  // how far two subtrees are from having one shape, by the lengths in them; infinite: not of one
+  // tree
+  [[nodiscard]] double difference(int a, int b) const {
+    if (children_[a].size() != children_[b].size()) return std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    std::vector<int> left(children_[b]);
+    for (const int child : children_[a]) {
+      const auto cost = [&](int other) {
+        return std::abs(skeleton_.joint(child).offset.norm() -
+                        skeleton_.joint(other).offset.norm()) +
+               difference(child, other);
+      };
+      const auto best = std::ranges::min_element(left, {}, cost);
+      sum += cost(*best);
+      left.erase(best);
+    }
+    return sum;
+  }
+
+  // the reflection next to a guess that brings what leaves a joint to what leaves its counterpart
+  [[nodiscard]] Eigen::Matrix3d fitted(const Eigen::Matrix3d& guess,
+                                       const std::vector<OffsetPair>& pairs) const {
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d own = Eigen::Vector3d::Zero(), of_mate = own;
+    for (const OffsetPair& pair : pairs) {
+      if (std::min(pair.own.norm(), pair.of_mate.norm()) <= kNoLength * longest_) continue;
+      own = pair.own.normalized();
+      of_mate = pair.of_mate.normalized();
+      covariance += of_mate * own.transpose();
+    }
+    if (own.isZero(0.0)) return guess;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    // of one direction the turn about it is the guess's
+    constexpr double kOneLine = 0.05;
+    if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
+      return Eigen::Quaterniond::FromTwoVectors(guess * own, of_mate).toRotationMatrix() * guess;
+    }
+    const Eigen::Matrix3d& u = svd.matrixU();
+    const Eigen::Matrix3d& v = svd.matrixV();
+    const double sign = (u * v.transpose()).determinant() < 0.0 ? 1.0 : -1.0;
+    return u * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * v.transpose();
+  }
+
+  const Skeleton& skeleton_;
+  const HumanMapping& mapping_;
+  const std::string& file_;
+  const std::vector<Eigen::Quaterniond> t_pose_;
+  std::vector<std::vector<int>> children_;
+  std::vector<int> mates_;
+  std::vector<Eigen::Matrix3d> axes_;
+  double longest_ = 0.0;  // bone, file units
+};
+
+}  // namespace
+
+Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping,
+                               const std::string& file) {
+  return MirrorFinder(skeleton, mapping, file).run();
+}
+
+}  // namespace retarget
