@@ -27,6 +27,9 @@ constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 constexpr double kLargestTurn = 0.15, kLargestMove = 0.2;
 constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
 constexpr double kPairsWithin = 0.04;  // metres
+// Share of their weight that the places of contacts have at first. They move with the feet that they
+// hold, so while they hold them hard neither gets anywhere.
+constexpr double kFirstHold = 0.12;
 
 // the solver of one window
 class WindowFitter {
@@ -53,7 +56,7 @@ class WindowFitter {
   void apply(int frame);
   void add_to_anchors(int frame);
   void push_anchors_apart(int frame);
-  void finish_anchors();
+  void place_own_anchors();
   [[nodiscard]] bool owns(int phase) const;
   [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
   signed char& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
@@ -73,6 +76,7 @@ class WindowFitter {
   std::vector<signed char> held_;                  // by frame and dof: -1 lower, 1 upper limit
   std::vector<Held> rows_;
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
+  double anchor_hold_ = 1.0;
   std::vector<Eigen::Vector2d> anchor_sums_;
   std::vector<Eigen::Vector2d> anchor_pushes_;
   std::vector<int> anchor_counts_;
@@ -104,7 +108,14 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
 bool WindowFitter::run(const std::function<bool()>& keep_going) {
   for (int i = 0; i < options_.iterations; ++i) {
     if (keep_going && !keep_going()) return false;
-    iterate(i < options_.anchor_iterations, i % kPairsEvery == 0);
+    const bool move_anchors = i < options_.anchor_iterations;
+    anchor_hold_ = 1.0;
+    if (move_anchors) {
+      place_own_anchors();
+      anchor_hold_ =
+          1.0 - (1.0 - kFirstHold) * (options_.anchor_iterations - i) / options_.anchor_iterations;
+    }
+    iterate(move_anchors, i % kPairsEvery == 0);
   }
   return true;
 }
@@ -120,11 +131,6 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   speeds_.update(model_, clip_, first, last);
   chain_.begin(window_.end - window_.begin);
   rows_.clear();
-  if (move_anchors) {
-    std::ranges::fill(anchor_counts_, 0);
-    std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
-    std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
-  }
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
   for (int frame = window_.begin; frame < window_.end; ++frame) {
     fill_frame(frame, move_anchors, look_for_pairs);
@@ -134,23 +140,23 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   chain_.substitute();
   release_limits();
   for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
-  if (move_anchors) finish_anchors();
 }
 
 void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
   pose_.update(model_, clip_.frame(frame, model_.configuration_size));
-  if (move_anchors) add_to_anchors(frame);
   if (look_for_pairs && options_.self_collision) {
     terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
   }
   double* const h = chain_.block(t);
   double* const g = chain_.right(t);
   TermCosts costs{};
-  terms_.assemble(pose_, clip_.goals(frame, model_.tasks.size()), pairs_[at(t)], g, h,
-                  chain_.stride(), costs);
+  FrameGoals goals = clip_.goals(frame, model_.tasks.size());
+  goals.anchor_hold = anchor_hold_;
+  terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
   if (move_anchors) push_anchors_apart(frame);
-  double cost = 0.0;
+  // places move and their weight changes: what they cost says nothing of the step
+  double cost = -costs[kTermContactPlace];
   for (const double part : costs) cost += part;
   adapt_damping(t, cost);
   for (int i = 0; i < dofs_; ++i) {
@@ -299,12 +305,21 @@ void WindowFitter::push_anchors_apart(int frame) {
   push(overlap.foot_b, -half);
 }
 
-void WindowFitter::finish_anchors() {
+void WindowFitter::place_own_anchors() {
+  std::ranges::fill(anchor_counts_, 0);
+  std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const auto ends = clip_.feet.ends_of(frame);
+    if (std::ranges::none_of(ends, [](const FootEndGoal& end) { return end.phase >= 0; })) continue;
+    pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+    add_to_anchors(frame);
+  }
   for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {
     if (anchor_counts_[i] > 0) {
       clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i] + anchor_pushes_[i];
     }
   }
+  std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
 }
 
 }  // namespace
@@ -346,7 +361,9 @@ std::vector<TermCosts> frame_costs(const FitModel& model, const FitOptions& opti
   std::vector<StepTerm> steps(at(dofs));
   for (int frame = 0; frame < clip.frame_count; ++frame) {
     pose.update(model, clip.frame(frame, model.configuration_size));
-    if (options.self_collision) terms.find_near_pairs(pose, 0.0, pairs);
+    if (options.self_collision) {
+      terms.find_near_pairs(pose, options.self_collision_margin, pairs);
+    }
     terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
                    hessian.data(), dofs, costs[at(frame)]);
     if (frame + 1 < clip.frame_count) {

@@ -34,7 +34,8 @@ struct FitClip {
     return {{targets.data() + static_cast<std::size_t>(t) * tasks, tasks},
             feet.ends_of(t),
             feet.upright_of(t),
-            anchors};
+            anchors,
+            1.0};
   }
 };
 

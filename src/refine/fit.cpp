@@ -162,6 +162,9 @@ void Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const Target
     targets.build(bones, world_from_target);
     if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones);
     read_feet(bones);
+    if (info.has(find_bone("Hips").value())) {
+      feet_.hips.push_back(bones[at(find_bone("Hips").value())].translation.z());
+    }
     // the whole robot goes as its feet go: feet that stand stay in one place
     path_.emplace_back((scales.foot - scales.root) * bones[at(root)].translation);
     for (const FitTask& task : model_.tasks) {

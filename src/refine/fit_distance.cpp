@@ -9,8 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTiny = 1e-12;    // square metres
-constexpr double kMeeting = 1e-6;  // metres; cores this near have no normal
+constexpr double kTiny = 1e-12;     // square metres
+constexpr double kSettled = 1e-24;  // square metres
+constexpr double kMeeting = 1e-6;   // metres; cores this near have no normal
 constexpr double kPerhapsMeeting = 0.02;
 constexpr int kProjections = 24;  // of each of two cores on the other
 
@@ -163,8 +164,10 @@ FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const
     result.on_b = core_b.nearest(result.on_a);
     const int rounds = core_a.count == 0 || core_b.count == 0 ? 1 : kProjections;
     for (int i = 0; i < rounds; ++i) {
-      result.on_a = core_a.nearest(result.on_b);
+      const Vector3d before = result.on_b;
+      result.on_a = core_a.nearest(before);
       result.on_b = core_b.nearest(result.on_a);
+      if ((result.on_b - before).squaredNorm() < kSettled) break;
     }
   }
   Vector3d way = result.on_a - result.on_b;

@@ -47,6 +47,7 @@ class ModelMaker {
   void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
   void add_foot_shapes();
   void add_pairs();
+  void group_pairs();
   [[nodiscard]] int link_of_bone(std::string_view bone) const;
   [[nodiscard]] int body_above(int link) const;
   /// The link itself or the next one above that moves.
@@ -73,6 +74,7 @@ FitModel ModelMaker::make() {
   add_shapes();
   add_foot_shapes();
   add_pairs();
+  group_pairs();
   return std::move(model_);
 }
 
@@ -442,6 +444,34 @@ void ModelMaker::add_pairs() {
         continue;
       }
       model_.pairs.push_back({a, b});
+    }
+  }
+}
+
+// pairs of the same two links side by side, and a ball around each link's shapes: most links are far
+// from each other
+void ModelMaker::group_pairs() {
+  const auto links = [&](const FitPair& pair) {
+    return std::pair(model_.shapes[static_cast<std::size_t>(pair.a)].link,
+                     model_.shapes[static_cast<std::size_t>(pair.b)].link);
+  };
+  std::ranges::stable_sort(model_.pairs, {}, links);
+  for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
+    const auto [link_a, link_b] = links(model_.pairs[i]);
+    if (i == 0 || links(model_.pairs[i - 1]) != std::pair(link_a, link_b)) {
+      model_.pair_groups.push_back({link_a, link_b, i, i});
+    }
+    model_.pair_groups.back().end = i + 1;
+  }
+  model_.link_balls.resize(model_.links.size());
+  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+    Eigen::AlignedBox3d box;
+    for (const FloorPoint& point : model_.floor_points[link]) box.extend(point.position);
+    if (box.isEmpty()) continue;
+    ShapeBall& ball = model_.link_balls[link];
+    ball.centre = box.center();
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      ball.radius = std::max(ball.radius, (point.position - ball.centre).norm() + point.radius);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -87,6 +88,18 @@ struct FitPair {
   int a = 0, b = 0;
 };
 
+/// The pairs [begin, end) of the shapes of two links.
+struct FitPairGroup {
+  int link_a = 0, link_b = 0;
+  std::uint32_t begin = 0, end = 0;
+};
+
+/// A ball that holds all shapes of a link, in its frame.
+struct ShapeBall {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
 /// All that a fit takes from robot, mapping and options; the same for every frame. Immutable.
 ///
 /// Degrees of freedom: 0-2 the root's position in the world, 3-5 its rotation in its own axes,
@@ -106,7 +119,9 @@ struct FitModel {
   std::vector<char> is_foot;        ///< By link.
   std::vector<int> foot_of_link;    ///< Index of the foot that a link is or carries next; -1: none.
   std::vector<RoundedShape> shapes;
-  std::vector<FitPair> pairs;
+  std::vector<FitPair> pairs;  ///< Ordered by links.
+  std::vector<FitPairGroup> pair_groups;
+  std::vector<ShapeBall> link_balls;  ///< By link.
   int configuration_size = 0;
 
   [[nodiscard]] int dof_count() const { return kBaseDofs - 1 + static_cast<int>(links.size()); }

@@ -84,6 +84,8 @@ constexpr std::array kNumbers = {
     Number{"contact_height", &FitOptions::contact_height},
     Number{"contact_release_height", &FitOptions::contact_release_height},
     Number{"contact_time", &FitOptions::contact_time},
+    Number{"support_time", &FitOptions::support_time},
+    Number{"support_drift", &FitOptions::support_drift},
     Number{"window", &FitOptions::window, 0.1},
     Number{"seam", &FitOptions::seam, 0.0}};
 

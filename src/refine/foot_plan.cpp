@@ -3,21 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "refine/raised_stances.h"
+#include "refine/shorthand.h"
+
 namespace retarget {
 namespace {
-
-// thigh and shank of the body that lengths and speeds of the options are for, metres
-constexpr double kLeg = 0.85;
 
 // height of the ankle over the toe by their distance, of feet that stand
 constexpr double kFlattestFoot = 0.15, kSteepestFoot = 0.6, kCommonFoot = 0.36;
 constexpr double kNearLowest = 0.05;    // metres
 constexpr double kLowestShare = 0.02;   // of frames
 constexpr double kLeastStanding = 0.7;  // seconds of both feet together
-
-// Speeds are taken over two frames or over this time, whichever says slower: the short one sees a
-// foot come to rest early at any frame rate, the long one is not misled by noise of fast sources.
-constexpr double kSpeedTime = 1.0 / 15.0;
 
 // height of a foot's up vector: none of its clearance counts below the first, all beyond both
 constexpr double kLyingFoot = 0.2, kUprightRange = 0.35;
@@ -27,67 +23,54 @@ constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 constexpr double kHalfWidth = 0.03;
 constexpr double kShortestLevel = 1.0 / 6.0;  // seconds
 
-const Eigen::Vector3d& end_of(const SourceFoot& foot, int end) {
-  return end == kHeel ? foot.ankle : foot.toe;
-}
-
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
 }
 
-// m/s, over `half` frames on either side
-double speed_over(const SourceFeet& source, int frame, int foot, int end, int half) {
-  const int from = std::max(frame - half, 0), to = std::min(frame + half, source.frame_count() - 1);
-  if (to == from) return 0.0;
-  return (end_of(source.at(to, foot), end) - end_of(source.at(from, foot), end)).norm() /
-         (source.frame_time * (to - from));
-}
-
-// m/s, over a short time about the frame
-double speed(const SourceFeet& source, int frame, int foot, int end) {
-  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time));
-  const double shortly = speed_over(source, frame, foot, end, 1);
-  return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, foot, end, half));
-}
+// what one end of a foot stands on: a raised stance's index, or
+constexpr int kNothing = -2, kFloor = -1;
 
 // one end of one foot
 class EndPlanner {
  public:
   EndPlanner(const SourceFeet& source, double standing, double scale, const FitOptions& options,
-             int foot, int end, FootPlan& plan)
+             std::span<const RaisedStance> stances, int foot, int end, FootPlan& plan)
       : source_(source),
         standing_(standing),
         scale_(scale),
         options_(options),
+        stances_(stances),
         foot_(foot),
         end_(end),
-        plan_(plan) {}
+        plan_(plan),
+        stands_on_(static_cast<std::size_t>(source.frame_count()), kNothing) {}
 
   void run() {
     const int frames = source_.frame_count();
-    std::vector<char> planted(static_cast<std::size_t>(frames) + 1, 0);
     bool on = false;
     for (int frame = 0; frame < frames; ++frame) {
       const SourceFoot& source = source_.at(frame, foot_);
-      const double height = end_of(source, end_).z() - standing_;
+      const double height = source.end(end_).z() - standing_;
       goal(frame).clearance =
           std::max(0.0, scale_ * height) + kHalfWidth * scale_ * std::abs(source.side);
       on = stays(frame, height, on);
-      planted[static_cast<std::size_t>(frame)] = on ? 1 : 0;
+      if (on) stands_on(frame) = kFloor;
     }
-    int begin = 0;
-    for (int frame = 0; frame <= frames; ++frame) {
-      const bool now = planted[static_cast<std::size_t>(frame)] != 0;
-      const bool before = frame > 0 && planted[static_cast<std::size_t>(frame) - 1] != 0;
-      if (now && !before) begin = frame;
-      if (!now && before) add_phase(begin, frame);
+    for (std::size_t i = 0; i < stances_.size(); ++i) raise(static_cast<int>(i));
+    for (int begin = 0; begin < frames;) {
+      int end = begin;
+      while (end < frames && stands_on(end) == stands_on(begin)) ++end;
+      if (stands_on(begin) != kNothing) add_phase(begin, end);
+      begin = end;
     }
     smooth_levels();
   }
 
  private:
+  int& stands_on(int frame) { return stands_on_[static_cast<std::size_t>(frame)]; }
+
   FootEndGoal& goal(int frame) {
     const std::size_t row =
         static_cast<std::size_t>(frame) * static_cast<std::size_t>(plan_.foot_count);
@@ -95,17 +78,43 @@ class EndPlanner {
   }
 
   [[nodiscard]] bool stays(int frame, double height, bool on) const {
-    const double size = source_.leg_length / kLeg;
+    const double size = source_.size();
     const double fast = on ? options_.contact_release_speed : options_.contact_speed;
     const double high = on ? options_.contact_release_height : options_.contact_height;
-    return height <= high * size && speed(source_, frame, foot_, end_) <= fast * size;
+    return height <= high * size && source_.speed(frame, foot_, end_) <= fast * size;
+  }
+
+  // the frames of a raised stance, and those around it in which this end has come or not yet gone
+  void raise(int index) {
+    const RaisedStance& stance = stances_[static_cast<std::size_t>(index)];
+    const auto mark = [&](int frame) {
+      if (stands_on(frame) != kNothing) return false;
+      stands_on(frame) = index;
+      return true;
+    };
+    for (int frame = stance.begin; frame < stance.end; ++frame) mark(frame);
+    const double size = source_.size();
+    const auto near = [&](int frame, int edge, double fast) {
+      const double away =
+          (source_.at(frame, foot_).end(end_) - source_.at(edge, foot_).end(end_)).norm();
+      return away <= options_.support_drift * size &&
+             source_.speed(frame, foot_, end_) <= fast * size;
+    };
+    for (int frame = stance.begin - 1; frame >= 0; --frame) {
+      if (!near(frame, stance.begin, options_.contact_speed) || !mark(frame)) break;
+    }
+    for (int frame = stance.end; frame < source_.frame_count(); ++frame) {
+      if (!near(frame, stance.end - 1, options_.contact_release_speed) || !mark(frame)) break;
+    }
   }
 
   void add_phase(int begin, int end) {
     if ((end - begin) * source_.frame_time < options_.contact_time - 1e-9) return;
+    const int on = stands_on(begin);
     for (int frame = begin; frame < end; ++frame) {
       const SourceFoot& source = source_.at(frame, foot_);
       FootEndGoal& g = goal(frame);
+      if (on != kFloor) g.support = scale_ * stances_[static_cast<std::size_t>(on)].height[end_];
       g.phase = static_cast<int>(plan_.phases.size());
       g.level = end_ == kHeel ? source.up > kHeelUp
                               : source.up > kToeUp && std::abs(source.side) < kToeSide;
@@ -137,30 +146,67 @@ class EndPlanner {
   double standing_;
   double scale_;
   const FitOptions& options_;
+  std::span<const RaisedStance> stances_;
   int foot_;
   int end_;
   FootPlan& plan_;
+  std::vector<int> stands_on_;  // by frame
 };
 
-// While all feet are in the air nothing but their clearance says how high the body flies. What
-// lasts longer stands on something.
-void stress_flights(int frames, double frame_time, FootPlan& plan) {
+// Whether the hips rise over the straight line between a flight's ends as what falls does, by
+// g T^2 / 8. Less is asked for: they are not the centre of mass, and feet leave the floor early.
+bool falls_freely(const SourceFeet& source, int begin, int end) {
+  constexpr double kGravity = 9.81, kShare = 0.25;
+  if (source.hips.empty() || begin >= end) return true;
+  const auto hips =
+      std::span(source.hips)
+          .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+  const double steps = static_cast<double>(hips.size()) - 1.0;
+  const double slope = (hips.back() - hips.front()) / std::max(1.0, steps);
+  double rise = 0.0;
+  for (std::size_t i = 0; i < hips.size(); ++i) {
+    rise = std::max(rise, hips[i] - hips.front() - slope * static_cast<double>(i));
+  }
+  return rise >= kShare * kGravity * square(steps * source.frame_time) / 8.0;
+}
+
+// While all feet are in the air nothing but their clearance says how high the body flies, and of a
+// foot its lower end: the robot's foot is not as long as the source's, so that of a tucked one both
+// cannot be had. What lasts longer stands on something, what does not fall lies or sits.
+void stress_flights(const SourceFeet& source, FootPlan& plan) {
   constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
   constexpr double kLongestFlight = 1.0;           // seconds
-  constexpr double kImportance = 4.0;
-  const std::size_t ends = 2 * static_cast<std::size_t>(plan.foot_count);
+  constexpr double kImportance = 5.0;
+  constexpr double kLowerEnd = 0.05;  // metres; an end so much higher than the other has no stress
+  const auto feet = static_cast<std::size_t>(plan.foot_count);
+  const int frames = source.frame_count();
   const auto at_frame = [&](int frame) {
-    return std::span(plan.ends.data() + static_cast<std::size_t>(frame) * ends, ends);
+    return std::span(plan.ends).subspan(2 * feet * static_cast<std::size_t>(frame), 2 * feet);
   };
   const auto lowest = [&](int frame) {
-    return std::ranges::min(at_frame(frame), {}, &FootEndGoal::clearance).clearance;
+    double least = HUGE_VAL;
+    for (const FootEndGoal& goal : at_frame(frame)) {
+      least = std::min(least, goal.level ? 0.0 : goal.clearance);
+    }
+    return least;
   };
   for (int begin = 0; begin < frames;) {
     int end = begin;
     while (end < frames && lowest(end) > kAloft) ++end;
-    for (int frame = begin; frame < end && (end - begin) * frame_time <= kLongestFlight; ++frame) {
+    const bool flies =
+        (end - begin) * source.frame_time <= kLongestFlight && falls_freely(source, begin, end);
+    for (int frame = begin; flies && frame < end; ++frame) {
       const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
-      for (FootEndGoal& goal : at_frame(frame)) goal.importance = 1.0 + share * (kImportance - 1.0);
+      for (std::size_t foot = 0; foot < feet; ++foot) {
+        const auto ends = at_frame(frame).subspan(2 * foot, 2);
+        const double low = std::min(ends[kHeel].clearance, ends[kToe].clearance);
+        for (FootEndGoal& goal : ends) {
+          const double stress = share * std::max(0.0, 1.0 - (goal.clearance - low) / kLowerEnd);
+          goal.importance += stress * (kImportance - goal.importance);
+        }
+        double& upright = plan.upright[static_cast<std::size_t>(frame) * feet + foot];
+        upright = std::max(upright, share);
+      }
     }
     begin = end + 1;
   }
@@ -182,7 +228,7 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
   StandingHeights result;
   const int frames = source.frame_count();
   if (frames == 0) return result;
-  const double size = source.leg_length / kLeg;
+  const double size = source.size();
   std::vector<double> lowest;
   lowest.reserve(static_cast<std::size_t>(frames));
   for (int frame = 0; frame < frames; ++frame) {
@@ -202,8 +248,8 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
       const double steep = (now.ankle.z() - now.toe.z()) / (now.ankle - now.toe).norm();
       if (now.toe.z() < floor + kNearLowest * size && steep > kFlattestFoot &&
           steep < kSteepestFoot &&
-          speed(source, frame, foot, kHeel) < options.contact_speed * size &&
-          speed(source, frame, foot, kToe) < options.contact_speed * size) {
+          source.speed(frame, foot, kHeel) < options.contact_speed * size &&
+          source.speed(frame, foot, kToe) < options.contact_speed * size) {
         ankles.push_back(now.ankle.z());
         toes.push_back(now.toe.z());
       }
@@ -225,11 +271,16 @@ FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing, do
   for (const SourceFoot& foot : source.feet) {
     plan.upright.push_back(std::clamp((foot.up - kLyingFoot) / kUprightRange, 0.0, 1.0));
   }
-  for (int foot = 0; foot < source.foot_count; ++foot) {
-    EndPlanner(source, standing.ankle, scale, options, foot, kHeel, plan).run();
-    EndPlanner(source, standing.toe, scale, options, foot, kToe, plan).run();
+  for (std::size_t i = 0; i < plan.ends.size(); ++i) {
+    plan.ends[i].importance = std::sqrt(plan.upright[i / 2]);
   }
-  if (plan.foot_count > 0) stress_flights(source.frame_count(), source.frame_time, plan);
+  for (int foot = 0; foot < source.foot_count; ++foot) {
+    const auto stances = find_raised_stances(source, standing, foot, options);
+    for (const int end : {kHeel, kToe}) {
+      EndPlanner(source, standing.of(end), scale, options, stances, foot, end, plan).run();
+    }
+  }
+  if (plan.foot_count > 0) stress_flights(source, plan);
   return plan;
 }
 

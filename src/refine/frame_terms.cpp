@@ -27,6 +27,7 @@ FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
       stiffness_(model.links.size()),
       force_(model.links.size()),
       centres_(model.shapes.size()),
+      ball_centres_(model.links.size()),
       row_(at(model.dof_count()), 0.0),
       carries_(at(model.dof_count()), 0) {
   row_dofs_.reserve(row_.size());
@@ -87,8 +88,7 @@ void FrameTerms::add_targets(const FitPose& pose, const FrameGoals& goals, TermC
 }
 
 void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
-                              const FootEndGoal& goal, double upright,
-                              std::span<const Eigen::Vector2d> anchors, TermCosts& costs) {
+                              const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs) {
   const Frame& world = pose.world_from_link[at(foot.link)];
   const Vector3d& origin = pose.world_from_link[0].translation;
   const Vector3d middle = world * end.middle, tip = world * end.tip;
@@ -96,8 +96,8 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
   const Vector3d& low = tip.z() < middle.z() ? tip : middle;
   const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
   if (pinned) {
-    const Eigen::Vector2d error = middle.head<2>() - anchors[at(goal.phase)];
-    const double weight = square(options_.contact_weight);
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
+    const double weight = square(goals.anchor_hold * options_.contact_weight);
     for (int axis = 0; axis < 2; ++axis) {
       add_row(foot.link, axis, middle - origin, weight, error[axis]);
     }
@@ -120,15 +120,16 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
       error = height;
       stands = place;
     }
+    error -= goal.support;
     const double weight = square(options_.contact_height_weight);
     add_row(foot.link, 2, stands - origin, weight, error);
     costs[kTermContactHeight] += weight * square(error);
-  } else if (options_.foot_height && upright > 0.0) {
+  } else if (options_.foot_height && goal.importance > 0.0) {
     const double error = low.z() - goal.clearance;
     const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
     const double near = options_.foot_height_near;
     const double weight =
-        square(goal.importance * (near + far * (options_.foot_height_far - near))) * upright;
+        square(goal.importance * (near + far * (options_.foot_height_far - near)));
     add_row(foot.link, 2, low - origin, weight, error);
     costs[kTermFootHeight] += weight * square(error);
   }
@@ -147,8 +148,7 @@ void FrameTerms::add_feet(const FitPose& pose, const FrameGoals& goals, TermCost
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (const std::size_t end : {kHeel, kToe}) {
-      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals.upright[f],
-                   goals.anchors, costs);
+      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals, costs);
     }
   }
 }
@@ -180,12 +180,27 @@ void FrameTerms::find_near_pairs(const FitPose& pose, double within,
     const RoundedShape& shape = model_.shapes[i];
     centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
   }
+  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+    ball_centres_[link] = pose.world_from_link[link] * model_.link_balls[link].centre;
+  }
   pairs.clear();
-  for (std::size_t i = 0; i < model_.pairs.size(); ++i) {
-    const auto [a, b] = model_.pairs[i];
-    const double reach = model_.shapes[at(a)].reach + model_.shapes[at(b)].reach + within;
-    if ((centres_[at(a)] - centres_[at(b)]).squaredNorm() < square(reach)) {
-      pairs.push_back(static_cast<std::uint32_t>(i));
+  for (const FitPairGroup& group : model_.pair_groups) {
+    const double apart = model_.link_balls[at(group.link_a)].radius +
+                         model_.link_balls[at(group.link_b)].radius + within;
+    if ((ball_centres_[at(group.link_a)] - ball_centres_[at(group.link_b)]).squaredNorm() >
+        square(apart)) {
+      continue;
+    }
+    const Frame& world_a = pose.world_from_link[at(group.link_a)];
+    const Frame& world_b = pose.world_from_link[at(group.link_b)];
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+      const RoundedShape& a = model_.shapes[at(model_.pairs[i].a)];
+      const RoundedShape& b = model_.shapes[at(model_.pairs[i].b)];
+      const Vector3d between = centres_[at(model_.pairs[i].a)] - centres_[at(model_.pairs[i].b)];
+      if (between.squaredNorm() < square(a.reach + b.reach + within) &&
+          fit_distance(a, world_a, b, world_b).distance < within) {
+        pairs.push_back(i);
+      }
     }
   }
 }
@@ -237,8 +252,9 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
 void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
                           std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
                           int stride, TermCosts& costs) {
-  for (auto& stiffness : stiffness_) stiffness.setZero();
-  for (auto& force : force_) force.setZero();
+  // all at once: clearing small matrices one by one is slow
+  std::fill_n(stiffness_.front().data(), stiffness_.size() * Matrix6d::SizeAtCompileTime, 0.0);
+  std::fill_n(force_.front().data(), force_.size() * Vector6d::SizeAtCompileTime, 0.0);
   foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);

@@ -38,9 +38,10 @@ struct TaskTarget {
 /// What one end of a foot, heel or toe, should do in a frame.
 struct FootEndGoal {
   double clearance = 0.0;   ///< Metres above the floor.
-  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight.
+  double importance = 1.0;  ///< Factor to the weight of the clearance: more in flight, 0: lies.
   int phase = -1;           ///< Contact phase; -1: none.
-  bool level = false;       ///< In contact, its height is that of the floor as well.
+  bool level = false;       ///< In contact, its height is that of what it stands on as well.
+  double support = 0.0;     ///< How high that is, metres; 0: the floor.
 };
 
 /// A frame's goals.
@@ -49,6 +50,7 @@ struct FrameGoals {
   std::span<const FootEndGoal> ends;         ///< Two a foot: heel, toe.
   std::span<const double> upright;           ///< By foot, 0 to 1: 0 for feet that lie or kneel.
   std::span<const Eigen::Vector2d> anchors;  ///< Place of each contact phase.
+  double anchor_hold = 1.0;                  ///< Factor to the weight of these places.
 };
 
 /// How deep one foot is in another.
@@ -75,15 +77,14 @@ class FrameTerms {
   /// The deepest overlap of one foot with another in the frame that was assembled last.
   [[nodiscard]] const FootOverlap& foot_overlap() const { return foot_overlap_; }
 
-  /// Pairs of shapes that are less than `within` metres apart, or little more.
+  /// Pairs of shapes that are less than `within` metres apart.
   void find_near_pairs(const FitPose& pose, double within, std::vector<std::uint32_t>& pairs);
 
  private:
   void add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
   void add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
   void add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
-                    const FootEndGoal& goal, double upright,
-                    std::span<const Eigen::Vector2d> anchors, TermCosts& costs);
+                    const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs);
   void add_floor(const FitPose& pose, TermCosts& costs);
   void add_pair(const FitPose& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);
@@ -94,7 +95,7 @@ class FrameTerms {
   const FitOptions& options_;
   std::vector<Matrix6d> stiffness_;  // by link: of what hangs on it alone, then of all it carries
   std::vector<Vector6d> force_;
-  std::vector<Eigen::Vector3d> centres_;  // of shapes, in the world
+  std::vector<Eigen::Vector3d> centres_, ball_centres_;  // of shapes, of links' shapes; world
   std::vector<double> row_;
   std::vector<int> row_dofs_;
   std::vector<char> carries_;

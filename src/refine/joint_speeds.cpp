@@ -29,7 +29,8 @@ void configuration_step(const FitModel& model, std::span<const double> from,
 
 JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time)
     : speed_weight_(options.speed ? square(options.speed_weight / frame_time) : 0.0),
-      smoothing_(square(options.smoothing_time / frame_time)) {
+      smoothing_(square(options.smoothing_time / frame_time)),
+      stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
     smooth_weight_.push_back(options.smoothness ? square(model.smoothness[i] / frame_time) : 0.0);
     const bool hinge = i >= FitModel::kBaseDofs && !model.links[i - FitModel::kBaseDofs + 1].slides;
@@ -75,7 +76,7 @@ void JointSpeeds::update(const FitModel& model, const FitClip& clip, int first, 
 void JointSpeeds::terms(int frame, std::span<StepTerm> terms) const {
   const double *v = row(steps_, frame), *s = row(smooth_, frame);
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    terms[i] = {smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
+    terms[i] = {stiffness_ * smooth_weight_[i], smooth_weight_[i] * (v[i] - s[i])};
     const double soft = soft_step_[i];
     if (std::abs(v[i]) <= soft) continue;
     terms[i].weight += speed_weight_;

@@ -22,9 +22,11 @@ struct StepTerm {
 ///     (w / dt)^2 |v - s|^2    v the step, s the smoothed step: argmin |v - s|^2 + (T/dt)^2 |D s|^2
 ///     (u / dt)^2 max(0, |v| - limit dt)^2
 ///
-/// s is brought up to date before every iteration and constant in it; as its minimisation is part
-/// of the whole one, costs only fall by it. Together they penalise accelerations without a second
-/// neighbour in the system.
+/// s is brought up to date before every iteration. With L = D'D and l = (T/dt)^2 what is left of the
+/// first line is (w / dt)^2 v' l L (1 + l L)^-1 v: for small T a penalty of accelerations, (w T)^2
+/// their weight. Its exact second derivative has further neighbours; as no eigenvalue of L is above
+/// 4, (w / dt)^2 4 l / (1 + 4 l) times the unit matrix is never below it, couples neighbours alone,
+/// and with it every step lowers the cost.
 class JointSpeeds {
  public:
   JointSpeeds(const FitModel& model, const FitOptions& options, double frame_time);
@@ -45,6 +47,7 @@ class JointSpeeds {
   std::vector<double> soft_step_;      // by dof; where the speed's term begins
   double speed_weight_;                // u / dt squared
   double smoothing_;                   // T / dt squared
+  double stiffness_;                   // largest share of the weight that smoothing leaves
   int first_ = 0;
   std::vector<double> steps_, smooth_, factors_;
 };

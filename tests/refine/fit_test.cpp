@@ -117,6 +117,52 @@ TEST_F(FitTest, AWalkStandsOnTheFloorAndDoesNotSlide) {
   EXPECT_LT(contact->after, contact->before);
 }
 
+TEST_F(FitTest, FeetStandOnWhatIsAboveTheFloor) {
+  // everything is lifted by 0.3 m in a third of a second, as if by a platform
+  Clip clip = cut(sample("wave.bvh"), 0, 70);
+  constexpr int kFirst = 30, kLast = 40;
+  for (int t = kFirst; t < clip.frame_count(); ++t) {
+    const double way = std::min(1.0, static_cast<double>(t - kFirst) / (kLast - kFirst));
+    clip.translations(t)[0].y() += 30.0 * way;
+  }
+  const FitResult result = fitted(clip);
+  expect_guarantees(result.clip);
+  const std::vector<double> heights = sole_heights(result.clip);
+  EXPECT_NEAR(heights[20], 0.0, 0.002);
+  // the path of the G1's feet is a little shorter than the source's
+  EXPECT_GT(heights[60], 0.22);
+  EXPECT_LT(heights[60], 0.3);
+  std::vector<Pose> before(robot_->bodies().size()), now = before;
+  for (int t = kLast + 5; t < clip.frame_count(); ++t) {
+    EXPECT_NEAR(heights[static_cast<std::size_t>(t)], heights[60], 0.001);
+    forward_kinematics(*robot_, result.clip.qpos(t - 1), before);
+    forward_kinematics(*robot_, result.clip.qpos(t), now);
+    for (const Sole& sole : robot_->profile().soles) {
+      const auto body = static_cast<std::size_t>(sole.body);
+      for (const auto& point : sole.points) {
+        EXPECT_LT((now[body] * point - before[body] * point).norm() * 30.0, 0.005) << t;
+      }
+    }
+  }
+}
+
+TEST_F(FitTest, ThePlacesOfContactsSettle) {
+  // one more step that moves them hardly changes the motion
+  const Clip clip = cut(sample("walk.bvh"), 60, 120);
+  FitOptions options;
+  options.anchor_iterations = 7;
+  const RobotClip seven = fitted(clip, options).clip;
+  options.anchor_iterations = 8;
+  const RobotClip eight = fitted(clip, options).clip;
+  double most = 0.0;
+  for (int t = 0; t < clip.frame_count(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      most = std::max(most, std::abs(seven.qpos(t)[i] - eight.qpos(t)[i]));
+    }
+  }
+  EXPECT_LT(most, 0.002);
+}
+
 TEST_F(FitTest, SamplesKeepTheGuarantees) {
   for (const char* name : {"get_up.bvh", "squat.bvh", "turn_in_place.bvh", "wave.bvh"}) {
     SCOPED_TRACE(name);

@@ -142,7 +142,7 @@ TEST(FootPlan, ClearanceIsScaledAndCountsMoreInFlight) {
   // in the middle of the step, a quarter of a metre up
   const FootEndGoal& middle = plan.ends_of(38)[0];
   EXPECT_NEAR(middle.clearance, 0.5 * step(38.0 / 30.0).height, 1e-12);
-  EXPECT_EQ(middle.importance, 4.0);
+  EXPECT_DOUBLE_EQ(middle.importance, 5.0);
   EXPECT_EQ(plan.ends_of(10)[0].importance, 1.0);
 }
 
@@ -151,6 +151,90 @@ TEST(FootPlan, WhatStandsOnABoxDoesNotFly) {
     return FootPlace{0.0, t < 2.0 ? 0.0 : 0.3};
   });
   EXPECT_EQ(plan_of(feet).ends_of(100)[0].importance, 1.0);
+}
+
+// stands for a second, then the foot is 0.3 m higher and half a metre ahead, and stays
+FootPlace step_up(double t) {
+  const double way = std::clamp(2.0 * (t - 1.0), 0.0, 1.0);
+  return {0.5 * way, 0.3 * way};
+}
+
+TEST(FootPlan, WhatIsStillAboveTheFloorStandsOnSomething) {
+  for (const double fps : {30.0, 120.0}) {
+    const FootPlan plan = plan_of(make_feet(3.0, fps, step_up), 0.5);
+    ASSERT_EQ(plan.phases.size(), 4U) << fps;
+    const int late = static_cast<int>(2.5 * fps);
+    for (const std::size_t end : {kHeel, kToe}) {
+      const PlantedPhase& raised = plan.phases[2 * end + 1];
+      EXPECT_NEAR(raised.begin / fps, 1.5, 2.0 / fps);
+      EXPECT_EQ(raised.end, static_cast<int>(3.0 * fps) + 1);
+      const FootEndGoal& goal = plan.ends_of(late)[end];
+      EXPECT_TRUE(goal.level);
+      EXPECT_NEAR(goal.support, 0.5 * 0.3, 1e-12);
+      EXPECT_EQ(plan.ends_of(10)[end].support, 0.0);
+    }
+  }
+}
+
+TEST(FootPlan, HeelAndToeOfAFlatFootStandEquallyHigh) {
+  SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  for (SourceFoot& foot : feet.feet) {
+    if (foot.ankle.z() > kAnkleHeight + 0.2) foot.toe.z() += 0.02;
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_NEAR(plan.ends_of(75)[kHeel].support, 0.31, 1e-12);
+  EXPECT_EQ(plan.ends_of(75)[kHeel].support, plan.ends_of(75)[kToe].support);
+}
+
+TEST(FootPlan, TheToeStaysOnTheStepWhileTheHeelIsLifted) {
+  SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  for (std::size_t frame = 75; frame < feet.feet.size(); ++frame) {
+    feet.feet[frame].ankle.z() += 0.5 * (static_cast<double>(frame) / 30.0 - 2.5);
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_EQ(plan.ends_of(85)[kHeel].phase, -1);
+  EXPECT_GE(plan.ends_of(85)[kToe].phase, 0);
+  EXPECT_NEAR(plan.ends_of(85)[kToe].support, 0.3, 1e-12);
+}
+
+TEST(FootPlan, FeetInTheAirStandOnNothing) {
+  // a foot that lingers at the height of a slow kick, and one that is held there but sways
+  const auto kick = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{0.0, t < 1.0 ? 0.0 : 0.4 * std::max(0.0, 1.0 - std::abs(t - 2.0))};
+  });
+  const auto sways = make_feet(3.0, 30.0, [](double t) {
+    const double up = std::clamp(t - 1.0, 0.0, 0.5);
+    return FootPlace{0.05 * std::sin(2.5 * (t - 1.0)) * up / 0.5, up};
+  });
+  for (const SourceFeet& feet : {kick, sways}) {
+    const FootPlan plan = plan_of(feet);
+    for (int frame = 40; frame < 88; ++frame) EXPECT_EQ(plan.ends_of(frame)[kHeel].support, 0.0);
+  }
+}
+
+TEST(FootPlan, WhoDoesNotFallDoesNotFly) {
+  // feet go up and down while the hips stay where they are, or rise by g T^2 / 8
+  SourceFeet feet = make_feet(3.0, 30.0, step);
+  feet.hips.assign(feet.feet.size(), 0.2);
+  EXPECT_EQ(plan_of(feet).ends_of(38)[kToe].importance, 1.0);
+  for (std::size_t frame = 30; frame < 46; ++frame) {
+    const double t = static_cast<double>(frame) / 30.0 - 1.25;
+    feet.hips[frame] += 0.5 * 9.81 * (0.0625 - t * t);
+  }
+  EXPECT_NEAR(plan_of(feet).ends_of(38)[kToe].importance, 5.0, 1e-9);
+}
+
+TEST(FootPlan, OfATuckedFootInFlightTheLowerEndCounts) {
+  // a step into the air with the foot pointing down: the ankle a foot's length over the toe
+  SourceFeet feet = make_feet(3.0, 30.0, step);
+  for (std::size_t frame = 34; frame < 42; ++frame) {
+    feet.feet[frame].ankle.z() += 0.12;
+    feet.feet[frame].up = 0.05;
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_DOUBLE_EQ(plan.ends_of(38)[kToe].importance, 5.0);
+  EXPECT_NEAR(plan.ends_of(38)[kHeel].importance, 0.0, 1e-12);
+  EXPECT_EQ(plan.upright_of(38)[0], 1.0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <set>
 
 #include "refine/clip_fitter.h"
+#include "refine/fit_distance.h"
 #include "refine/joint_speeds.h"
 #include "retarget/human/bones.h"
 #include "retarget/math/so3.h"
@@ -86,10 +88,10 @@ class FrameTermsTest : public testing::Test {
     }
     ends_.assign(4, FootEndGoal{});
     anchors_.assign(2, Eigen::Vector2d::Zero());
-    ends_[0] = {0.0, 1.0, 0, true};
-    ends_[1] = {0.0, 1.0, 1, false};
-    ends_[2] = {0.05, 1.0, -1, false};
-    ends_[3] = {0.02, 2.0, -1, false};
+    ends_[0] = {0.0, 1.0, 0, true, 0.1};
+    ends_[1] = {0.0, 1.0, 1, false, 0.0};
+    ends_[2] = {0.05, 0.7, -1, false, 0.0};
+    ends_[3] = {0.02, 2.0, -1, false, 0.0};
     for (const std::size_t end : {0, 1}) {
       const FitFoot& foot = model_.feet[0];
       anchors_[end] =
@@ -290,6 +292,66 @@ TEST_F(FrameTermsTest, StepsHaveTheGradientOfTheirCost) {
   constexpr double kStep = 1e-6;
   EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
               1e-4 * std::abs(gradient) + 1e-3);
+}
+
+TEST_F(FrameTermsTest, StepsCurveAtLeastAsTheirCostDoes) {
+  FitClip clip;
+  clip.frame_count = 9;
+  for (int frame = 0; frame < clip.frame_count; ++frame) {
+    const auto qpos = random_configuration(0.2, 0.8);
+    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
+  }
+  for (const double fps : {24.0, 30.0, 120.0}) {
+    FitOptions options;
+    options.speed = false;
+    use(options);
+    clip.frame_time = 1.0 / fps;
+    JointSpeeds speeds(model_, options_, clip.frame_time);
+    speeds.update(model_, clip, 0, clip.frame_count);
+    std::vector<StepTerm> terms(dofs_);
+    speeds.terms(3, terms);
+    // what is left of the cost of a joint's steps after the smoothed ones have followed them
+    const Eigen::Index count = clip.frame_count - 1;
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
+    for (Eigen::Index i = 0; i + 1 < count; ++i) {
+      d(i, i) = -1.0;
+      d(i, i + 1) = 1.0;
+    }
+    const double lambda = options_.smoothing_time * options_.smoothing_time * fps * fps;
+    const Eigen::MatrixXd l = lambda * d.transpose() * d;
+    const double weight = model_.smoothness[20] * fps;
+    const Eigen::MatrixXd curvature =
+        weight * weight * l * (Eigen::MatrixXd::Identity(count, count) + l).inverse();
+    const double largest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues().maxCoeff();
+    EXPECT_GE(terms[20].weight, largest) << fps;
+    // and not by much: nothing is gained by steps that are too short
+    EXPECT_LT(terms[20].weight, 1.1 * largest) << fps;
+  }
+}
+
+TEST_F(FrameTermsTest, NearPairsAreFoundAmongAllPairs) {
+  constexpr double kWithin = 0.03;
+  std::size_t most = 0;
+  for (int round = 0; round < 5; ++round) {
+    FitPose pose(model_);
+    pose.update(model_, random_configuration(0.4, 0.8));
+    FrameTerms terms(model_, options_);
+    std::vector<std::uint32_t> found, expected;
+    terms.find_near_pairs(pose, kWithin, found);
+    for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
+      const RoundedShape& a = model_.shapes[static_cast<std::size_t>(model_.pairs[i].a)];
+      const RoundedShape& b = model_.shapes[static_cast<std::size_t>(model_.pairs[i].b)];
+      const double distance =
+          fit_distance(a, pose.world_from_link[static_cast<std::size_t>(a.link)], b,
+                       pose.world_from_link[static_cast<std::size_t>(b.link)])
+              .distance;
+      if (distance < kWithin) expected.push_back(i);
+    }
+    EXPECT_EQ(found, expected);
+    most = std::max(most, found.size());
+  }
+  EXPECT_GT(most, 0U);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace retarget {
 /// residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
 /// without one.
 struct TrackingWeights {
-  double hips_position = 28.0;  ///< Per metre.
+  double hips_position = 29.0;  ///< Per metre.
   double hips_rotation = 16.0;  ///< Per radian.
   double torso_rotation = 16.0;
   double thigh_position = 0.0;
@@ -50,7 +50,7 @@ struct FitOptions {
   double foot_height_far = 40.0;    ///< The same `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight = 500.0;         ///< Planted heel or toe to its place, per metre.
+  double contact_weight = 600.0;         ///< Planted heel or toe to its place, per metre.
   double contact_height_weight = 400.0;  ///< The same to the floor.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
@@ -61,16 +61,16 @@ struct FitOptions {
   double self_collision_weight = 280.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.006;  ///< Metres; nearer counts as overlap.
 
-  double smoothness_leg = 20.0 / 30.0;  ///< Legs and waist, per rad/s of deviation from the
-                                        ///< smoothed velocity.
-  double smoothness_arm = 20.0 / 30.0;
-  double smoothness_wrist = 0.65;
-  double smoothness_root_position = 1.49;  ///< Per m/s.
-  double smoothness_root_rotation = 0.471;
-  double smoothing_time = 0.0527;  ///< Seconds; velocities are smoothed over about this time.
+  double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
+                                 ///< velocity: times smoothing_time, per rad/s^2.
+  double smoothness_arm = 2.15;
+  double smoothness_wrist = 1.65;
+  double smoothness_root_position = 3.9;  ///< Per m/s.
+  double smoothness_root_rotation = 1.25;
+  double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
 
   double speed_soft = 8.4;     ///< rad/s; faster joints are slowed down.
-  double speed_weight = 5.0;   ///< Per rad/s above it.
+  double speed_weight = 6.5;   ///< Per rad/s above it.
   double speed_most = 14.4;    ///< rad/s; no joint is ever faster, whatever its own limit.
   double largest_step = 0.48;  ///< rad; no joint ever moves farther from a frame to the next.
 
@@ -81,10 +81,13 @@ struct FitOptions {
   double contact_height = 0.04;         ///< Metres above its standing height.
   double contact_release_height = 0.06;
   double contact_time = 0.1;  ///< Seconds; what is shorter is no contact.
+  // a foot above the floor stands on something when it is as still as that
+  double support_time = 0.15;   ///< Seconds that it is slow, at least.
+  double support_drift = 0.02;  ///< Metres that it moves in that time, at most.
 
   // solver
-  int iterations = 14;        ///< Gauss-Newton steps.
-  int anchor_iterations = 8;  ///< Of these, how many also move the places of contacts.
+  int iterations = 10;        ///< Gauss-Newton steps.
+  int anchor_iterations = 7;  ///< Of these, how many also move the places of contacts.
   double window = 20.0;       ///< Seconds that are solved together.
   double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.
   int threads = 0;            ///< 0: as many as the machine has. The result is the same.
