@@ -274,8 +274,7 @@ class Resume(BatchTest):
         self.clips("a.bvh")
         self.assert_done(self.batch())
         for given in (["--format", "csv"], ["--fps", "30.0"], ["--precision", "06"],
-                      ["--dof", "29"], ["--limits", "gmr"], ["--csv-header=false"],
-                      ["--ik-config", SOURCE / "configs/lafan1_to_unitree_g1.json"]):
+                      ["--dof", "29"], ["--limits", "gmr"], ["--csv-header=false"]):
             self.assertEqual(self.redone(*given), [], given)
         self.assertEqual(self.redone("--dof", "23-pbhc"), ["a.csv"])
         self.assertEqual(self.redone("--dof", "23-pbhc", "--limits", "official"), ["a.csv"])
