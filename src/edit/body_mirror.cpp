@@ -14,7 +14,7 @@ namespace retarget {
 namespace {
 
 // shorter than this share of the longest bone an offset has no direction
-constexpr double kNoLength = 1e-3;
+constexpr double kShortOffset = 1e-3;
 
 // what measured bodies are uneven, as a share of a length
 constexpr double kUneven = 0.25;
@@ -267,7 +267,7 @@ class MirrorFinder {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     Eigen::Vector3d own = Eigen::Vector3d::Zero(), of_mate = own;
     for (const OffsetPair& pair : pairs) {
-      if (std::min(pair.own.norm(), pair.of_mate.norm()) <= kNoLength * longest_) continue;
+      if (std::min(pair.own.norm(), pair.of_mate.norm()) <= kShortOffset * longest_) continue;
       own = pair.own.normalized();
       of_mate = pair.of_mate.normalized();
       covariance += of_mate * own.transpose();

@@ -31,6 +31,9 @@ bool has_contacts(const FootContacts& contacts) {
   return !contacts.phases[0].empty() || !contacts.phases[1].empty();
 }
 
+// metres: nearer than this two poses are one
+constexpr double kSame = 1e-5;
+
 class SeamFinder {
  public:
   SeamFinder(const HumanClip& a, const HumanClip& b, const SeamOptions& options)
@@ -57,7 +60,7 @@ class SeamFinder {
     result.map = {band_a_.begin, band_b_.begin, static_cast<int>(band_b_.size()),
                   distance_.map(band_a_.begin, band_a_.end, band_b_.begin, band_b_.end)};
     std::vector<PairOfFrames> taken;
-    if (const int shared = shared_frames(result.map); shared > 0) {
+    if (const int shared = shared_frames(); shared > 0) {
       taken.push_back({a_.frame_count - shared, 0, 0.0});
     }
     while (static_cast<int>(taken.size()) < std::max(1, options_.most_seams)) {
@@ -72,19 +75,33 @@ class SeamFinder {
  private:
   // how many frames at the end of a are those at the beginning of b, somewhere else perhaps; but
   // not all of a clip: it is joined to itself on purpose
-  [[nodiscard]] int shared_frames(const SeamMap& map) const {
-    constexpr double kSame = 1e-5;
+  [[nodiscard]] int shared_frames() const {
     const int fewer = std::min(a_.frame_count, b_.frame_count);
     for (int i = std::max(band_a_.begin, a_.frame_count - fewer + 1); i < band_a_.end; ++i) {
-      const auto row = static_cast<std::size_t>(i - band_a_.begin);
-      if (map.distances[row * static_cast<std::size_t>(map.width)] > kSame) continue;
       const int shared = a_.frame_count - i;
+      // who stands still has the same pose anywhere: one frame is as good as many
+      if (shared > 1 && !moves_after(i)) continue;
       bool same = true;
-      for (int k = 0; same && k < shared; k += window_)
-        same = distance_.at(i + k, k).distance <= kSame;
+      for (int k = 0; same && k < shared; k += window_) {
+        same = is_same(i + k, k, std::min(window_, shared - k));
+      }
       if (same) return shared;
     }
     return 0;
+  }
+
+  [[nodiscard]] bool is_same(int i, int j, int frames) const {
+    const auto points = in_a_.frames(i, i + frames);
+    const std::vector<double> weights(points.size(), 1.0);
+    return align_clouds(points, in_b_.frames(j, j + frames), weights).distance <= kSame;
+  }
+
+  [[nodiscard]] bool moves_after(int frame) const {
+    const auto now = in_a_.frame(frame), then = in_a_.frame(a_.frame_count - 1);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if ((now[k] - then[k]).norm() > 10.0 * kSame) return true;
+    }
+    return false;
   }
 
   // of those that are not near others

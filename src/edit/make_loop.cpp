@@ -133,22 +133,47 @@ class LoopCloser {
   const int settle_;
 };
 
-// one cycle of a clip that was joined to itself after `cycle` frames: from the middle of the first
-// to that of the second, far from the seam, put in its order and closed to the last bit
-Clip cycle_of(const Clip& joined, int cycle, const GroundPose& advance, const BodyMover& mover,
-              int settle) {
-  const int middle = cycle / 2;
-  Clip part = cut(joined, middle, middle + cycle + 1);
-  Clip next = cut(joined, middle, middle + 2);
+// the frame that is most like itself a cycle later: what the seam changed, of feet that stand long
+// too, does not reach it; of equals that nearest to the middle
+int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
+  const Pose move = advance.in_space();
+  const std::vector<int> bones = common_bones(joined, joined);
+  int best = cycle / 2;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < cycle - 1; ++i) {
+    // outwards from the middle
+    const int frame = cycle / 2 + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
+    if (frame < 1 || frame >= cycle) continue;
+    double largest = 0.0;
+    for (const int bone : bones) {
+      const auto at = [&](int which) -> const Eigen::Vector3d& {
+        return joined.frame(which)[static_cast<std::size_t>(bone)].translation;
+      };
+      largest = std::max(largest, (move * at(frame) - at(frame + cycle)).norm());
+    }
+    constexpr double kEqual = 1e-6;
+    if (largest >= least - kEqual) continue;
+    least = largest;
+    best = frame;
+  }
+  return best;
+}
+
+// one cycle of a clip that was joined to itself after `cycle` frames: from a frame of the first time
+// to the same of the second, far from the seam, put in its order and closed to the last bit
+Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advance,
+              const BodyMover& mover, int settle) {
+  Clip part = cut(joined, begin, begin + cycle + 1);
+  Clip next = cut(joined, begin, begin + 2);
   mover.move_all(next, advance.in_space());
   LoopCloser(part, next, settle).run();
   Clip result = cut(joined, 0, cycle);
   const GroundPose back = advance.inverse();
   for (int frame = 0; frame < cycle; ++frame) {
-    const int from = frame >= middle ? frame - middle : frame - middle + cycle;
+    const int from = frame >= begin ? frame - begin : frame - begin + cycle;
     std::ranges::copy(part.rotations(from), result.rotations(frame).begin());
     std::ranges::copy(part.translations(from), result.translations(frame).begin());
-    if (frame < middle) mover.move(result, frame, back);
+    if (frame < begin) mover.move(result, frame, back);
   }
   return result;
 }
@@ -211,7 +236,8 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   if (!joined) return failure(joined.error());
 
   const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));
-  Clip cycle = cycle_of(joined->clip, end.frame, advance, *mover, settle);
+  const int quiet = quiet_frame(to_human(joined->clip, mapping), end.frame, advance);
+  Clip cycle = cycle_of(joined->clip, quiet, end.frame, advance, *mover, settle);
   if (options.in_place) {
     for (int frame = 0; frame < end.frame; ++frame) {
       const double share = static_cast<double>(frame) / end.frame;

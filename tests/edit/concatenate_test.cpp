@@ -151,6 +151,29 @@ TEST(Concatenation, PartsThatShareNoFrameArePutTogether) {
   EXPECT_GT(later->seam.overlap, 0);
 }
 
+// wherever recorded clips are cut, with and without frames in common
+TEST(Concatenation, RecordedClipsAreFoundWhereTheyWereCut) {
+  const auto shared = shared_folder();
+  if (!shared) GTEST_SKIP() << kNoSharedFolder;
+  for (const char* name : {"walk4_subject1", "dance1_subject2", "ground1_subject1"}) {
+    const auto file = *shared / "data/lafan1" / (std::string(name) + ".bvh");
+    const EditSample sample(load_bvh(file.string()).value().clip);
+    constexpr int kLength = 60;
+    for (int at = 400; at + kLength < sample.clip.frame_count(); at += 397) {
+      const Clip whole = cut(sample.clip, at - kLength, at + kLength);
+      for (const int common : {0, 1, 4, 10}) {
+        const auto joined =
+            concatenate(cut(whole, 0, kLength + common), cut(whole, kLength, 2 * kLength),
+                        sample.mapping, {}, "a", "b");
+        ASSERT_TRUE(joined) << describe(joined.error());
+        EXPECT_EQ(joined->seam.a_frame, kLength) << name << " " << at << " " << common;
+        if (joined->clip.frame_count() != whole.frame_count()) continue;
+        EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-6) << name << " " << at;
+      }
+    }
+  }
+}
+
 // a root above the hips, which each clip may move in its own way
 TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   const EditSample& plain = data_sample("walk");

@@ -134,22 +134,30 @@ TEST(Loops, AWalkHasNoSeam) {
 TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   const EditSample& sample = data_sample("walk");
   LoopOptions options;
-  options.shortest = 1.2;
+  options.shortest = 2.4;
   options.times = 2;
-  const Clip part = cut(sample.clip, 100, 145);
+  const Clip part = cut(sample.clip, 100, 181);
   const Loop loop = make_loop(part, sample.mapping, options, "clip").value();
-  const HumanClip human = sample.human_of(loop.clip);
-  const FootContacts contacts = find_foot_contacts(human);
+  const HumanClip human = sample.human_of(loop.clip), source = sample.human_of(part);
+  const FootContacts contacts = find_foot_contacts(source);
+  int seen = 0;
   const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
   EXPECT_NEAR(floor_height(loop.clip, sample.mapping, "clip").value(), floor, 0.01);
   for (int foot = 0; foot < 2; ++foot) {
     const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
     for (const ContactPhase& phase : contacts.phases[foot]) {
-      const Eigen::Vector3d way =
-          human.frame(phase.end - 1)[bone].translation - human.frame(phase.begin)[bone].translation;
-      EXPECT_LT(way.head<2>().norm(), 0.02) << phase.begin;
+      // the second time; on both sides of the seam a contact may be another
+      const int begin = std::max(phase.begin, 4), end = std::min(phase.end, loop.cycle - 4);
+      if (begin >= end) continue;
+      ++seen;
+      const auto way = [&](const HumanClip& in, int first) {
+        const Eigen::Vector3d from = in.frame(first + begin)[bone].translation;
+        return (in.frame(first + end - 1)[bone].translation - from).head<2>().norm();
+      };
+      EXPECT_LT(way(human, loop.cycle), way(source, 0) + 0.01) << begin;
     }
   }
+  EXPECT_GT(seen, 1);
   const EditSample& up = data_sample("get_up");
   const Loop bad = make_loop(up.clip, up.mapping, {}, "clip").value();
   EXPECT_GT(bad.distance, 0.2);
