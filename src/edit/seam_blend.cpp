@@ -67,8 +67,8 @@ class SeamMixer {
                                       int frame) const {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
     // the same frame in both goes on as b does
-    constexpr double kSame = 1e-7;
-    if (steps_ && (!foretold_ || gap.norm() > kSame)) {
+    constexpr double kSameFrame = 1e-7;
+    if (steps_ && (!foretold_ || gap.norm() > kSameFrame)) {
       const int last = region_.begin;
       const Eigen::Vector3d of_a = foretold_
                                        ? Eigen::Vector3d(2.0 * step(a_, last) - step(a_, last - 1))
