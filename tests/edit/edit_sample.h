@@ -37,7 +37,9 @@ struct EditSample {
 };
 
 inline Clip data_clip(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+  std::string path = RETARGET_SOURCE_DIR;
+  path.append("/data/").append(name).append(".bvh");
+  return load_bvh(path).value().clip;
 }
 
 inline const EditSample& data_sample(const std::string& name) {
