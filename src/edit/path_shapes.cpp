@@ -38,6 +38,7 @@ GroundPose add_arc(std::vector<Eigen::Vector2d>& points, const GroundPose& start
 
 GroundPath line_path(const GroundPose& start, double length) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(4);
   for (int i = 0; i < 4; ++i) points.push_back(start * Eigen::Vector2d(length * i / 3.0, 0.0));
   return GroundPath(std::move(points));
 }

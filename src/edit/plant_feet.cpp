@@ -272,8 +272,8 @@ Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
   return FootPlanter(clip, mapping, *mover, options).run(plants);
 }
 
-std::vector<ContactPhase> without_short_breaks(std::vector<ContactPhase> phases, double seconds,
-                                               const FrameRate& rate) {
+std::vector<ContactPhase> without_short_breaks(const std::vector<ContactPhase>& phases,
+                                               double seconds, const FrameRate& rate) {
   std::vector<ContactPhase> closed;
   for (const ContactPhase& phase : phases) {
     if (!closed.empty() && (phase.begin - closed.back().end) * rate.frame_time() < seconds) {

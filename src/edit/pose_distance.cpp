@@ -133,9 +133,10 @@ WindowDistance::PairSums WindowDistance::pair(int i, int j) const {
 
 CloudAlignment WindowDistance::from_sums(const PairSums& sums, int i, int j, int frames) const {
   CloudSums a, b;
-  for (int k = 0; k < frames; ++k) {
-    for (const auto& [sum, one] : {std::pair(&a, &sums_a_[static_cast<std::size_t>(i + k)]),
-                                   std::pair(&b, &sums_b_[static_cast<std::size_t>(j + k)])}) {
+  const auto of_a = std::span(sums_a_).subspan(static_cast<std::size_t>(i));
+  const auto of_b = std::span(sums_b_).subspan(static_cast<std::size_t>(j));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(frames); ++k) {
+    for (const auto& [sum, one] : {std::pair(&a, &of_a[k]), std::pair(&b, &of_b[k])}) {
       sum->x += one->x;
       sum->y += one->y;
       sum->squares += one->squares;
@@ -175,8 +176,8 @@ std::vector<float> WindowDistance::map(int i_begin, int i_end, int j_begin, int 
         sums.push_back(pair(i_begin + step, j_begin + step + diagonal));
       }
       PairSums window;
-      for (int k = 0; k < frames; ++k) {
-        const PairSums& one = sums[static_cast<std::size_t>(row - first + k)];
+      const auto begin = static_cast<std::size_t>(row - first);
+      for (const PairSums& one : std::span(sums).subspan(begin, static_cast<std::size_t>(frames))) {
         window.dot += one.dot;
         window.cross += one.cross;
         window.rise += one.rise;

@@ -70,7 +70,7 @@ struct PlantSummary {
                                               const PlantOptions& options, const std::string& file);
 
 /// Contacts with breaks shorter than `seconds` closed: no step is as short, the foot stands on.
-[[nodiscard]] std::vector<ContactPhase> without_short_breaks(std::vector<ContactPhase> phases,
-                                                             double seconds, const FrameRate& rate);
+[[nodiscard]] std::vector<ContactPhase> without_short_breaks(
+    const std::vector<ContactPhase>& phases, double seconds, const FrameRate& rate);
 
 }  // namespace retarget
