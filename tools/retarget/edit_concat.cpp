@@ -122,9 +122,7 @@ Result<void> judge_seam(const Concatenation& joined, const std::string& before,
   const std::vector<std::string>& faults = joined.check.faults;
   if (faults.empty()) return {};
   if (options.force) {
-    std::vector<Warning> warnings;
-    for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
-    console.warn(warnings, file);
+    console.warn(as_warnings(faults), file);
     return {};
   }
   const std::string where =

@@ -45,7 +45,7 @@ Result<GroundPath> new_path(const PathCliOptions& options, const GroundPath& own
     if (options.to == "figure8") return figure8_path(start, own.length());
     return load_path(options.to);
   }();
-  if (!shaped) return shaped;
+  if (!shaped) return failure(shaped.error());
   const GroundPath& path = *shaped;
   const double angle = options.rotate_deg / 180.0 * std::numbers::pi;
   return path.scaled(options.scale).moved(turn_about(path.control_points().front(), angle));
@@ -67,8 +67,7 @@ RethreadOptions rethread_options(const PathCliOptions& options) {
 
 std::vector<Warning> doubts_about(const Rethreaded& moved) {
   const PlantSummary& feet = moved.feet;
-  std::vector<Warning> doubts;
-  for (const std::string& fault : moved.check.faults) doubts.push_back({0, 0, fault});
+  std::vector<Warning> doubts = as_warnings(moved.check.faults);
   constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
   if (feet.largest_miss > kNotedMiss) {
     doubts.push_back({0, 0,

@@ -39,6 +39,13 @@ Result<Clip> choose_part(Clip clip, const PartOptions& part) {
   return cut(clip, range->begin, range->end);
 }
 
+std::vector<Warning> as_warnings(const std::vector<std::string>& faults) {
+  std::vector<Warning> warnings;
+  warnings.reserve(faults.size());
+  for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
+  return warnings;
+}
+
 Result<EditSource> read_edit_source(const EditOptions& options, Console& console) {
   auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());

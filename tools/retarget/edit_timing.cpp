@@ -128,9 +128,7 @@ Result<Clip> edit_loop(const EditSource& source, const EditOptions& options, Con
                        "--start and --end choose a part that comes back to its first pose; --force "
                        "closes it all the same");
   }
-  std::vector<Warning> warnings;
-  for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
-  console.warn(warnings, source_name(options.source));
+  console.warn(as_warnings(faults), source_name(options.source));
   return std::move(loop->clip);
 }
 

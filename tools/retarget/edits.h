@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "console.h"
 #include "edit_options.h"
@@ -27,6 +29,9 @@ struct EditSource {
 
 /// The file that is edited, cut to the part that was asked for after the human was recognised.
 [[nodiscard]] Result<EditSource> read_edit_source(const EditOptions& options, Console& console);
+
+/// Faults of a seam or a path, as what is said without stopping.
+[[nodiscard]] std::vector<Warning> as_warnings(const std::vector<std::string>& faults);
 
 /// Edits of time and place: resample, trim, mirror, ground, turn, move, loop.
 [[nodiscard]] Result<Clip> edit_time_or_place(const EditOptions& options, Console& console);
