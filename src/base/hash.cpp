@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "retarget/base/utf8.h"
+
 namespace retarget {
 namespace {
 
@@ -73,12 +75,8 @@ Result<std::string> ContentHasher::finish() {
     return hash_failure();
   }
   digest_->sound = false;
-  std::string text = "sha256:";
-  for (unsigned i = 0; i < size; ++i) {
-    text += "0123456789abcdef"[value[i] >> 4];
-    text += "0123456789abcdef"[value[i] & 15];
-  }
-  return text;
+  const std::string digest(value.begin(), value.begin() + size);
+  return "sha256:" + hex_text(digest);
 }
 
 Result<std::string> hash_bytes(std::string_view bytes) {

@@ -1,19 +1,17 @@
 #include "retarget/base/utf8.h"
 
 #include <charconv>
-#include <cstddef>
 #include <system_error>
 
 namespace retarget {
-namespace {
 
-// bytes of the character that begins at `at`; 0 where none does (RFC 3629)
-std::size_t character_length(std::string_view text, std::size_t at) {
+std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0U;
   };
   const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0U) == 0x80U; };
   const unsigned first = byte(0), second = byte(1);
+  if (at >= text.size()) return 0;
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first <= 0xDF) return follows(1) ? 2 : 0;
   if (first >= 0xE0 && first <= 0xEF) {
@@ -30,12 +28,10 @@ std::size_t character_length(std::string_view text, std::size_t at) {
   return 0;
 }
 
-}  // namespace
-
 std::string valid_utf8(std::string_view bytes) {
   std::string text;
   for (std::size_t at = 0; at < bytes.size();) {
-    const std::size_t length = character_length(bytes, at);
+    const std::size_t length = utf8_length(bytes, at);
     text += length > 0 ? bytes.substr(at, length) : std::string_view("\xEF\xBF\xBD");
     at += length > 0 ? length : 1;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "retarget/base/utf8.h"
+
 namespace retarget {
 namespace {
 
@@ -10,27 +12,6 @@ constexpr std::size_t kLongestQuote = 40;
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-// bytes of the well-formed UTF-8 sequence that begins at `at`; 0 when there is none
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte(at);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4 || at + length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(at + i) & 0xc0) != 0x80) return 0;
-  }
-  return length;
-}
-
-void append_escaped(std::string& text, char c) {
-  constexpr std::string_view kHex = "0123456789abcdef";
-  const auto byte = static_cast<unsigned char>(c);
-  text += "\\x";
-  text += kHex[byte >> 4];
-  text += kHex[byte & 15];
 }
 
 }  // namespace
@@ -45,7 +26,7 @@ std::string quoted(std::string_view text) {
   while (at < text.size() && quote.size() < kLongestQuote) {
     const std::size_t length = utf8_length(text, at);
     if (length == 0 || is_control(text[at])) {
-      append_escaped(quote, text[at++]);
+      quote += "\\x" + hex_text(text.substr(at++, 1));
     } else {
       quote += text.substr(at, length);
       at += length;

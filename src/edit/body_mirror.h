@@ -26,8 +26,8 @@ struct BodyMirror {
 /// and no guess is in it. In others each joint has its own, the first of these that agrees with what
 /// leaves the joint and its counterpart: that of the T-pose, G_mate^-1 M G (G the world rotations in
 /// the T-pose, which may be guessed), as far as it takes axes to axes, for rigs are made so; that of
-/// its parent (for joints of the middle and such as turn no bone before all others); that of the T-pose as it is, turned as
-/// little as it takes.
+/// its parent (for joints of the middle and such as turn no bone before all others); that of the
+/// T-pose as it is, turned as little as it takes.
 ///
 /// @param file  for messages.
 /// @return a kInput error naming a joint without a counterpart.

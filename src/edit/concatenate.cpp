@@ -24,12 +24,16 @@ class Joiner {
         options_(options),
         a_file_(a_file),
         b_file_(b_file),
-        motion_a_(a, mapping) {
+        motion_a_(a, mapping),
+        human_b_(to_human(b, mapping)) {
     const auto floor_a = floor_height(a, mapping, a_file),
                floor_b = floor_height(b, mapping, b_file);
     if (!floor_a || !floor_b) return;
     const double lift = *floor_a - *floor_b;
-    if (std::abs(lift) > options.same_floor) lift_ = lift;
+    if (std::abs(lift) <= options.same_floor) return;
+    lift_ = lift;
+    raised_ = b;
+    mover.move_all(*raised_, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift}});
   }
 
   // as wide as it takes for a good seam; without one as narrow as can be
@@ -37,7 +41,7 @@ class Joiner {
     SeamOptions seam = options_.seam;
     auto first = join(seam);
     if (!first) return first;
-    if (goes_on(motion_a_.human, to_human(b_, mapping_))) {
+    if (goes_on(motion_a_.human, human_b_)) {
       auto whole = put_together(first->map);
       if (whole.check.faults.empty()) return whole;
     }
@@ -60,48 +64,42 @@ class Joiner {
     Clip whole = a_;
     whole.resize(a_.frame_count() + b_.frame_count());
     for (int frame = 0; frame < b_.frame_count(); ++frame) {
-      const int at = a_.frame_count() + frame;
-      std::ranges::copy(b_.rotations(frame), whole.rotations(at).begin());
-      std::ranges::copy(b_.translations(frame), whole.translations(at).begin());
+      copy_frame(b_, frame, whole, a_.frame_count() + frame);
     }
     Seam seam;
     seam.a_frame = a_.frame_count();
     seam.overlap = 0;
     SeamRegion region;
     region.begin = region.end = seam.a_frame;
-    SeamCheck check = check_speeds(motion_a_.human, to_human(b_, mapping_),
-                                   to_human(whole, mapping_), region, options_.speed_factor);
+    SeamCheck check = check_speeds(motion_a_.human, human_b_, to_human(whole, mapping_), region,
+                                   options_.speed_factor);
     return {std::move(whole), seam, std::move(map), 0.0, 0.0, std::move(check)};
   }
 
   Result<Concatenation> join(const SeamOptions& options) {
-    Clip on_floor = b_;
-    double lift = 0.0;
-    auto search = find_seam(motion_a_.human, to_human(b_, mapping_), options, a_file_, b_file_);
+    const Clip* on_floor = &b_;
+    auto search = find_seam(motion_a_.human, human_b_, options, a_file_, b_file_);
     if (!search) return failure(search.error());
-    if (lift_ != 0.0) {
-      Clip raised = b_;
-      mover_.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, lift_}});
+    if (raised_) {
       auto other =
-          find_seam(motion_a_.human, to_human(raised, mapping_), options, a_file_, b_file_);
+          find_seam(motion_a_.human, to_human(*raised_, mapping_), options, a_file_, b_file_);
       if (!other) return failure(other.error());
       if (other->seams[0].distance < search->seams[0].distance) {
         search = std::move(other);
-        on_floor = std::move(raised);
-        lift = lift_;
+        on_floor = &*raised_;
       }
     }
     // the best of those that turn out well
     std::optional<Concatenation> best;
     for (const Seam& seam : search->seams) {
-      auto joined = join_at(seam, on_floor);
+      auto joined = join_at(seam, *on_floor);
       if (!joined) return joined;
       const bool good = joined->check.faults.empty();
       if (!best || good) best = std::move(*joined);
       if (good) break;
     }
     best->map = std::move(search->map);
-    best->lift = lift;
+    best->lift = on_floor == &b_ ? 0.0 : lift_;
     best->band = options.band;
     return std::move(*best);
   }
@@ -122,7 +120,9 @@ class Joiner {
   const std::string& a_file_;
   const std::string& b_file_;
   const HumanMotion motion_a_;
-  double lift_ = 0.0;  // from b's floor to a's, metres; 0: they are one
+  const HumanClip human_b_;
+  double lift_ = 0.0;           // from b's floor to a's, metres,
+  std::optional<Clip> raised_;  // and b there, where that is not the same
 };
 
 }  // namespace

@@ -115,8 +115,7 @@ class SeamFinder {
     for (int i = band_a_.begin; i < band_a_.end; ++i) {
       for (int j = band_b_.begin; j < band_b_.end; ++j, ++at) {
         const int lost = (a_.frame_count - 1 - i) + j;
-        const double missing = 1.0 - distance_.frames_at(i, j) / static_cast<double>(window_);
-        const double distance = map.distances[at] * (1.0 + 0.5 * missing);
+        const double distance = distance_.counted(map.distances[at], i, j);
         double cost = distance + cost_of_frame * lost;
         if (cost >= best.cost) continue;
         const bool known = std::ranges::any_of(others, [&](const PairOfFrames& other) {

@@ -31,10 +31,9 @@ CycleEnd find_end(const HumanClip& human, int from, int window) {
   for (int frame = from; frame < human.frame_count; ++frame) {
     const int overlap = distance.frames_at(frame, 0);
     const CloudAlignment aligned = distance.at(frame, 0);
-    const double missing = 1.0 - overlap / static_cast<double>(window);
     // of poses that are equal but for rounding the first counts
     constexpr double kEqual = 1e-6;
-    const double cost = aligned.distance * (1.0 + 0.5 * missing);
+    const double cost = distance.counted(aligned.distance, frame, 0);
     if (cost >= least - kEqual) continue;
     least = cost;
     best = {frame, overlap, aligned};
@@ -171,8 +170,7 @@ Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advanc
   const GroundPose back = advance.inverse();
   for (int frame = 0; frame < cycle; ++frame) {
     const int from = frame >= begin ? frame - begin : frame - begin + cycle;
-    std::ranges::copy(part.rotations(from), result.rotations(frame).begin());
-    std::ranges::copy(part.translations(from), result.translations(frame).begin());
+    copy_frame(part, from, result, frame);
     if (frame < begin) mover.move(result, frame, back);
   }
   return result;
@@ -187,8 +185,7 @@ Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& a
     if (!options.in_place) reached = reached * advance;
     for (int frame = 0; frame < cycle.frame_count(); ++frame) {
       const int at = time * cycle.frame_count() + frame;
-      std::ranges::copy(cycle.rotations(frame), result.rotations(at).begin());
-      std::ranges::copy(cycle.translations(frame), result.translations(at).begin());
+      copy_frame(cycle, frame, result, at);
       mover.move(result, at, reached);
     }
   }

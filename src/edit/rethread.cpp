@@ -26,18 +26,13 @@ Result<double> playing_speed(PathKeep keep, double own_length, double length) {
   return own_length / length;
 }
 
-Result<Clip> at_speed(Clip clip, double speed) {
-  if (speed == 1.0) return clip;
-  return change_speed(std::move(clip), speed);
-}
-
 // where feet stand: each contact as a whole, as its middle frame is moved
-// `clip` is the source, `speed` times as fast as what `moves` has one of per frame
+// `clip` and its human are the source, `speed` times as fast as what `moves` has one of per frame
 std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapping,
-                                      const std::vector<GroundPose>& moves, double speed,
-                                      double same_stand) {
+                                      const HumanClip& human, const std::vector<GroundPose>& moves,
+                                      double speed, double same_stand) {
   std::vector<PlantedFoot> plants;
-  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping));
+  const FootContacts contacts = find_foot_contacts(human);
   const auto last_move = static_cast<double>(moves.size() - 1);
   const auto legs = find_legs(clip.skeleton(), mapping);
   for (int foot = 0; foot < 2; ++foot) {
@@ -64,7 +59,8 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
                             const RethreadOptions& options, const std::string& file) {
   const auto mover = BodyMover::of(clip, mapping, file);
   if (!mover) return failure(mover.error());
-  auto own = fit_path(to_human(clip, mapping), options.fit, file);
+  const HumanClip human = to_human(clip, mapping);
+  auto own = fit_path(human, options.fit, file);
   if (!own) return failure(own.error());
 
   const auto speed = playing_speed(options.keep, own->path.length(), path.length());
@@ -94,15 +90,21 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
     mover->move(result.clip, static_cast<int>(frame), moves.back());
   }
   // feet are planted in what is played: no filter comes after
-  auto played = at_speed(clip, *speed), moved = at_speed(std::move(result.clip), *speed);
-  if (!played || !moved) return failure(played ? moved.error() : played.error());
-  result.clip = std::move(*moved);
-  const auto plants = moved_plants(*played, mapping, moves, *speed, options.same_stand);
+  std::vector<PlantedFoot> plants;
+  if (*speed == 1.0) {
+    plants = moved_plants(clip, mapping, human, moves, 1.0, options.same_stand);
+  } else {
+    const auto played = change_speed(clip, *speed);
+    auto moved = change_speed(std::move(result.clip), *speed);
+    if (!played || !moved) return failure(played ? moved.error() : played.error());
+    result.clip = std::move(*moved);
+    plants = moved_plants(*played, mapping, to_human(*played, mapping), moves, *speed,
+                          options.same_stand);
+  }
   const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
   if (!feet) return failure(feet.error());
   result.feet = *feet;
-  const HumanClip before = to_human(clip, mapping);
-  result.check = check_speeds(before, before, to_human(result.clip, mapping),
+  result.check = check_speeds(human, human, to_human(result.clip, mapping),
                               {0, result.clip.frame_count(), 0, 0, 0}, options.speed_factor);
   return result;
 }

@@ -144,8 +144,7 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
   Clip result = cut(a, 0, region.begin);
   result.resize(b.frame_count() + region.b_shift);
   for (int frame = region.begin; frame < result.frame_count(); ++frame) {
-    std::ranges::copy(b.rotations(frame - region.b_shift), result.rotations(frame).begin());
-    std::ranges::copy(b.translations(frame - region.b_shift), result.translations(frame).begin());
+    copy_frame(b, frame - region.b_shift, result, frame);
   }
   const SeamMixer mixer(a, b, region);
   const int hips = mapping.bones[0].position_joint;

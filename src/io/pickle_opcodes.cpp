@@ -1,7 +1,10 @@
 #include "io/pickle_opcodes.h"
 
 #include <array>
+#include <string>
 #include <utility>
+
+#include "retarget/base/utf8.h"
 
 namespace retarget {
 namespace {
@@ -42,8 +45,7 @@ std::string refused_opcode_name(std::uint8_t opcode) {
   for (const auto& [code, name] : kRefused) {
     if (code == opcode) return name;
   }
-  constexpr const char* kDigits = "0123456789abcdef";
-  return std::string("0x") + kDigits[opcode >> 4] + kDigits[opcode & 15];
+  return "0x" + hex_text(std::string(1, static_cast<char>(opcode)));
 }
 
 }  // namespace retarget

@@ -55,13 +55,15 @@ void Clip::resize(int frame_count) {
   frame_count_ = frame_count;
 }
 
+void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame) {
+  std::ranges::copy(from.rotations(from_frame), to.rotations(to_frame).begin());
+  std::ranges::copy(from.translations(from_frame), to.translations(to_frame).begin());
+}
+
 Clip cut(const Clip& clip, int begin, int end) {
   assert(0 <= begin && begin <= end && end <= clip.frame_count());
   Clip part(clip.shared_skeleton(), clip.rate(), end - begin);
-  for (int frame = begin; frame < end; ++frame) {
-    std::ranges::copy(clip.rotations(frame), part.rotations(frame - begin).begin());
-    std::ranges::copy(clip.translations(frame), part.translations(frame - begin).begin());
-  }
+  for (int frame = begin; frame < end; ++frame) copy_frame(clip, frame, part, frame - begin);
   return part;
 }
 

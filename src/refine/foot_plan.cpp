@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "refine/raised_stances.h"
 #include "refine/shorthand.h"
@@ -22,12 +23,6 @@ constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
 // metres that a foot's middle line rises when it leans on its edge
 constexpr double kHalfWidth = 0.03;
 constexpr double kShortestLevel = 1.0 / 6.0;  // seconds
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // what one end of a foot stands on: a raised stance's index, or
 constexpr int kNothing = -2, kFloor = -1;
@@ -256,7 +251,7 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
     }
   }
   if (static_cast<double>(ankles.size()) * source.frame_time > kLeastStanding) {
-    return {median(ankles), median(toes), true};
+    return {middle_of(std::move(ankles)), middle_of(std::move(toes)), true};
   }
   const SourceFoot& first = source.at(0, 0);
   return {floor + kCommonFoot * (first.ankle - first.toe).norm(), floor, false};

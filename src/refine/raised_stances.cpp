@@ -12,12 +12,6 @@ constexpr double kSoleUp = 0.75;
 // metres by which heel and toe may differ on something flat
 constexpr double kFlat = 0.03;
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // whether both ends stay where they are
 bool stays_in_place(const SourceFeet& source, int foot, int begin, int end, double drift) {
   for (const int foot_end : {kHeel, kToe}) {

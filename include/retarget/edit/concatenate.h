@@ -68,8 +68,8 @@ struct Concatenation {
 /// to each channel a cubic from the difference of values and velocities at the seam to rest; so does
 /// kCrossfade where the clips share less than the window.
 ///
-/// Where b begins a frame after a's end, as the parts of a clip do that was cut in two, and the step
-/// across is as smooth as those beside it, the two are put together as they lie (seam.overlap is 0).
+/// Where b begins one frame after a's end, as the parts of a clip do that was cut in two, and no
+/// joint is too fast across the cut, the two are put together as they lie (seam.overlap is 0).
 ///
 /// Feet that are planted near the seam are held by plant_feet: one that stands in both clips stays
 /// where a has it until it leaves the floor. Then the seam is checked.

@@ -60,6 +60,13 @@ class WindowDistance {
   WindowDistance(const PoseClouds& a, const PoseClouds& b, int length);
 
   [[nodiscard]] int frames_at(int i, int j) const;
+
+  /// What a distance of (i, j) counts in a choice: more by half the share of the window that is
+  /// missing there.
+  [[nodiscard]] double counted(double distance, int i, int j) const {
+    const double missing = 1.0 - frames_at(i, j) / static_cast<double>(length_);
+    return distance * (1.0 + 0.5 * missing);
+  }
   /// Best alignment of the windows at frame i of a and j of b.
   [[nodiscard]] CloudAlignment at(int i, int j) const;
   /// Distances only, for all of [i_begin, i_end) x [j_begin, j_end), i-major.

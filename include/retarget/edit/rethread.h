@@ -41,8 +41,9 @@ struct Rethreaded {
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves
 /// along the path (place and tangent), so the body at s(t) on its own path moves by
-/// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s (spread_turns). Only the channels that move the whole body change; then feet that stand
-/// are planted where the frame in the middle of each contact brings them (plant_feet).
+/// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s (spread_turns). Only
+/// the channels that move the whole body change; then feet that stand are planted where the frame
+/// in the middle of each contact brings them (plant_feet).
 ///
 /// @param file  for messages.
 /// @return kInput errors as fit_path and BodyMover::of; kUsage errors: kSpeed for a motion without

@@ -50,6 +50,9 @@ class Clip {
   std::vector<Eigen::Vector3d> translations_;  // frame-major, translated joints alone
 };
 
+/// Gives a frame of a clip the pose of a frame of another on the same skeleton.
+void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
+
 /// Frames [begin, end) as a clip of its own that starts at time 0.
 /// @pre 0 <= begin <= end <= clip.frame_count()
 [[nodiscard]] Clip cut(const Clip& clip, int begin, int end);
