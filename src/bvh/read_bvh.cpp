@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bvh/hierarchy_parser.h"
+#include "bvh/joint_positions.h"
 #include "bvh/motion_header.h"
 #include "bvh/motion_rows.h"
 #include "bvh/row_decoder.h"
@@ -83,7 +84,7 @@ class BvhReader {
   Result<BvhFile> skeleton_alone(const Tree& tree);
   Result<BvhFile> with_motion(const Tree& tree);
   Result<void> read_rows(const Tree& tree, const MotionHeader& header, Clip& clip);
-  void warn_about_kept_offsets(const Tree& tree, const std::vector<int>& joints);
+  void warn_about_positions(const Tree& tree, const PositionReading& reading);
   BvhFile finish(Clip clip);
 
   const SourceText& source_;
@@ -132,7 +133,7 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
     warnings_.push_back(
         source_.warning_at(header->frames_place, "no frames: the skeleton alone is read"));
   }
-  warn_about_kept_offsets(tree, keep_offsets_of_unmoved_joints(clip));
+  warn_about_positions(tree, read_positions_beside_offsets(clip));
   BvhFile file = finish(std::move(clip));
   file.declared_frames = header->frames;
   file.declared_frame_time = header->frame_time;
@@ -175,15 +176,18 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   return {};
 }
 
-void BvhReader::warn_about_kept_offsets(const Tree& tree, const std::vector<int>& joints) {
-  if (joints.empty()) return;
-  std::vector<std::string> names;
-  names.reserve(joints.size());
-  for (const int joint : joints) names.push_back(quoted(tree.skeleton->joint(joint).name));
-  warnings_.push_back(
-      source_.warning_at(tree.places[joints.front()],
-                         "position channels that are 0 in every frame: the OFFSET counts for " +
-                             list_names(names, 5)));
+void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {
+  const auto warn = [&](const std::vector<int>& joints, const std::string& what) {
+    if (joints.empty()) return;
+    std::vector<std::string> names;
+    names.reserve(joints.size());
+    for (const int joint : joints) names.push_back(quoted(tree.skeleton->joint(joint).name));
+    warnings_.push_back(
+        source_.warning_at(tree.places[joints.front()], what + list_names(names, 5)));
+  };
+  warn(reading.unmoved, "position channels that are 0 in every frame: the OFFSET counts for ");
+  warn(reading.changes,
+       "position channels that are near 0 beside the OFFSET: they are added to it for ");
 }
 
 BvhFile BvhReader::finish(Clip clip) {

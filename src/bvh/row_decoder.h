@@ -35,10 +35,4 @@ class RowDecoder {
   std::vector<double> cosines_;
 };
 
-/// Some files (MakeHuman's) write zeros in the position channels of joints that stay at their
-/// offset. Gives every joint but the root whose positions are 0 in every frame, and whose offset
-/// is not, its offset as translation.
-/// @return the indices of these joints.
-std::vector<int> keep_offsets_of_unmoved_joints(Clip& clip);
-
 }  // namespace retarget

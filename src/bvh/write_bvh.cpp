@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bvh/euler_angles.h"
+#include "bvh/joint_positions.h"
 #include "bvh/source_text.h"
 #include "retarget/base/file.h"
 
@@ -19,8 +20,6 @@ namespace {
 constexpr double kReachTolerance = 1e-7;
 // a translation with a position channel for some axes alone, relative to its size
 constexpr double kOffsetTolerance = 1e-9;
-// a position that is 0 to everyone, yet does not mean "keeps its offset" to the reader
-constexpr double kBarelyNotZero = 1e-12;
 constexpr int kMostDecimals = 17;
 
 // appends numbers in plain notation: readers exist that know no exponents
@@ -46,20 +45,13 @@ class NumberWriter {
   std::optional<int> decimals_;
 };
 
-double power_of_ten(int exponent) {
-  double power = 1.0;
-  for (int i = 0; i < exponent; ++i) power *= 10.0;
-  return power;
-}
-
 class BvhWriter {
  public:
   BvhWriter(const Clip& clip, const BvhWriteOptions& options)
       : clip_(clip),
         skeleton_(clip.skeleton()),
         decimals_(options.decimals),
-        numbers_(options.decimals),
-        smallest_(options.decimals ? 1.0 / power_of_ten(*options.decimals) : kBarelyNotZero) {}
+        numbers_(options.decimals) {}
 
   Result<std::string> write();
 
@@ -77,12 +69,12 @@ class BvhWriter {
   void write_joint(int joint, int depth);
   void write_block_end(int depth);
   void write_offset(const Eigen::Vector3d& offset, int depth);
+  [[nodiscard]] Eigen::Vector3d written_offset(int index) const;
   Result<void> write_motion();
   Result<void> write_frame(int frame);
   Result<void> write_values(int frame, int joint);
   Result<Eigen::Vector3d> written_translation(int frame, int joint) const;
   Result<void> find_angles(int frame, int joint);
-  void find_joints_at_zero();
   Failure fault(int joint, int frame, std::string_view what, std::string hint = {}) const;
 
   void indent(int depth) { text_.append(static_cast<std::size_t>(depth), '\t'); }
@@ -91,10 +83,8 @@ class BvhWriter {
   const Skeleton& skeleton_;
   std::optional<int> decimals_;
   NumberWriter numbers_;
-  double smallest_;  // the position nearest to 0 that is not written as 0
   std::string text_;
   std::vector<Turns> turns_;
-  std::vector<bool> at_zero_;  // by joint: see find_joints_at_zero
 };
 
 Failure BvhWriter::fault(int joint, int frame, std::string_view what, std::string hint) const {
@@ -150,7 +140,7 @@ void BvhWriter::write_joint(int index, int depth) {
   text_ += joint.name + "\n";
   indent(depth);
   text_ += "{\n";
-  write_offset(joint.offset, depth + 1);
+  write_offset(written_offset(index), depth + 1);
   indent(depth + 1);
   text_ += "CHANNELS " + std::to_string(joint.channels.size());
   for (const Channel channel : joint.channels) {
@@ -189,22 +179,16 @@ Result<void> BvhWriter::write_hierarchy() {
   return {};
 }
 
-// joints below the root that stay at 0 away from their offset: zeros in all their position
-// channels would be read as "keeps its offset"
-void BvhWriter::find_joints_at_zero() {
-  at_zero_.assign(static_cast<std::size_t>(skeleton_.joint_count()), false);
-  for (int joint = 1; joint < skeleton_.joint_count(); ++joint) {
-    const Joint& description = skeleton_.joint(joint);
-    bool at_zero = !description.offset.isZero(0.0) && description.has_position_channels();
-    for (int frame = 0; at_zero && frame < clip_.frame_count(); ++frame) {
-      const Eigen::Vector3d& translation = clip_.translation(frame, joint);
-      for (const Channel channel : description.channels) {
-        const double value = is_position(channel) ? translation[axis_of(channel)] : 0.0;
-        if (std::abs(value) >= smallest_) at_zero = false;
-      }
-    }
-    at_zero_[joint] = at_zero;
+// An OFFSET says nothing beside positions for every frame, but readers take positions near 0 for changes
+// to it: joints that stay there have none.
+Eigen::Vector3d BvhWriter::written_offset(int index) const {
+  const Joint& joint = skeleton_.joint(index);
+  Eigen::Vector3d offset = joint.offset;
+  if (!has_positions_near_zero(clip_, index)) return offset;
+  for (const Channel channel : joint.channels) {
+    if (is_position(channel)) offset[axis_of(channel)] = 0.0;
   }
+  return offset;
 }
 
 Result<Eigen::Vector3d> BvhWriter::written_translation(int frame, int joint) const {
@@ -242,7 +226,6 @@ Result<void> BvhWriter::write_values(int frame, int joint) {
   if (!translation) return Failure(translation.error());
   if (Result<void> found = find_angles(frame, joint); !found) return found;
   std::size_t turn = 0;
-  bool mark_zero = frame == 0 && at_zero_[joint];
   for (const Channel channel : skeleton_.joint(joint).channels) {
     if (!text_.ends_with('\n')) text_ += ' ';
     double value = 1.0;
@@ -250,7 +233,6 @@ Result<void> BvhWriter::write_values(int frame, int joint) {
       value = turns_[joint].now[turn++];
     } else if (is_position(channel)) {
       value = (*translation)[axis_of(channel)];
-      if (std::exchange(mark_zero, false)) value = smallest_;
     }
     numbers_.append(text_, value);
   }
@@ -269,7 +251,6 @@ Result<void> BvhWriter::write_motion() {
   text_ += "MOTION\nFrames: " + std::to_string(clip_.frame_count()) + "\nFrame Time: ";
   NumberWriter(std::nullopt).append(text_, clip_.rate().frame_time());
   text_ += '\n';
-  find_joints_at_zero();
   turns_.resize(static_cast<std::size_t>(skeleton_.joint_count()));
   for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
     Turns& turns = turns_[joint];

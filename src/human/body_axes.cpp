@@ -63,12 +63,7 @@ double wander(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
 double size_of(const Body& body) {
   double size = 0.0;
   for (const char* bone : {"LeftUpLeg", "LeftLeg", "RightUpLeg", "RightLeg"}) {
-    const Segment& segment = body.segment(bone);
-    if (!segment.known()) continue;
-    for (int joint = segment.end_joint; joint > segment.joint;
-         joint = body.skeleton().joint(joint).parent) {
-      size += 0.5 * body.skeleton().joint(joint).offset.norm();
-    }
+    size += 0.5 * length_by_offsets(body, bone);
   }
   return size;
 }

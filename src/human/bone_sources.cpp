@@ -10,6 +10,8 @@ namespace retarget {
 namespace {
 
 constexpr double kForearmPerUpperArm = 0.8;
+// ankle to ball of the foot by thigh and shin, as LAFAN1's body has them
+constexpr double kFootPerLeg = 0.2;
 
 int index_of(const std::string& bone) {
   return find_bone(bone).value();
@@ -17,7 +19,8 @@ int index_of(const std::string& bone) {
 
 class Sources {
  public:
-  Sources(const Body& body, const JointFromBone& axes) : body_(body), axes_(axes) {
+  Sources(const Body& body, const JointFromBone& axes, const JointPoses& rest)
+      : body_(body), axes_(axes), rest_(rest) {
     sources_.resize(kBoneCount);
     for (int bone = 0; bone < kMappedBoneCount; ++bone) {
       if (const int joint = body.joint(bone); joint >= 0 && axes[bone]) {
@@ -104,13 +107,21 @@ class Sources {
     }
     turn_with(side + "FootMod", side + "Foot", foot);
     const Segment& end = body_.segment(side + "Foot");
-    if (!end.known()) return;
-    turn_with(side + "Toe", side + "Foot", foot);
-    of(side + "Toe").position_in_joint = end.offset;
+    const auto thigh = along(body_.segment(side + "UpLeg"), rest_);
+    const auto shin = along(body_.segment(side + "Leg"), rest_);
+    if (!end.known() && !(thigh && shin)) return;
+    turn_with(side + "Toe", side + "Foot", end.known() ? end.end_joint : foot);
+    // an ankle alone has the foot of a common body
+    of(side + "Toe").position_in_joint =
+        end.known()
+            ? end.offset
+            : Eigen::Vector3d(kFootPerLeg * (thigh->norm() + shin->norm()) *
+                              axes_[static_cast<std::size_t>(index_of(side + "Foot"))]->col(0));
   }
 
   const Body& body_;
   const JointFromBone& axes_;
+  const JointPoses& rest_;
   std::vector<BoneSource> sources_;
 };
 
@@ -134,8 +145,26 @@ std::string metres_text(double metres) {
   return fixed(metres, 2) + " m";
 }
 
-std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes) {
-  return Sources(body, axes).take();
+std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
+                                     const JointPoses& rest) {
+  return Sources(body, axes, rest).take();
+}
+
+void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones) {
+  for (const std::string side : {"Left", "Right"}) {
+    const int foot = body.joint(side + "Foot");
+    if (foot < 0 || body.turning_joint(side + "Toe") >= 0) continue;
+    const Eigen::Quaterniond foot_from_toe(
+        Eigen::Matrix3d(canonical_t_pose(index_of(side + "Foot")).transpose() *
+                        canonical_t_pose(index_of(side + "Toe"))));
+    const Segment& end = body.segment(side + "Foot");
+    const double leg =
+        length_by_offsets(body, side + "UpLeg") + length_by_offsets(body, side + "Leg");
+    BoneSource& toe = bones[static_cast<std::size_t>(index_of(side + "Toe"))];
+    toe = {end.known() ? end.end_joint : foot, foot, foot_from_toe,
+           end.known() ? end.offset : Eigen::Vector3d(kFootPerLeg * leg, 0.0, 0.0)};
+    bones[static_cast<std::size_t>(index_of(side + "FootMod"))] = {foot, foot, foot_from_toe};
+  }
 }
 
 std::string describe_calibration(const Calibration& calibration) {

@@ -17,11 +17,19 @@ namespace retarget {
 ///   no place, which is left out;
 /// * collar bones: turned with the torso, at the upper arm's joint;
 /// * hands: turned with the forearm, at its end site, or 0.8 upper arms along it;
-/// * toes: turned with the foot, at its end site; without one they have no place and are left out;
+/// * toes, also those whose rotations are not believed: turned with the foot, at their joint, at the
+///   foot's end site, or 0.2 legs along it (LAFAN1's proportion);
 /// * the synthetic feet: at the ankle, turned like the toes.
 ///
 /// @param axes  of the mapped bones.
-[[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes);
+/// @param rest  a pose, for lengths of bones.
+[[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
+                                                   const JointPoses& rest);
+
+/// The same for the toes and synthetic feet of a body with LAFAN1's axes, where the toes are missing
+/// or not believed.
+/// @param bones  all sources; changed.
+void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones);
 
 /// `1.75 m`.
 [[nodiscard]] std::string metres_text(double metres);

@@ -12,7 +12,9 @@
 #include "human/learned_axes.h"
 #include "human/posed_body.h"
 #include "human/rest_pose.h"
+#include "human/toe_rotations.h"
 #include "human/units.h"
+#include "retarget/motion/lead_in.h"
 
 namespace retarget {
 namespace {
@@ -49,14 +51,17 @@ class Calibrator {
   void look();
   [[nodiscard]] bool stands_otherwise(const SignedAxis& custom) const;
   [[nodiscard]] bool has_lafan1_axes() const;
-  [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result) const;
-  [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result) const;
+  [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result);
+  [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result);
   [[nodiscard]] std::optional<RestCandidate> candidate(JointPoses pose,
                                                        const Eigen::Vector3d& up) const;
   [[nodiscard]] std::optional<RestCandidate> zero_candidate(const Body& body) const;
   [[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame() const;
   [[nodiscard]] std::optional<Rest> rest_of_dialect() const;
+  [[nodiscard]] Result<Rest> rest_of_movement() const;
+  [[nodiscard]] Result<Rest> with_arms_of_movement(Result<Rest> rest) const;
   [[nodiscard]] Result<Rest> find_rest() const;
+  bool disbelieve_flipped_toes(const JointFromBone& axes);
   [[nodiscard]] Result<Rest> told_rest() const;
   [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
   [[nodiscard]] Result<Rest> taken(std::optional<RestCandidate> candidate, std::string name) const;
@@ -69,6 +74,7 @@ class Calibrator {
   const CalibrationOptions& options_;
   const std::string& file_;
   Body body_;
+  int lead_in_ = 0;  // frames in front that are none of the motion
   View view_;
   JointOfBone joint_of_ = [this](std::string_view bone) {
     const int joint = body_.joint(bone);
@@ -111,7 +117,8 @@ Result<void> Calibrator::check() const {
 }
 
 void Calibrator::look() {
-  view_.frames = sampled_frames(clip_);
+  lead_in_ = count_lead_in_frames(clip_);
+  view_.frames = sampled_frames(clip_, lead_in_);
   for (const int frame : view_.frames) view_.poses.push_back(frame_pose(clip_, frame));
   if (options_.up) {
     view_.up = *options_.up;
@@ -175,15 +182,18 @@ std::optional<RestCandidate> Calibrator::zero_candidate(const Body& body) const 
 std::optional<std::pair<int, RestCandidate>> Calibrator::best_frame() const {
   std::optional<std::pair<int, RestCandidate>> best;
   double least = 0.0;
-  for (std::size_t i = 0; i < view_.poses.size(); ++i) {
-    auto found = candidate(view_.poses[i], view_.up.direction());
-    if (!found) continue;
+  const auto consider = [&](int frame, const JointPoses& pose) {
+    auto found = candidate(pose, view_.up.direction());
+    if (!found) return;
     const double mean = deviation_from_t(body_, *found).mean;
     // poses that are equal but for rounding count as one, the first
-    if (best && mean > least - 1e-6) continue;
+    if (best && mean > least - 1e-6) return;
     least = mean;
-    best = std::pair(view_.frames[i], *std::move(found));
-  }
+    best = std::pair(frame, *std::move(found));
+  };
+  // a T-pose in front is none of the motion, but a rest pose
+  for (int frame = 0; frame < lead_in_; ++frame) consider(frame, frame_pose(clip_, frame));
+  for (std::size_t i = 0; i < view_.poses.size(); ++i) consider(view_.frames[i], view_.poses[i]);
   return best;
 }
 
@@ -219,14 +229,11 @@ Result<Rest> Calibrator::rest_of_tpose_file() const {
 Result<Rest> Calibrator::told_rest() const {
   if (options_.rest == RestPose::kZero) return taken(zero_candidate(body_), "zero pose");
   if (clip_.frame_count() == 0) return input_failure(file_, "no frames: no frame is a rest pose");
-  const auto best = best_frame();
-  if (options_.rest == RestPose::kBest || options_.rest == RestPose::kLearned) {
+  if (options_.rest == RestPose::kLearned) return rest_of_movement();
+  if (options_.rest == RestPose::kBest) {
+    const auto best = best_frame();
     if (!best) return taken(std::nullopt, "movement");
-    if (options_.rest == RestPose::kBest) {
-      return taken(best->second, "frame " + std::to_string(best->first));
-    }
-    return Rest{best->second, learned_axes(body_, view_.poses, view_.up.direction(), best->second),
-                "learned"};
+    return taken(best->second, "frame " + std::to_string(best->first));
   }
   const int frame = options_.rest == RestPose::kFirst ? 0 : options_.rest_frame;
   if (frame < 0 || frame >= clip_.frame_count()) {
@@ -251,24 +258,35 @@ std::optional<Rest> Calibrator::rest_of_dialect() const {
   return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
 }
 
+// one pose says little of how arms are turned about themselves
+Result<Rest> Calibrator::with_arms_of_movement(Result<Rest> rest) const {
+  if (rest && !view_.poses.empty()) {
+    rest->axes = with_corrected_arms(body_, view_.poses, view_.up.direction(), rest->axes);
+  }
+  return rest;
+}
+
 Result<Rest> Calibrator::find_rest() const {
   if (options_.tpose) return rest_of_tpose_file();
   if (options_.rest != RestPose::kAuto) return told_rest();
   if (auto known = rest_of_dialect()) return *std::move(known);
+  if (map_.facts.rest_pose == "learned") return rest_of_movement();
   const auto zero = zero_candidate(body_);
   if (zero && is_well_formed(body_, *zero)) {
-    auto rest = taken(zero, "zero pose");
-    if (rest && !view_.poses.empty()) {
-      rest->axes = with_corrected_arms(body_, view_.poses, view_.up.direction(), rest->axes);
+    return with_arms_of_movement(taken(zero, "zero pose"));
+  }
+  if (const auto best = best_frame()) {
+    const Deviation deviation = deviation_from_t(body_, best->second);
+    if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
+      return with_arms_of_movement(taken(best->second, "frame " + std::to_string(best->first)));
     }
-    return rest;
   }
+  return rest_of_movement();
+}
+
+Result<Rest> Calibrator::rest_of_movement() const {
   const auto best = best_frame();
-  if (!best) return taken(std::nullopt, "movement");
-  const Deviation deviation = deviation_from_t(body_, best->second);
-  if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
-    return taken(best->second, "frame " + std::to_string(best->first));
-  }
+  if (!best || view_.poses.empty()) return taken(std::nullopt, "movement");
   return Rest{best->second, learned_axes(body_, view_.poses, view_.up.direction(), best->second),
               "learned"};
 }
@@ -294,7 +312,23 @@ bool Calibrator::has_lafan1_axes() const {
 }
 
 // the published method's mapping; copies in other units or with another axis up keep its axes too
-Result<void> Calibrator::keep_lafan1_axes(Calibration& result) const {
+// toes that turn as none do follow their feet from now on
+bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
+  const auto sides = sides_with_flipped_toes(body_, view_.poses, axes);
+  for (const std::string& side : sides) {
+    body_.disbelieve_rotation(find_bone(side + "Toe").value());
+  }
+  if (sides.empty()) return false;
+  view_.doubts.push_back({0, 0,
+                          (sides.size() > 1          ? std::string("the toes turn")
+                           : sides.front() == "Left" ? "the left toes turn"
+                                                     : "the right toes turn") +
+                              " farther than toes do: their rotations are not believed, and they "
+                              "follow the foot"});
+  return true;
+}
+
+Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
   constexpr double kHipHeightPerLeg = 1.12;
   const double leg = lafan1_leg_length(clip_.skeleton(), joint_of_);
   Unit unit{"cm", 0.01};
@@ -309,7 +343,11 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) const {
     }
     unit = *found;
   }
+  JointFromBone own_axes;
+  own_axes.fill(Eigen::Matrix3d::Identity());
+  disbelieve_flipped_toes(own_axes);
   result.mapping = lafan1_mapping(map_);
+  complete_lafan1_toes(body_, result.mapping.bones);
   result.unit = unit.name;
   result.rest_pose = "lafan1";
   result.mapping.metres_per_unit = unit.metres;
@@ -321,9 +359,13 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) const {
   return {};
 }
 
-Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) const {
-  const auto rest = find_rest();
+Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
+  auto rest = find_rest();
   if (!rest) return failure(rest.error());
+  if (disbelieve_flipped_toes(rest->axes)) {
+    rest = find_rest();
+    if (!rest) return failure(rest.error());
+  }
   const auto unit = find_unit(*rest);
   if (!unit) return failure(unit.error());
   result.unit = unit->name;
@@ -333,7 +375,7 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) const {
   result.mapping.dialect = map_.dialect;
   result.mapping.metres_per_unit = unit->metres;
   result.mapping.human_from_source = z_up_from_file(view_.up);
-  result.mapping.bones = bone_sources(body_, rest->axes);
+  result.mapping.bones = bone_sources(body_, rest->axes, rest->candidate.pose);
   const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
   result.mapping.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
   const double by_legs = height_of_legs(body_, rest->candidate.pose) * unit->metres;

@@ -174,11 +174,11 @@ class Learner {
   void learn_foot(const std::string& side) {
     const int foot = body_.joint(side + "Foot");
     if (foot < 0) return;
-    const bool has_toe = body_.has(side + "Toe");
-    const int toe = has_toe ? body_.joint(side + "Toe") : foot;
+    const bool has_toe = body_.turning_joint(side + "Toe") >= 0;
+    const int toe = has_toe ? body_.turning_joint(side + "Toe") : foot;
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
     for (const JointPoses* pose : flat_frames(side)) {
-      const auto way = along(body_.segment(side + "Foot"), *pose);
+      const auto way = foot_direction(side, *pose);
       if (!way) continue;
       vertical += (*pose)[toe].rotation.conjugate() * up_;
       heading += (*pose)[toe].rotation.conjugate() * way->normalized();
@@ -196,6 +196,15 @@ class Learner {
     const Eigen::Vector3d lateral =
         mean(foot, [&](const JointPoses& pose) { return pose[toe].rotation * level.col(2); });
     set(side + "Foot", mean_course(foot, body_.segment(side + "Foot")), lateral, 0, 2);
+  }
+
+  // of an ankle without toes, where the body faces
+  [[nodiscard]] std::optional<Eigen::Vector3d> foot_direction(const std::string& side,
+                                                              const JointPoses& pose) const {
+    const Segment& foot = body_.segment(side + "Foot");
+    if (foot.known()) return along(foot, pose);
+    const auto axes = body_axes(body_, pose, up_);
+    return axes ? std::optional<Eigen::Vector3d>(axes->row(0)) : std::nullopt;
   }
 
   // poses in which the ankle is as low as ankles on the floor, under an upright shin

@@ -76,11 +76,11 @@ JointPoses frame_pose(const Clip& clip, int frame) {
   return poses;
 }
 
-std::vector<int> sampled_frames(const Clip& clip) {
+std::vector<int> sampled_frames(const Clip& clip, int begin) {
   int stride = std::max(1, static_cast<int>(std::lround(clip.rate().fps() / kSamplesPerSecond)));
   while (clip.frame_count() / stride > kMostSamples) stride *= 2;
   std::vector<int> frames;
-  for (int frame = 0; frame < clip.frame_count(); frame += stride) frames.push_back(frame);
+  for (int frame = begin; frame < clip.frame_count(); frame += stride) frames.push_back(frame);
   return frames;
 }
 
@@ -119,6 +119,17 @@ std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& p
       pose[segment.end_joint] * segment.offset - pose[segment.joint].translation;
   if (way.norm() < kNoLength) return std::nullopt;
   return way;
+}
+
+double length_by_offsets(const Body& body, std::string_view bone) {
+  const Segment& segment = body.segment(bone);
+  if (!segment.known()) return 0.0;
+  double length = segment.offset.norm();
+  for (int joint = segment.end_joint; joint > segment.joint;
+       joint = body.skeleton().joint(joint).parent) {
+    length += body.skeleton().joint(joint).offset.norm();
+  }
+  return length;
 }
 
 Eigen::Matrix3d least_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,

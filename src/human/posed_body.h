@@ -24,7 +24,8 @@ using JointPoses = std::vector<Pose>;
 /// Frames at which a movement is looked at: ten times a second from the first on, so that copies
 /// at other rates are seen at the same times; every frame when the clip is slower than that; at
 /// most about 1000.
-[[nodiscard]] std::vector<int> sampled_frames(const Clip& clip);
+/// @param begin  the first frame that counts.
+[[nodiscard]] std::vector<int> sampled_frames(const Clip& clip, int begin = 0);
 
 /// From where to where a bone runs.
 struct Segment {
@@ -45,10 +46,13 @@ class Body {
   [[nodiscard]] int joint(std::string_view bone) const;
   [[nodiscard]] bool has(std::string_view bone) const { return joint(bone) >= 0; }
   /// The joint whose rotation turns the bone (rotation_joint); joint() is where the bone begins.
+  /// -1: the bone has no joint, or none whose rotation is believed.
   [[nodiscard]] int turning_joint(int bone) const {
     return turning_joints_[static_cast<std::size_t>(bone)];
   }
   [[nodiscard]] int turning_joint(std::string_view bone) const;
+  /// From now on nothing is known of how the bone turns; where it begins still is.
+  void disbelieve_rotation(int bone) { turning_joints_[static_cast<std::size_t>(bone)] = -1; }
   /// To the next mapped bone; of the last ones to the farthest child or end site.
   [[nodiscard]] const Segment& segment(int bone) const {
     return segments_[static_cast<std::size_t>(bone)];
@@ -65,6 +69,9 @@ class Body {
 
 /// From the bone's joint to its far end, world axes; nothing when unknown or of no length.
 [[nodiscard]] std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose);
+
+/// Length of a bone by the OFFSETs on its way, file units; 0 when it is not known.
+[[nodiscard]] double length_by_offsets(const Body& body, std::string_view bone);
 
 /// The rotation of least angle that takes unit vector a to unit vector b; of opposite vectors half
 /// a turn about `fallback`, which must be across them.

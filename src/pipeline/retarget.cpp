@@ -41,8 +41,11 @@ class ClipSolver {
 
  private:
   void place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target);
-  Result<void> settle_first(const TargetBuilder& targets, std::span<const Pose> world_from_target);
-  Result<double> settle(std::span<const Pose> world_from_target);
+  [[nodiscard]] bool starts_anew(int frame, const TargetBuilder& targets,
+                                 std::span<const Pose> world_from_target);
+  Result<void> settle_from_starts(int frame, const TargetBuilder& targets,
+                                  std::span<const Pose> world_from_target);
+  Result<double> settle(int frame, std::span<const Pose> world_from_target);
   [[nodiscard]] std::vector<std::vector<double>> starts() const;
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
@@ -55,7 +58,8 @@ class ClipSolver {
   const RetargetOptions& options_;
   std::unique_ptr<IkSolver> solver_;
   int passes_ = 0;
-  std::vector<double> qpos_;  // of the latest frame
+  std::vector<double> qpos_;                                         // of the latest frame
+  Eigen::Quaterniond root_target_ = Eigen::Quaterniond::Identity();  // of the latest frame
 };
 
 Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSource poses) {
@@ -77,8 +81,8 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   for (int frame = 0; frame < human.frame_count; ++frame) {
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
     const std::span<const Pose> world_from_target = stream.next();
-    if (frame == 0 && options_.settle_first_frame) {
-      if (auto settled = settle_first(targets, world_from_target); !settled) {
+    if (options_.settle && starts_anew(frame, targets, world_from_target)) {
+      if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
         return failure(settled.error());
       }
     }
@@ -121,17 +125,33 @@ std::vector<std::vector<double>> ClipSolver::starts() const {
   return all;
 }
 
-// Solves the first frame from several configurations and takes the best: on the way from a single
-// one a limb may run into its limits and stay there.
-Result<void> ClipSolver::settle_first(const TargetBuilder& targets,
-                                      std::span<const Pose> world_from_target) {
+// Whether this is the first frame, or the root's target has turned farther since the frame before
+// than bodies turn. From there the steps lead astray: the trunk is wound up until it is at its
+// limits, and stays there.
+bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
+                             std::span<const Pose> world_from_target) {
+  constexpr double kFarthestTurn = 0.86602540378443865;  // cosine of half of 60 degrees
+  const auto bone = find_bone(tables_.human_root);
+  const int target = bone ? targets.target_of(*bone) : -1;
+  if (target < 0) return frame == 0;
+  const Eigen::Quaterniond before = root_target_;
+  root_target_ = world_from_target[static_cast<std::size_t>(target)].rotation.normalized();
+  return frame == 0 || std::abs(root_target_.dot(before)) < kFarthestTurn;
+}
+
+// Solves a frame from several configurations and takes the best: on the way from a single one a limb
+// may run into its limits and stay there. After the first frame the one before is the first of them.
+Result<void> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targets,
+                                            std::span<const Pose> world_from_target) {
   constexpr double kClearlyBetter = 0.95;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> best;
-  for (std::vector<double>& start : starts()) {
+  std::vector<std::vector<double>> all = starts();
+  if (frame > 0) all.insert(all.begin(), qpos_);
+  for (std::vector<double>& start : all) {
     qpos_ = std::move(start);
     place_root(targets, world_from_target);
-    const auto error = settle(world_from_target);
+    const auto error = settle(frame, world_from_target);
     if (!error) return failure(error.error());
     if (*error < kClearlyBetter * least) {
       least = *error;
@@ -143,13 +163,13 @@ Result<void> ClipSolver::settle_first(const TargetBuilder& targets,
 }
 
 // @return the error that is left
-Result<double> ClipSolver::settle(std::span<const Pose> world_from_target) {
+Result<double> ClipSolver::settle(int frame, std::span<const Pose> world_from_target) {
   constexpr int kMostRounds = 50;
   constexpr double kSettled = 1e-4;
   double error = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<double> before = qpos_;
-    const auto solved = solve_passes(0, world_from_target, error);
+    const auto solved = solve_passes(frame, world_from_target, error);
     if (!solved) return failure(solved.error());
     double change = 0.0;
     for (std::size_t i = 0; i < qpos_.size(); ++i) {

@@ -26,7 +26,9 @@ struct PathScales {
 PathScales path_scales(const TargetBuilder& targets, int root_bone) {
   std::vector<Pose> low(kBoneCount), high(kBoneCount), all(kBoneCount);
   for (Pose& pose : all) pose.translation.z() = 1.0;
-  const int foot_bone = find_bone("LeftFootMod").value();
+  int foot_bone = find_bone("LeftFootMod").value();
+  // of a body with one leg, that one
+  if (targets.target_of(foot_bone) < 0) foot_bone = find_bone("RightFootMod").value();
   std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
   targets.build(low, at_rest);
   targets.build(all, raised);
@@ -94,6 +96,7 @@ class Fit {
   FitOptions options_;
   const FitRun& run_;
 
+  SourceSides sides_;
   FitModel model_;
   FitClip clip_;
   SourceFeet feet_;
@@ -101,12 +104,12 @@ class Fit {
 };
 
 // thigh and shank, metres
-double leg_length(std::span<const Pose> bones) {
-  const auto joint = [&](const char* name) {
+double leg_length(std::span<const Pose> bones, const SourceSides& sides) {
+  const auto joint = [&](const char* part) {
+    const std::string name = (sides.left ? "Left" : "Right") + std::string(part);
     return bones[at(find_bone(name).value())].translation;
   };
-  return (joint("LeftUpLeg") - joint("LeftLeg")).norm() +
-         (joint("LeftLeg") - joint("LeftFoot")).norm();
+  return (joint("UpLeg") - joint("Leg")).norm() + (joint("Leg") - joint("Foot")).norm();
 }
 
 // by frame: how many contacts begin before it and end after it
@@ -132,11 +135,26 @@ int best_cut(const std::vector<int>& counts, int frame, int most_away) {
   return best;
 }
 
-// whether the source has what foot contacts are found from
-bool has_feet(const HumanClipInfo& info) {
-  return std::ranges::all_of(
-      std::array{"LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe", "RightFoot", "RightToe"},
-      [&](const char* name) { return info.has(find_bone(name).value()); });
+// the sides on which the source has what foot contacts are found from
+SourceSides sides_with_feet(const HumanClipInfo& info) {
+  const auto has_foot = [&](const std::string& side) {
+    return std::ranges::all_of(std::array{"UpLeg", "Leg", "Foot", "Toe"}, [&](const char* part) {
+      return info.has(find_bone(side + part).value());
+    });
+  };
+  return {has_foot("Left"), has_foot("Right")};
+}
+
+// why the robot's feet have less to hold on to than they could
+void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
+  if (robot.profile().soles.empty()) {
+    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
+  } else if (!sides.left && !sides.right) {
+    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
+  } else if (!sides.left || !sides.right) {
+    report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
+                              " foot: contacts of the other alone");
+  }
 }
 
 void Fit::read_feet(std::span<const Pose> bones) {
@@ -160,7 +178,7 @@ void Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const Target
   for (int frame = 0; frame < info.frame_count; ++frame) {
     poser.pose(frame, bones);
     targets.build(bones, world_from_target);
-    if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones);
+    if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones, sides_);
     read_feet(bones);
     if (info.has(find_bone("Hips").value())) {
       feet_.hips.push_back(bones[at(find_bone("Hips").value())].translation.z());
@@ -382,7 +400,7 @@ LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
 Result<FitResult> Fit::run() {
   // the first stage also finds every fault of mapping and source
   RetargetOptions first_options = run_.retarget;
-  first_options.settle_first_frame = true;
+  first_options.settle = true;
   auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
                         first_limits(*robot_, limits_), first_options);
   if (!first) return failure(first.error());
@@ -402,15 +420,10 @@ Result<FitResult> Fit::run() {
   std::vector<int> target_of_bone;
   target_of_bone.reserve(kBoneCount);
   for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));
-  model_ = make_fit_model(*robot_, tables_, limits_, target_of_bone, options_);
+  sides_ = sides_with_feet(info);
+  model_ = make_fit_model(*robot_, tables_, limits_, target_of_bone, options_, sides_);
   FitReport& report = result.report;
-  if (model_.feet.empty()) {
-    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
-  } else if (!has_feet(info)) {
-    model_.feet.clear();
-    for (FitTask& task : model_.tasks) task.foot = -1;
-    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
-  }
+  note_missing_feet(*robot_, sides_, report);
   if (model_.shapes.empty()) {
     report.notes.emplace_back("the robot has no collision shapes: no self-collision");
   }

@@ -28,12 +28,14 @@ struct Hanging {
 class ModelMaker {
  public:
   ModelMaker(const Robot& robot, const IkTables& tables, const LimitSet& limits,
-             std::span<const int> target_of_bone, const FitOptions& options)
+             std::span<const int> target_of_bone, const FitOptions& options,
+             const SourceSides& sides)
       : robot_(robot),
         tables_(tables),
         limits_(limits),
         target_of_bone_(target_of_bone),
-        options_(options) {}
+        options_(options),
+        sides_(sides) {}
 
   FitModel make();
 
@@ -59,6 +61,7 @@ class ModelMaker {
   const LimitSet& limits_;
   std::span<const int> target_of_bone_;
   const FitOptions& options_;
+  const SourceSides& sides_;
   FitModel model_;
   std::vector<Hanging> hanging_;  // by body
   std::vector<int> shape_body_;   // by shape
@@ -249,7 +252,8 @@ void ModelMaker::add_feet() {
   model_.foot_of_link.assign(model_.links.size(), -1);
   for (const Sole& sole : robot_.profile().soles) {
     const Hanging& hanging = hanging_[static_cast<std::size_t>(sole.body)];
-    if (hanging.link < 0 || sole.points.size() < 2) continue;
+    const bool followed = sole.side == "left" ? sides_.left : sides_.right;
+    if (!followed || hanging.link < 0 || sole.points.size() < 2) continue;
     const std::vector<int> ends = ends_of_points(sole);
     std::array<std::vector<Eigen::Vector3d>, 2> all, corners;
     for (std::size_t i = 0; i < ends.size(); ++i) {
@@ -479,8 +483,9 @@ void ModelMaker::group_pairs() {
 }  // namespace
 
 FitModel make_fit_model(const Robot& robot, const IkTables& tables, const LimitSet& limits,
-                        std::span<const int> target_of_bone, const FitOptions& options) {
-  return ModelMaker(robot, tables, limits, target_of_bone, options).make();
+                        std::span<const int> target_of_bone, const FitOptions& options,
+                        const SourceSides& sides) {
+  return ModelMaker(robot, tables, limits, target_of_bone, options, sides).make();
 }
 
 }  // namespace retarget

@@ -127,9 +127,15 @@ struct FitModel {
   [[nodiscard]] int dof_count() const { return kBaseDofs - 1 + static_cast<int>(links.size()); }
 };
 
+/// Of which sides the source has a whole leg with a foot.
+struct SourceSides {
+  bool left = true, right = true;
+};
+
 /// @param target_of_bone  index of a bone's target, -1: none; kBoneCount entries.
+/// @param sides  the robot's feet of the other sides follow nothing and are none of the model's.
 [[nodiscard]] FitModel make_fit_model(const Robot& robot, const IkTables& tables,
                                       const LimitSet& limits, std::span<const int> target_of_bone,
-                                      const FitOptions& options);
+                                      const FitOptions& options, const SourceSides& sides = {});
 
 }  // namespace retarget

@@ -116,8 +116,54 @@ TEST(ReadBvh, ZeroPositionsInAllFramesKeepTheOffset) {
   EXPECT_EQ(still->clip.translation(1, 1), Eigen::Vector3d(1, 2, 3));
   ASSERT_EQ(still->warnings.size(), 1U);
   EXPECT_THAT(still->warnings[0].message, HasSubstr("the OFFSET counts for \"b\""));
-  const Clip moved = clip_of(hierarchy + "0 0 0 0 0 0\n0 0 0 0 0 1e-9\n");
+  // what leaves 0 by a good part of the OFFSET is a position
+  const Clip moved = clip_of(hierarchy + "0 0 0 0 0 0\n0 0 0 0 0 0.5\n");
   EXPECT_EQ(moved.translation(0, 1), Eigen::Vector3d::Zero());
+}
+
+// a root and a chain of joints of 6 channels, with the same positions below the root in each row
+std::string chain_with_positions(const std::vector<std::string>& rows) {
+  std::string text =
+      "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\n";
+  for (const char* name : {"Spine", "Neck", "Head"}) {
+    text += std::string("JOINT ") + name +
+            "\n{\nOFFSET 0 20 1\nCHANNELS 4 Xposition Yposition Zposition Yrotation\n";
+  }
+  text += "}\n}\n}\n}\nMOTION\nFrames: " + std::to_string(rows.size()) + "\nFrame Time: 0.1\n";
+  for (const std::string& row : rows) text += row + "\n";
+  return text;
+}
+
+BvhFile read_chain(const std::vector<std::string>& rows) {
+  auto file = read_exactly(chain_with_positions(rows));
+  EXPECT_TRUE(file.has_value()) << describe(file.error());
+  return std::move(*file);
+}
+
+TEST(ReadBvh, PositionsNearZeroAreAddedToTheOffset) {
+  const BvhFile file = read_chain({"0 90 0  1e-6 0 -1e-6 0  0 1e-6 0 0  0 0.5 0 0",
+                                   "0 90 0  1e-6 0 -1e-6 0  0 2e-6 0 0  0 0.5 0 0"});
+  EXPECT_EQ(file.clip.translation(0, 1), Eigen::Vector3d(1e-6, 20, 1 - 1e-6));
+  EXPECT_EQ(file.clip.translation(1, 2), Eigen::Vector3d(0, 20 + 2e-6, 1));
+  EXPECT_EQ(file.clip.translation(1, 3), Eigen::Vector3d(0, 20.5, 1));
+  ASSERT_EQ(file.warnings.size(), 1U);
+  EXPECT_THAT(file.warnings[0].message, HasSubstr("near 0 beside the OFFSET"));
+  EXPECT_THAT(file.warnings[0].message, HasSubstr("\"Spine\""));
+}
+
+TEST(ReadBvh, WhereMostPositionsAreChangesTheLargerOnesAreToo) {
+  const BvhFile file = read_chain({"0 90 0  0.01 0 0 0  0 0.01 0 0  0 4 0 0"});
+  EXPECT_EQ(file.clip.translation(0, 3), Eigen::Vector3d(0, 24, 1));
+}
+
+TEST(ReadBvh, PositionsThatAreBonesStayPositions) {
+  // shorter than the OFFSET, and in one frame even 0
+  const BvhFile file =
+      read_chain({"0 90 0  0 12 1 0  0 11 0 0  0 10 0 0", "0 90 0  0 0 0 0  0 11 0 0  0 10 0 0"});
+  EXPECT_EQ(file.clip.translation(0, 1), Eigen::Vector3d(0, 12, 1));
+  EXPECT_EQ(file.clip.translation(1, 1), Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(file.clip.translation(0, 3), Eigen::Vector3d(0, 10, 0));
+  EXPECT_TRUE(file.warnings.empty());
 }
 
 TEST(ReadBvh, NumbersAreTheFilesOwn) {

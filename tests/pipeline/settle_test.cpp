@@ -34,7 +34,7 @@ RobotClip solved(const Clip& clip, const std::string& name,
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
   EXPECT_TRUE(tables.has_value() && mapping.has_value());
   RetargetOptions options;
-  options.settle_first_frame = settle;
+  options.settle = settle;
   const auto result =
       retarget(clip, *mapping, "clip", robot, *tables, robot->model_limits(), options);
   EXPECT_TRUE(result.has_value());

@@ -38,6 +38,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateOptions& options) {
   command->get_option("--bvh")->description("The movement that the motions came from");
   command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
   add_source_options(*command, run.source);
+  add_lead_in_option(*command, run);
   command->add_option("--start", run.start_s, "Where in the source the motions begin, seconds")
       ->type_name("S")
       ->check(number_from(0.0, kLongestTime))

@@ -18,6 +18,7 @@ void add_run_options(CLI::App& app, RunOptions& options) {
                  "Source frames from A up to, not including, B; either may be left out")
       ->type_name("A:B")
       ->group(kInput);
+  add_lead_in_option(app, options);
 
   add_human_options(app, options.human);
 

@@ -58,6 +58,16 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->group(kInput);
 }
 
+void add_lead_in_option(CLI::App& app, RunOptions& run) {
+  app.add_option("--lead-in", run.lead_in,
+                 "Frames in front that the motion jumps away from (a T-pose,\na frame of zeros), "
+                 "where no --start or --frames is given")
+      ->type_name("drop|keep")
+      ->check(silent(CLI::IsMember({"drop", "keep"})))
+      ->capture_default_str()
+      ->group(kInput);
+}
+
 void add_human_options(CLI::App& app, HumanOptions& options) {
   app.add_option("--map", options.map,
                  "Which joint is which bone: a mapping file in place of\nrecognition")

@@ -17,7 +17,7 @@ namespace retarget::cli {
 namespace {
 
 Result<Clip> to_rest(const EditOptions& options, Console& console) {
-  const auto motion = read_source(options.source, false, console);
+  auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
   BvhReadOptions read_options;
   read_options.motion_optional = true;
@@ -32,7 +32,7 @@ Result<Clip> to_rest(const EditOptions& options, Console& console) {
 }
 
 Result<Clip> to_lafan1(const EditOptions& options, Console& console) {
-  const auto motion = read_source(options.source, false, console);
+  auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
   const auto human = understand(*motion, options.source, options.human, options.common, console);
   if (!human) return failure(human.error());
@@ -41,13 +41,13 @@ Result<Clip> to_lafan1(const EditOptions& options, Console& console) {
 }
 
 Result<Clip> to_other(const EditOptions& options, Console& console) {
-  const auto motion = read_source(options.source, false, console);
+  auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
   const auto human = understand(*motion, options.source, options.human, options.common, console);
   if (!human) return failure(human.error());
   SourceOptions target_options;
   target_options.file = options.like;
-  const auto target = read_source(target_options, true, console);
+  auto target = read_source(target_options, true, console);
   if (!target) return failure(target.error());
   const auto of_target = understand(*target, target_options, {}, options.common, console);
   if (!of_target) return failure(of_target.error());

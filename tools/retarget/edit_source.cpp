@@ -7,7 +7,7 @@
 
 namespace retarget::cli {
 
-Result<HumanSource> understand(const SourceMotion& motion, const SourceOptions& source,
+Result<HumanSource> understand(SourceMotion& motion, const SourceOptions& source,
                                const HumanOptions& human, const CommonOptions& common,
                                Console& console) {
   const auto data = find_data_folder(

@@ -20,9 +20,9 @@ struct EditSource {
 };
 
 /// Recognises the human of a clip and says what was found.
-[[nodiscard]] Result<HumanSource> understand(const SourceMotion& motion,
-                                             const SourceOptions& source, const HumanOptions& human,
-                                             const CommonOptions& common, Console& console);
+[[nodiscard]] Result<HumanSource> understand(SourceMotion& motion, const SourceOptions& source,
+                                             const HumanOptions& human, const CommonOptions& common,
+                                             Console& console);
 
 /// The part of a clip that was asked for.
 [[nodiscard]] Result<Clip> choose_part(Clip clip, const PartOptions& part);

@@ -33,6 +33,7 @@ struct Measures {
   ReadMotionOptions reading;
   FrameRate rate;  // of the source
   std::optional<HumanClip> human;
+  std::optional<HumanClip> human_with_lead_in;  // where there is one
   std::optional<IkTables> tables;
   HeightScale scale = HeightScale::kPublished;
   std::string source;   // file name
@@ -113,6 +114,15 @@ Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
   measures.human = to_human(source->clip, source->human.calibration.mapping);
   measures.scale = choose_scale(source->human, *robot.robot, *measures.tables, run);
   measures.rate = source->clip.rate();
+  if (source->lead_in > 0) {
+    RunOptions with_lead_in = run;
+    with_lead_in.lead_in = "keep";
+    ConsoleNotes unread;
+    Console silent(unread);
+    const auto whole = load_source(with_lead_in, data_folder, silent);
+    if (!whole) return failure(whole.error());
+    measures.human_with_lead_in = to_human(whole->clip, whole->human.calibration.mapping);
+  }
   measures.source = fs::path(source_name(run.source)).filename().string();
   return {};
 }
@@ -152,6 +162,15 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   return measures;
 }
 
+// a motion that was made by other tools has the lead-in's frames too
+const HumanClip& human_beside(const RobotClip& motion, const Measures& measures,
+                              const std::string& file, Console& console) {
+  const auto& whole = measures.human_with_lead_in;
+  if (!whole || motion.frame_count() <= measures.human->frame_count) return *measures.human;
+  console.line("lead-in", file + " has as many frames as the source with it: taken with it");
+  return *whole;
+}
+
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
                                       Console& console) {
   auto motion = load_robot_motion(file, measures.robot, measures.reading);
@@ -174,10 +193,11 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   if (!clip) return failure(clip.error());
   QualitySource source;
   if (measures.human) {
-    source = {&*measures.human, &*measures.tables, measures.scale};
-    if (measures.human->frame_count < clip->frame_count()) {
+    const HumanClip& human = human_beside(*clip, measures, file, console);
+    source = {&human, &*measures.tables, measures.scale};
+    if (human.frame_count < clip->frame_count()) {
       console.warn({{0, 0,
-                     "the source has " + count_text(measures.human->frame_count, "frame") +
+                     "the source has " + count_text(human.frame_count, "frame") +
                          " from its start on for the " + count_text(clip->frame_count(), "frame") +
                          " of the motion: contacts and tracking end with it"}},
                    file);

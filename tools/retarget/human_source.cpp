@@ -8,6 +8,7 @@
 #include "retarget/base/suggest.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/human/bone_map_file.h"
+#include "retarget/human/limb_directions.h"
 #include "retarget/human/recognise.h"
 
 namespace retarget::cli {
@@ -100,15 +101,19 @@ Result<BoneMap> find_bones(const SourceMotion& motion, const std::string& name,
 
 }  // namespace
 
-Result<HumanSource> find_human(const SourceMotion& motion, const SourceOptions& source,
+Result<HumanSource> find_human(SourceMotion& motion, const SourceOptions& source,
                                const HumanOptions& options, const std::filesystem::path& dialects) {
   const std::string name = source_name(source);
   const auto how = calibration_options(options, motion);
   if (!how) return failure(how.error());
   auto map = find_bones(motion, name, options, dialects);
   if (!map) return failure(map.error());
+  std::vector<Warning> doubts;
+  if (auto doubt = let_directions_win(motion.clip, *map)) doubts.push_back(std::move(*doubt));
   auto calibration = calibrate(motion.clip, *map, *how, name);
   if (!calibration) return failure(calibration.error());
+  auto& told = calibration->mapping.doubts;
+  told.insert(told.begin(), doubts.begin(), doubts.end());
   if (!options.write_map.empty()) {
     auto written = write_file(options.write_map, format_bone_map(*map, motion.clip.skeleton()));
     if (!written) return failure(written.error());

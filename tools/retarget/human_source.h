@@ -18,8 +18,7 @@ struct HumanSource {
 
 /// Recognises and measures the human of a whole clip, before any part of it is cut out.
 /// @param dialects  folder of the dialect files.
-[[nodiscard]] Result<HumanSource> find_human(const SourceMotion& motion,
-                                             const SourceOptions& source,
+[[nodiscard]] Result<HumanSource> find_human(SourceMotion& motion, const SourceOptions& source,
                                              const HumanOptions& options,
                                              const std::filesystem::path& dialects);
 

@@ -193,7 +193,7 @@ std::string positions_csv(const Clip& clip) {
   return text;
 }
 
-Result<HumanSource> understand(const SourceMotion& motion, const InspectOptions& options) {
+Result<HumanSource> understand(SourceMotion motion, const InspectOptions& options) {
   const auto& chosen = options.common.data_dir;
   const auto data =
       find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));

@@ -63,6 +63,7 @@ struct RunOptions : OutputOptions {
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;
   std::string frames;  ///< `a:b`; empty: not given.
+  std::string lead_in = "drop";  ///< Frames in front that are none of the motion: `drop`, `keep`.
 
   std::string robot;
   std::string robot_xml;

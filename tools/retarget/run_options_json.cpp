@@ -33,6 +33,7 @@ void each_option(Options& options, const Visit& visit) {
   visit("start", options.start_s);
   visit("end", options.end_s);
   visit("frames", options.frames);
+  visit("lead-in", options.lead_in);
   visit("robot", options.robot);
   visit("robot-xml", options.robot_xml);
   visit("robot-profile", options.robot_profile);

@@ -8,6 +8,7 @@
 #include "retarget/base/data_folder.h"
 #include "retarget/base/suggest.h"
 #include "retarget/motion/clip_range.h"
+#include "retarget/motion/lead_in.h"
 #include "retarget/motion/resample.h"
 #include "retarget/pipeline/limb_lengths.h"
 #include "retarget/robot/find_robot.h"
@@ -21,9 +22,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// frames that are none of the motion, unless the user says where it begins
+int frames_to_leave_out(const Clip& clip, const RunOptions& options, Console& console) {
+  if (options.lead_in == "keep" || !options.frames.empty() || options.start_s >= 0.0) return 0;
+  const int count = count_lead_in_frames(clip);
+  if (count == 0) return 0;
+  console.line("lead-in", count_text(count, "frame") +
+                              " in front left out, from which the motion jumps away; "
+                              "--lead-in keep takes " +
+                              (count == 1 ? "it" : "them"));
+  return count;
+}
+
 // the part of the clip that the user asked for
-Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
-  if (options.frames.empty() && options.start_s < 0.0 && options.end_s < 0.0) return clip;
+Result<Clip> choose_frames(Clip clip, const RunOptions& options, int lead_in) {
+  const bool has_range = !options.frames.empty() || options.start_s >= 0.0 || options.end_s >= 0.0;
+  if (!has_range) return lead_in == 0 ? std::move(clip) : cut(clip, lead_in, clip.frame_count());
   const auto given = [](double seconds) {
     return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
   };
@@ -32,14 +46,16 @@ Result<Clip> choose_frames(Clip clip, const RunOptions& options) {
                                                     clip.rate(), clip.frame_count())
                          : frame_range_from_text(options.frames, clip.frame_count());
   if (!range) return failure(range.error());
-  return cut(clip, range->begin, range->end);
+  // an end in the lead-in is meant
+  const int begin = range->end > lead_in ? std::max(range->begin, lead_in) : range->begin;
+  return cut(clip, begin, range->end);
 }
 
 // the clip, cut and at the output rate
-Result<Clip> prepare_clip(Clip clip, const RunOptions& options) {
+Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
   const auto rate = output_rate(options.fps);
   if (!rate) return failure(rate.error());
-  auto chosen = choose_frames(std::move(clip), options);
+  auto chosen = choose_frames(std::move(clip), options, lead_in);
   if (!chosen || !*rate) return chosen;
   ResampleOptions resample_options;
   resample_options.interpolation =
@@ -95,9 +111,10 @@ Result<Source> load_source(const RunOptions& options, const fs::path& data_folde
   console.line("taken as", human->calibration.mapping.description);
   for (const std::string& note : human->map.notes) console.line("", note);
   console.warn(human->calibration.mapping.doubts, source_name(options.source));
-  auto prepared = prepare_clip(std::move(motion->clip), options);
+  const int lead_in = frames_to_leave_out(clip, options, console);
+  auto prepared = prepare_clip(std::move(motion->clip), options, lead_in);
   if (!prepared) return failure(prepared.error());
-  return Source{std::move(*prepared), std::move(*human)};
+  return Source{std::move(*prepared), lead_in, std::move(*human)};
 }
 
 Result<fs::path> data_folder_of(const CommonOptions& options) {

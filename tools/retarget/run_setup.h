@@ -18,7 +18,8 @@ namespace retarget::cli {
 
 /// The motion as it is solved.
 struct Source {
-  Clip clip;  ///< Cut and at the output rate.
+  Clip clip;        ///< Cut and at the output rate.
+  int lead_in = 0;  ///< Source frames in front that were left out.
   HumanSource human;
 };
 

@@ -23,7 +23,8 @@ struct SkeletonFacts {
   std::optional<double> metres_per_unit;  ///< Of lengths.
   std::optional<Eigen::Vector3d> up;      ///< Unit vector, file axes.
   /// What is known of the rest pose: `canonical` (all bones have LAFAN1's axes: nothing to
-  /// calibrate), `zero` or `first` (all rotations zero, the first frame: a T-pose); empty: nothing.
+  /// calibrate), `zero` or `first` (all rotations zero, the first frame: a T-pose), `learned` (no
+  /// pose of it is one); empty: nothing.
   std::string rest_pose;
 };
 

@@ -24,9 +24,10 @@ struct RetargetOptions {
   HeightScale height_scale = HeightScale::kPublished;
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing
-  /// of the way there is left in the motion; the published method solves it once, from the model's
-  /// zero configuration.
-  bool settle_first_frame = false;
+  /// of the way there is left in the motion, and again every frame into which the root's target
+  /// turns by more than 60 degrees; the published method solves each once, the first from the
+  /// model's zero configuration.
+  bool settle = false;
   /// Make the targets ahead of the solver on a second thread; the result is the same.
   bool targets_ahead = false;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.

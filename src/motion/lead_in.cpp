@@ -1,0 +1,100 @@
+#include "retarget/motion/lead_in.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kJump = 0.1;          // second difference by the body's spread
+constexpr double kBeyondMotion = 5.0;  // and by the motion's own 95th percentile
+constexpr double kStill = 0.2;         // spreads a second: a person who stands as still as one can
+constexpr double kLongestHold = 5.0;   // seconds
+constexpr double kMotionSeen = 2.0;    // seconds
+constexpr int kFewestAfter = 5;        // frames of motion
+
+// positions of all joints, frame by frame, made when they are asked for
+class Positions {
+ public:
+  explicit Positions(const Clip& clip)
+      : clip_(clip),
+        frames_(static_cast<std::size_t>(clip.frame_count())),
+        poses_(static_cast<std::size_t>(clip.skeleton().joint_count())) {}
+
+  const Eigen::Matrix3Xd& at(int frame) {
+    Eigen::Matrix3Xd& positions = frames_[static_cast<std::size_t>(frame)];
+    if (positions.size() > 0) return positions;
+    forward_kinematics(clip_, frame, poses_);
+    positions.resize(3, static_cast<Eigen::Index>(poses_.size()));
+    for (Eigen::Index joint = 0; joint < positions.cols(); ++joint) {
+      positions.col(joint) = poses_[static_cast<std::size_t>(joint)].translation;
+    }
+    return positions;
+  }
+
+  // means over the joints
+  double step(int frame) { return (at(frame + 1) - at(frame)).colwise().norm().mean(); }
+  double second_difference(int frame) {
+    return (at(frame - 1) - 2.0 * at(frame) + at(frame + 1)).colwise().norm().mean();
+  }
+  double spread(int frame) {
+    const Eigen::Matrix3Xd& positions = at(frame);
+    const Eigen::Vector3d middle = positions.rowwise().mean();
+    return std::sqrt((positions.colwise() - middle).colwise().squaredNorm().mean());
+  }
+
+ private:
+  const Clip& clip_;
+  std::vector<Eigen::Matrix3Xd> frames_;
+  std::vector<Pose> poses_;
+};
+
+// whether the motion begins at a frame, with a jump away from the one before
+bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
+  if (clip.frame_count() - begin < kFewestAfter) return false;
+  const double jump = positions.second_difference(begin);
+  if (!(jump > kJump * positions.spread(begin))) return false;
+  const int end = std::min(
+      clip.frame_count() - 1,
+      begin + 1 +
+          std::max(kFewestAfter, static_cast<int>(std::lround(kMotionSeen * clip.rate().fps()))));
+  std::vector<double> after;
+  for (int frame = begin + 1; frame < end; ++frame) {
+    after.push_back(positions.second_difference(frame));
+  }
+  std::ranges::sort(after);
+  return jump > kBeyondMotion * after[(95 * (after.size() - 1)) / 100];
+}
+
+// frames from `begin` on that are held and then left by a jump; 0: none
+int count_held(const Clip& clip, Positions& positions, int begin) {
+  const auto longest =
+      static_cast<int>(std::min(kLongestHold * clip.rate().fps(), 1.0 * clip.frame_count()));
+  for (int count = 1; count <= std::max(1, longest); ++count) {
+    if (begin + count + 1 >= clip.frame_count()) return 0;
+    if (begins_with_a_jump(clip, positions, begin + count)) return count;
+    const double still = kStill * clip.rate().frame_time() * positions.spread(begin);
+    if (!(positions.step(begin + count - 1) <= still)) return 0;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int count_lead_in_frames(const Clip& clip) {
+  // a frame of zeros, a T-pose
+  constexpr int kMostHolds = 3;
+  Positions positions(clip);
+  int count = 0;
+  for (int hold = 0; hold < kMostHolds; ++hold) {
+    const int held = count_held(clip, positions, count);
+    if (held == 0) break;
+    count += held;
+  }
+  return count;
+}
+
+}  // namespace retarget

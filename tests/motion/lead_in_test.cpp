@@ -1,0 +1,78 @@
+#include "retarget/motion/lead_in.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion/test_clips.h"
+#include "retarget/motion/clip.h"
+
+namespace retarget {
+namespace {
+
+// swings at 1 Hz, slowly enough for any rate
+Clip swinging(double fps, int frames) {
+  return make_clip({static_cast<std::int64_t>(fps), 1}, frames,
+                   [](double t) { return 0.5 * std::sin(2.0 * M_PI * t); });
+}
+
+// `count` frames in front in which every joint is turned by `angle`
+Clip with_frames_in_front(const Clip& clip, int count, double angle) {
+  Clip longer(clip.shared_skeleton(), clip.rate(), clip.frame_count() + count);
+  for (int frame = 0; frame < longer.frame_count(); ++frame) {
+    copy_frame(clip, std::max(0, frame - count), longer, frame);
+    if (frame >= count) continue;
+    for (auto& rotation : longer.rotations(frame)) rotation = exp_so3(angle * kTestAxis);
+  }
+  return longer;
+}
+
+TEST(LeadIn, MotionsHaveNone) {
+  for (const double fps : {24.0, 30.0, 120.0})
+    EXPECT_EQ(count_lead_in_frames(swinging(fps, 90)), 0);
+  EXPECT_EQ(count_lead_in_frames(swinging(30, 0)), 0);
+  EXPECT_EQ(count_lead_in_frames(swinging(30, 1)), 0);
+  EXPECT_EQ(count_lead_in_frames(swinging(30, 3)), 0);
+}
+
+TEST(LeadIn, AFrameThatTheMotionJumpsAwayFrom) {
+  for (const double fps : {24.0, 30.0, 120.0}) {
+    EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(fps, 90), 1, 2.0)), 1) << fps;
+  }
+}
+
+TEST(LeadIn, APoseThatIsHeldAndThenLeft) {
+  EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
+}
+
+TEST(LeadIn, SeveralPoses) {
+  const Clip posed = with_frames_in_front(swinging(30, 90), 5, 2.0);
+  EXPECT_EQ(count_lead_in_frames(with_frames_in_front(posed, 1, -1.0)), 6);
+}
+
+TEST(LeadIn, AStillPoseFromWhichTheMotionBeginsIsPartOfIt) {
+  const Clip clip = make_clip({30, 1}, 120, [](double t) {
+    return t < 1.0 ? 0.0 : 0.5 * (1.0 - std::cos(2.0 * M_PI * (t - 1.0)));
+  });
+  EXPECT_EQ(count_lead_in_frames(clip), 0);
+}
+
+TEST(LeadIn, WhatMovesBeforeTheJumpIsMotion) {
+  Clip clip = swinging(30, 90);
+  for (int frame = 20; frame < clip.frame_count(); ++frame) {
+    for (auto& rotation : clip.rotations(frame)) rotation = exp_so3(2.0 * kTestAxis) * rotation;
+  }
+  EXPECT_EQ(count_lead_in_frames(clip), 0);
+}
+
+TEST(LeadIn, AMotionThatJumpsAllTheTimeHasNone) {
+  Clip clip = swinging(30, 90);
+  for (int frame = 0; frame < clip.frame_count(); frame += 3) {
+    for (auto& rotation : clip.rotations(frame)) rotation = exp_so3(1.0 * kTestAxis) * rotation;
+  }
+  EXPECT_EQ(count_lead_in_frames(clip), 0);
+}
+
+}  // namespace
+}  // namespace retarget
