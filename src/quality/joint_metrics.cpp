@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "quality/fault_list.h"
+#include "retarget/math/pose.h"
 #include "retarget/math/statistics.h"
+#include "retarget/math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -155,14 +157,16 @@ void measure_accelerations(const Draft& draft) {
   draft.set("acc_p99", percentile(std::move(largest), 99.0));
 }
 
+Pose root_pose(std::span<const double> qpos) {
+  return {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]), {qpos[0], qpos[1], qpos[2]}};
+}
+
 void measure_root_jerk(const Draft& draft) {
   const RobotClip& clip = draft.clip;
   const int count = clip.frame_count() - 3;
   if (count < 1) return;
   const double fps = clip.rate().fps();
-  const auto root = [&clip](int frame) -> Eigen::Vector3d {
-    return {clip.qpos(frame)[0], clip.qpos(frame)[1], clip.qpos(frame)[2]};
-  };
+  const auto root = [&clip](int frame) { return root_pose(clip.qpos(frame)).translation; };
   std::vector<double> jerks;
   jerks.reserve(count);
   for (int i = 0; i < count; ++i) {
@@ -173,6 +177,27 @@ void measure_root_jerk(const Draft& draft) {
   draft.set("root_jerk_p99", percentile(std::move(jerks), 99.0));
 }
 
+// what no body does: a frame out of another pose, a body that faces the other way at once
+void measure_root_jumps(const Draft& draft) {
+  constexpr double kFastest = 10.0;      // m/s
+  constexpr double kFastestTurn = 20.0;  // rad/s
+  const RobotClip& clip = draft.clip;
+  const double fps = clip.rate().fps();
+  FaultList jumping("root_jumps", "rad/s");
+  int jumps = 0;
+  for (int frame = 0; frame + 1 < clip.frame_count(); ++frame) {
+    const Pose before = root_pose(clip.qpos(frame)), now = root_pose(clip.qpos(frame + 1));
+    const double speed = (now.translation - before.translation).norm() * fps;
+    const Eigen::Quaterniond step = before.rotation.conjugate() * now.rotation;
+    const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w())) * fps;
+    if (speed <= kFastest && turn <= kFastestTurn) continue;
+    ++jumps;
+    jumping.add("root", frame, turn);
+  }
+  draft.set("root_jumps", jumps);
+  jumping.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
 }  // namespace
 
 void measure_joints(const Draft& draft, const LimitSet& limits) {
@@ -180,6 +205,7 @@ void measure_joints(const Draft& draft, const LimitSet& limits) {
   measure_speeds(draft);
   measure_accelerations(draft);
   measure_root_jerk(draft);
+  measure_root_jumps(draft);
 }
 
 }  // namespace retarget

@@ -33,6 +33,10 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"root_jerk_mean", "m/s^3", "Mean length of the root position's third difference.",
      "PHUMA, under 50"},
     {"root_jerk_p99", "m/s^3", "Its 99th percentile.", "PHUMA"},
+    {"root_jumps", "count",
+     "Steps in which the root is faster than 10 m/s or turns faster than 20 rad/s; gymnasts and "
+     "dancers of LAFAN1 stay below 5 and 13.",
+     kOwn},
     {"foot_pen_1cm_pct", "%", "Frames with a sole point more than 1 cm below the floor.",
      kHolosoma},
     {"foot_pen_max_cm", "cm", "Depth of the deepest sole point; negative: its least height.",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "refine/raised_stances.h"
@@ -207,6 +208,62 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
+// feet that are as slow and as steep as those that carry a body, whatever their height
+std::vector<SourceFoot> feet_that_stand(const SourceFeet& source, const FitOptions& options) {
+  const double size = source.size();
+  std::vector<SourceFoot> standing;
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    for (int foot = 0; foot < source.foot_count; ++foot) {
+      const SourceFoot& now = source.at(frame, foot);
+      const double steep = (now.ankle.z() - now.toe.z()) / (now.ankle - now.toe).norm();
+      if (steep > kFlattestFoot && steep < kSteepestFoot &&
+          source.speed(frame, foot, kHeel) < options.contact_speed * size &&
+          source.speed(frame, foot, kToe) < options.contact_speed * size) {
+        standing.push_back(now);
+      }
+    }
+  }
+  return standing;
+}
+
+// a height at which feet stand, and for how much of all standing
+struct Level {
+  double ankle = 0.0, toe = 0.0;
+  double share = 0.0;
+};
+
+// The lowest level at which feet stand for a good part of the time that they stand at all. Feet
+// that are lower for a moment do not stand on the floor: the body sank into it, after a flip or
+// when markers were lost, and everything else would stand in the air.
+std::optional<Level> level_of_standing(const std::vector<SourceFoot>& standing, double lowest,
+                                       double band) {
+  constexpr double kGoodPart = 0.1;
+  std::vector<double> toes;
+  for (const SourceFoot& foot : standing) toes.push_back(foot.toe.z());
+  std::ranges::sort(toes);
+  const auto below = [&](double height) {
+    return std::ranges::lower_bound(toes, height) - toes.begin();
+  };
+  double floor = lowest;
+  std::ptrdiff_t count = below(floor + band);
+  // the lowest level also holds what is lower still
+  for (std::size_t i = 0; i < toes.size(); ++i) {
+    if (static_cast<double>(count) >= kGoodPart * static_cast<double>(toes.size())) break;
+    if (toes[i] <= lowest) continue;
+    floor = toes[i];
+    count = below(floor + band) - static_cast<std::ptrdiff_t>(i);
+  }
+  std::vector<double> ankles_of_level, toes_of_level;
+  for (const SourceFoot& foot : standing) {
+    if (foot.toe.z() >= floor + band || (floor > lowest && foot.toe.z() < floor)) continue;
+    ankles_of_level.push_back(foot.ankle.z());
+    toes_of_level.push_back(foot.toe.z());
+  }
+  if (toes_of_level.empty()) return std::nullopt;
+  const double share = static_cast<double>(toes_of_level.size()) / static_cast<double>(toes.size());
+  return Level{middle_of(std::move(ankles_of_level)), middle_of(std::move(toes_of_level)), share};
+}
+
 }  // namespace
 
 std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
@@ -236,22 +293,10 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
   const auto low = lowest.begin() + static_cast<std::ptrdiff_t>(kLowestShare * frames);
   std::ranges::nth_element(lowest, low);
   const double floor = *low;
-  std::vector<double> ankles, toes;
-  for (int frame = 0; frame < frames; ++frame) {
-    for (int foot = 0; foot < source.foot_count; ++foot) {
-      const SourceFoot& now = source.at(frame, foot);
-      const double steep = (now.ankle.z() - now.toe.z()) / (now.ankle - now.toe).norm();
-      if (now.toe.z() < floor + kNearLowest * size && steep > kFlattestFoot &&
-          steep < kSteepestFoot &&
-          source.speed(frame, foot, kHeel) < options.contact_speed * size &&
-          source.speed(frame, foot, kToe) < options.contact_speed * size) {
-        ankles.push_back(now.ankle.z());
-        toes.push_back(now.toe.z());
-      }
-    }
-  }
-  if (static_cast<double>(ankles.size()) * source.frame_time > kLeastStanding) {
-    return {middle_of(std::move(ankles)), middle_of(std::move(toes)), true};
+  const std::vector<SourceFoot> standing = feet_that_stand(source, options);
+  if (const auto heights = level_of_standing(standing, floor, kNearLowest * size)) {
+    const double time = static_cast<double>(standing.size()) * source.frame_time;
+    if (time * heights->share > kLeastStanding) return {heights->ankle, heights->toe, true};
   }
   const SourceFoot& first = source.at(0, 0);
   return {floor + kCommonFoot * (first.ankle - first.toe).norm(), floor, false};

@@ -252,6 +252,30 @@ TEST_F(MeasureQuality, SelfCollisionIsDeepAndSampled) {
   EXPECT_EQ(faults[0].where, "hand in knob");
 }
 
+TEST_F(MeasureQuality, RootsThatJump) {
+  // a step of 0.3 m at 30 fps is 9 m/s, one of 0.4 m is 12
+  EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.3; }),
+                   "root_jumps"),
+            0.0);
+  EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.4; }),
+                   "root_jumps"),
+            1.0);
+  // turned about the vertical, the other quaternion of the same rotation
+  const auto turned_by = [this](double angle) {
+    return measure(20, [angle](int frame, auto qpos) {
+      if (frame < 10) return;
+      qpos[3] = -std::cos(0.5 * angle);
+      qpos[6] = -std::sin(0.5 * angle);
+    });
+  };
+  EXPECT_EQ(figure(turned_by(0.6), "root_jumps"), 0.0);
+  EXPECT_EQ(figure(turned_by(0.7), "root_jumps"), 1.0);
+  const auto faults = faults_of(turned_by(M_PI), "root_jumps");
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].begin, 9);
+  EXPECT_NEAR(faults[0].amount, 30.0 * M_PI, 1e-9);
+}
+
 TEST_F(MeasureQuality, RootJerk) {
   // x = t^3 has the jerk 6
   const QualityReport report =

@@ -64,6 +64,26 @@ TEST(FootPlan, FeetThatLieDoNotCountAsStanding) {
   EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
 }
 
+TEST(FootPlan, AMomentBelowTheFloorIsNoFloor) {
+  // stands for ten seconds, and sinks in by 18 cm for most of a second behind a flip
+  const auto feet = make_feet(12.0, 30.0, [](double t) {
+    const bool sunk = t > 10.5 && t < 11.4;
+    return FootPlace{0.0, sunk ? -0.18 : t > 10.0 && t <= 10.5 ? 0.6 : 0.0};
+  });
+  const StandingHeights found = find_standing_heights(feet, {});
+  EXPECT_TRUE(found.found);
+  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
+  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+}
+
+TEST(FootPlan, OfTwoLevelsThatCarryTheLowerOneIsTheFloor) {
+  // a platform for five seconds, the floor for two
+  const auto feet = make_feet(7.0, 30.0, [](double t) {
+    return FootPlace{0.0, t < 5.0 ? 0.3 : 0.0};
+  });
+  EXPECT_NEAR(find_standing_heights(feet, {}).toe, kToeHeight, 1e-12);
+}
+
 TEST(FootPlan, AFootThatNeverStandsGivesAGuess) {
   const auto feet = make_feet(2.0, 30.0, [](double t) { return FootPlace{2.0 * t, 0.0}; });
   const StandingHeights found = find_standing_heights(feet, {});

@@ -61,9 +61,9 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
 void add_lead_in_option(CLI::App& app, RunOptions& run) {
   app.add_option("--lead-in", run.lead_in,
                  "Frames in front that the motion jumps away from (a T-pose,\na frame of zeros), "
-                 "where no --start or --frames is given")
-      ->type_name("drop|keep")
-      ->check(silent(CLI::IsMember({"drop", "keep"})))
+                 "where no --start or --frames is\ngiven: auto drops them but for --method gmr")
+      ->type_name("auto|drop|keep")
+      ->check(silent(CLI::IsMember({"auto", "drop", "keep"})))
       ->capture_default_str()
       ->group(kInput);
 }

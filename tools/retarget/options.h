@@ -63,7 +63,8 @@ struct RunOptions : OutputOptions {
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;
   std::string frames;  ///< `a:b`; empty: not given.
-  std::string lead_in = "drop";  ///< Frames in front that are none of the motion: `drop`, `keep`.
+  /// Frames in front that are none of the motion: `drop`, `keep`, `auto` as is best for the method.
+  std::string lead_in = "auto";
 
   std::string robot;
   std::string robot_xml;

@@ -24,7 +24,10 @@ namespace {
 
 // frames that are none of the motion, unless the user says where it begins
 int frames_to_leave_out(const Clip& clip, const RunOptions& options, Console& console) {
-  if (options.lead_in == "keep" || !options.frames.empty() || options.start_s >= 0.0) return 0;
+  // the published method takes every frame
+  const bool keep =
+      options.lead_in == "keep" || (options.lead_in == "auto" && options.method == "gmr");
+  if (keep || !options.frames.empty() || options.start_s >= 0.0) return 0;
   const int count = count_lead_in_frames(clip);
   if (count == 0) return 0;
   console.line("lead-in", count_text(count, "frame") +
