@@ -140,7 +140,7 @@ std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes
 
 std::string describe_calibration(const Calibration& calibration) {
   const std::string height = metres_text(calibration.mapping.height);
-  if (calibration.rest_pose == "lafan1") {
+  if (calibration.rest_pose.starts_with("lafan1")) {
     return "LAFAN1 skeleton, unit " + calibration.unit + ", up " + to_text(calibration.up) +
            ", body height " + height;
   }
