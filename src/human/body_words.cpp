@@ -125,8 +125,9 @@ bool is_limb_word(std::string_view base) {
 }
 
 bool is_animal_word(std::string_view base) {
-  static constexpr std::array<std::string_view, 7> kWords = {"tail",   "paw",   "wing",   "hoof",
-                                                             "muzzle", "snout", "fetlock"};
+  static constexpr std::array<std::string_view, 16> kWords = {
+      "tail",     "paw",     "wing",     "hoof",    "muzzle",   "snout",    "fetlock", "tusk",
+      "frontleg", "foreleg", "forelimb", "hindleg", "hindlimb", "frontpaw", "backpaw", "proboscis"};
   const std::string_view plain = without_number(base);
   return std::ranges::find(kWords, plain) != kWords.end();
 }
