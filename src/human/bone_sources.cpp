@@ -87,6 +87,7 @@ class Sources {
     turn_with(side + "Hand", side + "ForeArm", forearm);
     const Segment& end = body_.segment(side + "ForeArm");
     if (end.known()) {
+      of(side + "Hand").position_joint = end.end_joint;
       of(side + "Hand").position_in_joint = end.offset;
       return;
     }
@@ -105,7 +106,7 @@ class Sources {
     turn_with(side + "FootMod", side + "Foot", foot);
     const Segment& end = body_.segment(side + "Foot");
     if (!end.known()) return;
-    turn_with(side + "Toe", side + "Foot", foot);
+    turn_with(side + "Toe", side + "Foot", end.end_joint);
     of(side + "Toe").position_in_joint = end.offset;
   }
 

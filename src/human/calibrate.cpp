@@ -70,9 +70,10 @@ class Calibrator {
   const std::string& file_;
   Body body_;
   View view_;
-  JointOfBone joint_of_ = [this](std::string_view bone) {
-    const int joint = body_.joint(bone);
-    return joint < 0 ? std::nullopt : std::optional<int>(joint);
+  // as far as offsets count: of joints in one place the uppermost, which has the length
+  JointOfBone joint_of_ = [this](std::string_view bone) -> std::optional<int> {
+    if (!body_.has(bone)) return std::nullopt;
+    return first_in_place(clip_.skeleton(), map_, body_.joint(bone));
   };
 };
 
@@ -313,6 +314,13 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
     result.rest_pose = "lafan1 axes";
     result.mapping.height = own_height * unit->metres;
     result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit->metres;
+  }
+  for (BoneSource& source : result.mapping.bones) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (body_.joint(bone) < 0 || body_.joint(bone) != source.rotation_joint) continue;
+      source.rotation_joint = body_.turning_joint(bone);
+      break;
+    }
   }
   result.mapping.human_from_source = z_up_from_file(view_.up);
   if (const auto best = best_frame()) {

@@ -26,6 +26,9 @@ using JointPoses = std::vector<Pose>;
 /// most about 1000.
 [[nodiscard]] std::vector<int> sampled_frames(const Clip& clip);
 
+/// Of joints in one place the uppermost that stands for no other bone than the given one's.
+[[nodiscard]] int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint);
+
 /// From where to where a bone runs.
 struct Segment {
   int joint = -1;                                    ///< The bone's joint; -1: unknown.
