@@ -240,7 +240,9 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
     const std::string side = foot == 0 ? "Left" : "Right";
     const auto joint_of = [&](const char* part) {
       const auto& bone = mapping.bones[static_cast<std::size_t>(find_bone(side + part).value())];
-      return bone.position_joint == bone.rotation_joint ? bone.position_joint : -1;
+      // helpers in a joint's place turn with it
+      return hangs_below(skeleton, bone.rotation_joint, bone.position_joint) ? bone.position_joint
+                                                                             : -1;
     };
     const LegJoints leg{joint_of("UpLeg"), joint_of("Leg"), joint_of("Foot")};
     if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&

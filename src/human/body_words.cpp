@@ -81,15 +81,15 @@ constexpr std::array kTrunkWords = {
     Word{"\xE9\xA0\xAD", Role::kHead, 1.0},  // head
 };
 
-std::string_view without_number(std::string_view base) {
-  const std::size_t last = base.find_last_not_of("0123456789");
-  return last == std::string_view::npos ? base : base.substr(0, last + 1);
-}
-
 // a numbered part of a limb may be a part of it only
 constexpr double kNumberedLimb = 0.5;
 
 }  // namespace
+
+std::string_view without_number(std::string_view base) {
+  const std::size_t last = base.find_last_not_of("0123456789");
+  return last == std::string_view::npos ? base : base.substr(0, last + 1);
+}
 
 std::vector<RoleWeight> roles_of(const JointName& name) {
   std::vector<RoleWeight> roles;
@@ -125,8 +125,9 @@ bool is_limb_word(std::string_view base) {
 }
 
 bool is_animal_word(std::string_view base) {
-  static constexpr std::array<std::string_view, 7> kWords = {"tail",   "paw",   "wing",   "hoof",
-                                                             "muzzle", "snout", "fetlock"};
+  static constexpr std::array<std::string_view, 16> kWords = {
+      "tail",     "paw",     "wing",     "hoof",    "muzzle",   "snout",    "fetlock", "tusk",
+      "frontleg", "foreleg", "forelimb", "hindleg", "hindlimb", "frontpaw", "backpaw", "proboscis"};
   const std::string_view plain = without_number(base);
   return std::ranges::find(kWords, plain) != kWords.end();
 }

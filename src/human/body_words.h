@@ -39,6 +39,9 @@ struct RoleWeight {
 /// Whether a word names a part of a limb when a side stands in front of it.
 [[nodiscard]] bool is_limb_word(std::string_view base);
 
+/// A normalised name without the number at its end.
+[[nodiscard]] std::string_view without_number(std::string_view base);
+
 /// Whether a name speaks of an animal: tail, paw, wing.
 [[nodiscard]] bool is_animal_word(std::string_view base);
 

@@ -90,6 +90,7 @@ class Sources {
     turn_with(side + "Hand", side + "ForeArm", forearm);
     const Segment& end = body_.segment(side + "ForeArm");
     if (end.known()) {
+      of(side + "Hand").position_joint = end.end_joint;
       of(side + "Hand").position_in_joint = end.offset;
       return;
     }
@@ -152,7 +153,7 @@ std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes
 
 void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones) {
   for (const std::string side : {"Left", "Right"}) {
-    const int foot = body.joint(side + "Foot");
+    const int foot = body.joint(side + "Foot"), turning = body.turning_joint(side + "Foot");
     if (foot < 0 || body.turning_joint(side + "Toe") >= 0) continue;
     const Eigen::Quaterniond foot_from_toe(
         Eigen::Matrix3d(canonical_t_pose(index_of(side + "Foot")).transpose() *
@@ -161,15 +162,15 @@ void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones) {
     const double leg =
         length_by_offsets(body, side + "UpLeg") + length_by_offsets(body, side + "Leg");
     BoneSource& toe = bones[static_cast<std::size_t>(index_of(side + "Toe"))];
-    toe = {end.known() ? end.end_joint : foot, foot, foot_from_toe,
+    toe = {end.known() ? end.end_joint : turning, turning, foot_from_toe,
            end.known() ? end.offset : Eigen::Vector3d(kFootPerLeg * leg, 0.0, 0.0)};
-    bones[static_cast<std::size_t>(index_of(side + "FootMod"))] = {foot, foot, foot_from_toe};
+    bones[static_cast<std::size_t>(index_of(side + "FootMod"))] = {foot, turning, foot_from_toe};
   }
 }
 
 std::string describe_calibration(const Calibration& calibration) {
   const std::string height = metres_text(calibration.mapping.height);
-  if (calibration.rest_pose == "lafan1") {
+  if (calibration.rest_pose.starts_with("lafan1")) {
     return "LAFAN1 skeleton, unit " + calibration.unit + ", up " + to_text(calibration.up) +
            ", body height " + height;
   }

@@ -65,7 +65,7 @@ class Calibrator {
   [[nodiscard]] Result<Rest> told_rest() const;
   [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
   [[nodiscard]] Result<Rest> taken(std::optional<RestCandidate> candidate, std::string name) const;
-  [[nodiscard]] Result<Unit> find_unit(const Rest& rest) const;
+  [[nodiscard]] Result<Unit> find_unit(double hip_height, double height);
   void doubt_sides();
   void doubt_height(const Calibration& found);
 
@@ -76,9 +76,10 @@ class Calibrator {
   Body body_;
   int lead_in_ = 0;  // frames in front that are none of the motion
   View view_;
-  JointOfBone joint_of_ = [this](std::string_view bone) {
-    const int joint = body_.joint(bone);
-    return joint < 0 ? std::nullopt : std::optional<int>(joint);
+  // as far as offsets count: of joints in one place the uppermost, which has the length
+  JointOfBone joint_of_ = [this](std::string_view bone) -> std::optional<int> {
+    if (!body_.has(bone)) return std::nullopt;
+    return first_in_place(clip_.skeleton(), map_, body_.joint(bone));
   };
 };
 
@@ -291,19 +292,22 @@ Result<Rest> Calibrator::rest_of_movement() const {
               "learned"};
 }
 
-Result<Unit> Calibrator::find_unit(const Rest& rest) const {
+Result<Unit> Calibrator::find_unit(double hip_height, double height) {
   if (options_.metres_per_unit) return Unit{"given", *options_.metres_per_unit};
-  const double height = standing_hip_height(body_, rest.candidate.pose, rest.candidate.axes);
-  if (map_.facts.metres_per_unit) {
-    const auto unit = unit_of_length(*map_.facts.metres_per_unit);
-    if (is_hip_height_in_metres(height * unit.metres)) return unit;
+  const auto unit = unit_of_body({hip_height, height, map_.facts.metres_per_unit, options_.height});
+  if (unit) return *unit;
+  if (options_.unit_optional) {
+    const Unit assumed = unit_of_average_body(height);
+    view_.doubts.push_back({0, 0, assumed_unit_text(hip_height)});
+    return assumed;
   }
-  if (const auto unit = guess_unit(height)) return *unit;
   return input_failure(file_,
-                       height > 0.0 ? "hips " + std::to_string(height) +
-                                          " units above the floor are a person's in no known unit"
-                                    : "without a leg the unit cannot be told",
-                       "give the unit's length in metres with --unit");
+                       hip_height > 0.0
+                           ? "hips " + std::to_string(hip_height) +
+                                 " units above the floor are a person's in no known unit"
+                           : "without a leg the unit cannot be told",
+                       "give the unit's length in metres with --unit" +
+                           std::string(height > 0.0 ? ", or the body's height with --height" : ""));
 }
 
 bool Calibrator::has_lafan1_axes() const {
@@ -311,7 +315,6 @@ bool Calibrator::has_lafan1_axes() const {
          !options_.forward && bones_off_lafan1_axes(clip_.skeleton(), joint_of_).empty();
 }
 
-// the published method's mapping; copies in other units or with another axis up keep its axes too
 // toes that turn as none do follow their feet from now on
 bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
   const auto sides = sides_with_flipped_toes(body_, view_.poses, axes);
@@ -328,29 +331,35 @@ bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
   return true;
 }
 
+// the published method's mapping; copies in other units or with another axis up keep its axes too,
+// and so do bodies of another size, whose height is their own
 Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
   constexpr double kHipHeightPerLeg = 1.12;
-  const double leg = lafan1_leg_length(clip_.skeleton(), joint_of_);
-  Unit unit{"cm", 0.01};
-  if (options_.metres_per_unit) {
-    if (*options_.metres_per_unit != unit.metres) unit = {"given", *options_.metres_per_unit};
-  } else if (!is_leg_in_centimetres(leg)) {
-    const auto found = guess_unit(kHipHeightPerLeg * leg);
-    if (!found) {
-      return input_failure(
-          file_, "a leg of " + std::to_string(leg) + " units is a person's in no known unit",
-          "give the unit's length in metres with --unit");
-    }
-    unit = *found;
-  }
+  const double own_height = estimated_height(body_, zero_pose(clip_.skeleton()));
+  const auto unit =
+      find_unit(kHipHeightPerLeg * lafan1_leg_length(clip_.skeleton(), joint_of_), own_height);
+  if (!unit) return failure(unit.error());
   JointFromBone own_axes;
   own_axes.fill(Eigen::Matrix3d::Identity());
   disbelieve_flipped_toes(own_axes);
   result.mapping = lafan1_mapping(map_);
-  complete_lafan1_toes(body_, result.mapping.bones);
-  result.unit = unit.name;
+  const bool is_published = unit->metres == result.mapping.metres_per_unit;
+  result.unit = is_published ? "cm" : unit->name;
   result.rest_pose = "lafan1";
-  result.mapping.metres_per_unit = unit.metres;
+  result.mapping.metres_per_unit = unit->metres;
+  if (!is_lafan1_height(own_height * unit->metres)) {
+    result.rest_pose = "lafan1 axes";
+    result.mapping.height = own_height * unit->metres;
+    result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit->metres;
+  }
+  for (BoneSource& source : result.mapping.bones) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      if (body_.joint(bone) < 0 || body_.joint(bone) != source.rotation_joint) continue;
+      source.rotation_joint = body_.turning_joint(bone);
+      break;
+    }
+  }
+  complete_lafan1_toes(body_, result.mapping.bones);
   result.mapping.human_from_source = z_up_from_file(view_.up);
   if (const auto best = best_frame()) {
     result.forward = nearest_axis(best->second.axes.row(0));
@@ -366,7 +375,9 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
     rest = find_rest();
     if (!rest) return failure(rest.error());
   }
-  const auto unit = find_unit(*rest);
+  const RestCandidate& posed = rest->candidate;
+  const auto unit = find_unit(standing_hip_height(body_, posed.pose, posed.axes),
+                              estimated_height(body_, posed.pose));
   if (!unit) return failure(unit.error());
   result.unit = unit->name;
   result.rest_pose = rest->name;

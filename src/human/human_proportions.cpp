@@ -3,15 +3,22 @@
 #include <algorithm>
 
 #include "human/body_words.h"
+#include "human/mirrored_chains.h"
 
 namespace retarget {
 namespace {
 
-// means of both sides; adults have legs of 1.3 to 1.7 trunks and arms of 0.6 to 0.75 legs
+// means of both sides; people have legs of 1.3 to 1.9 trunks, arms of 0.53 to 0.75 legs, shoulders of
+// 0.45 to 0.9 trunks, and feet (to the toes' joints) of 0.14 to 0.23 legs
 constexpr double kLeastLegPerTrunk = 1.0;
-constexpr double kMostArmPerLeg = 0.9;
-// cosine of the angle between trunk and legs in the straightest pose
-constexpr double kLeastUprightness = 0.3;
+constexpr double kMostArmPerLeg = 0.8;
+constexpr double kLeastShouldersPerTrunk = 0.4;
+constexpr double kMostFootPerLeg = 0.35;
+// cosines of the angle between trunk and legs: standing or lying, across, and what is never upright
+constexpr double kStretched = 0.85, kAcross = 0.5, kUpright = 0.3;
+// chains that are no part of a human body
+constexpr int kFewestTailJoints = 3;
+constexpr double kLeastTailPerTrunk = 0.3;
 
 double mean_distance(const BodySource& source, int a, int b) {
   double sum = 0.0;
@@ -49,6 +56,56 @@ double trunk_length(const BodySource& source, const BoneMap& map) {
   return sum;
 }
 
+// how the trunk stands on the legs over a motion
+struct Posture {
+  double highest = -1.0, median = -1.0;
+};
+
+Posture posture_of(const BodySource& source, const BoneMap& map) {
+  std::vector<double> cosines;
+  for (const BodyPoses::Pose& pose : source.poses.poses) {
+    cosines.push_back(uprightness(pose, map));
+  }
+  std::ranges::sort(cosines);
+  return {cosines.back(), cosines[cosines.size() / 2]};
+}
+
+// whether exactly one chain that ends there without a bone hangs from a joint: several are clothes
+bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double least_length) {
+  const TreeReach reach(source);
+  int tails = 0;
+  for (const int way : source.tree.neighbours(joint)) {
+    const bool leads_to_bone = std::ranges::any_of(map.joint_of_bone, [&](int bone) {
+      return bone >= 0 && bone != joint && source.tree.between(way, joint, bone);
+    });
+    if (leads_to_bone || source.tree.parent(way) != joint) continue;
+    int count = 1;
+    for (int at = way; source.tree.neighbours(at).size() == 2; ++count) {
+      at = source.tree.neighbours(at)[source.tree.parent(at) == source.tree.neighbours(at)[0]];
+    }
+    if (count >= kFewestTailJoints && reach.reach(joint, way) >= least_length) ++tails;
+  }
+  return tails == 1;
+}
+
+// what a four-legged animal has beside a trunk across its legs
+void add_signs_of_animal(const BodySource& source, const BoneMap& map, double leg, double trunk,
+                         HumanDoubts& doubts) {
+  if (mean_distance(source, map.joint("LeftArm"), map.joint("RightArm")) <
+      kLeastShouldersPerTrunk * trunk) {
+    doubts.signs.emplace_back("the shoulders are narrow");
+  }
+  const bool has_toes = map.joint("LeftToe") >= 0 && map.joint("RightToe") >= 0;
+  if (has_toes && limb_length(source, map, {"Foot", "Toe"}) > kMostFootPerLeg * leg) {
+    doubts.signs.emplace_back("the feet are parts of the legs");
+  }
+  const int head = map.joint("Head");
+  if (head >= 0 && has_one_tail(source, map, head, kLeastTailPerTrunk * trunk) &&
+      has_one_tail(source, map, map.joint("Hips"), kLeastTailPerTrunk * trunk)) {
+    doubts.signs.emplace_back("chains of joints hang from head and hips");
+  }
+}
+
 }  // namespace
 
 HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
@@ -58,19 +115,21 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
     if (map.joint(bone) < 0) return doubts;
   }
   const double leg = limb_length(source, map, {"UpLeg", "Leg", "Foot"});
-  if (leg < kLeastLegPerTrunk * trunk_length(source, map)) {
+  const double trunk = trunk_length(source, map);
+  if (leg < kLeastLegPerTrunk * trunk) {
     doubts.signs.emplace_back("the legs are shorter than the trunk");
   }
   const bool has_hands = map.joint("LeftHand") >= 0 && map.joint("RightHand") >= 0;
   if (has_hands && limb_length(source, map, {"Arm", "ForeArm", "Hand"}) > kMostArmPerLeg * leg) {
     doubts.signs.emplace_back("the arms are as long as the legs");
   }
-  const bool stands = source.poses.from_motion &&
-                      std::ranges::any_of(source.poses.poses, [&](const BodyPoses::Pose& pose) {
-                        return uprightness(pose, map) > kLeastUprightness;
-                      });
-  if (source.poses.from_motion && !stands) {
-    doubts.signs.emplace_back("the trunk never rises over the legs");
+  const Posture posture = posture_of(source, map);
+  const bool stands = source.poses.from_motion && posture.highest > kStretched;
+  if (source.poses.from_motion && posture.median < kAcross) {
+    doubts.signs.emplace_back(posture.highest > kUpright
+                                  ? "the trunk lies across the legs most of the time"
+                                  : "the trunk never rises over the legs");
+    add_signs_of_animal(source, map, leg, trunk, doubts);
   }
   for (int joint = 0; joint < source.skeleton.joint_count(); ++joint) {
     if (!is_animal_word(source.names[joint].base)) continue;

@@ -10,9 +10,11 @@ struct HumanDoubts {
   bool proven = false;             ///< Enough signs that it is none.
 };
 
-/// Signs are a trunk longer than the legs, arms as long as the legs, names of animals' parts, and a
-/// trunk that never rises over the legs in a motion. Two prove it; of a body that is seen to stand,
-/// which may be a cartoon's, three.
+/// Signs are a trunk longer than the legs, arms as long as the legs, names of animals' parts, and in a
+/// motion a trunk that lies across the legs most of the time; then also narrow shoulders, feet as long
+/// as segments of legs, and single chains that hang from both head and hips. Two prove it; of a body
+/// that is seen to stand or lie stretched, which may be a cartoon's, three. People who crawl have
+/// one of them.
 [[nodiscard]] HumanDoubts doubt_human(const BodySource& source, const BoneMap& map);
 
 }  // namespace retarget

@@ -82,11 +82,16 @@ Side side_of(const std::string& word) {
   return Side::kNone;
 }
 
+// the third side of skeletons that mark every joint with one
+bool is_centre(const std::string& word) {
+  return word == "c" || word == "ctr" || word == "center" || word == "centre";
+}
+
 // what well-known exporters put in front, unless nothing else is there
 void drop_known_affixes(Words& words) {
   static const std::vector<Words> kPrefixes = {
-      {"valve", "biped"}, {"cc", "base"}, {"mixamorig"}, {"bip"}, {"character"},
-      {"armature"},       {"def"},        {"joint"},     {"jnt"}, {"skeleton"}};
+      {"valve", "biped"}, {"cc", "base"}, {"j", "bip"}, {"mixamorig"}, {"bip"},     {"character"},
+      {"armature"},       {"def"},        {"joint"},    {"jnt"},       {"skeleton"}};
   static const Words kSuffixes = {"jnt", "jt", "bind"};
   for (const Words& prefix : kPrefixes) {
     if (words.size() <= prefix.size() || !std::equal(prefix.begin(), prefix.end(), words.begin())) {
@@ -151,6 +156,12 @@ JointName name_of(Words words) {
     if (side == Side::kNone) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
     return {side, joined(words)};
+  }
+  // in the middle, as `C_Head` and `Head_C` say
+  if (words.size() > 1 && is_centre(words.front())) {
+    words.erase(words.begin());
+  } else if (words.size() > 1 && is_centre(words.back())) {
+    words.pop_back();
   }
   return with_glued_side(joined(words));
 }

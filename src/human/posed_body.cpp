@@ -84,6 +84,17 @@ std::vector<int> sampled_frames(const Clip& clip, int begin) {
   return frames;
 }
 
+int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint) {
+  const auto is_helper = [&](int other) {
+    return other > 0 && std::ranges::find(map.joint_of_bone, other) == map.joint_of_bone.end();
+  };
+  while (joint > 0 && skeleton.joint(joint).offset.isZero(0.0) &&
+         is_helper(skeleton.joint(joint).parent)) {
+    joint = skeleton.joint(joint).parent;
+  }
+  return joint;
+}
+
 Body::Body(const Skeleton& skeleton, const BoneMap& map)
     : skeleton_(&skeleton), joints_(map.joint_of_bone) {
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {
@@ -98,7 +109,10 @@ Segment Body::find_segment(int bone) const {
   for (const std::string& end : ends_of(kBoneNames[static_cast<std::size_t>(bone)])) {
     if (has(end)) return {start, joint(end), Eigen::Vector3d::Zero()};
   }
-  return free_end(*skeleton_, start, joint("Hips"));
+  // what hangs from helpers in the joint's place hangs from the bone
+  Segment segment = free_end(*skeleton_, std::max(turning_joint(bone), start), joint("Hips"));
+  segment.joint = start;
+  return segment;
 }
 
 int Body::joint(std::string_view bone) const {

@@ -27,6 +27,9 @@ using JointPoses = std::vector<Pose>;
 /// @param begin  the first frame that counts.
 [[nodiscard]] std::vector<int> sampled_frames(const Clip& clip, int begin = 0);
 
+/// Of joints in one place the uppermost that stands for no other bone than the given one's.
+[[nodiscard]] int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint);
+
 /// From where to where a bone runs.
 struct Segment {
   int joint = -1;                                    ///< The bone's joint; -1: unknown.

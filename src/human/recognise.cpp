@@ -19,8 +19,15 @@ namespace {
 
 constexpr const char* kMapHint = "give a mapping file with --map";
 
-// a joint that is mapped and shares its name with another one
-std::optional<Error> find_doubled_name(const BodySource& source, const BoneMap& map) {
+// bones a body does without
+bool is_optional(std::string_view bone) {
+  if (bone == "Spine" || bone == "Spine1" || bone == "Neck" || bone == "Head") return true;
+  return bone.ends_with("Toe") || bone.ends_with("Shoulder") || bone.ends_with("Hand");
+}
+
+// joints that are mapped and share their name with another one: bones that a body does without are
+// left out, others are an error
+std::optional<Error> settle_doubled_names(const BodySource& source, BoneMap& map) {
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {
     const int joint = map.joint_of_bone[bone];
     // names that say nothing of a body are not what the joint was found by
@@ -28,12 +35,14 @@ std::optional<Error> find_doubled_name(const BodySource& source, const BoneMap& 
     const std::string& name = source.skeleton.joint(joint).name;
     const auto count = std::ranges::count(source.skeleton.joints(), name, &Joint::name);
     if (count < 2) continue;
-    return input_failure(source.file,
-                         std::to_string(count) + " joints are called \"" + name +
+    const std::string what = std::to_string(count) + " joints are called \"" + name +
                              "\": which of them is the " + std::string(kBoneNames[bone]) +
-                             " cannot be told",
-                         "rename all but one of them")
-        .value();
+                             " cannot be told";
+    if (!is_optional(kBoneNames[bone])) {
+      return input_failure(source.file, what, "rename all but one of them").value();
+    }
+    map.joint_of_bone[bone] = -1;
+    map.notes.push_back(what + ", it is left out");
   }
   return std::nullopt;
 }
@@ -102,7 +111,7 @@ class Recogniser {
   }
 
   Result<BoneMap> finish() {
-    if (auto doubled = find_doubled_name(source_, *accepted_)) return failure(*doubled);
+    if (auto doubled = settle_doubled_names(source_, *accepted_)) return failure(*doubled);
     const HumanDoubts doubts = doubt_human(source_, *accepted_);
     if (doubts.proven) {
       return input_failure(source_.file,

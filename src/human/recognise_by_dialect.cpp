@@ -52,8 +52,8 @@ class DialectNames {
 // holds a dialect against a skeleton
 class Matcher {
  public:
-  Matcher(const BodySource& source, const Dialect& dialect)
-      : source_(source), dialect_(dialect), names_(dialect) {}
+  Matcher(const BodySource& source, const Dialect& dialect, bool past_helpers)
+      : source_(source), dialect_(dialect), names_(dialect), past_helpers_(past_helpers) {}
 
   std::optional<DialectMatch> run() {
     if (!has_required() || !has_mark() || !has_parents() || !has_directions()) return std::nullopt;
@@ -108,7 +108,12 @@ class Matcher {
     return std::ranges::all_of(dialect_.directions, [&](const auto& pair) {
       const std::vector<int> joints = joints_named(pair.first);
       if (joints.empty()) return true;
-      const Eigen::Vector3d& offset = source_.skeleton.joint(joints[0]).offset;
+      // a helper may stand in the joint's place, above it
+      int joint = joints[0];
+      while (past_helpers_ && has_no_length(joint) && is_helper(source_.tree.parent(joint))) {
+        joint = source_.tree.parent(joint);
+      }
+      const Eigen::Vector3d& offset = source_.skeleton.joint(joint).offset;
       return offset.dot(pair.second) > kDirectionCosine * offset.norm();
     });
   }
@@ -144,11 +149,26 @@ class Matcher {
   double body_overlap(const BoneMap& map) const {
     const std::set<int> body = body_of(map);
     int known = 0, missing = 0;
-    for (const int joint : body) known += names_.contains(source_.names[joint]) ? 1 : 0;
+    int helpers = 0;
+    for (const int joint : body) {
+      known += names_.contains(source_.names[joint]) ? 1 : 0;
+      helpers += past_helpers_ && is_helper(joint) ? 1 : 0;
+    }
     for (int bone = 0; bone < kMappedBoneCount; ++bone) {
       missing += !dialect_.names[bone].empty() && map.joint_of_bone[bone] < 0 ? 1 : 0;
     }
-    return static_cast<double>(known) / static_cast<double>(body.size() + missing);
+    return static_cast<double>(known) / static_cast<double>(body.size() - helpers + missing);
+  }
+
+  bool has_no_length(int joint) const { return joint > 0 && source_.poses.lengths[joint] == 0.0; }
+
+  // a joint of unknown name that stands where the joint above or one below it stands
+  bool is_helper(int joint) const {
+    if (joint < 0 || names_.contains(source_.names[joint])) return false;
+    return has_no_length(joint) ||
+           std::ranges::any_of(source_.tree.neighbours(joint), [&](int next) {
+             return source_.tree.parent(next) == joint && has_no_length(next);
+           });
   }
 
   double full_overlap() const {
@@ -163,6 +183,7 @@ class Matcher {
   const BodySource& source_;
   const Dialect& dialect_;
   DialectNames names_;
+  bool past_helpers_;
 };
 
 bool is_better(const DialectMatch& a, const DialectMatch& b) {
@@ -177,11 +198,14 @@ bool is_better(const DialectMatch& a, const DialectMatch& b) {
 std::vector<DialectMatch> match_dialects(const BodySource& source,
                                          const std::vector<Dialect>& dialects) {
   std::vector<DialectMatch> matches;
-  for (const Dialect& dialect : dialects) {
-    std::optional<DialectMatch> match = Matcher(source, dialect).run();
-    if (!match || match->score < kLeastScore) continue;
-    complete_trunk(source, match->map);
-    matches.push_back(std::move(*match));
+  for (const bool past_helpers : {false, true}) {
+    if (!matches.empty()) break;
+    for (const Dialect& dialect : dialects) {
+      std::optional<DialectMatch> match = Matcher(source, dialect, past_helpers).run();
+      if (!match || match->score < kLeastScore) continue;
+      complete_trunk(source, match->map);
+      matches.push_back(std::move(*match));
+    }
   }
   // by selection, as equality of scores is no equivalence
   for (std::size_t i = 0; i < matches.size(); ++i) {

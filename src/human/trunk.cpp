@@ -1,7 +1,9 @@
 #include "human/trunk.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "human/body_words.h"
 #include "retarget/base/suggest.h"
@@ -102,6 +104,21 @@ void set_neck(const BodySource& source, BoneMap& map) {
   joint_of(map, "Neck") = first == chain.end() ? chain[0] : *first;
 }
 
+// joints inside the segments of limbs: what they turn is seen in the bones beyond them
+void add_limb_notes(const BodySource& source, BoneMap& map) {
+  static constexpr std::array<std::pair<const char*, const char*>, 4> kSegments = {
+      {{"UpLeg", "Leg"}, {"Leg", "Foot"}, {"Arm", "ForeArm"}, {"ForeArm", "Hand"}}};
+  std::vector<std::string> folded;
+  for (const std::string side : {"Left", "Right"}) {
+    for (const auto& [from, to] : kSegments) {
+      for (const int joint : joints_between(source, map.joint(side + from), map.joint(side + to))) {
+        folded.push_back(quoted_name(source.skeleton, joint));
+      }
+    }
+  }
+  if (!folded.empty()) map.notes.push_back("folded into the limbs: " + list_names(folded));
+}
+
 }  // namespace
 
 void complete_trunk(const BodySource& source, BoneMap& map) {
@@ -128,6 +145,7 @@ void add_trunk_notes(const BodySource& source, BoneMap& map) {
   };
   add_folded("Hips", "Spine2");
   add_folded("Spine2", "Head");
+  add_limb_notes(source, map);
 }
 
 }  // namespace retarget

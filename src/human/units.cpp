@@ -1,7 +1,11 @@
 #include "human/units.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
+
+#include "human/bone_sources.h"
 
 namespace retarget {
 namespace {
@@ -10,17 +14,20 @@ constexpr double kFootDrop = 0.42261826174069944;  // sine of 25 degrees
 constexpr double kLegShare = 0.491;                // thigh .245 and shank .246 of body height
 constexpr double kLegAndTrunkShare = 0.894;
 
+constexpr double kAverageHeight = 1.7;  // metres
+
 // hip heights of people in a unit
 struct UnitRange {
   const char* name;
   double metres, low, high;
 };
-constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.5, 1.4},
-                                               {"dm", 0.1, 5.5, 13.0},
+// of 46 units, a child of two in centimetres and a man of 2.2 m in inches, more is hardly seen
+constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.46, 1.4},
+                                               {"dm", 0.1, 4.6, 13.0},
                                                {"CMU unit", 0.056444, 13.0, 20.5},
-                                               {"inch", 0.0254, 21.0, 51.5},
-                                               {"cm", 0.01, 53.0, 140.0},
-                                               {"mm", 0.001, 530.0, 1400.0}}};
+                                               {"inch", 0.0254, 20.5, 46.0},
+                                               {"cm", 0.01, 46.0, 140.0},
+                                               {"mm", 0.001, 460.0, 1400.0}}};
 
 // mean over the sides of the lengths of these bones, 0 when a side lacks one of them
 double mean_length(const Body& body, const JointPoses& rest,
@@ -74,8 +81,39 @@ Unit unit_of_length(double metres) {
   return {"given", metres};
 }
 
-bool is_hip_height_in_metres(double height) {
-  return height >= kRanges[0].low && height < kRanges[0].high;
+std::optional<Unit> unit_of_body(const BodySize& size) {
+  // how far a height may be off a told one; heights are estimated within a few percent
+  constexpr double kAbout = 1.15, kFar = 1.5;
+  std::optional<Unit> unit = guess_unit(size.hip_height);
+  if (size.metres_per_unit) {
+    const double hips = size.hip_height * *size.metres_per_unit;
+    if (hips >= kRanges[0].low && hips < kRanges[0].high) {
+      unit = unit_of_length(*size.metres_per_unit);
+    }
+  }
+  if (!size.told_height || size.height <= 0.0) return unit;
+  const double exact = *size.told_height / size.height;
+  const auto off = [exact](double metres) { return std::max(metres / exact, exact / metres); };
+  if (unit && off(unit->metres) <= kFar) return unit;
+  const auto nearest = std::ranges::min_element(
+      kRanges, {}, [&](const UnitRange& range) { return off(range.metres); });
+  if (off(nearest->metres) <= kAbout) return Unit{nearest->name, nearest->metres};
+  return Unit{"scaled", exact};
+}
+
+Unit unit_of_average_body(double height) {
+  return {"unknown", height > 0.0 ? kAverageHeight / height : 1.0};
+}
+
+std::string assumed_unit_text(double hip_height) {
+  return "hips " + std::to_string(hip_height) +
+         " units above the floor are a person's in no known unit: metres are those of a body of " +
+         metres_text(kAverageHeight);
+}
+
+bool is_lafan1_height(double metres) {
+  constexpr double kHeight = 1.75, kMostOff = 0.03;
+  return std::abs(metres / kHeight - 1.0) <= kMostOff;
 }
 
 double height_of_legs(const Body& body, const JointPoses& rest) {

@@ -19,16 +19,35 @@ struct Unit {
   double metres = 0.0;
 };
 
-/// The unit in which a hip height is that of a person, child to giant:
-/// m 0.5-1.4, dm 5.5-13, CMU's 0.056444 m 13-20.5, inch 21-51.5, cm 53-140, mm 530-1400.
+/// The unit in which a hip height is that of a person, a child of two to a giant:
+/// m 0.46-1.4, dm 4.6-13, CMU's 0.056444 m 13-20.5, inch 20.5-46, cm 46-140, mm 460-1400.
 /// Nothing in between.
 [[nodiscard]] std::optional<Unit> guess_unit(double hip_height);
 
 /// A unit by its length: with its name where it is a known one.
 [[nodiscard]] Unit unit_of_length(double metres);
 
-/// Whether hips of that height are a person's, child to giant.
-[[nodiscard]] bool is_hip_height_in_metres(double height);
+/// What is known of a body's size.
+struct BodySize {
+  double hip_height = 0.0;                ///< standing_hip_height, file units.
+  double height = 0.0;                    ///< estimated_height, file units; 0: unknown.
+  std::optional<double> metres_per_unit;  ///< In all files of its kind.
+  std::optional<double> told_height;      ///< Metres.
+};
+
+/// The unit of a file: that of its kind where the hips are then a person's, else the known one in
+/// which they are. A told height decides where neither is so, or where it is far off: the known
+/// unit in which the body has about that height, else the length in which it has just that
+/// (`scaled`). Nothing where nothing tells.
+[[nodiscard]] std::optional<Unit> unit_of_body(const BodySize& size);
+
+/// The unit in which a body of this height (file units) is an average person, for what needs none;
+/// its doubt, for people.
+[[nodiscard]] Unit unit_of_average_body(double height);
+[[nodiscard]] std::string assumed_unit_text(double hip_height);
+
+/// Whether a body is as tall as LAFAN1's, by its bones, within 3 %.
+[[nodiscard]] bool is_lafan1_height(double metres);
 
 /// Height of a body of average proportions that has these legs (thigh and shin), file units; 0
 /// without legs.

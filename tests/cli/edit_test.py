@@ -87,6 +87,38 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "move", walk, "1", "-o", "x.bvh"), 2, "X,Y")
         self.assert_fails(self.run_tool("edit", "turn", walk, "left", "-o", "x.bvh"), 2, "left")
 
+    def in_other_unit(self, bvh, factor):
+        """The file with its lengths multiplied."""
+        lines, motion = [], False
+        for line in pathlib.Path(bvh).read_text().splitlines():
+            words = line.split()
+            if motion and len(words) > 6:
+                words[:3] = [repr(factor * float(word)) for word in words[:3]]
+            elif words[:1] == ["OFFSET"]:
+                words[1:] = [repr(factor * float(word)) for word in words[1:]]
+            motion = motion or words[:2] == ["Frame", "Time:"]
+            lines.append(" ".join(words))
+        return self.write("other_unit.bvh", "\n".join(lines) + "\n")
+
+    def test_edits_that_need_no_unit_do_without(self):
+        walk = sample("walk")
+        self.edited("mirror", walk).rename(self.folder / "mirrored.bvh")
+        # hips at 1.8 m in centimetres, at 4.6 m in inches
+        twice = self.in_other_unit(walk, 2.0)
+        mirrored = self.frames(self.edited("mirror", twice))
+        self.assertIsNone(difference(
+            [[0.5 * value for value in row[:3]] + row[3:] for row in mirrored],
+            self.frames(self.folder / "mirrored.bvh"), 1e-4))
+        for arguments in (("turn", twice, "90"), ("ground", twice), ("lafan", twice),
+                          ("transfer", twice, "--to", walk), ("transfer", walk, "--to", twice)):
+            with self.subTest(edit=arguments[0]):
+                self.assertIn("no known unit", self.said(*arguments, "-o", "done.bvh"))
+        for arguments in (("move", twice, "1,0"), ("path", twice, "--to", "line")):
+            with self.subTest(edit=arguments[0]):
+                self.assert_fails(self.run_tool("edit", *arguments, "-o", "x.bvh"), 3, "--unit",
+                                  "--height")
+                self.said(*arguments, "--height", 1.75, "-o", "done.bvh")
+
     def test_loop(self):
         words = self.said("loop", sample("walk"), "--start", 3.4, "--end", 7, "--shortest", 0.6,
                           "--times", 3, "-o", "loop.bvh")

@@ -112,5 +112,54 @@ TEST(Dialect, ShippedOnesRecogniseTheirOwnNames) {
   }
 }
 
+TEST(Dialect, JointsThatAreMarkedAsTheMiddleOnesAreFound) {
+  const Skeleton body = tiny_skeleton(kBody);
+  std::vector<Joint> joints = body.joints();
+  const auto rename = [&](const std::string& from, const std::string& to) {
+    std::ranges::find(joints, from, &Joint::name)->name = "J_Bip_" + to;
+  };
+  for (const auto& [from, to] :
+       std::vector<std::pair<const char*, const char*>>{{"Hips", "Hips"},
+                                                        {"Spine", "Spine"},
+                                                        {"Spine1", "Chest"},
+                                                        {"Spine2", "UpperChest"},
+                                                        {"Neck", "Neck"},
+                                                        {"Head", "Head"}}) {
+    rename(from, std::string("C_") + to);
+  }
+  for (const std::string side : {"Left", "Right"}) {
+    for (const auto& [from, to] :
+         std::vector<std::pair<const char*, const char*>>{{"UpLeg", "UpperLeg"},
+                                                          {"Leg", "LowerLeg"},
+                                                          {"Foot", "Foot"},
+                                                          {"ToeBase", "ToeBase"},
+                                                          {"Shoulder", "Shoulder"},
+                                                          {"Arm", "UpperArm"},
+                                                          {"ForeArm", "LowerArm"},
+                                                          {"Hand", "Hand"}}) {
+      rename(side + from, side.substr(0, 1) + "_" + to);
+    }
+  }
+  // hair hangs from the head
+  const auto head = std::ranges::find(joints, "J_Bip_C_Head", &Joint::name) - joints.begin();
+  for (int i = 0; i < 20; ++i) {
+    Joint hair;
+    hair.name = "J_Sec_Hair" + std::to_string(i);
+    hair.parent = static_cast<int>(head);
+    hair.offset = Eigen::Vector3d(0.5 * i - 5, 10, -5);
+    joints.push_back(hair);
+  }
+  const Skeleton skeleton(joints);
+  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
+    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->dialect, dialects.empty() ? "names" : "vroid");
+    EXPECT_EQ(joint_name(*map, skeleton, "Neck"), "J_Bip_C_Neck");
+    EXPECT_EQ(joint_name(*map, skeleton, "Head"), "J_Bip_C_Head");
+    EXPECT_EQ(joint_name(*map, skeleton, "Spine2"), "J_Bip_C_UpperChest");
+    EXPECT_EQ(joint_name(*map, skeleton, "LeftLeg"), "J_Bip_L_LowerLeg");
+  }
+}
+
 }  // namespace
 }  // namespace retarget

@@ -29,6 +29,15 @@ TEST(JointNames, WordsThatBeginLikeASideHaveNone) {
   }
 }
 
+TEST(JointNames, TheMiddleIsNoPartOfAName) {
+  for (const char* name :
+       {"J_Bip_C_Head", "C_Head", "Head_C", "head.c", "Center Head", "HeadCtr", "Bip01 C Head"}) {
+    EXPECT_EQ(normalised(name), (JointName{Side::kNone, "head"})) << name;
+  }
+  EXPECT_EQ(normalised("J_Bip_L_UpperLeg"), (JointName{Side::kLeft, "upperleg"}));
+  EXPECT_EQ(normalised("C7").base, "c7");
+}
+
 TEST(JointNames, NumbersAndSeparatorsAreSpelledAlike) {
   for (const char* name : {"Spine1", "spine_01", "Spine-1", "SPINE 1", "mixamorig1:Spine1"}) {
     EXPECT_EQ(normalised(name), (JointName{Side::kNone, "spine1"})) << name;

@@ -55,20 +55,6 @@ TEST(RecogniseRefuses, OfTwoJointsOfOneNameNoneIsChosen) {
                              "                Finger 5 0 1\n                Finger 5 0 -1\n"))));
 }
 
-TEST(RecogniseRefuses, JointsOfEqualMeritAreNamed) {
-  const auto map = recognise(
-      tiny_skeleton(replaced(kBody, "              LeftHand 25 0 0\n",
-                             "              LeftHand 25 0 0\n              LeftWrist 25 0 0\n")));
-  // the dialect knows of no wrist, and the names alone cannot tell
-  const auto by_names = recognise_skeleton(
-      tiny_skeleton(replaced(kBody, "              LeftHand 25 0 0\n                end 15 0 0\n",
-                             "              LeftHand 25 0 0\n              LeftWrist 25 0 0\n")),
-      {}, "clip.bvh");
-  ASSERT_FALSE(by_names);
-  EXPECT_THAT(by_names.error().message, HasSubstr("\"LeftHand\" and \"LeftWrist\" may both be"));
-  EXPECT_TRUE(map);
-}
-
 TEST(RecogniseRefuses, NonHumanBodiesWithHumanNamesAreRefused) {
   std::string dog = kBody;
   for (const char* length : {"-42 0.5", "-41 -0.5"}) dog = replaced(dog, length, "-17 0");

@@ -1,9 +1,17 @@
 #include "human/units.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "human/hand_made_maps.h"
+#include "human/twins.h"
+#include "retarget/bvh/read_bvh.h"
 
 namespace retarget {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST(GuessUnit, KnowsThePersonsHipHeightInEachUnit) {
   for (const double metres : {0.76, 0.9, 1.1}) {
@@ -16,9 +24,111 @@ TEST(GuessUnit, KnowsThePersonsHipHeightInEachUnit) {
   }
 }
 
+// a child of 0.9 to 1.05 m has its hips at 0.47 to 0.55 m
+TEST(GuessUnit, KnowsChildren) {
+  for (const double metres : {0.47, 0.5, 0.515, 0.53, 0.55}) {
+    EXPECT_EQ(guess_unit(metres)->name, "m") << metres;
+    EXPECT_EQ(guess_unit(metres * 10)->name, "dm") << metres;
+    EXPECT_EQ(guess_unit(metres * 100)->name, "cm") << metres;
+    EXPECT_EQ(guess_unit(metres * 1000)->name, "mm") << metres;
+  }
+}
+
 TEST(GuessUnit, KnowsNothingInBetween) {
   for (const double height : {0.0, 0.3, 3.0, 200.0, 5000.0, -90.0}) {
     EXPECT_FALSE(guess_unit(height)) << height;
+  }
+}
+
+TEST(UnitOfBody, IsThatOfItsKindWhereThatIsAPersons) {
+  EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0127, {}})->metres, 0.0127);
+  EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0254, {}})->name, "cm");
+  EXPECT_FALSE(unit_of_body({191.9, 360.0, 0.01, {}}));
+}
+
+TEST(UnitOfBody, IsSettledByAToldHeight) {
+  // a character at double scale
+  const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8});
+  ASSERT_TRUE(doubled);
+  EXPECT_EQ(doubled->name, "scaled");
+  EXPECT_DOUBLE_EQ(doubled->metres, 0.005);
+  // who says that a giant stands there is believed
+  EXPECT_EQ(unit_of_body({191.9, 360.0, {}, 3.5})->name, "cm");
+  // a unit that nearly gives the height is it: heights are estimates
+  EXPECT_EQ(unit_of_body({90.0, 165.0, {}, 1.8})->name, "cm");
+  EXPECT_EQ(unit_of_body({45.0, 84.0, {}, 0.85})->name, "cm");
+  EXPECT_EQ(unit_of_body({48.0, 89.0, {}, 2.2})->name, "inch");
+}
+
+Clip sample_in(double scale, bool with_lafan1_axes) {
+  const Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/walk.bvh").value().clip;
+  return scaled_and_turned(with_lafan1_axes ? clip : with_t_pose_as_zero(clip), scale,
+                           Eigen::Quaterniond::Identity());
+}
+
+Result<Calibration> calibrated(const Clip& clip, bool with_lafan1_axes,
+                               const CalibrationOptions& options) {
+  return calibrate(clip, lafan1_map(clip.skeleton(), with_lafan1_axes ? "lafan1" : "test"), options,
+                   "clip");
+}
+
+TEST(CalibrateSize, ABodyOfNoKnownUnitIsRefusedUnlessItsHeightIsTold) {
+  for (const bool lafan1 : {false, true}) {
+    SCOPED_TRACE(lafan1);
+    const Clip twice = sample_in(2.0, lafan1);
+    const auto refused = calibrated(twice, lafan1, {});
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().hint, HasSubstr("--unit"));
+    EXPECT_THAT(refused.error().hint, HasSubstr("--height"));
+    CalibrationOptions told;
+    told.height = 1.75;
+    const auto found = calibrated(twice, lafan1, told);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->unit, "scaled");
+    EXPECT_EQ(found->mapping.height, 1.75);
+    EXPECT_NEAR(found->mapping.metres_per_unit, 0.005, 2e-4);
+    EXPECT_THAT(found->mapping.doubts, IsEmpty());
+  }
+}
+
+TEST(CalibrateSize, WhatNeedsNoUnitTakesAnAveragePersons) {
+  for (const bool lafan1 : {false, true}) {
+    CalibrationOptions any;
+    any.unit_optional = true;
+    const Clip twice = sample_in(2.0, lafan1);
+    const auto found = calibrated(twice, lafan1, any);
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->unit, "unknown");
+    EXPECT_NEAR(found->mapping.height, 1.7, 0.051);
+    ASSERT_EQ(found->mapping.doubts.size(), 1U);
+    EXPECT_THAT(found->mapping.doubts[0].message, HasSubstr("no known unit"));
+    EXPECT_EQ(calibrated(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
+  }
+}
+
+TEST(CalibrateSize, AChildWithLafan1sNamesAndAxesHasItsOwnHeight) {
+  const auto adult = calibrated(sample_in(1.0, true), true, {}).value();
+  for (const double scale : {0.6, 0.8, 0.9, 1.1}) {
+    const Clip clip = sample_in(scale, true);
+    const auto found = calibrated(clip, true, {});
+    ASSERT_TRUE(found) << describe(found.error());
+    EXPECT_EQ(found->unit, "cm");
+    EXPECT_NEAR(found->mapping.height, 1.75 * scale, 0.035 * scale) << scale;
+    EXPECT_NE(found->rest_pose, "lafan1");
+    EXPECT_THAT(found->mapping.description,
+                HasSubstr("body height " + std::to_string(found->mapping.height).substr(0, 3)));
+    // its axes are LAFAN1's all the same
+    const HumanClip human = to_human(clip, found->mapping);
+    const HumanClip grown = to_human(sample_in(1.0, true), adult.mapping);
+    EXPECT_LT(human.frame(7)[*find_bone("LeftArm")].rotation.angularDistance(
+                  grown.frame(7)[*find_bone("LeftArm")].rotation),
+              1e-9);
+  }
+  // within what people of one data set differ by the published height stays
+  for (const double scale : {0.995, 1.0, 1.01}) {
+    const auto found = calibrated(sample_in(scale, true), true, {}).value();
+    EXPECT_EQ(found.mapping.height, 1.75) << scale;
+    EXPECT_EQ(found.rest_pose, "lafan1") << scale;
   }
 }
 

@@ -16,6 +16,12 @@
 namespace retarget::cli {
 namespace {
 
+// of what brings one body to the size of another one
+HumanOptions without_unit(HumanOptions options) {
+  options.unit_optional = true;
+  return options;
+}
+
 Result<Clip> to_rest(const EditOptions& options, Console& console) {
   auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
@@ -34,7 +40,8 @@ Result<Clip> to_rest(const EditOptions& options, Console& console) {
 Result<Clip> to_lafan1(const EditOptions& options, Console& console) {
   auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
-  const auto human = understand(*motion, options.source, options.human, options.common, console);
+  const auto human =
+      understand(*motion, options.source, without_unit(options.human), options.common, console);
   if (!human) return failure(human.error());
   return lafan1_clip(to_human(motion->clip, human->calibration.mapping),
                      source_name(options.source));
@@ -43,13 +50,15 @@ Result<Clip> to_lafan1(const EditOptions& options, Console& console) {
 Result<Clip> to_other(const EditOptions& options, Console& console) {
   auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
-  const auto human = understand(*motion, options.source, options.human, options.common, console);
+  const auto human =
+      understand(*motion, options.source, without_unit(options.human), options.common, console);
   if (!human) return failure(human.error());
   SourceOptions target_options;
   target_options.file = options.like;
   auto target = read_source(target_options, true, console);
   if (!target) return failure(target.error());
-  const auto of_target = understand(*target, target_options, {}, options.common, console);
+  const auto of_target =
+      understand(*target, target_options, without_unit({}), options.common, console);
   if (!of_target) return failure(of_target.error());
   return transfer(motion->clip, human->calibration.mapping,
                   {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping});

@@ -46,10 +46,22 @@ std::vector<Warning> as_warnings(const std::vector<std::string>& faults) {
   return warnings;
 }
 
+namespace {
+
+// what is told or shown in metres needs a unit; all else is done in the file's own
+bool needs_unit(const EditOptions& options) {
+  return options.edit == Edit::kMove || options.edit == Edit::kPath ||
+         (options.edit == Edit::kGround && !options.floor.empty());
+}
+
+}  // namespace
+
 Result<EditSource> read_edit_source(const EditOptions& options, Console& console) {
   auto motion = read_source(options.source, false, console);
   if (!motion) return failure(motion.error());
-  auto human = understand(*motion, options.source, options.human, options.common, console);
+  HumanOptions how = options.human;
+  how.unit_optional = !needs_unit(options);
+  auto human = understand(*motion, options.source, how, options.common, console);
   if (!human) return failure(human.error());
   auto part = choose_part(std::move(motion->clip), options.part);
   if (!part) return failure(part.error());

@@ -65,6 +65,7 @@ Result<CalibrationOptions> calibration_options(const HumanOptions& options,
   const auto unit = unit_from(options.unit);
   if (!unit) return failure(unit.error());
   result.metres_per_unit = *unit;
+  result.unit_optional = options.unit_optional;
   const auto up = axis_from("--up", options.up);
   if (!up) return failure(up.error());
   result.up = *up;

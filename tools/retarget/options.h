@@ -33,7 +33,8 @@ struct HumanOptions {
   std::string unit;        ///< A name or metres; empty: found.
   std::string up;          ///< `y`, `-z`, ...; empty: found.
   std::string forward;
-  double height = 0.0;  ///< Metres; 0: estimated.
+  double height = 0.0;         ///< Metres; 0: estimated.
+  bool unit_optional = false;  ///< No option: what is done needs no unit.
 };
 
 /// Which files a motion goes to, and how they are written.

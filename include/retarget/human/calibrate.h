@@ -38,6 +38,8 @@ enum class RestPose {
 
 struct CalibrationOptions {
   std::optional<double> metres_per_unit;  ///< Found from the leg's length without.
+  bool unit_optional = false;             ///< Where no unit fits, take one in which the body is an
+                                          ///< average person's, with a doubt; for what needs none.
   std::optional<SignedAxis> up;           ///< Found from the movement without.
   std::optional<SignedAxis> forward;      ///< Facing in the rest pose; found from hips and
                                           ///< shoulders without. Must not be along `up`.
@@ -52,10 +54,12 @@ struct CalibrationOptions {
 /// How a clip becomes the canonical human, and what was found out for it.
 struct Calibration {
   HumanMapping mapping;
-  std::string unit;             ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`, or `given`.
-  SignedAxis up;                ///< In the file's axes.
-  SignedAxis forward;           ///< Nearest axis to the facing in the rest pose.
-  std::string rest_pose;        ///< `zero pose`, `frame 12`, `T-pose file`, `learned`, `lafan1`.
+  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
+                          ///< told height; `unknown`.
+  SignedAxis up;          ///< In the file's axes.
+  SignedAxis forward;     ///< Nearest axis to the facing in the rest pose.
+  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`; `lafan1`, or
+                          ///< `lafan1 axes` of a body that is not as tall.
   double rest_deviation = 0.0;  ///< Mean angle of the limbs and trunk of that pose from the
                                 ///< T-pose, degrees; of `learned`, that of the best frame.
 };

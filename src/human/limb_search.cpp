@@ -1,0 +1,177 @@
+#include "human/limb_search.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "retarget/base/suggest.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kEqualMerit = 1e-9;
+
+class LimbSearch {
+ public:
+  LimbSearch(const BodySource& source, const std::vector<LimbSlot>& slots)
+      : source_(source), slots_(slots), twins_(slots.size()) {}
+
+  Result<LimbChoice> run() {
+    extend({});
+    if (rival_) {
+      const std::size_t slot = first_difference();
+      return failure(
+          ambiguous_bone(source_, slots_[slot].bone, best_.joints[slot], rival_->joints[slot]));
+    }
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) settle(slot);
+    return best_;
+  }
+
+ private:
+  // recurses as deep as a limb has bones
+  void extend(const LimbChoice& begun) {
+    if (begun.joints.size() == slots_.size()) {
+      compare(begun);
+      return;
+    }
+    const LimbSlot& slot = slots_[begun.joints.size()];
+    for (const NamedJoint& named : slot.choices) {
+      if (!fits(begun.joints, named.joint)) continue;
+      LimbChoice longer = begun;
+      longer.joints.push_back(named.joint);
+      longer.weight += named.weight;
+      extend(longer);
+    }
+    if (slot.required) return;
+    LimbChoice without = begun;
+    without.joints.push_back(-1);
+    extend(without);
+  }
+
+  // whether a joint lies beyond those chosen
+  bool fits(const std::vector<int>& begun, int joint) const {
+    std::vector<int> chosen;
+    std::ranges::copy_if(begun, std::back_inserter(chosen), [](int j) { return j >= 0; });
+    if (chosen.empty()) return true;
+    if (std::ranges::find(chosen, joint) != chosen.end()) return false;
+    return chosen.size() < 2 ||
+           source_.tree.between(chosen.back(), chosen[chosen.size() - 2], joint);
+  }
+
+  void compare(const LimbChoice& choice) {
+    if (best_.joints.empty() || choice.weight > best_.weight + kEqualMerit) {
+      best_ = choice;
+      rival_.reset();
+      twins_.assign(slots_.size(), {});
+      return;
+    }
+    if (choice.weight < best_.weight - kEqualMerit) return;
+    // equal merit: joints in line are parts of one limb, the upper one counts
+    bool in_line = true;
+    int gain = 0;
+    for (std::size_t i = 0; i < choice.joints.size(); ++i) {
+      const int a = best_.joints[i], b = choice.joints[i];
+      if (a == b) continue;
+      if (a < 0 || b < 0) {
+        gain += a < 0 ? 1 : -1;
+        continue;
+      }
+      gain += preference(a, b);
+      if (is_above(a, b) || is_above(b, a)) continue;
+      in_line = false;
+      if (slots_[i].required) rival_ = choice;
+      twins_[i].insert({a, b});
+    }
+    if (in_line && gain > 0) best_ = choice;
+  }
+
+  // positive if b is to be preferred to a: the upper one, but of one word the shorter name, which is
+  // no helper's
+  int preference(int a, int b) const {
+    const auto length = [&](int joint) {
+      return static_cast<int>(source_.skeleton.joint(joint).name.size());
+    };
+    const bool same_word = source_.names[a] == source_.names[b];
+    if (same_word && length(a) != length(b)) return length(a) - length(b);
+    return source_.tree.depth(a) - source_.tree.depth(b);
+  }
+
+  // the first required slot that best and rival fill with different joints
+  std::size_t first_difference() const {
+    std::size_t slot = 0;
+    const auto& a = best_.joints;
+    const auto& b = rival_->joints;
+    while (slot + 1 < a.size() && (!slots_[slot].required || a[slot] == b[slot])) ++slot;
+    return slot;
+  }
+
+  // chooses among joints that fit an optional bone equally well
+  void settle(std::size_t slot) {
+    int& chosen = best_.joints[slot];
+    if (twins_[slot].empty() || chosen < 0) return;
+    std::vector<int> joints(twins_[slot].begin(), twins_[slot].end());
+    std::erase_if(joints, [&](int joint) { return !is_in_line(slot, joint); });
+    if (joints.size() < 2) {
+      if (!joints.empty()) chosen = joints.front();
+      return;
+    }
+    chosen = middle_joint(source_, joints);
+    best_.notes.push_back(note_of_choice(source_, slots_[slot].bone, joints, chosen));
+  }
+
+  // whether a joint hangs between those of the bones before and after the slot
+  bool is_in_line(std::size_t slot, int joint) const {
+    int before = 0, after = joint;
+    for (std::size_t i = 0; i < slot; ++i) {
+      if (best_.joints[i] >= 0) before = best_.joints[i];
+    }
+    for (std::size_t i = slots_.size() - 1; i > slot; --i) {
+      if (best_.joints[i] >= 0) after = best_.joints[i];
+    }
+    return source_.tree.between(joint, before, after) && source_.tree.between(before, 0, joint);
+  }
+
+  bool is_above(int a, int b) const { return source_.tree.between(a, 0, b); }
+
+  const BodySource& source_;
+  const std::vector<LimbSlot>& slots_;
+  LimbChoice best_;
+  std::optional<LimbChoice> rival_;   // as good, with other joints in required bones
+  std::vector<std::set<int>> twins_;  // per slot, joints side by side that fit equally well
+};
+
+}  // namespace
+
+Result<LimbChoice> choose_limb(const BodySource& source, const std::vector<LimbSlot>& slots) {
+  return LimbSearch(source, slots).run();
+}
+
+Error ambiguous_bone(const BodySource& source, const std::string& bone, int a, int b) {
+  return input_failure(source.file,
+                       quoted_name(source.skeleton, a) + " and " + quoted_name(source.skeleton, b) +
+                           " may both be the " + bone + ": which of them it is cannot be told",
+                       "rename one of them, or give a mapping file with --map")
+      .value();
+}
+
+std::string note_of_choice(const BodySource& source, const std::string& bone,
+                           const std::vector<int>& joints, int chosen) {
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back(quoted_name(source.skeleton, joint));
+  return list_names(names) + " may each be the " + bone + ": took " +
+         quoted_name(source.skeleton, chosen);
+}
+
+int middle_joint(const BodySource& source, const std::vector<int>& joints) {
+  const std::vector<Eigen::Vector3d>& places = source.poses.poses.front().joints;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const int joint : joints) middle += places[joint] / static_cast<double>(joints.size());
+  int chosen = joints.front();
+  for (const int joint : joints) {
+    const double share = 1.0 - 1e-9;  // of equals the first
+    if ((places[joint] - middle).norm() < share * (places[chosen] - middle).norm()) chosen = joint;
+  }
+  return chosen;
+}
+
+}  // namespace retarget

@@ -1,0 +1,145 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "human/hand_made_maps.h"
+#include "human/limb_angles.h"
+#include "human/tiny_skeleton.h"
+#include "human/twins.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+
+namespace retarget {
+namespace {
+
+Clip sample(const std::string& name) {
+  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+}
+
+// who keeps the name of a joint that is split in two
+enum class Named { kUpper, kLower };
+
+// The same movement with some joints split in two at one place: the upper one takes a share of the
+// turn, the lower one the rest and all that hangs from the joint.
+Clip with_split_joints(const Clip& clip, const std::vector<std::string>& split, double share,
+                       Named named) {
+  const Skeleton& old = clip.skeleton();
+  std::vector<Joint> joints;
+  std::vector<int> upper(old.joint_count()), lower(old.joint_count());
+  for (int i = 0; i < old.joint_count(); ++i) {
+    Joint joint = old.joint(i);
+    if (joint.parent >= 0) joint.parent = lower[joint.parent];
+    upper[i] = lower[i] = static_cast<int>(joints.size());
+    if (std::ranges::find(split, joint.name) == split.end()) {
+      joints.push_back(joint);
+      continue;
+    }
+    Joint above = joint, below = joint;
+    above.end_sites.clear();
+    below.parent = upper[i];
+    below.offset.setZero();
+    std::erase_if(below.channels, [](Channel c) { return !is_rotation(c); });
+    (named == Named::kUpper ? below : above).name = "nub" + std::to_string(i);
+    joints.push_back(above);
+    lower[i] = static_cast<int>(joints.size());
+    joints.push_back(below);
+  }
+  Clip twin(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (int i = 0; i < old.joint_count(); ++i) {
+      const Eigen::Quaterniond turn = clip.rotations(frame)[i];
+      if (upper[i] == lower[i]) {
+        twin.rotations(frame)[upper[i]] = turn;
+        continue;
+      }
+      const Eigen::Quaterniond part = Eigen::Quaterniond::Identity().slerp(share, turn);
+      twin.rotations(frame)[upper[i]] = part;
+      twin.rotations(frame)[lower[i]] = (part.conjugate() * turn).normalized();
+    }
+    twin.translations(frame)[0] = clip.translations(frame)[0];
+  }
+  return twin;
+}
+
+// largest angle in degrees between two humans' bones of these names
+double largest_turn_of(const HumanClip& a, const HumanClip& b) {
+  double largest = 0.0;
+  for (int frame = 0; frame < a.frame_count; ++frame) {
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      largest = std::max(
+          largest, a.frame(frame)[bone].rotation.angularDistance(b.frame(frame)[bone].rotation));
+    }
+  }
+  return largest * 180.0 / M_PI;
+}
+
+// how bones are found
+enum class Way { kDialect, kNames, kShape, kMapFile };
+
+Result<HumanClip> human_in(const Clip& clip, Way way) {
+  const auto map =
+      way == Way::kMapFile
+          ? Result<BoneMap>(lafan1_map(clip.skeleton(), "map file"))
+          : recognise_skeleton(clip,
+                               way == Way::kDialect ? shipped_dialects() : std::vector<Dialect>(),
+                               "clip.bvh");
+  if (!map) return failure(map.error());
+  const auto found = calibrate(clip, *map, {}, "clip.bvh");
+  if (!found) return failure(found.error());
+  return to_human(clip, found->mapping);
+}
+
+const std::vector<std::vector<std::string>>& splits() {
+  static const std::vector<std::vector<std::string>> kSplits = {
+      {"LeftUpLeg", "RightUpLeg"},
+      {"LeftLeg", "RightLeg", "LeftForeArm", "RightForeArm"},
+      {"LeftArm", "RightArm"},
+      {"LeftShoulder", "RightShoulder"},
+      {"LeftFoot", "RightFoot", "LeftToe", "RightToe"},
+      {"LeftHand", "RightHand", "Head", "Neck"},
+      {"Hips", "Spine2"},
+      {"Spine", "Spine1"}};
+  return kSplits;
+}
+
+void expect_same(const Clip& clip, Way way) {
+  const auto seen = [way](const Clip& named) {
+    return human_in(way == Way::kShape ? without_names(named) : named, way);
+  };
+  const auto expected = seen(clip);
+  ASSERT_TRUE(expected) << describe(expected.error());
+  for (const auto& split : splits()) {
+    for (const double share : {0.0, 0.5, 1.0}) {
+      for (const Named named : {Named::kUpper, Named::kLower}) {
+        SCOPED_TRACE("split " + split[0] + ", share " + std::to_string(share) +
+                     (named == Named::kUpper ? ", name above" : ", name below"));
+        const auto found = seen(with_split_joints(clip, split, share, named));
+        ASSERT_TRUE(found) << describe(found.error());
+        EXPECT_LT(largest_turn_of(*found, *expected), 1e-3);
+      }
+    }
+  }
+}
+
+TEST(HelperJoints, InABonesPlaceTurnItByNames) {
+  for (const char* name : {"walk", "squat"}) {
+    expect_same(with_t_pose_as_zero(sample(name)), Way::kNames);
+  }
+}
+
+TEST(HelperJoints, InABonesPlaceTurnItByMapFile) {
+  expect_same(with_t_pose_as_zero(sample("walk")), Way::kMapFile);
+}
+
+// LAFAN1's own axes, which are kept
+TEST(HelperJoints, InABonesPlaceTurnItByDialect) {
+  expect_same(sample("walk"), Way::kDialect);
+}
+
+TEST(HelperJoints, InABonesPlaceTurnItByShape) {
+  expect_same(with_t_pose_as_zero(sample("walk")), Way::kShape);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,170 @@
+#include "human/limb_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "human/tiny_skeleton.h"
+#include "retarget/human/recognise.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Result<BoneMap> by_names(const std::string& body) {
+  return recognise_skeleton(tiny_skeleton(body), {}, "clip.bvh");
+}
+
+// the lines of a body, each replaced by what `change` makes of it
+template <typename Change>
+std::string with_lines(const std::string& body, const Change& change) {
+  std::string result;
+  std::istringstream lines(body);
+  for (std::string line; std::getline(lines, line);) result += change(line);
+  return result;
+}
+
+TEST(LimbSearch, TwinsOfABoneThatABodyNeedsAreRefused) {
+  // a second forearm with a hand of its own
+  const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n",
+                                    "            LeftElbow 29 0 0\n              LeftWrist 25 0 0\n"
+                                    "            LeftForeArm 29 0 0\n");
+  const auto map = by_names(body);
+  ASSERT_FALSE(map);
+  EXPECT_THAT(map.error().message, HasSubstr("\"LeftForeArm\""));
+  EXPECT_THAT(map.error().hint, HasSubstr("--map"));
+}
+
+// a hand and a wrist in one place, two joints of the toes side by side, a head and a skull
+TEST(LimbSearch, TwinsOfABoneThatABodyDoesWithoutAreChosenFrom) {
+  const std::string body = with_lines(kBody, [](const std::string& line) {
+    std::string twin = line;
+    for (const auto& [from, to] :
+         {std::pair("Hand 2", "Wrist 2"), {"Hand -2", "Wrist -2"}, {"Head", "Skull"}}) {
+      twin = replaced(twin, from, to);
+    }
+    if (twin != line) return twin + "\n" + line + "\n";
+    if (line.find("ToeBase") == std::string::npos) return line + "\n";
+    return replaced(replaced(line, "ToeBase", "Toe"), " 0 -6", " 2 -6") + "\n" +
+           replaced(line, " 0 -6", " -2 -6") + "\n";
+  });
+  const Skeleton skeleton = tiny_skeleton(body);
+  const auto map = by_names(body);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(map->dialect, "names");
+  for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "Head"}) {
+    EXPECT_GE(map->joint(bone), 0) << bone;
+    EXPECT_THAT(map->notes, Contains(HasSubstr("may each be the " + std::string(bone)))) << bone;
+  }
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftToe").substr(4),
+            joint_name(*map, skeleton, "RightToe").substr(5));
+}
+
+TEST(LimbSearch, OfAllToesTheMiddleOneIsTheFoots) {
+  const std::string body = with_lines(kBody, [](const std::string& line) {
+    if (line.find("ToeBase") == std::string::npos) return line + "\n";
+    std::string toes;
+    for (int toe = 1; toe <= 5; ++toe) {
+      const std::string name = "Toe" + std::to_string(toe);
+      toes += replaced(replaced(line, "ToeBase", name), " 0 -6",
+                       " " + std::to_string(toe - 3) + " -6") +
+              "\n";
+      toes += "  " + replaced(replaced(line, "ToeBase", name + "-2"), "-6 13", "0 2") + "\n";
+    }
+    return toes;
+  });
+  const auto map = by_names(body);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftToe"), "LeftToe3");
+  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "RightToe"), "RightToe3");
+}
+
+TEST(LimbSearch, AToeWhoseNameTwoJointsHaveIsLeftOut) {
+  const std::string body = with_lines(kBody, [](const std::string& line) {
+    return line.find("LeftToeBase") == std::string::npos ? line + "\n" : line + "\n" + line + "\n";
+  });
+  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
+    const auto map = recognise_skeleton(tiny_skeleton(body), dialects, "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->joint("LeftToe"), -1);
+    EXPECT_GE(map->joint("RightToe"), 0);
+    EXPECT_THAT(map->notes, Contains(HasSubstr("2 joints are called \"LeftToeBase\"")));
+  }
+}
+
+// the default rig of MakeHuman: every segment of a limb in two joints in line, and five toes
+std::string makehuman_body() {
+  std::string body = R"(
+root 0 9 0
+)";
+  for (const std::string side : {"L", "R"}) {
+    const std::string sign = side == "L" ? "" : "-";
+    std::string leg =
+        "  pelvis.# 0.5 -0.2 0\n"
+        "    upperleg01.# 0.6 0 0\n"
+        "      upperleg02.# 0 -2.1 0\n"
+        "        lowerleg01.# 0 -2.1 0.05\n"
+        "          lowerleg02.# 0 -2 0\n"
+        "            foot.# 0 -2.1 -0.05\n";
+    for (int toe = 1; toe <= 5; ++toe) {
+      const std::string name = "toe" + std::to_string(toe);
+      leg += "              " + name + "-1.# 0." + std::to_string(9 - toe) + " -0.7 1.3\n" +
+             "                " + name + "-2.# 0 0 0.3\n";
+    }
+    leg = replaced(replaced(leg, "#", side), ".# 0.", ".# " + sign + "0.");
+    body += side == "L" ? leg : replaced(replaced(leg, " 0.", " -0."), "-0.05", "0.05");
+  }
+  body +=
+      "  spine05 0 0.6 0\n    spine04 0 0.8 0\n      spine03 0 0.8 0\n        spine02 0 0.8 0\n"
+      "          spine01 0 0.8 0\n";
+  for (const std::string side : {"L", "R"}) {
+    std::string arm =
+        "            clavicle.# +0.2 1 0\n"
+        "              shoulder01.# +0.7 0.1 0\n"
+        "                upperarm01.# +0.8 0 0\n"
+        "                  upperarm02.# +1.3 0 0\n"
+        "                    lowerarm01.# +1.5 0 0\n"
+        "                      lowerarm02.# +1.2 0 0\n"
+        "                        wrist.# +1.3 0 0\n";
+    body += replaced(replaced(arm, "#", side), "+", side == "L" ? "" : "-");
+  }
+  return body +
+         "            neck01 0 1.3 0\n              neck02 0 0.4 0\n                neck03 0 0.4 "
+         "0\n"
+         "                  head 0 0.4 0\n";
+}
+
+TEST(LimbSearch, OfASegmentInTwoJointsTheUpperOneIsTheBone) {
+  const Skeleton skeleton = tiny_skeleton(makehuman_body());
+  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
+    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    ASSERT_TRUE(map) << describe(map.error());
+    EXPECT_EQ(map->dialect, dialects.empty() ? "names" : "makehuman_default");
+    for (const auto& [bone, joint] :
+         std::vector<std::pair<const char*, const char*>>{{"Hips", "root"},
+                                                          {"LeftUpLeg", "upperleg01.L"},
+                                                          {"LeftLeg", "lowerleg01.L"},
+                                                          {"LeftFoot", "foot.L"},
+                                                          {"Spine", "spine05"},
+                                                          {"Spine2", "spine01"},
+                                                          {"Neck", "neck01"},
+                                                          {"Head", "head"},
+                                                          {"RightShoulder", "clavicle.R"},
+                                                          {"RightArm", "upperarm01.R"},
+                                                          {"RightForeArm", "lowerarm01.R"},
+                                                          {"RightHand", "wrist.R"}}) {
+      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->dialect;
+    }
+    EXPECT_THAT(map->notes, Contains(HasSubstr("folded into the limbs: \"upperleg02.L\"")));
+  }
+  // leg1 and leg2 are thigh and shin, not a thigh in two parts
+  const auto map = by_names(
+      replaced(replaced(replaced(replaced(kBody, "LeftLeg", "LeftLeg2"), "RightLeg", "RightLeg2"),
+                        "UpLeg", "Leg1"),
+               "Spine ", "Spine0 "));
+  ASSERT_TRUE(map) << describe(map.error());
+}
+
+}  // namespace
+}  // namespace retarget
