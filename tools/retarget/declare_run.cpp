@@ -110,4 +110,10 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   add_common_options(app, options.common);
 }
 
+void add_run_words(CLI::App& app, RunOptions& options) {
+  app.add_option("motion", options.words[0], "Motion to retarget, BVH or SMPL NPZ by its content")
+      ->type_name("[MOTION]");
+  app.add_option("robot-name", options.words[1], "The robot, as --robot")->type_name("[ROBOT]");
+}
+
 }  // namespace retarget::cli

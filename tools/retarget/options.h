@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,7 +59,8 @@ struct OutputOptions {
 struct RunOptions : OutputOptions {
   CommonOptions common;
   SourceOptions source;
-  std::string smpl_file;  ///< In place of the source's file.
+  std::string smpl_file;             ///< In place of the source's file.
+  std::array<std::string, 2> words;  ///< Motion and robot that are named without an option.
   HumanOptions human;
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;

@@ -105,6 +105,14 @@ Result<fs::path> data_folder_of(const CommonOptions& options) {
   return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
 }
 
+Result<void> resolve_robot(std::string& robot, const fs::path& data_folder) {
+  if (robot.empty()) return {};
+  auto found = find_robot(robot, data_folder / "robots");
+  if (!found) return failure(found.error());
+  robot = std::move(found->name);
+  return {};
+}
+
 Result<void> check_robot_choice(const RunOptions& options) {
   if (options.robot.empty() && options.robot_xml.empty()) {
     return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");

@@ -39,6 +39,10 @@ struct ChosenRobot {
                                          const std::filesystem::path& data_folder,
                                          Console& console);
 
+/// Puts the whole name of a robot in the place of a short one, for what is kept of a run.
+[[nodiscard]] Result<void> resolve_robot(std::string& robot,
+                                         const std::filesystem::path& data_folder);
+
 /// One robot, by --robot or --robot-xml; else a kUsage error.
 [[nodiscard]] Result<void> check_robot_choice(const RunOptions& options);
 
