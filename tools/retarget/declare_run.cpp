@@ -108,6 +108,10 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->group(kOutput);
   add_common_options(app, options.common);
+  app.add_flag(
+         "-v,--verbose", options.verbose,
+         "Say as well what each term of the fit costs, before and after, and its worst frames")
+      ->group(kGeneral);
 }
 
 void add_run_words(CLI::App& app, RunOptions& options) {

@@ -85,6 +85,7 @@ struct RunOptions : OutputOptions {
 
   std::string report;  ///< JSON of the motion's quality; empty: none.
 
+  bool verbose = false;  ///< Say what the terms of the fit cost.
   bool measure = false;  ///< Measure the motion's quality, whether it is written or not.
   int threads = 0;       ///< Of one clip; 0: as many as serve. The result is the same.
 };
