@@ -12,6 +12,7 @@
 #include "retarget/base/suggest.h"
 #include "retarget/io/pickle.h"
 #include "retarget/math/so3.h"
+#include "retarget/robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -232,6 +233,8 @@ std::vector<int> output_joints_of(const Robot& robot, const std::string& name) {
 Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
                                          const RawMotion& raw, const std::string& file,
                                          const std::string& variant) {
+  const bool whole = variant.empty() || output_joints_of(robot, variant) == robot.output_joints();
+  if (whole && robot.output_joints().size() == count) return robot.output_joints();
   std::vector<std::string> fitting;
   std::vector<std::string> known;
   for (const RobotVariant& each : robot.profile().variants) {
@@ -239,7 +242,6 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
     if (!variant.empty() && each.name != variant) continue;
     if (output_joints_of(robot, each.name).size() == count) fitting.push_back(each.name);
   }
-  if (variant.empty() && robot.output_joints().size() == count) return robot.output_joints();
   if (raw.format == MotionFormat::kPklPbhc && fitting.size() > 1) {
     std::erase_if(fitting, [](const std::string& name) { return !name.ends_with("pbhc"); });
   }
@@ -259,6 +261,10 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,
                                        const std::shared_ptr<const Robot>& robot,
                                        const std::string& file, const ReadMotionOptions& options) {
+  // known, or the number of all joints
+  if (!options.variant.empty()) {
+    if (auto known = robot_variant(robot, options.variant); !known) return failure(known.error());
+  }
   auto raw = read_raw(bytes, robot, file, options);
   if (!raw) return failure(raw.error());
   return MotionInterpreter(*raw, robot, file, options).interpret();

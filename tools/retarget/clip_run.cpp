@@ -169,7 +169,9 @@ Result<ClipOutcome> write_results(const RunOptions& options, const ClipSetup& se
 Result<void> check_solving_options(const RunOptions& options) {
   if (auto robot = check_robot_choice(options); !robot) return robot;
   if (!options.robot_xml.empty() && options.ik_config.empty()) {
-    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+    return usage_failure("--robot-xml comes without a mapping",
+                         "add --ik-config FILE, or make a robot of the model: retarget robots "
+                         "add NAME --model FILE");
   }
   if (options.method != "fit" &&
       (!options.fit_config.empty() || !options.without.empty() || options.fit_window_s > 0.0)) {
