@@ -157,12 +157,32 @@ class Output(ToolTest):
         result = self.run_tool(*words, "--method", "gmr")
         self.assert_done(result)
         self.assertEqual(read_rows(result.stdout), plain)
-        # without a profile there are neither soles nor shapes to fit with
+        # without a profile soles are found in the model: feet neither float nor slip
+        words = ("--bvh", sample("walk"), *words[2:])
         result = self.run_tool(*words)
         self.assert_done(result)
-        self.assertIn("no soles", result.stderr)
+        self.assertIn("soles    from the model's contact geoms", result.stderr)
+        self.assertIn("verdict  11 of 11 gates kept", result.stderr)
+        self.write("bare.csv", result.stdout)
+        told = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
+                             sample("walk"))
+        self.assertEqual(told.returncode, 0, told.stdout)
+        words = ("--bvh", sample("wave"), *words[2:])
         profile = ("--robot-profile", SOURCE / "robots/unitree_g1/robot.json")
         self.assertEqual(self.run_tool(*words, *profile).stdout, self.text())
+
+    def test_soles_that_nothing_tells_are_doubted(self):
+        model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
+        bare = self.write("bare.xml", model.replace("<geom ", '<geom contype="0" conaffinity="0" '))
+        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        words = ("--bvh", sample("wave"), "--ik-config", mapping, "-o", "out.csv")
+        result = self.run_tool(*words, "--robot-xml", bare)
+        self.assert_done(result)
+        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
+        # a profile without soles is no better than none
+        profile = self.write("robot.json", '{"name": "mine"}')
+        result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
+        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
 
     def test_summary_says_what_was_done(self):
         summary = self.retarget().stderr

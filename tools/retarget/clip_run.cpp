@@ -187,7 +187,7 @@ Result<void> check_solving_options(const RunOptions& options) {
 
 Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                     const std::filesystem::path& data_folder, Console& console) {
-  const auto chosen = load_chosen_robot(options, data_folder, console);
+  const auto chosen = load_chosen_robot(options, data_folder, console, Soles::kNeeded);
   if (!chosen) return failure(chosen.error());
   RobotSetup setup;
   setup.robot = chosen->robot;

@@ -128,7 +128,7 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   auto gates = gates_of(options, *data_folder);
   if (!gates) return failure(gates.error());
   measures.gates = std::move(*gates);
-  const auto robot = load_chosen_robot(run, *data_folder, console);
+  const auto robot = load_chosen_robot(run, *data_folder, console, Soles::kNeeded);
   if (!robot) return failure(robot.error());
   measures.robot = robot->robot;
   auto limits = load_limits(*measures.robot,
