@@ -220,6 +220,20 @@ bool counts_up(const CsvTable& table) {
   return true;
 }
 
+// `36: 7 of the root and 29 joints; its variants need 30 (23)`
+std::string needed_columns(const Robot& robot, const std::string& variant) {
+  const std::size_t joints = output_joints_of(robot, variant).size();
+  std::string text = std::to_string(kRootColumns + joints) + ": " + std::to_string(kRootColumns) +
+                     " of the root and " + std::to_string(joints) + " joints";
+  if (!variant.empty()) return text + " of its variant " + variant;
+  std::vector<std::string> others;
+  for (const RobotVariant& each : robot.profile().variants) {
+    const std::size_t columns = kRootColumns + output_joints_of(robot, each.name).size();
+    others.push_back(std::to_string(columns) + " (" + each.name + ")");
+  }
+  return others.empty() ? text : text + "; its variants need " + list_names(others);
+}
+
 Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
                                      const std::string& file, const ReadMotionOptions& options) {
   CsvColumns columns;
@@ -242,15 +256,12 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
     if (found > kRootColumns && joints.error().hint.starts_with("--source-dof")) {
       return failure(joints.error());
     }
-    const std::size_t joint_count = robot.output_joints().size();
     return failure({.kind = ErrorKind::kInput,
                     .file = file,
                     .line = table.lines.front(),
                     .column = 1,
                     .message = "this line has " + std::to_string(found) + " columns, the robot " +
-                               robot.name() + " needs " +
-                               std::to_string(kRootColumns + joint_count) + ": 7 of the root and " +
-                               std::to_string(joint_count) + " joints",
+                               robot.name() + " needs " + needed_columns(robot, options.variant),
                     .hint = {}});
   }
   if (first == 1) columns.clock = 0;

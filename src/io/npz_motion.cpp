@@ -105,11 +105,13 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
     if (auto held = robot_variant(robot, variant.name)) candidates.push_back(std::move(*held));
   }
   std::optional<LayoutChoice> best;
+  bool joints_fit = false;
   for (const auto& candidate : candidates) {
     for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
       if (options.format && *options.format != format) continue;
       const TrackingLayout layout = tracking_layout(*candidate, format);
       if (layout.joints.size() != arrays.joint_count) continue;
+      joints_fit = true;
       const bool same_bodies = layout.bodies.size() == arrays.body_count;
       if (!same_bodies && !options.format) continue;
       const double distance = same_bodies ? largest_distance(*candidate, layout, arrays) : 0.0;
@@ -117,11 +119,12 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
     }
   }
   if (!best) {
-    return npz.file_failure("it has " + std::to_string(arrays.joint_count) + " joints and " +
-                                std::to_string(arrays.body_count) +
-                                " bodies, which fits neither the robot " + robot->name() +
-                                " nor one of its variants",
-                            "--from npz-mjlab or npz-beyondmimic takes the joints alone");
+    return npz.file_failure(
+        "it has " + std::to_string(arrays.joint_count) + " joints and " +
+            std::to_string(arrays.body_count) + " bodies, which fits neither the robot " +
+            robot->name() + " nor one of its variants",
+        joints_fit ? "--from npz-mjlab or npz-beyondmimic takes the joints alone"
+                   : "is it another robot's?");
   }
   if (!(best->distance <= kSamePlace) && !options.format) {
     return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +

@@ -6,45 +6,20 @@
 
 #include "io/quaternion_order.h"
 #include "io/raw_motion.h"
+#include "io/units.h"
 #include "retarget/base/file.h"
 #include "retarget/base/number_text.h"
 #include "retarget/base/suggest.h"
 #include "retarget/io/pickle.h"
 #include "retarget/math/so3.h"
+#include "retarget/robot/variant.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kRadiansPerDegree = 0.01745329251994329577;
-constexpr double kHalfTurn = 3.14159265358979323846;
 // a quaternion's length may differ from 1 by as much
 constexpr double kUnitTolerance = 0.05;
-
-// the widest that a hinge of the robot turns from 0
-double widest_angle(const Robot& robot) {
-  double widest = kHalfTurn;
-  const LimitSet& limits = robot.model_limits();
-  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-    if (robot.joints()[j].type != RobotJoint::Type::kHinge) continue;
-    for (const double limit : {limits.lower[j], limits.upper[j]}) {
-      if (std::isfinite(limit)) widest = std::max(widest, std::abs(limit));
-    }
-  }
-  return widest;
-}
-
-// how high the root is over the lowest body when the robot stands
-double standing_height(const Robot& robot) {
-  std::vector<Pose> world_from_body(robot.bodies().size());
-  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
-  const double root = world_from_body[robot.root_body()].translation.z();
-  double lowest = root;
-  for (std::size_t b = 1; b < world_from_body.size(); ++b) {
-    lowest = std::min(lowest, world_from_body[b].translation.z());
-  }
-  constexpr double kSmallest = 0.05;
-  return std::max(root - lowest, kSmallest);
-}
 
 // turns a motion in the file's units and orders into the robot's
 class MotionInterpreter {
@@ -59,17 +34,17 @@ class MotionInterpreter {
       if (!joints) return failure(joints.error());
       raw_.joint_indices = std::move(*joints);
     }
-    for (const auto step : {&MotionInterpreter::check_numbers, &MotionInterpreter::find_angle_unit,
-                            &MotionInterpreter::find_length_unit, &MotionInterpreter::take_euler,
-                            &MotionInterpreter::check_rotations}) {
-      if (auto done = (this->*step)(); !done) return failure(done.error());
+    if (auto sound = check_numbers(); !sound) return failure(sound.error());
+    if (auto units = find_units(*robot_, rate(), file_, options_, raw_); !units) {
+      return failure(units.error());
     }
+    take_euler();
+    if (auto sound = check_rotations(); !sound) return failure(sound.error());
     note_missing_joints();
     RobotMotion motion;
     motion.format = raw_.format;
     motion.rate_known = options_.rate || raw_.rate;
-    motion.clip = RobotClip(robot_, options_.rate.value_or(raw_.rate.value_or(default_rate())),
-                            static_cast<int>(raw_.frames));
+    motion.clip = RobotClip(robot_, rate(), static_cast<int>(raw_.frames));
     take_joints(motion.clip);
     const auto order = find_order(motion.clip);
     if (!order) return failure(order.error());
@@ -84,6 +59,10 @@ class MotionInterpreter {
     constexpr FrameRate kUsualRate{30, 1}, kSomaRate{120, 1};
     return options_.default_rate.value_or(raw_.format == MotionFormat::kCsvSoma ? kSomaRate
                                                                                 : kUsualRate);
+  }
+
+  [[nodiscard]] FrameRate rate() const {
+    return options_.rate.value_or(raw_.rate.value_or(default_rate()));
   }
 
   [[nodiscard]] bool is_csv() const { return format_ending(raw_.format) == ".csv"; }
@@ -119,73 +98,8 @@ class MotionInterpreter {
     return {};
   }
 
-  Result<void> find_angle_unit() {
-    double largest = 0.0;
-    for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
-      if (is_hinge(i % raw_.joint_count)) largest = std::max(largest, std::abs(raw_.joints[i]));
-    }
-    for (const double angle : raw_.euler) largest = std::max(largest, std::abs(angle));
-    const double widest = widest_angle(*robot_);
-    constexpr double kBeyond = 0.5;  // radians that a motion may go beyond the widest range
-    if (options_.degrees) {
-      if (raw_.degrees && *raw_.degrees != *options_.degrees) {
-        note_other_unit("angles", *raw_.degrees ? "degrees" : "radians",
-                        *options_.degrees ? "degrees" : "radians");
-      }
-      raw_.degrees = options_.degrees;
-    } else if (!raw_.degrees && largest > widest + kBeyond) {
-      if (largest < 3.0 * widest) {
-        return input_failure(file_,
-                             "the largest joint value is " + number_text(largest, 3) +
-                                 ", which may be radians or degrees",
-                             "say which with --source-angles");
-      }
-      raw_.degrees = true;
-      raw_.notes.push_back("joints in degrees: they go up to " + number_text(largest, 1));
-    }
-    return {};
-  }
-
-  Result<void> find_length_unit() {
-    if (options_.metres_per_unit) {
-      if (raw_.metres_per_unit && *raw_.metres_per_unit != *options_.metres_per_unit) {
-        note_other_unit("lengths", "units of " + number_text(*raw_.metres_per_unit, 3) + " m",
-                        number_text(*options_.metres_per_unit, 3) + " m");
-      }
-      raw_.metres_per_unit = options_.metres_per_unit;
-      return {};
-    }
-    if (raw_.metres_per_unit) return {};
-    double highest = 0.0;
-    for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
-      highest = std::max(highest, std::abs(raw_.position[3 * frame + 2]));
-    }
-    const double heights = highest / standing_height(*robot_);
-    constexpr double kMostMetres = 5.0, kLeastCentimetres = 8.0, kMostCentimetres = 300.0,
-                     kLeastMillimetres = 500.0;
-    const bool centimetres = heights >= kLeastCentimetres && heights <= kMostCentimetres;
-    if (heights > kMostMetres && !centimetres && heights < kLeastMillimetres) {
-      return input_failure(file_,
-                           "the root is up to " + number_text(highest, 2) +
-                               " high, which is told neither as metres nor as centimetres",
-                           "say which with --source-unit");
-    }
-    raw_.metres_per_unit = heights <= kMostMetres ? 1.0 : centimetres ? 0.01 : 0.001;
-    if (heights > kMostMetres) {
-      raw_.notes.push_back(std::string("positions in ") +
-                           (centimetres ? "centimetres" : "millimetres") + ": the root is up to " +
-                           number_text(highest, 1) + " high");
-    }
-    return {};
-  }
-
-  void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
-    raw_.warnings.push_back("by its format or header the file has " + what + " in " + own +
-                            "; taken are the " + taken + " that were asked for");
-  }
-
   // Euler angles as quaternions, once their unit is known
-  Result<void> take_euler() {
+  void take_euler() {
     const double unit = raw_.degrees.value_or(false) ? kRadiansPerDegree : 1.0;
     for (std::size_t i = 0; i + 3 <= raw_.euler.size(); i += 3) {
       const Eigen::Quaterniond q = exp_so3(unit * raw_.euler[i + 2] * Eigen::Vector3d::UnitZ()) *
@@ -193,7 +107,6 @@ class MotionInterpreter {
                                    exp_so3(unit * raw_.euler[i] * Eigen::Vector3d::UnitX());
       raw_.rotation.insert(raw_.rotation.end(), {q.x(), q.y(), q.z(), q.w()});
     }
-    return {};
   }
 
   // what the robot has and the file does not
@@ -320,6 +233,8 @@ std::vector<int> output_joints_of(const Robot& robot, const std::string& name) {
 Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
                                          const RawMotion& raw, const std::string& file,
                                          const std::string& variant) {
+  const bool whole = variant.empty() || output_joints_of(robot, variant) == robot.output_joints();
+  if (whole && robot.output_joints().size() == count) return robot.output_joints();
   std::vector<std::string> fitting;
   std::vector<std::string> known;
   for (const RobotVariant& each : robot.profile().variants) {
@@ -327,7 +242,6 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
     if (!variant.empty() && each.name != variant) continue;
     if (output_joints_of(robot, each.name).size() == count) fitting.push_back(each.name);
   }
-  if (variant.empty() && robot.output_joints().size() == count) return robot.output_joints();
   if (raw.format == MotionFormat::kPklPbhc && fitting.size() > 1) {
     std::erase_if(fitting, [](const std::string& name) { return !name.ends_with("pbhc"); });
   }
@@ -347,6 +261,10 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,
                                        const std::shared_ptr<const Robot>& robot,
                                        const std::string& file, const ReadMotionOptions& options) {
+  // known, or the number of all joints
+  if (!options.variant.empty()) {
+    if (auto known = robot_variant(robot, options.variant); !known) return failure(known.error());
+  }
   auto raw = read_raw(bytes, robot, file, options);
   if (!raw) return failure(raw.error());
   return MotionInterpreter(*raw, robot, file, options).interpret();

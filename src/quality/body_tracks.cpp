@@ -65,7 +65,8 @@ class BodyTracker {
   void find_self_contact(int frame) {
     const auto& shapes = collisions_.shapes();
     SelfContact deepest;
-    // of pairs of round shapes MuJoCo's depth is the exact one; its way out of boxes is another
+    // of pairs of round shapes MuJoCo's depth is the exact one; its way out of boxes is another,
+    // and it knows geoms alone
     double depth_of_round = 0.0;
     boxes_.clear();
     collisions_.near_pairs(placed_, 0.0, near_);
@@ -75,7 +76,8 @@ class BodyTracker {
       if (depth > deepest.depth) deepest = {depth, shapes[pair.a].body, shapes[pair.b].body};
       const bool box = shapes[pair.a].type == CollisionShape::Type::kBox ||
                        shapes[pair.b].type == CollisionShape::Type::kBox;
-      if (!box) {
+      const bool both_geoms = shapes[pair.a].geom >= 0 && shapes[pair.b].geom >= 0;
+      if (!box || !both_geoms) {
         depth_of_round = std::max(depth_of_round, depth);
       } else if (depth > kNoDepth) {
         boxes_.emplace_back(shapes[pair.a].geom, shapes[pair.b].geom);

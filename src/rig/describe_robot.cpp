@@ -21,18 +21,6 @@ std::string metres(double length) {
   return number_text(rounded(length, 3)) + " m";
 }
 
-std::string source_text(ShapeSource source) {
-  switch (source) {
-    case ShapeSource::kModel:
-      return "the model's contact geoms";
-    case ShapeSource::kMesh:
-      return "mesh vertices";
-    case ShapeSource::kEstimated:
-      return "estimated from the limbs' lengths";
-  }
-  return {};
-}
-
 std::string sureness(const Limb& limb) {
   std::string text = limb.clarity >= kClear ? "sure" : "another joint fits nearly as well";
   if (!limb.flexion_is_sure) text += ", bends both ways";
@@ -110,6 +98,18 @@ std::string rest_section(const RobotFindings& findings) {
 }
 
 }  // namespace
+
+std::string source_text(ShapeSource source) {
+  switch (source) {
+    case ShapeSource::kModel:
+      return "the model's contact geoms";
+    case ShapeSource::kMesh:
+      return "mesh vertices";
+    case ShapeSource::kEstimated:
+      return "estimated from the limbs' lengths";
+  }
+  return {};
+}
 
 std::string degrees_text(double radians) {
   std::string text = number_text(rounded(radians * 180.0 / std::numbers::pi, 1));

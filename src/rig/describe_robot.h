@@ -30,6 +30,9 @@ struct RobotFindings {
 [[nodiscard]] std::string decisions_text(const RobotFindings& findings,
                                          const std::vector<std::string>& notes);
 
+/// Where a shape is from: `mesh vertices`.
+[[nodiscard]] std::string source_text(ShapeSource source);
+
 /// An angle in whole and tenth degrees.
 [[nodiscard]] std::string degrees_text(double radians);
 

@@ -11,6 +11,7 @@
 #include "retarget/rig/shapes.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
+#include "rig/neighbours.h"
 #include "rig/number_text.h"
 #include "rig/urdf_speeds.h"
 #include "robot/load_model.h"
@@ -20,9 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// bodies that joints at most this far apart in the tree carry may touch
-constexpr int kNeighbours = 2;
 
 Result<Robot> import_robot(const std::string& path, const std::string& name,
                            std::vector<std::string>& notes) {
@@ -52,41 +50,12 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   return Robot(std::move(loaded->model), std::move(profile), std::move(loaded->warnings));
 }
 
-// the moving body that carries each body, and how many joints deep it lies
-struct TreePlace {
-  int carrier = 0, depth = 0;
-};
-
-std::vector<TreePlace> tree_places(const Robot& robot) {
-  std::vector<TreePlace> places(robot.bodies().size());
-  for (std::size_t b = 1; b < places.size(); ++b) {
-    const int body = static_cast<int>(b);
-    const TreePlace& parent = places[static_cast<std::size_t>(robot.bodies()[b].parent)];
-    const bool moves = std::ranges::any_of(
-        robot.joints(), [&](const RobotJoint& joint) { return joint.body == body; });
-    places[b] = moves || body == robot.root_body() ? TreePlace{body, parent.depth + 1} : parent;
-  }
-  return places;
-}
-
 // neighbours in the tree overlap by build
 Json allowed_contacts(const Robot& robot) {
-  const std::vector<TreePlace> places = tree_places(robot);
-  const auto up = [&](int body) {
-    return places[static_cast<std::size_t>(robot.bodies()[static_cast<std::size_t>(body)].parent)]
-        .carrier;
-  };
   Json pairs = Json::array();
-  for (std::size_t b = 1; b < places.size(); ++b) {
-    const int body = static_cast<int>(b);
-    if (places[b].carrier != body) continue;
-    int above = body;
-    for (int i = 0; i < kNeighbours && above != robot.root_body(); ++i) {
-      above = up(above);
-      if (above <= 0) break;
-      pairs.push_back(
-          {robot.bodies()[static_cast<std::size_t>(above)].name, robot.bodies()[b].name});
-    }
+  for (const auto& [above, body] : neighbours(robot)) {
+    pairs.push_back({robot.bodies()[static_cast<std::size_t>(above)].name,
+                     robot.bodies()[static_cast<std::size_t>(body)].name});
   }
   return pairs;
 }

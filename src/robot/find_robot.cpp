@@ -25,20 +25,39 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// `g1` is no typing mistake for `unitree_g1`, but what is meant is plain if only one name has it, or
-// all that have it begin with the same one
-std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  std::string near = did_you_mean(name, known);
-  if (!near.empty() || name.empty()) return near;
-  std::vector<std::string> containing;
-  for (const std::string& robot : known) {
-    if (robot.find(lower_case(name)) != std::string::npos) containing.push_back(robot);
+// the words of a name: `Unitree-G1` is unitree, g1
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words = {{}};
+  for (const char c : lower_case(name)) {
+    if (c == '_' || c == '-' || c == ' ') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
   }
-  if (containing.empty()) return {};
-  const auto shortest = std::ranges::min_element(containing, {}, &std::string::size);
-  const bool plain = std::ranges::all_of(
-      containing, [&](const std::string& robot) { return robot.starts_with(*shortest); });
-  return plain ? did_you_mean(*shortest, containing) : std::string();
+  return words;
+}
+
+// the robots that a short name may mean: those whose name ends with its words, else those that
+// have them anywhere, one behind the other. So `g1` is unitree_g1 and not unitree_g1_with_hands.
+std::vector<std::string> robots_called(const std::string& name,
+                                       const std::vector<std::string>& known) {
+  const std::vector<std::string> words = words_of(name);
+  // no name, or one that is a number and so tells no robot
+  if (std::ranges::none_of(name, [](unsigned char c) { return std::isalpha(c) != 0; })) return {};
+  std::vector<std::string> ending, holding;
+  for (const std::string& robot : known) {
+    const std::vector<std::string> all = words_of(robot);
+    const auto found = std::ranges::find_end(all, words);
+    if (found.empty()) continue;
+    (found.end() == all.end() ? ending : holding).push_back(robot);
+  }
+  return ending.empty() ? holding : ending;
+}
+
+RobotFiles files_in(const fs::path& folder, const std::string& name) {
+  const fs::path profile = folder / kProfileFile;
+  return {folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
 }
 
 }  // namespace
@@ -47,10 +66,17 @@ Result<RobotFiles> find_robot(const std::string& name_or_folder, const fs::path&
   const fs::path given(name_or_folder);
   if (!name_or_folder.empty()) {
     for (const fs::path& folder : {robots_folder / given, given}) {
-      if (!is_file(folder / kModelFile)) continue;
-      const fs::path profile = folder / kProfileFile;
-      return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path()};
+      if (is_file(folder / kModelFile)) return files_in(folder, name_or_folder);
     }
+  }
+  const std::vector<std::string> known = list_robots(robots_folder);
+  const std::vector<std::string> called = robots_called(name_or_folder, known);
+  if (called.size() == 1) return files_in(robots_folder / called.front(), called.front());
+  if (called.size() > 1) {
+    return config_failure(
+        "",
+        "\"" + name_or_folder + "\" may be any of the robots " + list_names(called, called.size()),
+        "name one of them");
   }
   std::error_code ignored;
   if (!name_or_folder.empty() && fs::is_directory(given, ignored)) {
@@ -61,9 +87,8 @@ Result<RobotFiles> find_robot(const std::string& name_or_folder, const fs::path&
     return config_failure(name_or_folder, "expected a robot's name or folder, found a file",
                           "a model file goes with --robot-xml FILE --ik-config FILE");
   }
-  const std::vector<std::string> known = list_robots(robots_folder);
   return config_failure("",
-                        "no robot \"" + name_or_folder + "\"" + suggestion(name_or_folder, known),
+                        "no robot \"" + name_or_folder + "\"" + did_you_mean(name_or_folder, known),
                         (known.empty() ? "there are no robots in " + robots_folder.string()
                                        : "known robots: " + list_names(known)) +
                             "; any other: --robot-xml FILE --ik-config FILE");

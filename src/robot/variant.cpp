@@ -29,6 +29,7 @@ Result<std::shared_ptr<const Robot>> robot_variant(const std::shared_ptr<const R
     if (variant.name != name) continue;
     ModelPtr model(mj_copyModel(nullptr, robot->model()));
     auto held = std::make_shared<Robot>(std::move(model), robot->profile(), robot->warnings());
+    held->set_collision_shapes(robot->collision_shapes());
     held->set_variant(variant);
     return held;
   }

@@ -36,7 +36,7 @@ class BadInput(ToolTest):
 
     def test_words_for_wrong_options(self):
         self.assert_refused(self.retarget("--limit", "x"), 2, "--limit ", 'did you mean "--limits"')
-        self.assert_refused(self.run_tool("walk.bvh"), 2, "walk.bvh", "--bvh FILE")
+        self.assert_refused(self.run_tool("walk.bvh"), 2, "no robot and no output")
         for option in ("--source-fps", "--start", "--end"):
             for value in ("nan", "inf", "-1", "1e300", "x"):
                 self.assert_refused(self.retarget(f"{option}={value}"), 2, option, value)

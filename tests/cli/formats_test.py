@@ -257,7 +257,6 @@ class Conversions(FormatsTest):
         dialects = {
             "wxyz": ("--csv-quat", "wxyz"),
             "space": ("--csv-delimiter", "space"),
-            "degrees": ("--csv-degrees", "--csv-centimetres"),
             "numbered": ("--csv-frame-column", "--csv-delimiter", "tab"),
             "named": ("--csv-header", "--csv-quat", "wxyz", "--csv-frame-column"),
         }
@@ -268,9 +267,25 @@ class Conversions(FormatsTest):
         self.assertIn("frame numbers", said)
         said = self.converted("wxyz.csv", "back.csv")
         self.assertIn("quaternion wxyz", said)
-        said = self.converted("degrees.csv", "back.csv")
-        self.assertIn("joints in degrees", said)
-        self.assertIn("positions in centimetres", said)
+
+    def test_units_that_a_csv_does_not_name_are_never_guessed(self):
+        golden = read_rows((GOLDEN / "walk.csv").read_text())
+        self.converted(GOLDEN / "walk.csv", "other.csv", "--precision", "9", "--csv-degrees",
+                       "--csv-centimetres")
+        self.assert_fails(self.convert("other.csv", "x.csv"), 3, "--source-angles")
+        degrees = ("--source-angles", "deg")
+        self.assert_fails(self.convert("other.csv", "x.csv", *degrees), 3, "--source-unit")
+        self.converted("other.csv", "back.csv", *degrees, "--source-unit", "cm", "--precision", "9")
+        self.assert_same(self.rows("back.csv"), golden, 1e-8)
+        # a walk on a roof, which was written back on the ground, a hundredth of its size
+        high = np.array(golden)
+        high[:, 2] += 7.0
+        np.savetxt(self.folder / "high.csv", high, delimiter=",")
+        for command in (("convert", "high.csv", "x.csv"), ("evaluate", "high.csv")):
+            self.assert_fails(self.run_tool(*command, "--robot", "unitree_g1"), 3, "--source-unit")
+        self.assertFalse((self.folder / "x.csv").exists())
+        self.converted("high.csv", "x.csv", "--source-unit", "m")
+        self.assert_same(self.rows("x.csv"), high.tolist(), 1e-6)
 
     def test_what_cannot_be_told_is_asked(self):
         rows = np.loadtxt(GOLDEN / "walk.csv", delimiter=",")

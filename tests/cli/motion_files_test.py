@@ -319,5 +319,33 @@ class EditedSidecars(ToolTest):
         self.assert_done(self.run_tool("verify", "out.csv.json"))
 
 
+class Messages(ToolTest):
+    def test_columns_that_do_not_fit(self):
+        golden = SOURCE / "tests" / "golden" / "walk.csv"
+        # the whole robot is a variant by its number of joints, as of --dof
+        self.assert_done(self.run_tool("convert", golden, "same.csv", *G1, "--source-dof", 29))
+        self.assert_done(self.run_tool("compare", golden, "same.csv"))
+        self.assert_fails(self.run_tool("convert", golden, "x.csv", *G1, "--source-dof", 23), 3,
+                          "36 columns, the robot unitree_g1 needs 30: 7 of the root and 23 joints")
+        self.assert_fails(self.run_tool("convert", golden, "x.csv", *G1, "--source-dof", "42"), 4,
+                          'no variant "42"')
+        short = "\n".join(row.rsplit(",", 1)[0] for row in golden.read_text().splitlines())
+        self.assert_fails(self.run_tool("convert", self.write("35.csv", short), "x.csv", *G1), 3,
+                          "35 columns, the robot unitree_g1 needs 36", "30 (23)")
+
+    def test_hints_do_not_name_what_was_given(self):
+        self.assert_done(self.retarget("--format", "npz-mjlab", output="g1.npz"))
+        other = ("convert", "g1.npz", "x.csv", "--robot", "fourier_n1")
+        self.assert_fails(self.run_tool(*other, "--from", "npz-mjlab"), 3, "29 joints")
+        self.assertNotIn("--from", self.run_tool(*other, "--from", "npz-mjlab").stderr)
+        copy = self.write("scene.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text())
+        model = ("--bvh", sample("wave"), "--robot-xml", copy, "-o", "x.csv")
+        for kind in ("published", "derived"):
+            result = self.run_tool(*model, "--ik-config", kind)
+            self.assert_fails(result, 4, f"no {kind} mapping", "robots add")
+            self.assertNotIn("leave out --ik-config", result.stderr)
+        self.assert_fails(self.run_tool(*model), 2, "without a mapping", "robots add")
+
+
 if __name__ == "__main__":
     unittest.main()

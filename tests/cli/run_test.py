@@ -157,12 +157,32 @@ class Output(ToolTest):
         result = self.run_tool(*words, "--method", "gmr")
         self.assert_done(result)
         self.assertEqual(read_rows(result.stdout), plain)
-        # without a profile there are neither soles nor shapes to fit with
+        # without a profile soles are found in the model: feet neither float nor slip
+        words = ("--bvh", sample("walk"), *words[2:])
         result = self.run_tool(*words)
         self.assert_done(result)
-        self.assertIn("no soles", result.stderr)
+        self.assertIn("soles    from the model's contact geoms", result.stderr)
+        self.assertIn("verdict  11 of 11 gates kept", result.stderr)
+        self.write("bare.csv", result.stdout)
+        told = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
+                             sample("walk"))
+        self.assertEqual(told.returncode, 0, told.stdout)
+        words = ("--bvh", sample("wave"), *words[2:])
         profile = ("--robot-profile", SOURCE / "robots/unitree_g1/robot.json")
         self.assertEqual(self.run_tool(*words, *profile).stdout, self.text())
+
+    def test_soles_that_nothing_tells_are_doubted(self):
+        model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
+        bare = self.write("bare.xml", model.replace("<geom ", '<geom contype="0" conaffinity="0" '))
+        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        words = ("--bvh", sample("wave"), "--ik-config", mapping, "-o", "out.csv")
+        result = self.run_tool(*words, "--robot-xml", bare)
+        self.assert_done(result)
+        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
+        # a profile without soles is no better than none
+        profile = self.write("robot.json", '{"name": "mine"}')
+        result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
+        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
 
     def test_summary_says_what_was_done(self):
         summary = self.retarget().stderr
@@ -170,9 +190,43 @@ class Output(ToolTest):
                       "limits official", "contact phases", "IK steps a frame", "comes nearest",
                       "wrote"):
             self.assertIn(words, summary)
+        self.assertNotIn("costs", summary)
+        self.assertRegex(self.retarget("--verbose").stderr, r"costs +position [\d.]+ -> ")
         self.assertIn("limits gmr", self.retarget("--method", "gmr").stderr)
         self.assertEqual(self.retarget("--quiet").stderr, "")
         self.assertNotIn("\033", summary)
+
+    def test_summary_ends_with_a_verdict(self):
+        last = self.retarget(bvh=sample("get_up")).printed.splitlines()[-1]
+        self.assertRegex(last, r"^verdict  11 of 11 gates kept; right_ankle_pitch at its limit in "
+                               r"\d+ % of frames$")
+        *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
+        self.assertRegex(missed, r"^missed   .*contact_height_p50_cm [\d.]+ \(at most 0.1\)")
+        self.assertRegex(verdict, r"^verdict  \d of 11 gates kept")
+        # as evaluate says of the file
+        told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"))
+        self.assertIn(verdict.replace("verdict  ", "verdict  out.csv: "), told.stderr)
+        # digits that leave no quaternion spoil the verdict and not the run
+        self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)
+
+    def test_nothing_is_broken_by_a_terminal_of_80_columns(self):
+        for words in ((), ("--verbose",), ("--method", "gmr"), ("--limits", "official"),
+                      ("--fps", "x"), ("--robot-xml", "x.xml"), ("--start", "900")):
+            for line in self.retarget(*words, bvh=sample("squat")).printed.splitlines():
+                if not any(len(word) > 40 for word in line.split()):
+                    self.assertLessEqual(len(line), 80, line)
+
+    def test_words_for_the_floor(self):
+        head, rows = sample("wave").read_text().split("Frame Time:", 1)
+        time, *rows = rows.splitlines()
+
+        def shifted(up):
+            moved = [" ".join([x, str(float(y) + up), *rest])
+                     for x, y, *rest in (row.split() for row in rows)]
+            return self.write("x.bvh", "\n".join([f"{head}Frame Time:{time}", *moved]) + "\n")
+
+        for up, words in ((50, r"targets lowered by \d"), (-50, r"targets raised by \d")):
+            self.assertRegex(self.retarget(bvh=shifted(up)).stderr, words)
 
     def test_version_and_help(self):
         version = self.run_tool("--version")

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -27,6 +28,11 @@ def short_clip(name, frames):
 def read_rows(text):
     """Rows of comma-separated numbers."""
     return [[float(value) for value in line.split(",")] for line in text.splitlines()]
+
+
+def unwrapped(text):
+    """Messages with the lines that were broken to fit 80 columns put together again."""
+    return re.sub(r"\n(?: {11}| {4})(?=\S)", " ", text)
 
 
 def difference(found, expected, tolerance):
@@ -55,10 +61,14 @@ class ToolTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
     def run_tool(self, *arguments, **options):
+        """The tool's result; `printed` has the messages as they came, `stderr` a line for each."""
         options.setdefault("stdin", subprocess.DEVNULL)
-        return subprocess.run([TOOL, *map(str, arguments)], cwd=self.folder, text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300,
-                              **options)
+        result = subprocess.run([TOOL, *map(str, arguments)], cwd=self.folder, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300,
+                                **options)
+        result.printed = result.stderr
+        result.stderr = unwrapped(result.stderr)
+        return result
 
     def retarget(self, *arguments, bvh=None, robot="unitree_g1", output="out.csv", **options):
         return self.run_tool("--bvh", bvh or sample("wave"), "--robot", robot, "-o", output,

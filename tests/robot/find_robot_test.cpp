@@ -60,13 +60,52 @@ TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
   const Error typing_mistake = error_of("Maker_on");
   EXPECT_THAT(typing_mistake.message, AllOf(HasSubstr("Maker_on"), HasSubstr("\"maker_one\"?")));
   EXPECT_THAT(typing_mistake.hint, HasSubstr("maker_one, maker_two"));
-  EXPECT_THAT(error_of("Two").message, HasSubstr("did you mean \"maker_two\"?"));
-  EXPECT_THAT(error_of("maker").message, Not(HasSubstr("did you mean")));  // could be both
-  fs::create_directory(folder_.path() / "maker_two_with_hands");
-  folder_.write("maker_two_with_hands/model.xml", "");
-  EXPECT_THAT(error_of("two").message, HasSubstr("did you mean \"maker_two\"?"));
   EXPECT_THAT(error_of("").message, AllOf(HasSubstr("no robot"), Not(HasSubstr("did you mean"))));
   EXPECT_THAT(find_robot("x", "no/such/folder").error().hint, HasSubstr("no robots in"));
+}
+
+TEST_F(FindRobotTest, ShortNamesThatMeanOneRobot) {
+  fs::create_directory(folder_.path() / "maker_two_with_hands");
+  folder_.write("maker_two_with_hands/model.xml", "");
+  const auto whole_name = [&](const std::string& name) {
+    const auto found = find_robot(name, folder_.path());
+    return found ? found->name : describe(found.error());
+  };
+  for (const char* name : {"one", "One", "maker-one", "MAKER_ONE", "maker one"}) {
+    EXPECT_EQ(whole_name(name), "maker_one") << name;
+  }
+  // the name that ends so goes before those that go on
+  EXPECT_EQ(whole_name("two"), "maker_two");
+  EXPECT_EQ(whole_name("hands"), "maker_two_with_hands");
+  EXPECT_EQ(find_robot("two", folder_.path())->model, folder_.path() / "maker_two" / "model.xml");
+  EXPECT_EQ(whole_name("maker_two"), "maker_two");
+  const Error ambiguous = error_of("maker");
+  EXPECT_THAT(ambiguous.message, HasSubstr("maker_one, maker_two, maker_two_with_hands"));
+  // parts of words are no names
+  EXPECT_THAT(error_of("on").message, HasSubstr("no robot \"on\""));
+  EXPECT_THAT(error_of("_").message, HasSubstr("no robot"));
+}
+
+TEST(RobotsFolderTest, OursHaveShortNames) {
+  const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
+  for (const auto& [name, whole] : {std::pair("g1", "unitree_g1"),
+                                    {"G1", "unitree_g1"},
+                                    {"h1", "unitree_h1"},
+                                    {"h1_2", "unitree_h1_2"},
+                                    {"t1", "booster_t1"},
+                                    {"n1", "fourier_n1"},
+                                    {"pm01", "engineai_pm01"},
+                                    {"toddy", "stanford_toddy"},
+                                    {"talos", "pal_talos"}}) {
+    const auto found = find_robot(name, robots);
+    ASSERT_TRUE(found) << name << ": " << describe(found.error());
+    EXPECT_EQ(found->name, whole);
+  }
+  for (const char* name : {"unitree", "lite", "booster", "2"}) {
+    EXPECT_FALSE(find_robot(name, robots)) << name;
+  }
+  EXPECT_THAT(find_robot("lite", robots).error().message,
+              HasSubstr("berkeley_humanoid_lite, pnd_adam_lite"));
 }
 
 TEST_F(FindRobotTest, FoldersAndFilesThatAreNoRobots) {

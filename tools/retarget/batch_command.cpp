@@ -95,6 +95,9 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchOptions& options,
     BatchRobot robot;
     robot.run = options.run;
     robot.run.robot = name;
+    if (auto resolved = resolve_robot(robot.run.robot, data_folder); !resolved) {
+      return failure(resolved.error());
+    }
     robot.run.measure = !options.no_quality;
     auto setup = load_robot_setup(robot.run, data_folder, console);
     if (!setup) return failure(setup.error());

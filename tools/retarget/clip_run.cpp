@@ -121,14 +121,18 @@ Result<ClipOutcome> write_results(const RunOptions& options, const ClipSetup& se
   outcome.frames = motion.frame_count();
   outcome.fps = motion.rate().fps();
   outcome.mapping = setup.tables.file;
-  if (options.measure || options.sidecar || !options.report.empty()) {
+  // who reads the summary is told its verdict, which must not make a run fail
+  const bool asked = options.measure || options.sidecar || !options.report.empty();
+  if (asked || console.is_read()) {
     const auto write = write_options(options);
     if (!write) return failure(write.error());
     const RunReportInputs inputs{motion, source, setup.tables, setup.limits, write->csv};
     auto measured = measure_run(options, inputs, data_folder);
-    if (!measured) return failure(measured.error());
-    outcome.quality = std::move(*measured);
-    outcome.quality->fit = solved.fit;
+    if (!measured && asked) return failure(measured.error());
+    if (measured) {
+      outcome.quality = std::move(*measured);
+      outcome.quality->fit = solved.fit;
+    }
   }
   SidecarText sidecar;
   if (options.sidecar) {
@@ -165,7 +169,9 @@ Result<ClipOutcome> write_results(const RunOptions& options, const ClipSetup& se
 Result<void> check_solving_options(const RunOptions& options) {
   if (auto robot = check_robot_choice(options); !robot) return robot;
   if (!options.robot_xml.empty() && options.ik_config.empty()) {
-    return usage_failure("--robot-xml comes without a mapping", "add --ik-config FILE");
+    return usage_failure("--robot-xml comes without a mapping",
+                         "add --ik-config FILE, or make a robot of the model: retarget robots "
+                         "add NAME --model FILE");
   }
   if (options.method != "fit" &&
       (!options.fit_config.empty() || !options.without.empty() || options.fit_window_s > 0.0)) {
@@ -181,7 +187,7 @@ Result<void> check_solving_options(const RunOptions& options) {
 
 Result<RobotSetup> load_robot_setup(const RunOptions& options,
                                     const std::filesystem::path& data_folder, Console& console) {
-  const auto chosen = load_chosen_robot(options, data_folder, console);
+  const auto chosen = load_chosen_robot(options, data_folder, console, Soles::kNeeded);
   if (!chosen) return failure(chosen.error());
   RobotSetup setup;
   setup.robot = chosen->robot;
@@ -228,6 +234,7 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   warn_of_losses(options, motion, console);
   console.line("wrote", outputs_text(outcome->motions) + " in " +
                             number_text(seconds_since(start), 2) + " s");
+  if (outcome->quality) print_verdict(*outcome->quality, console);
   return outcome;
 }
 

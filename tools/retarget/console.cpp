@@ -2,9 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+
+#include "wrapped_text.h"
 
 namespace retarget::cli {
 namespace {
@@ -12,6 +15,12 @@ namespace {
 constexpr std::string_view kRed = "31";
 constexpr std::string_view kYellow = "33";
 constexpr std::string_view kFaint = "2";
+
+// of a line of the summary: its label, and how much deeper a line that was broken goes on
+constexpr std::size_t kLabelWidth = 9;
+constexpr std::size_t kFurther = 2;
+// of a warning or an error that was broken
+constexpr std::size_t kMessageIndent = 4;
 
 // seconds between two progress lines
 constexpr double kTerminalPause = 0.1;
@@ -85,8 +94,9 @@ void Console::line(std::string_view label, std::string_view text) {
   if (quiet_ || notes_ != nullptr) return;
   end_progress();
   std::string padded(label);
-  padded.resize(9, ' ');
-  put(paint(padded, kFaint) + printable(std::string(text)) + "\n");
+  padded.resize(std::max(padded.size(), kLabelWidth), ' ');
+  put(paint(padded, kFaint) +
+      wrapped_text(printable(std::string(text)), padded.size(), kLabelWidth + kFurther) + "\n");
 }
 
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
@@ -96,13 +106,16 @@ void Console::warn(const std::vector<Warning>& warnings, std::string_view file) 
   }
   if (quiet_) return;
   end_progress();
-  for (const Warning& warning : warnings)
-    put(paint_severity(printable(describe(warning, file))) + "\n");
+  for (const Warning& warning : warnings) {
+    put(paint_severity(wrapped_text(printable(describe(warning, file)), 0, kMessageIndent)) + "\n");
+  }
 }
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
-  if (notes_ == nullptr) put(paint_severity(printable(describe(error))) + "\n");
+  if (notes_ == nullptr) {
+    put(paint_severity(wrapped_text(printable(describe(error)), 0, kMessageIndent)) + "\n");
+  }
   return exit_code(error.kind);
 }
 

@@ -10,6 +10,9 @@ namespace retarget::cli {
 /// Declares the options of the default command.
 void add_run_options(CLI::App& app, RunOptions& options);
 
+/// Declares the words of the default command that are no options: a motion file and a robot.
+void add_run_words(CLI::App& app, RunOptions& options);
+
 /// Declare the other commands with their options.
 CLI::App* add_batch_command(CLI::App& app, BatchOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);

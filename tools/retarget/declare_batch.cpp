@@ -13,8 +13,8 @@ namespace {
 constexpr const char* kBatch = "Batch";
 
 // options of a run that name what a batch has many of
-constexpr std::array kOfOneClip = {"--bvh",   "--smpl",   "--write-map",
-                                   "--robot", "--output", "--report"};
+constexpr std::array kOfOneClip = {"--bvh",    "--smpl",   "--write-map", "--robot",
+                                   "--output", "--report", "--verbose"};
 
 // options that decide which clips are done where and when, not what becomes of one
 constexpr std::array<std::string_view, 15> kOfTheBatchAlone = {

@@ -109,6 +109,16 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->group(kOutput);
   add_common_options(app, options.common);
+  app.add_flag(
+         "-v,--verbose", options.verbose,
+         "Say as well what each term of the fit costs, before and after, and its worst frames")
+      ->group(kGeneral);
+}
+
+void add_run_words(CLI::App& app, RunOptions& options) {
+  app.add_option("motion", options.words[0], "Motion to retarget, BVH or SMPL NPZ by its content")
+      ->type_name("[MOTION]");
+  app.add_option("robot-name", options.words[1], "The robot, as --robot")->type_name("[ROBOT]");
 }
 
 }  // namespace retarget::cli

@@ -118,18 +118,21 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
 
 // a failure for one that is not good
 Result<void> judge_seam(const Concatenation& joined, const std::string& before,
-                        const std::string& file, const SeamCliOptions& options, Console& console) {
+                        const std::string& file, double longest, const SeamCliOptions& options,
+                        Console& console) {
   const std::vector<std::string>& faults = joined.check.faults;
   if (faults.empty()) return {};
   if (options.force) {
     console.warn(as_warnings(faults), file);
     return {};
   }
+  // a band as long as the clips leaves nothing to look at
+  const bool everywhere = options.search == "all" || joined.band >= longest;
   const std::string where =
-      options.search == "all" ? "anywhere" : "within " + number_text(joined.band, 1) + " s";
+      everywhere ? "anywhere" : "within " + number_text(joined.band, 1) + " s";
   return run_failure(file, "does not fit to " + before + " " + where + ": " + list_names(faults),
                      std::string("--force joins them all the same") +
-                         (options.search == "all" ? "" : "; --search all looks everywhere"));
+                         (everywhere ? "" : "; --search all looks everywhere"));
 }
 
 }  // namespace
@@ -157,7 +160,8 @@ Result<Clip> edit_concat(const EditOptions& options, Console& console) {
       if (!written) return failure(written.error());
     }
     print_seam(*joined, first->clip.rate(), console);
-    const auto good = judge_seam(*joined, before, files[i], options.concat, console);
+    const double longest = std::max(first->clip.duration(), next->duration());
+    const auto good = judge_seam(*joined, before, files[i], longest, options.concat, console);
     if (!good) return failure(good.error());
     first->clip = std::move(joined->clip);
   }

@@ -138,7 +138,7 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   auto gates = gates_of(options, *data_folder);
   if (!gates) return failure(gates.error());
   measures.gates = std::move(*gates);
-  const auto robot = load_chosen_robot(run, *data_folder, console);
+  const auto robot = load_chosen_robot(run, *data_folder, console, Soles::kNeeded);
   if (!robot) return failure(robot.error());
   measures.robot = robot->robot;
   auto limits = load_limits(*measures.robot,
@@ -216,20 +216,8 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   return report;
 }
 
-// which motion missed what
-Failure missed_failure(const std::vector<QualityReport>& reports) {
-  std::vector<std::string> missed;
-  for (const QualityReport& report : reports) {
-    for (const GateResult& gate : report.gates) {
-      if (!gate.passed) missed.push_back(report.file + " " + gate.metric);
-    }
-  }
-  const auto count = static_cast<long>(missed.size());
-  return run_failure("", count_text(count, "gate") + " missed: " + list_names(missed, 6));
-}
-
-Result<void> evaluate_checked(const EvaluateOptions& options, Console& console) {
-  if (auto usage = check_usage(options); !usage) return usage;
+Result<ExitCode> evaluate_checked(const EvaluateOptions& options, Console& console) {
+  if (auto usage = check_usage(options); !usage) return failure(usage.error());
   const auto measures = load_measures(options, console);
   if (!measures) return failure(measures.error());
   std::vector<QualityReport> reports;
@@ -239,21 +227,26 @@ Result<void> evaluate_checked(const EvaluateOptions& options, Console& console) 
     reports.push_back(std::move(*report));
   }
   if (!options.json.empty()) {
-    if (auto written = write_file(options.json, report_json(reports)); !written) return written;
+    if (auto written = write_file(options.json, report_json(reports)); !written) {
+      return failure(written.error());
+    }
   }
   if (options.json != "-") {
-    if (auto written = write_file("-", report_text(reports)); !written) return written;
+    if (auto written = write_file("-", report_text(reports)); !written) {
+      return failure(written.error());
+    }
   }
+  for (const QualityReport& report : reports) print_verdict(report, console, report.file);
+  // a motion that misses a gate is a result and no error, and the exit code tells it
   const bool passed = std::ranges::all_of(reports, &QualityReport::passed);
-  if (!passed) return missed_failure(reports);
-  return {};
+  return passed ? kDone : kRunFailed;
 }
 
 }  // namespace
 
 ExitCode evaluate(const EvaluateOptions& options, Console& console) {
-  const auto done = evaluate_checked(options, console);
-  return done ? kDone : console.fail(done.error());
+  const auto code = evaluate_checked(options, console);
+  return code ? *code : console.fail(code.error());
 }
 
 }  // namespace retarget::cli

@@ -1,6 +1,7 @@
 #include "fit_run.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "interrupt.h"
 #include "read_source.h"
@@ -9,13 +10,21 @@
 namespace retarget::cli {
 namespace {
 
+// `targets lowered by 4 cm`
+std::string floor_text(const FitReport& report) {
+  const std::string size = number_text(100.0 * std::abs(report.floor_height), 1);
+  if (size == "0") return "targets stay at their height";
+  return std::string("targets ") + (report.floor_height > 0.0 ? "lowered" : "raised") + " by " +
+         size + " cm";
+}
+
 // what a fit found and what is left
-void print_fit(const FitReport& report, Console& console) {
+void print_fit(const FitReport& report, bool verbose, Console& console) {
   for (const std::string& note : report.notes) console.line("fit", note);
-  console.line("floor", "targets lowered by " + number_text(100.0 * report.floor_height, 1) +
-                            " cm" + (report.floor_found ? "" : " (a guess)") + ", " +
+  console.line("floor", floor_text(report) + (report.floor_found ? "" : " (a guess)") + ", " +
                             count_text(report.contact_phases, "contact phase"));
   for (const FitTermReport& term : report.terms) {
+    if (!verbose) break;
     std::string worst;
     for (const int frame : term.worst) worst += (worst.empty() ? "" : ", ") + std::to_string(frame);
     console.line(&term == &report.terms.front() ? "costs" : "",
@@ -66,7 +75,7 @@ Result<FitResult> run_fit(const Clip& clip, const HumanSource& human,
   auto result = fit(clip, human.calibration.mapping, source_name(options.source), robot, tables,
                     limits, *chosen, run);
   console.end_progress();
-  if (result) print_fit(result->report, console);
+  if (result) print_fit(result->report, options.verbose, console);
   return result;
 }
 

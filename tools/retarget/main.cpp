@@ -1,18 +1,22 @@
 // The command line: reads the options, calls a command.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "declare.h"
 #include "declare_shared.h"
+#include "help_format.h"
 #include "interrupt.h"
-#include "retarget/base/suggest.h"
 #include "retarget/version.h"
+#include "usage_errors.h"
 
 namespace retarget::cli {
 namespace {
@@ -22,38 +26,49 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
 4 bad configuration, model or unknown robot, 130 interrupted.
 
 Examples:
-  retarget --bvh walk.bvh --robot unitree_g1 -o walk.csv
+  retarget walk.bvh g1 -o walk.csv
   retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
-  retarget batch clips/ -o out/ --robot unitree_g1
+  retarget batch clips/ -o out/ --robot g1
   retarget inspect walk.bvh
-  retarget evaluate walk.csv --robot unitree_g1 --bvh walk.bvh)";
+  retarget evaluate walk.csv --robot g1 --bvh walk.bvh)";
 
-// names what the command line holds beyond its options, with the option that may be meant
-Failure unknown_words(const CLI::App& app) {
-  std::vector<std::string> known;
-  // the command that was given: `retarget edit path` has its own options alone
-  const CLI::App* command = &app;
-  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-  for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
-  for (const std::string& word : app.remaining(true)) {
-    if (word.starts_with('-')) {
-      return usage_failure("unknown option " + word + did_you_mean(word, known),
-                           "retarget --help lists the options");
-    }
+// reads the words into the options; nothing: go on with the command
+std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
+  Console console(false);
+  const std::vector<std::string> given(argv + 1, argv + argc);
+  std::vector<std::string> words = without_help_command(given);
+  if (auto command = check_command(app, words, words != given); !command) {
+    return console.fail(command.error());
   }
-  const std::vector<std::string> words = app.remaining(true);
-  return usage_failure("unexpected " + list_names(words), "a motion file goes with --bvh FILE");
+  // from the last to the first, as the parser takes them off
+  std::ranges::reverse(words);
+  try {
+    app.parse(std::move(words));
+  } catch (const CLI::Success& success) {
+    // help and version, on standard output
+    return app.exit(success) == 0 ? kDone : kRunFailed;
+  } catch (const CLI::ExtrasError&) {
+    return console.fail(unknown_words(app).value());
+  } catch (const CLI::RequiredError& error) {
+    auto needs = check_given(app);
+    return console.fail(needs ? wrong_words(app, error).value() : needs.error());
+  } catch (const CLI::ParseError& error) {
+    return console.fail(wrong_words(app, error).value());
+  }
+  if (auto given_all = check_given(app); !given_all) return console.fail(given_all.error());
+  return std::nullopt;
 }
 
 int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
-  app.get_formatter()->column_width(32);
+  app.formatter(std::make_shared<HelpFormat>());
   app.get_help_ptr()->group(kGeneral);
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneral);
 
   RunOptions run_options;
   add_run_options(app, run_options);
+  add_run_words(app, run_options);
   BatchOptions batch_options;
   const CLI::App* batch_command = add_batch_command(app, batch_options);
   InspectOptions inspect_options;
@@ -71,18 +86,10 @@ int main_with(int argc, char** argv) {
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
+  app.add_subcommand("help", "The help of a command: retarget help edit path");
+
   refuse_empty_values(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    // help and version, on standard output
-    return app.exit(success) == 0 ? kDone : kRunFailed;
-  } catch (const CLI::ExtrasError&) {
-    return Console(false).fail(unknown_words(app).value());
-  } catch (const CLI::ParseError& error) {
-    return Console(false).fail(
-        usage_failure(error.what(), "retarget --help lists the options").value());
-  }
+  if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
   if (batch_command->parsed()) {
     Console console(batch_options.run.common.quiet);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,7 +60,8 @@ struct OutputOptions {
 struct RunOptions : OutputOptions {
   CommonOptions common;
   SourceOptions source;
-  std::string smpl_file;  ///< In place of the source's file.
+  std::string smpl_file;             ///< In place of the source's file.
+  std::array<std::string, 2> words;  ///< Motion and robot that are named without an option.
   HumanOptions human;
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;
@@ -86,6 +88,7 @@ struct RunOptions : OutputOptions {
 
   std::string report;  ///< JSON of the motion's quality; empty: none.
 
+  bool verbose = false;  ///< Say what the terms of the fit cost.
   bool measure = false;  ///< Measure the motion's quality, whether it is written or not.
   int threads = 0;       ///< Of one clip; 0: as many as serve. The result is the same.
 };

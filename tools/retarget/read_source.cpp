@@ -1,5 +1,8 @@
 #include "read_source.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "retarget/base/file.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/smpl/read_smpl.h"
@@ -46,8 +49,16 @@ Result<SourceMotion> read_smpl_source(std::string_view bytes, const SourceOption
 
 }  // namespace
 
+Result<void> check_no_folder(const std::string& path) {
+  std::error_code ignored;
+  if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
+  return input_failure(path, "expected a motion file, found a directory",
+                       "retarget batch " + path + " -o OUT --robot NAME takes a folder of clips");
+}
+
 Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
                                  Console& console) {
+  if (auto file = check_no_folder(options.file); !file) return failure(file.error());
   const auto bytes = read_file(options.file);
   if (!bytes) return failure(bytes.error());
   // archives hold NPZ, and no BVH file begins like one

@@ -17,6 +17,9 @@ struct SourceMotion {
   std::optional<double> height;   ///< Of the body, metres, where the file tells.
 };
 
+/// Error (kInput): the path is a folder; the hint names the command that takes folders.
+[[nodiscard]] Result<void> check_no_folder(const std::string& path);
+
 /// Reads the source clip and prints its warnings.
 [[nodiscard]] Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
                                                Console& console);

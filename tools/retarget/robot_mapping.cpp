@@ -10,6 +10,8 @@ namespace {
 
 constexpr const char* kPublished = "published";
 constexpr const char* kDerived = "derived";
+constexpr const char* kMappingHint =
+    "--ik-config FILE takes a mapping of your own; retarget robots add makes a robot with one";
 
 bool is_file(const fs::path& path) {
   std::error_code ignored;
@@ -36,11 +38,13 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path&
   const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
   if (!ik_config.empty()) {
     const fs::path& chosen = ik_config == kPublished ? published : own;
+    const fs::path& other = ik_config == kPublished ? own : published;
     if (is_file(chosen)) return MappingFiles{chosen.string(), {}};
-    return config_failure("",
-                          "there is no " + ik_config + " mapping for the robot \"" + robot +
-                              "\": no " + chosen.string(),
-                          "leave out --ik-config, or give a file");
+    return config_failure(
+        "",
+        "there is no " + ik_config + " mapping for the robot \"" + robot + "\": no " +
+            chosen.string(),
+        is_file(other) ? "leave out --ik-config for the one that there is" : kMappingHint);
   }
   if (is_file(own) && is_file(published) && is_of_folder(robot_folder, data_folder / "robots")) {
     return MappingFiles{published.string(), own.string()};
@@ -51,7 +55,7 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path&
   return config_failure("",
                         "there is no mapping for the robot \"" + robot + "\": neither " +
                             own.string() + " nor " + published.string(),
-                        "add --ik-config FILE");
+                        kMappingHint);
 }
 
 std::string recorded_name(const fs::path& path, const fs::path& data_folder) {

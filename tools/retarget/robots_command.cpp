@@ -278,7 +278,8 @@ Result<std::vector<RobotFinding>> examine(const RobotsOptions& options) {
   if (is_model_file(options.robot)) {
     const fs::path profile = fs::path(options.robot).parent_path() / "robot.json";
     std::error_code ignored;
-    place = place_of({options.robot, fs::is_regular_file(profile, ignored) ? profile : fs::path()},
+    place = place_of({options.robot, fs::is_regular_file(profile, ignored) ? profile : fs::path(),
+                      options.robot},
                      *data_folder);
   } else {
     const auto found = find_place(options.robot, *data_folder);

@@ -1,6 +1,7 @@
 #include "run_report.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "read_source.h"
 #include "retarget/base/file.h"
@@ -18,6 +19,33 @@ Result<Gates> default_gates(const fs::path& data_folder) {
   if (auto added = gates.add_file(file.string()); !added) return failure(added.error());
   return gates;
 }
+
+namespace {
+
+// `jumps 3 (at most 0)`
+std::string missed_text(const GateResult& gate) {
+  constexpr int kDecimals = 3, kMostDecimals = 9;
+  // written so that NaN is below every bound
+  const bool too_little = gate.least && !(*gate.value >= *gate.least);
+  const double bound = too_little ? *gate.least : *gate.most;
+  // as many digits as it takes to see that it was missed
+  int decimals = kDecimals;
+  while (decimals < kMostDecimals &&
+         number_text(*gate.value, decimals) == number_text(bound, decimals)) {
+    ++decimals;
+  }
+  return gate.metric + " " + number_text(*gate.value, decimals) +
+         (too_little ? " (at least " : " (at most ") + number_text(bound, kDecimals) + ")";
+}
+
+// without the ending that many models' joints have
+std::string short_name(const std::string& joint) {
+  constexpr std::string_view kEnding = "_joint";
+  const bool has_it = joint.size() > kEnding.size() && joint.ends_with(kEnding);
+  return has_it ? joint.substr(0, joint.size() - kEnding.size()) : joint;
+}
+
+}  // namespace
 
 Result<QualityReport> measure_run(const RunOptions& options, const RunReportInputs& inputs,
                                   const fs::path& data_folder) {
@@ -41,6 +69,35 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   report.mapping = recorded_name(inputs.tables.file, data_folder);
   gates->judge(report);
   return report;
+}
+
+void print_verdict(const QualityReport& report, Console& console, const std::string& file) {
+  const std::string name = file.empty() ? file : file + ": ";
+  std::string missed;
+  long kept = 0, unmeasured = 0;
+  for (const GateResult& gate : report.gates) {
+    if (!gate.value) {
+      ++unmeasured;
+    } else if (gate.passed) {
+      ++kept;
+    } else {
+      missed += (missed.empty() ? "" : ", ") + missed_text(gate);
+    }
+  }
+  if (!missed.empty()) console.line("missed", name + missed);
+  const auto all = static_cast<long>(report.gates.size());
+  std::string text =
+      name +
+      (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept");
+  if (unmeasured > 0) text += ", " + std::to_string(unmeasured) + " not measured";
+  // a joint that nothing pushes merely rests there, as fingers do
+  const auto limited = std::ranges::find_if(
+      report.limited_joints, [](const LimitedJoint& joint) { return !joint.task.empty(); });
+  if (limited != report.limited_joints.end()) {
+    text += "; " + short_name(limited->joint) + " at its limit in " +
+            number_text(limited->frames_pct, 0) + " % of frames";
+  }
+  console.line("verdict", text);
 }
 
 Result<OutputFile> write_run_report(const std::string& path, const QualityReport& report,

@@ -11,6 +11,7 @@
 #include "retarget/motion/lead_in.h"
 #include "retarget/motion/resample.h"
 #include "retarget/pipeline/limb_lengths.h"
+#include "retarget/rig/bare_robot.h"
 #include "retarget/robot/find_robot.h"
 #include "retarget/robot/load_robot.h"
 #include "retarget/robot/variant.h"
@@ -69,6 +70,30 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
   return resampled;
 }
 
+// a motion whose feet nobody knows floats or sinks, so soles are looked for in the model
+std::shared_ptr<const Robot> with_soles(const std::shared_ptr<const Robot>& robot,
+                                        const std::string& model, Console& console) {
+  constexpr const char* kProfile = "a profile gives them (docs/robots.md): --robot-profile FILE";
+  auto completed = complete_bare_robot(*robot, model);
+  if (!completed) {
+    console.warn(
+        {{0, 0,
+          std::string("the robot's soles are not known, so its feet may float or sink; ") +
+              kProfile + "; they were looked for in the model: " + completed.error().message}},
+        model);
+    return robot;
+  }
+  console.line("soles", completed->note + "; " + kProfile);
+  if (completed->guessed) {
+    console.warn(
+        {{0, 0,
+          "nothing in the model tells where the soles are: they are guessed from the legs' "
+          "lengths, and feet may float or sink by centimetres"}},
+        model);
+  }
+  return std::move(completed->robot);
+}
+
 }  // namespace
 
 Result<std::optional<FrameRate>> output_rate(const std::string& text) {
@@ -125,6 +150,14 @@ Result<fs::path> data_folder_of(const CommonOptions& options) {
   return find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
 }
 
+Result<void> resolve_robot(std::string& robot, const fs::path& data_folder) {
+  if (robot.empty()) return {};
+  auto found = find_robot(robot, data_folder / "robots");
+  if (!found) return failure(found.error());
+  robot = std::move(found->name);
+  return {};
+}
+
 Result<void> check_robot_choice(const RunOptions& options) {
   if (options.robot.empty() && options.robot_xml.empty()) {
     return usage_failure("no robot is given", "add --robot NAME or --robot-xml FILE");
@@ -139,7 +172,7 @@ Result<void> check_robot_choice(const RunOptions& options) {
 }
 
 Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path& data_folder,
-                                      Console& console) {
+                                      Console& console, Soles soles) {
   std::string model = options.robot_xml, profile = options.robot_profile;
   if (model.empty()) {
     const auto found = find_robot(options.robot, data_folder / "robots");
@@ -149,6 +182,9 @@ Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path&
   }
   auto robot = load_robot(model, profile);
   if (!robot) return failure(robot.error());
+  if (soles == Soles::kNeeded && (*robot)->profile().soles.empty()) {
+    robot = with_soles(*robot, model, console);
+  }
   if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
   if (!robot) return failure(robot.error());
   for (const std::string& warning : (*robot)->warnings()) console.warn({{0, 0, warning}}, model);

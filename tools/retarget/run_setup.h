@@ -40,13 +40,21 @@ struct ChosenRobot {
                                          const std::filesystem::path& data_folder,
                                          Console& console);
 
+/// Puts the whole name of a robot in the place of a short one, for what is kept of a run.
+[[nodiscard]] Result<void> resolve_robot(std::string& robot,
+                                         const std::filesystem::path& data_folder);
+
 /// One robot, by --robot or --robot-xml; else a kUsage error.
 [[nodiscard]] Result<void> check_robot_choice(const RunOptions& options);
+
+/// Whether a robot without soles is given some, which is said: where motions are made or measured.
+enum class Soles : unsigned char { kAsTheyAre, kNeeded };
 
 /// The robot that --robot or --robot-xml names.
 [[nodiscard]] Result<ChosenRobot> load_chosen_robot(const RunOptions& options,
                                                     const std::filesystem::path& data_folder,
-                                                    Console& console);
+                                                    Console& console,
+                                                    Soles soles = Soles::kAsTheyAre);
 
 /// The mappings of a robot, loaded.
 struct RobotMappings {

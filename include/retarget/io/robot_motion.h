@@ -43,11 +43,11 @@ struct RobotMotion {
 ///   variants; without a header by their number: 7 of the root and the joints of the robot or of one
 ///   of its variants, one more in front when it counts up. Frame numbers are passed over, times in
 ///   s, ms, us or ns give the rate; SOMA's frame numbers count frames of 120 a second, so that every
-///   fourth of them means 30. Radians or degrees, metres, centimetres or millimetres by magnitude:
-///   radians within the robot's widest range (and half a radian), degrees beyond three times it;
-///   metres up to five times the height at which the robot's root stands, centimetres from eight
-///   times on, millimetres from 500; what lies between is refused. SOMA's and BONES-SEED's files
-///   are known by their header.
+///   fourth of them means 30. What names no unit is in radians and metres, as our own files are.
+///   Joints beyond the robot's widest range by more than half a radian, and a root higher than five
+///   times what the robot's limbs reach, are refused then; joints beyond their own ranges in most
+///   frames, and a root that is never near the ground or too fast, are warned of. SOMA's and
+///   BONES-SEED's files are known by their header.
 /// * The order of the root's quaternion: of both readings the one that stands upright, else the one
 ///   whose lowest sole point slips less. Where both are alike (a robot that stands still, facing
 ///   along x) xyzw, the usual order; a body that lies still is refused.

@@ -57,7 +57,7 @@ struct CollisionShape {
   enum class Type { kSphere, kCapsule, kBox };
   Type type = Type::kSphere;
   int body = 0;
-  int geom = 0;              ///< The model's geom that it is.
+  int geom = -1;             ///< The model's geom that it is; -1: none.
   Pose body_from_shape;      ///< The centre; a capsule's axis is z, a box's sides are the axes.
   double radius = 0.0;       ///< Sphere and capsule, metres.
   double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, caps not counted.
@@ -109,6 +109,11 @@ class Robot {
   /// once; robot_variant does it by name.
   void set_variant(const RobotVariant& variant);
 
+  /// Takes other shapes in the place of the model's; before the robot is shared.
+  void set_collision_shapes(std::vector<CollisionShape> shapes) {
+    collision_shapes_ = std::move(shapes);
+  }
+
   [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
@@ -122,7 +127,8 @@ class Robot {
   /// Indices into joints() in the order of the output columns.
   [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
   /// The spheres, capsules and boxes among the geoms of the robot that take part in contacts, in
-  /// the model's order. Other shapes, and what stands in the world, are left out.
+  /// the model's order, or what was set in their place. Other shapes, and what stands in the world,
+  /// are left out.
   [[nodiscard]] const std::vector<CollisionShape>& collision_shapes() const {
     return collision_shapes_;
   }

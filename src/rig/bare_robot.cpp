@@ -1,0 +1,34 @@
+#include "retarget/rig/bare_robot.h"
+
+#include <mujoco/mujoco.h>
+
+#include <utility>
+#include <vector>
+
+#include "retarget/rig/limbs.h"
+#include "retarget/rig/shapes.h"
+#include "rig/describe_robot.h"
+#include "rig/neighbours.h"
+
+namespace retarget {
+
+Result<CompletedRobot> complete_bare_robot(const Robot& bare, const std::string& model_path) {
+  const auto limbs = find_limbs(bare, model_path);
+  if (!limbs) return failure(limbs.error());
+  RobotShapes found = find_shapes(bare, *limbs, mesh_points(model_path));
+  RobotProfile profile = bare.profile();
+  profile.soles = std::move(found.soles);
+  if (profile.allowed_self_contact.empty()) profile.allowed_self_contact = neighbours(bare);
+  std::vector<CollisionShape> shapes;
+  shapes.reserve(found.shapes.size());
+  for (const RoughShape& rough : found.shapes) shapes.push_back(rough.shape);
+
+  ModelPtr model(mj_copyModel(nullptr, bare.model()));
+  auto robot = std::make_shared<Robot>(std::move(model), std::move(profile), bare.warnings());
+  robot->set_collision_shapes(std::move(shapes));
+  const bool guessed = found.sole_source == ShapeSource::kEstimated;
+  return CompletedRobot{std::move(robot), (guessed ? "" : "from ") + source_text(found.sole_source),
+                        guessed};
+}
+
+}  // namespace retarget

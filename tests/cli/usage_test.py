@@ -1,0 +1,127 @@
+"""How commands are called: words without options, short names, mistakes and what is said of them."""
+
+import unittest
+
+from tool import SOURCE, ToolTest, sample
+
+COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "robots", "verify")
+
+
+class Words(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write("walk.bvh", sample("wave").read_bytes())
+
+    def run_to(self, output, *words):
+        self.assert_done(self.run_tool(*words, "-o", output))
+        return (self.folder / output).read_bytes()
+
+    def test_motion_and_robot_need_no_options(self):
+        plain = self.run_to("plain.csv", "--bvh", "walk.bvh", "--robot", "unitree_g1")
+        for words in (("walk.bvh", "g1"), ("walk.bvh", "--robot", "g1"), ("g1", "walk.bvh"),
+                      ("--robot", "G1", "walk.bvh"), ("--bvh", "walk.bvh", "unitree_g1"),
+                      ("walk.bvh", SOURCE / "robots" / "unitree_g1")):
+            self.assertEqual(self.run_to("out.csv", *words), plain, words)
+
+    def test_short_names_are_understood_everywhere(self):
+        self.run_to("out.csv", "walk.bvh", "g1", "--sidecar")
+        sidecar = (self.folder / "out.csv.json").read_text()
+        self.assertIn('"robot": "unitree_g1"', sidecar)
+        self.assert_done(self.run_tool("verify", "out.csv.json"))
+        self.assert_done(self.run_tool("evaluate", "out.csv", "--robot", "g1", "--gate", "none"))
+        self.assert_done(self.run_tool("convert", "out.csv", "again.csv", "--robot", "g1"))
+        self.assert_done(self.run_tool("compare", "out.csv", "again.csv", "--robot", "g1"))
+        self.assert_done(self.run_tool("robots", "check", "g1"))
+        shown = self.run_tool("robots", "show", "toddy")
+        self.assertIn("stanford_toddy", shown.stdout)
+        several = self.run_tool("walk.bvh", "unitree", "-o", "x.csv")
+        self.assert_fails(several, 4, "unitree_g1, unitree_g1_with_hands, unitree_h1")
+
+    def test_a_batch_is_the_same_by_either_name(self):
+        self.write("in/walk.bvh", sample("wave").read_bytes())
+        self.assert_done(self.run_tool("batch", "in", "-o", "out", "--robot", "unitree_g1"))
+        again = self.run_tool("batch", "in", "-o", "out", "--robot", "g1", "--resume")
+        self.assert_done(again)
+        self.assertIn("1 of 1 are done", again.stderr)
+        self.assert_done(self.run_tool("batch", "in", "-o", "two", "--robot", "g1,t1"))
+        self.assertTrue((self.folder / "two" / "unitree_g1" / "walk.csv").exists())
+        self.assertTrue((self.folder / "two" / "booster_t1" / "walk.csv").exists())
+
+    def test_one_word_too_many(self):
+        self.write("wave.bvh", sample("wave").read_bytes())
+        for words in (("walk.bvh", "wave.bvh"), ("walk.bvh", "--bvh", "wave.bvh")):
+            self.assert_fails(self.run_tool(*words, "-o", "x.csv"), 2, "two motions", "wave.bvh",
+                              "batch")
+        self.assert_fails(self.run_tool("walk.bvh", "wave.bvh", "g1", "-o", "x.csv"), 2,
+                          "unexpected g1", "batch")
+        self.assert_fails(self.run_tool("walk.bvh", "g1", "--robot", "t1", "-o", "x.csv"), 2,
+                          "two robots", "g1", "t1")
+        self.assert_fails(self.run_tool("frobnicate", "walk.bvh", "-o", "x.csv"), 2,
+                          '"frobnicate" is no command, no motion file and no robot')
+
+
+class Mistakes(ToolTest):
+    def test_mistyped_commands(self):
+        for words, meant in ((("evalute", "x.csv", "--gate", "none"), "evaluate"),
+                             (("help", "evalute"), "evaluate"), (("inspct", "x.bvh"), "inspect"),
+                             (("robot", "list"), "robots"), (("edit", "pth", "x.bvh"), "path"),
+                             (("robots", "lst"), "list"), (("help", "edit", "concta"), "concat")):
+            self.assert_fails(self.run_tool(*words), 2, f'did you mean "{meant}"?')
+
+    def test_a_file_is_no_mistyped_command(self):
+        self.write("edits", sample("wave").read_bytes())
+        self.assert_done(self.run_tool("edits", "g1", "-o", "x.csv"))
+
+    def test_help_of_every_command(self):
+        for command in (*((name,) for name in COMMANDS), ("edit", "path"), ("robots", "add")):
+            asked, told = self.run_tool("help", *command), self.run_tool(*command, "--help")
+            self.assert_done(asked)
+            self.assertEqual(asked.stdout, told.stdout)
+            self.assertIn("retarget " + " ".join(command), asked.stdout)
+            for line in asked.stdout.splitlines():
+                self.assertLessEqual(len(line), 80, line)
+        self.assertEqual(self.run_tool("help").stdout, self.run_tool("--help").stdout)
+        self.assertIn("  help ", self.run_tool("--help").stdout)
+        self.assert_fails(self.run_tool("help", "walk"), 2, '"walk"')
+
+    def test_hints_name_the_help_of_the_command(self):
+        for words in (("evaluate", "x.csv", "--no-such"), ("evaluate", "x.csv", "--fps"),
+                      ("evaluate", "x.csv", "--robot")):
+            self.assert_fails(self.run_tool(*words), 2, "hint: retarget evaluate --help")
+        self.assert_fails(self.run_tool("edit", "trim", "x.bvh", "-o", "y.bvh", "--no-such"), 2,
+                          "hint: retarget edit trim --help")
+        self.assert_fails(self.run_tool("--no-such"), 2, "hint: retarget --help")
+
+    def test_all_that_is_missing_is_said_at_once(self):
+        for words, missing in (
+                ((), "no motion file, no robot and no output are given"),
+                (("walk.bvh",), "no robot and no output are given"),
+                (("g1",), "no motion file and no output are given"),
+                (("walk.bvh", "g1"), "no output is given"),
+                (("--robot-xml", "x.xml"), "no motion file and no output are given"),
+                (("evaluate",), "no motions and no robot are given"),
+                (("convert",), "no input, no robot and no output are given"),
+                (("compare", "x.csv"), "no b is given"),
+                (("batch",), "no motion files, no output and no robot are given"),
+                (("batch", "in", "--robot", "g1"), "no output is given"),
+                (("edit", "trim"), "no file and no output are given"),
+                (("edit", "rest"), "no file, no --like and no output are given"),
+                (("robots", "add"), "no name and no --model are given"),
+                (("edit",), "retarget edit needs one of the commands rest, transfer")):
+            self.assert_fails(self.run_tool(*words), 2, missing)
+        # a merge has neither clips nor a robot
+        self.assert_fails(self.run_tool("batch", "--merge", "-o", "none"), 2, '"none" is not the output')
+
+    def test_a_folder_where_a_file_is_wanted(self):
+        (self.folder / "clips").mkdir()
+        for words in (("clips", "g1", "-o", "x.csv"), ("clips",), ("inspect", "clips"),
+                      ("--bvh", "clips", "--robot", "g1", "-o", "x.csv"),
+                      ("edit", "trim", "clips", "--start", "1", "-o", "x.bvh")):
+            self.assert_fails(self.run_tool(*words), 3, "clips", "directory", "retarget batch clips")
+        for words in (("evaluate", "clips"), ("convert", "clips", "x.csv"),
+                      ("compare", "clips", "clips")):
+            self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,134 @@
+#include "retarget/io/robot_csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "retarget/io/robot_motion.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// the CSV of a G1 that goes along x at a speed, as our own writer makes it, without a header
+class UnitsTest : public ::testing::Test {
+ protected:
+  struct Walk {
+    double height = 0.76;  // of the root, metres
+    double speed = 1.2;    // m/s
+    double swing = 0.3;    // of every joint, rad
+    double scale = 1.0;    // of lengths as they are written
+    double angles = 1.0;   // of angles as they are written
+  };
+  [[nodiscard]] std::string csv(const Walk& walk) const {
+    RobotClip clip(robot_, {30, 1}, 60);
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      const auto qpos = clip.qpos(frame);
+      qpos[0] = walk.scale * walk.speed * frame / 30.0;
+      qpos[2] = walk.scale * walk.height;
+      qpos[3] = std::cos(0.6);
+      qpos[6] = std::sin(0.6);
+      for (std::size_t i = 7; i < qpos.size(); ++i) {
+        qpos[i] = walk.angles * walk.swing * std::sin(0.2 * frame + static_cast<double>(i));
+      }
+    }
+    return format_robot_csv(clip, {.precision = 9});
+  }
+  [[nodiscard]] Result<RobotMotion> read(const std::string& text,
+                                         ReadMotionOptions options = {}) const {
+    options.quaternion = QuaternionOrder::kXyzw;
+    return parse_robot_motion(text, robot_, "m.csv", options);
+  }
+  static ReadMotionOptions metres(double per_unit) {
+    ReadMotionOptions options;
+    options.metres_per_unit = per_unit;
+    return options;
+  }
+  void expect_refused(const std::string& text, const std::string& option) const {
+    const auto motion = read(text);
+    ASSERT_FALSE(motion) << motion->clip.qpos(0)[2];
+    EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
+    EXPECT_THAT(motion.error().hint, HasSubstr(option));
+  }
+  void expect_doubted(const std::string& text, const std::string& option) const {
+    const auto motion = read(text);
+    ASSERT_TRUE(motion) << describe(motion.error());
+    EXPECT_THAT(motion->warnings, Contains(HasSubstr(option)));
+  }
+
+  std::shared_ptr<const Robot> robot_ = load_g1();
+};
+
+TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
+  for (const double height : {0.02, 0.08, 0.76, 2.0, 3.5}) {
+    const auto motion = read(csv({.height = height}));
+    ASSERT_TRUE(motion) << height << ": " << describe(motion.error());
+    EXPECT_NEAR(motion->clip.qpos(5)[2], height, 1e-9);
+    EXPECT_NEAR(motion->clip.qpos(59)[0], 1.2 * 59 / 30.0, 1e-9);
+    if (height < 2.0) {
+      EXPECT_THAT(motion->warnings, IsEmpty()) << height;
+    }
+  }
+}
+
+// these were taken for centimetres and millimetres, a hundredth and a thousandth of what they are
+TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
+  for (const double height : {6.5, 8.0, 90.0, 1000.0}) {
+    expect_refused(csv({.height = height}), "--source-unit");
+    const auto motion = read(csv({.height = height}), metres(1.0));
+    ASSERT_TRUE(motion) << describe(motion.error());
+    EXPECT_NEAR(motion->clip.qpos(5)[2], height, 1e-9);
+    EXPECT_THAT(motion->warnings, IsEmpty());
+  }
+}
+
+TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
+  for (const double scale : {100.0, 1000.0}) {
+    expect_refused(csv({.scale = scale}), "--source-unit");
+    const auto motion = read(csv({.scale = scale}), metres(1.0 / scale));
+    ASSERT_TRUE(motion) << describe(motion.error());
+    EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76, 1e-9);
+  }
+}
+
+TEST_F(UnitsTest, LowCentimetresAreDoubted) {
+  // on the belly at 3 cm, and with heights counted from the first frame's
+  expect_doubted(csv({.height = 0.03, .scale = 100.0}), "--source-unit");
+  expect_doubted(csv({.height = 0.0, .scale = 100.0}), "--source-unit");
+}
+
+TEST_F(UnitsTest, DegreesMustBeSaid) {
+  const double degrees = 180.0 / 3.14159265358979323846;
+  expect_refused(csv({.angles = degrees}), "--source-angles");
+  ReadMotionOptions in_degrees;
+  in_degrees.degrees = true;
+  const auto motion = read(csv({.angles = degrees}), in_degrees);
+  ASSERT_TRUE(motion) << describe(motion.error());
+  EXPECT_NEAR(motion->clip.qpos(0)[8], 0.3 * std::sin(8.0), 1e-9);
+  // hardly a movement: no number is beyond what some joint turns, but beyond most joints' ranges
+  expect_doubted(csv({.swing = 0.05, .angles = degrees}), "--source-angles");
+  EXPECT_THAT(read(csv({}))->warnings, IsEmpty());
+}
+
+// a robot whose zero configuration is folded stands no lower for it
+TEST_F(UnitsTest, AFoldedZeroPoseIsNoDwarf) {
+  robot_ = robot_from_text(R"(<mujoco><worldbody><body name="pelvis"><freejoint/>
+    <geom size=".1"/>
+    <body name="thigh"><joint name="hip" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>
+    <body name="shin" pos=".4 0 0"><joint name="knee" axis="0 1 0"/><geom size=".1"/>
+    <body name="foot" pos="-.4 0 0"><joint name="ankle" axis="0 1 0"/><geom size=".1"/>
+    </body></body></body></body></worldbody></mujoco>)");
+  const auto motion = read("0,0,0.8,0,0,0,1,0,0,0\n0,0,0.9,0,0,0,1,0,0,0\n");
+  ASSERT_TRUE(motion) << describe(motion.error());
+  EXPECT_EQ(motion->clip.qpos(1)[2], 0.9);
+  EXPECT_THAT(motion->warnings, IsEmpty());
+}
+
+}  // namespace
+}  // namespace retarget

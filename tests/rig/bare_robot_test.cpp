@@ -1,0 +1,108 @@
+#include "retarget/rig/bare_robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/robot/load_robot.h"
+#include "retarget/robot/variant.h"
+#include "rig_test_support.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string g1_model() {
+  return (std::filesystem::path(RETARGET_SOURCE_DIR) / "robots/unitree_g1/model.xml").string();
+}
+
+// the corners of a sole in the world with the robot at zero: lowest z, and x from heel to toe
+struct SoleExtent {
+  double lowest = INFINITY, heel = INFINITY, toe = -INFINITY;
+};
+
+SoleExtent extent_of(const Robot& robot, const Sole& sole) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  SoleExtent extent;
+  for (const Eigen::Vector3d& point : sole.points) {
+    const Eigen::Vector3d at = world_from_body[static_cast<std::size_t>(sole.body)] * point;
+    extent.lowest = std::min(extent.lowest, at.z());
+    extent.heel = std::min(extent.heel, at.x());
+    extent.toe = std::max(extent.toe, at.x());
+  }
+  return extent;
+}
+
+TEST(BareRobot, SolesAreThoseOfTheProfile) {
+  const auto bare = load_robot(g1_model());
+  ASSERT_TRUE(bare) << describe(bare.error());
+  ASSERT_TRUE((*bare)->profile().soles.empty());
+  const auto completed = complete_bare_robot(**bare, g1_model());
+  ASSERT_TRUE(completed) << describe(completed.error());
+  EXPECT_FALSE(completed->guessed);
+  const auto known = load_g1();
+  ASSERT_EQ(completed->robot->profile().soles.size(), 2U);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Sole &found = completed->robot->profile().soles[side],
+               &wanted = known->profile().soles[side];
+    EXPECT_EQ(found.side, wanted.side);
+    EXPECT_EQ(found.body, wanted.body);
+    const SoleExtent a = extent_of(*known, found), b = extent_of(*known, wanted);
+    EXPECT_NEAR(a.lowest, b.lowest, 1e-3);
+    EXPECT_NEAR(a.heel, b.heel, 0.01);
+    EXPECT_NEAR(a.toe, b.toe, 0.01);
+  }
+}
+
+TEST(BareRobot, AllElseStays) {
+  const auto bare = load_robot(g1_model());
+  ASSERT_TRUE(bare);
+  const auto completed = complete_bare_robot(**bare, g1_model());
+  ASSERT_TRUE(completed);
+  const Robot& robot = *completed->robot;
+  EXPECT_EQ(robot.name(), (*bare)->name());
+  EXPECT_EQ(robot.joint_names(), (*bare)->joint_names());
+  EXPECT_EQ(robot.output_joints(), (*bare)->output_joints());
+  EXPECT_EQ(robot.zero_configuration(), (*bare)->zero_configuration());
+  EXPECT_EQ(robot.model_limits().lower, (*bare)->model_limits().lower);
+  EXPECT_EQ(robot.collision_shapes().size(), (*bare)->collision_shapes().size());
+  EXPECT_FALSE(robot.profile().allowed_self_contact.empty());
+}
+
+// a model of masses alone, as one is whose meshes were taken out
+TEST(BareRobot, BodiesWithoutGeomsGetShapesAndGuessedSoles) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  for (std::size_t at = text.find("<geom"); at != std::string::npos; at = text.find("<geom", at)) {
+    text.insert(at + 5, " contype=\"0\" conaffinity=\"0\"");
+    at += 5;
+  }
+  const std::string model = folder.write("robot.xml", text);
+  const auto bare = load_robot(model);
+  ASSERT_TRUE(bare) << describe(bare.error());
+  ASSERT_TRUE((*bare)->collision_shapes().empty());
+  const auto completed = complete_bare_robot(**bare, model);
+  ASSERT_TRUE(completed) << describe(completed.error());
+  EXPECT_TRUE(completed->guessed);
+  EXPECT_EQ(completed->robot->profile().soles.size(), 2U);
+  EXPECT_GE(completed->robot->collision_shapes().size(), 10U);
+  for (const CollisionShape& shape : completed->robot->collision_shapes()) {
+    EXPECT_EQ(shape.geom, -1);
+  }
+}
+
+TEST(BareRobot, WhatIsNoHumanoidIsRefused) {
+  const auto arms = robot_from_text(kTwoArms);
+  const auto completed = complete_bare_robot(*arms, "arms.xml");
+  ASSERT_FALSE(completed);
+  EXPECT_EQ(completed.error().kind, ErrorKind::kConfig);
+  EXPECT_EQ(completed.error().file, "arms.xml");
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,151 @@
+#include "usage_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "retarget/base/suggest.h"
+
+namespace retarget::cli {
+namespace {
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+// the command that was given: `retarget edit path` has its own options alone
+const CLI::App& given_command(const CLI::App& app) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  return *command;
+}
+
+// `retarget edit path`
+std::string call_of(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return parent == nullptr ? command.get_name() : call_of(*parent) + " " + command.get_name();
+}
+
+std::string options_hint(const CLI::App& command) {
+  return call_of(command) + " --help lists the options";
+}
+
+bool is_there(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+bool is_given(const CLI::App& command, const std::string& name) {
+  const CLI::Option* option = command.get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
+}
+
+Need need_of(const CLI::Option& option) {
+  const std::string name = option.get_name();
+  if (option.get_positional()) return {name, option.get_type_name()};
+  if (name == "--output") return {"output", "-o or --output " + option.get_type_name()};
+  return {name, name + " " + option.get_type_name()};
+}
+
+// commands that do nothing without a robot; others ask for it where they need one
+constexpr std::array<std::string_view, 3> kOfARobot = {"batch", "convert", "evaluate"};
+
+std::vector<Need> needs_of(const CLI::App& command) {
+  const std::string& name = command.get_name();
+  const bool merges = is_given(command, "--merge");
+  std::vector<Need> needs;
+  if (name == "batch" && !merges && !is_given(command, "inputs") && !is_given(command, "--list")) {
+    needs.push_back({"motion files", "IN..."});
+  }
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_required() && option->count() == 0) needs.push_back(need_of(*option));
+  }
+  const bool of_a_robot = std::ranges::find(kOfARobot, name) != kOfARobot.end() && !merges;
+  if (of_a_robot && !is_given(command, "--robot") && !is_given(command, "--robot-xml")) {
+    needs.push_back({"robot", "--robot NAME or --robot-xml FILE"});
+  }
+  if (name == "convert" && !is_given(command, "out") && !is_given(command, "--output")) {
+    needs.push_back({"output", "OUT or -o FILE"});
+  }
+  return needs;
+}
+
+}  // namespace
+
+Result<void> check_needs(const std::vector<Need>& needs, const std::string& help) {
+  if (needs.empty()) return {};
+  std::string message, hint;
+  for (const Need& need : needs) {
+    const bool last = &need == &needs.back();
+    message += (message.empty() ? "no " : last ? " and no " : ", no ") + need.what;
+    hint += need.how + "; ";
+  }
+  const bool plural = needs.size() > 1 || needs.front().what.ends_with('s');
+  return usage_failure(message + (plural ? " are given" : " is given"), "add " + hint + help);
+}
+
+std::vector<std::string> without_help_command(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
+}
+
+Result<void> check_command(const CLI::App& app, const std::vector<std::string>& words,
+                           bool for_help) {
+  const CLI::App* command = &app;
+  for (const std::string& word : words) {
+    const std::vector<const CLI::App*> known = commands_of(*command);
+    if (known.empty() || word.starts_with('-')) return {};
+    const auto found = std::ranges::find(known, word, &CLI::App::get_name);
+    if (found != known.end()) {
+      command = *found;
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const CLI::App* each : known) names.push_back(each->get_name());
+    const std::string near = did_you_mean(word, names);
+    const bool may_be_motion = command == &app && !for_help;
+    if (may_be_motion && (near.empty() || is_there(word))) return {};
+    return usage_failure("there is no command \"" + word + "\"" + near,
+                         call_of(*command) + " --help lists the commands");
+  }
+  return {};
+}
+
+Result<void> check_given(const CLI::App& app) {
+  const CLI::App& command = given_command(app);
+  const std::vector<const CLI::App*> parts = commands_of(command);
+  if (&command != &app && !parts.empty()) {
+    std::vector<std::string> names;
+    for (const CLI::App* part : parts) names.push_back(part->get_name());
+    return usage_failure(
+        call_of(command) + " needs one of the commands " + list_names(names, names.size()),
+        call_of(command) + " --help says what they do");
+  }
+  return check_needs(needs_of(command), options_hint(command));
+}
+
+Failure unknown_words(const CLI::App& app) {
+  const CLI::App& command = given_command(app);
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) known.push_back(option->get_name());
+  const std::vector<std::string> words = app.remaining(true);
+  for (const std::string& word : words) {
+    if (!word.starts_with('-')) continue;
+    return usage_failure("unknown option " + word + did_you_mean(word, known),
+                         options_hint(command));
+  }
+  return usage_failure("unexpected " + list_names(words),
+                       &command == &app ? "a run takes one motion file and one robot; "
+                                          "retarget batch takes many files"
+                                        : options_hint(command));
+}
+
+Failure wrong_words(const CLI::App& app, const CLI::ParseError& error) {
+  return usage_failure(error.what(), options_hint(given_command(app)));
+}
+
+}  // namespace retarget::cli
