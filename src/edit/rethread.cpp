@@ -106,8 +106,8 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
   const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
   if (!feet) return failure(feet.error());
   result.feet = *feet;
-  result.check = check_speeds(human, human, to_human(result.clip, mapping),
-                              {0, result.clip.frame_count(), 0, 0, 0}, options.speed_factor);
+  result.check = check_motion(human, human, to_human(result.clip, mapping),
+                              {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
   return result;
 }
 

@@ -114,6 +114,10 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
                        number_text(joined.check.largest_speed, 2) + " m/s (in the clips " +
                        number_text(joined.check.usual_speed, 2) + "); planted feet slip at " +
                        number_text(joined.check.slip, 3) + " m/s");
+  if (joined.check.jolted_bone.empty()) return;
+  console.line("", "largest acceleration for what it does: " + joined.check.jolted_bone + " " +
+                       number_text(joined.check.largest_acceleration, 1) + " m/s2 (in the clips " +
+                       number_text(joined.check.usual_acceleration, 1) + ")");
 }
 
 // a failure for one that is not good

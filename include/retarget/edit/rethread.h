@@ -26,7 +26,7 @@ struct RethreadOptions {
   PathFitOptions fit;
   PlantOptions plant;
   double same_stand = 0.1;    ///< Contacts of a foot with a shorter break are one, seconds.
-  double speed_factor = 3.0;  ///< A joint's largest speed against its own 99.9th percentile.
+  MotionLimits limits;        ///< Of the joints.
 };
 
 /// A motion on another path.
@@ -36,7 +36,7 @@ struct Rethreaded {
   std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
   PlantSummary feet;
   SeamCheck
-      check;  ///< Speeds in the whole clip, against the source's; faults where a path hurries.
+      check;  ///< Speeds and accelerations in the whole clip; faults where a path hurries.
 };
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves
