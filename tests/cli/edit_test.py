@@ -92,6 +92,16 @@ class Edit(ToolTest):
                           "--times", 3, "-o", "loop.bvh")
         cycle = int(words.split("cycle")[1].split()[0])
         self.assertEqual(len(self.frames(self.folder / "loop.bvh")), 3 * cycle)
+        # how far the body comes does not hang on where in the world it walks
+        advance = words.split("advance")[1].splitlines()[0]
+        self.edited("turn", sample("walk"), "40").rename(self.folder / "turned.bvh")
+        self.edited("move", "turned.bvh", "-40,90").rename(self.folder / "far.bvh")
+        far = self.said("loop", "far.bvh", "--start", 3.4, "--end", 7, "--shortest", 0.6, "-o", "x.bvh")
+        self.assertEqual(far.split("advance")[1].splitlines()[0], advance)
+        # in the written motion
+        rows = self.frames(self.folder / "loop.bvh")
+        way = [0.01 * (rows[cycle][i] - rows[0][i]) for i in (0, 2)]
+        self.assertAlmostEqual(float(advance.split()[0]), (way[0] ** 2 + way[1] ** 2) ** 0.5, 3)
         # who gets up does not come back to lying
         up = sample("get_up")
         self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")
@@ -122,6 +132,20 @@ class Edit(ToolTest):
         self.assert_fails(
             self.run_tool("edit", "concat", walk, walk, "--search", "x", "-o", "x.bvh"), 2, "--search")
         self.assert_fails(self.run_tool("edit", "concat", "-", "-", "-o", "x.bvh"), 2, "standard input")
+
+    def test_the_move_of_a_seam_is_that_of_the_body(self):
+        walk = sample("walk")
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", ":160", "-o", "a.bvh"))
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", "150:", "-o", "b.bvh"))
+        self.edited("turn", "b.bvh", "50").rename(self.folder / "turned.bvh")
+        self.edited("move", "turned.bvh", "60,-80").rename(self.folder / "far.bvh")
+        words = self.said("concat", "a.bvh", "far.bvh", "-o", "ab.bvh")
+        # the second begins at the seam: the body goes back by what it was moved
+        self.assertIn("turned by -50 degrees", words)
+        x, y = (float(word) for word in
+                words.split("and moved by ")[1].split(" m")[0].split(", "))
+        self.assertAlmostEqual(x, -60.0, 2)
+        self.assertAlmostEqual(y, 80.0, 2)
 
     def test_a_refused_seam_still_has_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",

@@ -102,8 +102,8 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
   const GroundPose& move = seam.a_from_b;
   console.line(
       "", "the second is turned by " + number_text(move.heading * 180.0 / std::numbers::pi, 2) +
-              " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
-              number_text(move.position.y(), 3) + " m" +
+              " degrees about its hips at the seam and moved by " + number_text(seam.way.x(), 3) +
+              ", " + number_text(seam.way.y(), 3) + " m" +
               (joined.lift == 0.0
                    ? std::string()
                    : ", and raised by " + number_text(joined.lift, 3) + " m to the first's floor"));

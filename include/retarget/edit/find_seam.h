@@ -27,7 +27,8 @@ struct SeamOptions {
 struct Seam {
   int a_frame = 0, b_frame = 0;
   int overlap = 1;           ///< Frames, from these on, that both clips have (at most the window).
-  GroundPose a_from_b;       ///< Brings b over the ground to a.
+  GroundPose a_from_b;       ///< Brings b over the ground to a: of the world, about its origin.
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< The same of b's hips at b_frame, metres.
   double distance = 0.0;     ///< As WindowDistance, metres.
   bool same_support = true;  ///< The same feet are planted in both.
   std::string worst_bone;    ///< Farthest from its counterpart at the seam,
