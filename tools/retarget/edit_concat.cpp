@@ -10,7 +10,6 @@
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
 #include "retarget/edit/concatenate.h"
-#include "retarget/edit/transfer.h"
 #include "retarget/motion/resample.h"
 
 namespace retarget::cli {
@@ -78,8 +77,9 @@ Result<Clip> like_first(EditSource source, const EditSource& first, const std::s
   Clip clip = std::move(source.clip);
   if (!same) {
     console.line("", "brought to the first clip's skeleton through the T-pose");
-    clip = transfer(clip, source.mapping(),
-                    {first.clip.shared_skeleton(), first.human.map, first.mapping()});
+    clip = to_skeleton(clip, source.mapping(),
+                       {first.clip.shared_skeleton(), first.human.map, first.mapping()}, file,
+                       console);
   }
   if (same_rate(clip.rate(), first.clip.rate())) return clip;
   console.line("", "from " + to_text(clip.rate()) + " to " + to_text(first.clip.rate()) + " fps");
