@@ -52,8 +52,8 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
 
 // a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer to
 // the hip, as it does when a step is long
-Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot, const Eigen::Vector3d& hip,
-                 const LegReach& stretch, double farthest) {
+Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
+                 const Eigen::Vector3d& hip, const LegReach& stretch, double farthest) {
   const Eigen::Vector3d toes = wanted * toes_in_foot;
   const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
   const Eigen::Vector3d axis = foot.cross(leg);
@@ -82,8 +82,7 @@ void FootOffsets::set(std::size_t frame, const Pose& wanted, const LegTrack& leg
 
 Pose FootOffsets::moved(std::size_t frame, const LegTrack& leg) const {
   const Pose& ankle = leg.ankles[frame];
-  return {(exp_so3(turns[frame]) * ankle.rotation).normalized(),
-          ankle.translation + shifts[frame]};
+  return {(exp_so3(turns[frame]) * ankle.rotation).normalized(), ankle.translation + shifts[frame]};
 }
 
 LegReach FootOffsets::reach(std::size_t frame, const LegTrack& leg, double drop,

@@ -23,7 +23,10 @@ struct FootOffsets {
   std::vector<bool> planted, heel_up;
 
   explicit FootOffsets(std::size_t frames)
-      : shifts(frames, Eigen::Vector3d::Zero()), turns(shifts), planted(frames, false), heel_up(planted) {}
+      : shifts(frames, Eigen::Vector3d::Zero()),
+        turns(shifts),
+        planted(frames, false),
+        heel_up(planted) {}
 
   /// Whether there is more than rounding.
   [[nodiscard]] bool any(std::size_t frame) const;

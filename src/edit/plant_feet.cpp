@@ -128,7 +128,10 @@ class FootPlanter {
         if (from_foot.norm() <= reach) continue;
         const double left = reach * reach - from_foot.head<2>().squaredNorm();
         const double drop = left > 0.0 ? from_foot.z() - std::sqrt(left) : from_foot.z();
-        drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, options_.deepest_pelvis));
+        // hips that are low, of a body that sits or lies, stay over the floor
+        constexpr double kLower = 0.125;
+        const double deepest = std::clamp(kLower * from_foot.z(), 0.0, options_.deepest_pelvis);
+        drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, deepest));
         any = true;
       }
     }
@@ -142,9 +145,8 @@ class FootPlanter {
     LegReach stretch = offsets.reach(frame, tracks_[foot], drop, options_);
     stretch.begin /= metres_per_unit_;
     stretch.room /= metres_per_unit_;
-    const double miss =
-        solvers_[foot]->reach(clip_, static_cast<int>(frame), in_source, stretch) *
-        metres_per_unit_;
+    const double miss = solvers_[foot]->reach(clip_, static_cast<int>(frame), in_source, stretch) *
+                        metres_per_unit_;
     summary_.largest_correction =
         std::max(summary_.largest_correction, offsets.shifts[frame].norm());
     if (offsets.planted[frame]) summary_.largest_miss = std::max(summary_.largest_miss, miss);

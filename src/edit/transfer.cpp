@@ -177,7 +177,8 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
     if (bones[joint] >= 0) {
       const BoneSource& bone = mapping.bones[static_cast<std::size_t>(bones[joint])];
       carried[bone.rotation_joint] = carried[bone.position_joint] = true;
-    } else if (twins[joint] < 0 && std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
+    } else if (twins[joint] < 0 &&
+               std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
                !is_above_hips(skeleton, joint, target.map.joint("Hips"))) {
       result.at_rest.push_back(skeleton.joint(joint).name);
     }

@@ -186,6 +186,28 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "path", walk, "--to", "bad.json", "-o", "x.bvh"), 4,
                           "3n + 1")
 
+    def test_transfer_carries_or_names_all_joints(self):
+        # the walk with a finger below its last joint, which bends
+        text = sample("walk").read_text()
+        hierarchy, motion = text.split("MOTION")
+        finger = ("JOINT RightIndex\n{\nOFFSET 8 1 0\n"
+                  "CHANNELS 3 Zrotation Yrotation Xrotation\nEnd Site\n{\nOFFSET 4 0 0\n}\n}\n")
+        at = hierarchy.rindex("End Site")
+        rows = motion.strip().splitlines()
+        rows = rows[:2] + [row + f" {10 + i % 40} 5 0" for i, row in enumerate(rows[2:])]
+        fingered = self.write("fingered.bvh", hierarchy[:at] + finger + hierarchy[at:] +
+                              "MOTION\n" + "\n".join(rows) + "\n")
+        words = self.said("transfer", fingered, "--to", fingered, "-o", "same.bvh")
+        self.assertNotIn("left out", words)
+        self.assertIsNone(difference([row[-3:] for row in self.frames(self.folder / "same.bvh")],
+                                     [row[-3:] for row in self.frames(fingered)], 1e-6))
+        words = self.said("transfer", fingered, "--to", sample("walk"), "-o", "x.bvh")
+        self.assertIn("left out", words)
+        self.assertIn("RightIndex", words)
+        words = self.said("transfer", sample("walk"), "--to", fingered, "-o", "x.bvh")
+        self.assertIn("at rest", words)
+        self.assertIn("RightIndex", words)
+
     @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is not there")
     def test_other_skeletons(self):
         dialects = SHARED / "data/dialects"

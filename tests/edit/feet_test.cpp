@@ -37,6 +37,8 @@ std::vector<FrameRange> standing(const Track& track, double fps) {
     if (runs.empty() || runs.back().end != i + 1) runs.push_back({i, i + 1});
     runs.back().end = i + 2;
   }
+  // without the frames in which it comes and goes
+  for (FrameRange& run : runs) run = {run.begin + 1, run.end - 1};
   std::erase_if(runs, [&](const FrameRange& run) { return run.end - run.begin < 0.1 * fps; });
   return runs;
 }
@@ -122,6 +124,50 @@ TEST(FeetOnPaths, RecordedKneesAndToes) {
       EXPECT_LT(largest_slide(source, moved, bone), 0.02) << name << " " << bone << " " << scale;
     }
   }
+}
+
+// thighs and shins of other proportions
+Clip with_other_legs(const Clip& clip) {
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    if (joint.name.ends_with("UpLeg")) continue;
+    if (joint.name.ends_with("Leg")) joint.offset *= 0.85;
+    if (joint.name.ends_with("Foot")) joint.offset *= 1.1;
+    if (joint.name.ends_with("Toe")) joint.offset *= 1.3;
+  }
+  Clip result(std::make_shared<const Skeleton>(joints), clip.rate(), clip.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(clip.rotations(frame), result.rotations(frame).begin());
+    std::ranges::copy(clip.translations(frame), result.translations(frame).begin());
+  }
+  return result;
+}
+
+TEST(FeetAfterATransfer, StandAsTheSources) {
+  const EditSample& sample = data_sample("walk");
+  const Clip legs = with_other_legs(sample.clip);
+  const auto found = recognise_skeleton(legs, all_dialects(), "legs");
+  ASSERT_TRUE(found) << describe(found.error());
+  const EditSample other(legs);
+  const HumanClip source = sample.human();
+  Clip moved = transfer(sample.clip, sample.mapping, other.as_target());
+  const HumanClip slid = other.human_of(moved);
+  const auto feet =
+      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.mapping, {}, "other");
+  ASSERT_TRUE(feet) << describe(feet.error());
+  const HumanClip planted = other.human_of(moved);
+  EXPECT_LT(feet->largest_miss, 0.002);
+  for (const char* bone : {"LeftToe", "RightToe"}) {
+    EXPECT_GT(largest_slide(source, slid, bone), 0.02) << bone;
+    EXPECT_LT(largest_slide(source, planted, bone), 0.003) << bone;
+  }
+  EXPECT_LT(largest_knee_acceleration(planted), 1.3 * largest_knee_acceleration(source));
+  // who has the same body stands already
+  Clip same = transfer(sample.clip, sample.mapping, sample.as_target());
+  const auto none =
+      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.mapping, {}, "same");
+  ASSERT_TRUE(none);
+  EXPECT_LT(none->largest_correction, 1e-9);
 }
 
 }  // namespace

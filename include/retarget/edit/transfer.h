@@ -49,8 +49,7 @@ struct UncarriedJoints {
 /// @param moved  transfer(clip, mapping, target); changed.
 /// @param file   for messages.
 /// @return kInput errors as BodyMover::of.
-[[nodiscard]] Result<PlantSummary> plant_transferred_feet(Clip& moved,
-                                                          const TransferTarget& target,
+[[nodiscard]] Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
                                                           const Clip& clip,
                                                           const HumanMapping& mapping,
                                                           const PlantOptions& options,
