@@ -1,48 +1,14 @@
 #include "retarget/edit/change_rest.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <vector>
 
+#include "edit/rest_frames.h"
 #include "retarget/base/suggest.h"
 #include "retarget/motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {
-
-// shorter than this a bone has no direction
-constexpr double kNoLength = 1e-12;
-
-// what leaves a joint: rest directions in both skeletons, pairwise
-struct Leaving {
-  std::vector<Eigen::Vector3d> source, target;
-
-  void add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& from_target) {
-    if (from_source.norm() < kNoLength || from_target.norm() < kNoLength) return;
-    source.push_back(from_source.normalized());
-    target.push_back(from_target.normalized());
-  }
-};
-
-// the rotation that takes the source's directions to the target's
-Eigen::Quaterniond rest_turn(const Leaving& leaving) {
-  if (leaving.source.empty()) return Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < leaving.source.size(); ++i) {
-    covariance += leaving.target[i] * leaving.source[i].transpose();
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // directions along one line leave the turn about it open: the least rotation closes it
-  constexpr double kOneLine = 1e-9;
-  if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
-    return Eigen::Quaterniond::FromTwoVectors(leaving.source[0], leaving.target[0]);
-  }
-  Eigen::Vector3d signs(1.0, 1.0, 1.0);
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;
-  const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  return Eigen::Quaterniond(turn).normalized();
-}
 
 // index of each target joint's twin in the source
 Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& target,

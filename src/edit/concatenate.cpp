@@ -71,8 +71,8 @@ class Joiner {
     seam.overlap = 0;
     SeamRegion region;
     region.begin = region.end = seam.a_frame;
-    SeamCheck check = check_speeds(motion_a_.human, human_b_, to_human(whole, mapping_), region,
-                                   options_.speed_factor);
+    SeamCheck check =
+        check_motion(motion_a_.human, human_b_, to_human(whole, mapping_), region, options_.limits);
     return {std::move(whole), seam, std::move(map), 0.0, 0.0, std::move(check)};
   }
 

@@ -149,6 +149,8 @@ class SeamFinder {
     seam.b_frame = pair.b;
     seam.overlap = distance_.frames_at(pair.a, pair.b);
     seam.a_from_b = aligned.a_from_b;
+    const Eigen::Vector2d hips = b_.frame(pair.b)[0].translation.head<2>();
+    seam.way = seam.a_from_b * hips - hips;
     seam.distance = aligned.distance;
     seam.same_support = same_support(pair.a, pair.b);
     const Pose to_a = seam.a_from_b.in_space();

@@ -36,7 +36,7 @@ Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b, const
   if (!planted) return failure(planted.error());
 
   const HumanMotion result(joined, mapping);
-  SeamCheck check = check_speeds(a.human, b.human, result.human, region, options.speed_factor);
+  SeamCheck check = check_motion(a.human, b.human, result.human, region, options.limits);
   check_feet(check, a.feet, b.feet, result.feet, plants, region, rate);
   find_faults(check, seam, options);
   return JoinedClips{std::move(joined), std::move(check)};

@@ -242,7 +242,10 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
     }
   }
   Clip whole = repeated(cycle, options, advance, *mover);
-  return Loop{std::move(whole), end.frame, end.aligned.distance, advance, std::move(joined->check)};
+  const Eigen::Vector2d start = motion.human.frame(0)[0].translation.head<2>();
+  return Loop{std::move(whole),        end.frame,
+              end.aligned.distance,    advance,
+              advance * start - start, std::move(joined->check)};
 }
 
 }  // namespace retarget

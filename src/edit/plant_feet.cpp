@@ -4,86 +4,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "edit/fading_offset.h"
+#include "edit/foot_offsets.h"
 #include "edit/two_bone_leg.h"
 #include "retarget/edit/ground_pose.h"
-#include "retarget/math/so3.h"
 #include "retarget/math/trigonometry.h"
 #include "retarget/motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {
 
-// corrections below this are rounding, metres and radians
+// metres: lower by less is rounding
 constexpr double kNothing = 1e-10;
-
-// what a foot's pose lacks, frame by frame
-struct FootOffsets {
-  std::vector<Eigen::Vector3d> shifts, turns;  // world, metres and rotation vectors
-  std::vector<bool> planted;
-
-  explicit FootOffsets(std::size_t frames)
-      : shifts(frames, Eigen::Vector3d::Zero()), turns(shifts), planted(frames, false) {}
-
-  [[nodiscard]] bool any(std::size_t frame) const {
-    return shifts[frame].norm() > kNothing || turns[frame].norm() > kNothing;
-  }
-};
-
-using Track = std::vector<Eigen::Vector3d>;
-
-// fills the frames between two places, or before the first or after the last one
-void fade_between(Track& track, const std::vector<bool>& planted, int from, int to, int release) {
-  const int frames = static_cast<int>(track.size());
-  const auto velocity = [&](int frame, int inwards) -> Eigen::Vector3d {
-    const int other = frame + inwards;
-    if (other < 0 || other >= frames || !planted[other]) return Eigen::Vector3d::Zero();
-    return (track[other] - track[frame]) * inwards;
-  };
-  // velocities inside the places, before anything is filled
-  const Eigen::Vector3d leaving = from >= 0 ? velocity(from, -1) : Eigen::Vector3d::Zero();
-  const Eigen::Vector3d coming = to < frames ? velocity(to, 1) : Eigen::Vector3d::Zero();
-  if (from >= 0 && to < frames && to - from <= 2 * release) {
-    for (int i = from + 1; i < to; ++i) {
-      track[i] = ease(track[from], leaving, track[to], coming, to - from, i - from);
-    }
-    return;
-  }
-  if (from >= 0) {
-    for (int i = from + 1; i < std::min(to, from + release); ++i) {
-      track[i] = fade(track[from], leaving, release, i - from);
-    }
-  }
-  if (to < frames) {
-    for (int i = to - 1; i > std::max(from, to - release); --i) {
-      track[i] = fade(track[to], -coming, release, to - i);
-    }
-  }
-}
-
-FootOffsets offsets_of(std::span<const PlantedFoot> plants, int foot,
-                       const std::vector<Pose>& ankles, int release) {
-  FootOffsets offsets(ankles.size());
-  std::vector<std::pair<int, int>> places;
-  for (const PlantedFoot& plant : plants) {
-    if (plant.foot != foot || plant.world_from_foot.empty()) continue;
-    places.emplace_back(plant.begin, plant.end());
-    for (int i = plant.begin; i < plant.end(); ++i) {
-      const Pose& wanted = plant.world_from_foot[static_cast<std::size_t>(i - plant.begin)];
-      offsets.shifts[i] = wanted.translation - ankles[i].translation;
-      offsets.turns[i] = log_so3(wanted.rotation * ankles[i].rotation.conjugate());
-      offsets.planted[i] = true;
-    }
-  }
-  const int frames = static_cast<int>(ankles.size());
-  for (std::size_t k = 0; k <= places.size() && !places.empty(); ++k) {
-    const int from = k == 0 ? -1 : places[k - 1].second - 1;
-    const int to = k == places.size() ? frames : places[k].first;
-    fade_between(offsets.shifts, offsets.planted, from, to, release);
-    fade_between(offsets.turns, offsets.planted, from, to, release);
-  }
-  return offsets;
-}
 
 // at least as much everywhere, without corners: the largest near by, then a mean of those
 std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
@@ -127,7 +58,7 @@ class FootPlanter {
       const auto& bone_axes = mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
       solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
-      ankles_[foot] = ankle_poses(clip, mapping, *legs[foot]);
+      find_track(foot);
     }
   }
 
@@ -135,13 +66,19 @@ class FootPlanter {
     const int release = in_frames(options_.release);
     std::array<FootOffsets, 2> offsets{FootOffsets(frames_), FootOffsets(frames_)};
     for (int foot = 0; foot < 2; ++foot) {
-      if (solvers_[foot]) offsets[foot] = offsets_of(plants, foot, ankles_[foot], release);
+      if (solvers_[foot]) offsets[foot] = planted_offsets(plants, foot, tracks_[foot]);
     }
-    const std::vector<double> drops = find_drops(offsets);
+    // who stands on a whole foot has to come down; who stands on the toes can rise on them
+    std::vector<double> drops = find_drops(offsets, false);
+    for (int foot = 0; foot < 2; ++foot) {
+      if (!solvers_[foot]) continue;
+      rise_on_toes(offsets[foot], plants, foot, tracks_[foot], drops, options_, release);
+      fade_offsets(offsets[foot], release);
+    }
+    drops = find_drops(offsets, true);
     for (std::size_t frame = 0; frame < frames_; ++frame) {
       const bool lower = drops[frame] > kNothing;
       if (!lower && !offsets[0].any(frame) && !offsets[1].any(frame)) continue;
-      const std::array<double, 2> reaches = reaches_at(static_cast<int>(frame));
       if (lower) {
         mover_.move(clip_, static_cast<int>(frame),
                     {Eigen::Quaterniond::Identity(), {0.0, 0.0, -drops[frame]}});
@@ -149,7 +86,7 @@ class FootPlanter {
       }
       for (int foot = 0; foot < 2; ++foot) {
         if (!solvers_[foot] || (!lower && !offsets[foot].any(frame))) continue;
-        place_foot(offsets[foot], foot, static_cast<int>(frame), reaches[foot]);
+        place_foot(offsets[foot], foot, frame, drops[frame]);
       }
     }
     return summary_;
@@ -160,55 +97,56 @@ class FootPlanter {
     return std::max(1, static_cast<int>(std::lround(seconds * clip_.rate().fps())));
   }
 
-  [[nodiscard]] Pose wanted_pose(const FootOffsets& offsets, int foot, int frame) const {
-    const Pose& ankle = ankles_[foot][frame];
-    return {(exp_so3(offsets.turns[frame]) * ankle.rotation).normalized(),
-            ankle.translation + offsets.shifts[frame]};
-  }
-
-  // how long each leg may be in a frame, file units
-  std::array<double, 2> reaches_at(int frame) {
-    forward_kinematics(clip_, frame, poses_);
-    std::array<double, 2> reaches{};
-    for (int foot = 0; foot < 2; ++foot) {
-      if (!solvers_[foot]) continue;
-      const LegJoints& leg = solvers_[foot]->joints();
-      const double now = (poses_[leg.hip].translation - poses_[leg.ankle].translation).norm();
-      reaches[foot] = std::max(now, options_.longest_reach * solvers_[foot]->length(poses_));
+  // where the leg is in every frame, and how far it can be stretched there
+  void find_track(int foot) {
+    const LegJoints& leg = solvers_[foot]->joints();
+    LegTrack& track = tracks_[foot];
+    for (std::size_t frame = 0; frame < frames_; ++frame) {
+      forward_kinematics(clip_, static_cast<int>(frame), poses_);
+      const Eigen::Vector3d hip = human_from_source_ * poses_[leg.hip].translation;
+      const Pose& ankle = poses_[leg.ankle];
+      track.hips.emplace_back(hip * metres_per_unit_);
+      track.ankles.push_back({(human_from_source_ * ankle.rotation).normalized(),
+                              human_from_source_ * ankle.translation * metres_per_unit_});
+      track.lengths.push_back(solvers_[foot]->length(poses_) * metres_per_unit_);
     }
-    return reaches;
   }
 
   // how far the hips have to come down for the legs to reach, metres
-  std::vector<double> find_drops(const std::array<FootOffsets, 2>& offsets) {
+  [[nodiscard]] std::vector<double> find_drops(const std::array<FootOffsets, 2>& offsets,
+                                               bool on_toes) const {
     std::vector<double> drops(frames_, 0.0);
     bool any = false;
-    for (std::size_t frame = 0; frame < frames_; ++frame) {
-      if (!offsets[0].any(frame) && !offsets[1].any(frame)) continue;
-      const auto reaches = reaches_at(static_cast<int>(frame));
-      for (int foot = 0; foot < 2; ++foot) {
-        if (!solvers_[foot] || !offsets[foot].any(frame)) continue;
-        const Eigen::Vector3d hip = human_from_source_ *
-                                    poses_[solvers_[foot]->joints().hip].translation *
-                                    metres_per_unit_;
+    for (int foot = 0; foot < 2; ++foot) {
+      if (!solvers_[foot]) continue;
+      for (std::size_t frame = 0; frame < frames_; ++frame) {
+        if (!offsets[foot].planted[frame] || !offsets[foot].any(frame)) continue;
+        if (offsets[foot].heel_up[frame] && !on_toes) continue;
         const Eigen::Vector3d from_foot =
-            hip - wanted_pose(offsets[foot], foot, static_cast<int>(frame)).translation;
-        const double reach = reaches[foot] * metres_per_unit_;
+            tracks_[foot].hips[frame] - offsets[foot].moved(frame, tracks_[foot]).translation;
+        const double reach = offsets[foot].reach(frame, tracks_[foot], 0.0, options_).easily();
         if (from_foot.norm() <= reach) continue;
         const double left = reach * reach - from_foot.head<2>().squaredNorm();
         const double drop = left > 0.0 ? from_foot.z() - std::sqrt(left) : from_foot.z();
-        drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, options_.deepest_pelvis));
+        // hips that are low, of a body that sits or lies, stay over the floor
+        constexpr double kLower = 0.125;
+        const double deepest = std::clamp(kLower * from_foot.z(), 0.0, options_.deepest_pelvis);
+        drops[frame] = std::max(drops[frame], std::clamp(drop, 0.0, deepest));
         any = true;
       }
     }
     return any ? smooth_cover(drops, in_frames(options_.pelvis_blend)) : drops;
   }
 
-  void place_foot(const FootOffsets& offsets, int foot, int frame, double reach) {
-    const Pose wanted = wanted_pose(offsets, foot, frame);
+  void place_foot(const FootOffsets& offsets, int foot, std::size_t frame, double drop) {
+    const Pose wanted = offsets.moved(frame, tracks_[foot]);
     const Pose in_source{human_from_source_.conjugate() * wanted.rotation,
                          human_from_source_.conjugate() * wanted.translation / metres_per_unit_};
-    const double miss = solvers_[foot]->reach(clip_, frame, in_source, reach) * metres_per_unit_;
+    LegReach stretch = offsets.reach(frame, tracks_[foot], drop, options_);
+    stretch.begin /= metres_per_unit_;
+    stretch.room /= metres_per_unit_;
+    const double miss = solvers_[foot]->reach(clip_, static_cast<int>(frame), in_source, stretch) *
+                        metres_per_unit_;
     summary_.largest_correction =
         std::max(summary_.largest_correction, offsets.shifts[frame].norm());
     if (offsets.planted[frame]) summary_.largest_miss = std::max(summary_.largest_miss, miss);
@@ -221,7 +159,7 @@ class FootPlanter {
   const double metres_per_unit_;
   const std::size_t frames_;
   std::array<std::optional<TwoBoneLeg>, 2> solvers_;
-  std::array<std::vector<Pose>, 2> ankles_;
+  std::array<LegTrack, 2> tracks_;
   std::vector<Pose> poses_;  // of a frame
   PlantSummary summary_;
 };
@@ -253,17 +191,17 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
   return legs;
 }
 
-std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
+std::vector<Pose> joint_poses(const Clip& clip, const HumanMapping& mapping, int joint) {
   const Eigen::Quaterniond human_from_source(mapping.human_from_source);
-  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count())), ankles;
-  ankles.reserve(static_cast<std::size_t>(clip.frame_count()));
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count())), of_joint;
+  of_joint.reserve(static_cast<std::size_t>(clip.frame_count()));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     forward_kinematics(clip, frame, poses);
-    const Pose& ankle = poses[leg.ankle];
-    ankles.push_back({(human_from_source * ankle.rotation).normalized(),
-                      human_from_source * ankle.translation * mapping.metres_per_unit});
+    const Pose& pose = poses[joint];
+    of_joint.push_back({(human_from_source * pose.rotation).normalized(),
+                        human_from_source * pose.translation * mapping.metres_per_unit});
   }
-  return ankles;
+  return of_joint;
 }
 
 Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,

@@ -1,5 +1,6 @@
 #include "edit/rest_frames.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 
 #include "retarget/human/bone_map.h"
@@ -7,6 +8,51 @@
 #include "retarget/motion/skeleton_points.h"
 
 namespace retarget {
+namespace {
+
+// where the joints are in the T-pose, z up, from the root, file units
+class TPose {
+ public:
+  TPose(const Skeleton& skeleton, const HumanMapping& mapping)
+      : skeleton_(skeleton), mapping_(mapping), turns_(t_pose_rotations(skeleton, mapping)) {
+    for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+      const int parent = skeleton.joint(joint).parent;
+      Eigen::Vector3d place = Eigen::Vector3d::Zero();
+      if (parent >= 0) place = places_[parent] + turns_[parent] * skeleton.joint(joint).offset;
+      places_.push_back(place);
+    }
+  }
+
+  [[nodiscard]] Eigen::Vector3d place_of(const BoneSource& bone) const {
+    const Eigen::Vector3d& place = places_[bone.position_joint];
+    if (!bone.position_in_joint) return place;
+    return place + turns_[bone.position_joint] * *bone.position_in_joint;
+  }
+
+  [[nodiscard]] std::optional<double> lowest_of_feet() const {
+    std::optional<double> lowest;
+    for (const char* foot : {"LeftFoot", "RightFoot"}) {
+      const int ankle =
+          mapping_.bones[static_cast<std::size_t>(find_bone(foot).value())].position_joint;
+      for (const SkeletonPoint& point : points_below(skeleton_, ankle)) {
+        const Eigen::Vector3d place = places_[point.joint] + turns_[point.joint] * point.offset;
+        lowest = std::min(lowest.value_or(place.z()), place.z());
+      }
+    }
+    return lowest;
+  }
+
+ private:
+  const Skeleton& skeleton_;
+  const HumanMapping& mapping_;
+  const std::vector<Eigen::Quaterniond> turns_;
+  std::vector<Eigen::Vector3d> places_;
+};
+
+// shorter than this a bone has no direction
+constexpr double kNoLength = 1e-12;
+
+}  // namespace
 
 std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
                                                  const HumanMapping& mapping) {
@@ -31,30 +77,43 @@ std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
   return rotations;
 }
 
-std::optional<double> sole_depth(const Skeleton& skeleton, const HumanMapping& mapping) {
-  const int hips = mapping.bones[0].position_joint;
-  if (hips < 0) return std::nullopt;
-  const auto turns = t_pose_rotations(skeleton, mapping);
-  std::vector<Eigen::Vector3d> places;
-  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    const int parent = skeleton.joint(joint).parent;
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    if (parent >= 0) place = places[parent] + turns[parent] * skeleton.joint(joint).offset;
-    places.push_back(place);
+void Leaving::add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& from_target) {
+  if (from_source.norm() < kNoLength || from_target.norm() < kNoLength) return;
+  source.push_back(from_source.normalized());
+  target.push_back(from_target.normalized());
+}
+
+Eigen::Quaterniond rest_turn(const Leaving& leaving) {
+  if (leaving.source.empty()) return Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < leaving.source.size(); ++i) {
+    covariance += leaving.target[i] * leaving.source[i].transpose();
   }
-  std::optional<double> lowest;
-  for (const char* foot : {"LeftFoot", "RightFoot"}) {
-    const int ankle =
-        mapping.bones[static_cast<std::size_t>(find_bone(foot).value())].position_joint;
-    for (const SkeletonPoint& point : points_below(skeleton, ankle)) {
-      const Eigen::Vector3d place = places[point.joint] + turns[point.joint] * point.offset;
-      lowest = std::min(lowest.value_or(place.z()), place.z());
-    }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // directions along one line leave the turn about it open: the least rotation closes it
+  constexpr double kOneLine = 1e-9;
+  if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
+    return Eigen::Quaterniond::FromTwoVectors(leaving.source[0], leaving.target[0]);
   }
+  Eigen::Vector3d signs(1.0, 1.0, 1.0);
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;
+  const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return Eigen::Quaterniond(turn).normalized();
+}
+
+std::optional<double> rise_over_soles(const Skeleton& skeleton, const HumanMapping& mapping,
+                                      int bone) {
+  const BoneSource& from = mapping.bones[static_cast<std::size_t>(bone)];
+  if (from.position_joint < 0) return std::nullopt;
+  const TPose pose(skeleton, mapping);
+  const auto lowest = pose.lowest_of_feet();
   if (!lowest) return std::nullopt;
-  Eigen::Vector3d origin = places[hips];
-  if (const auto& beside = mapping.bones[0].position_in_joint) origin += turns[hips] * *beside;
-  return (origin.z() - *lowest) * mapping.metres_per_unit;
+  return (pose.place_of(from).z() - *lowest) * mapping.metres_per_unit;
+}
+
+std::optional<double> sole_depth(const Skeleton& skeleton, const HumanMapping& mapping) {
+  return rise_over_soles(skeleton, mapping, 0);
 }
 
 }  // namespace retarget

@@ -14,9 +14,25 @@ namespace retarget {
 [[nodiscard]] std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
                                                                const HumanMapping& mapping);
 
+/// What leaves a joint, its children and end sites: rest directions in two skeletons, pairwise.
+struct Leaving {
+  std::vector<Eigen::Vector3d> source, target;
+
+  /// Such as have no length have no direction and are left out.
+  void add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& from_target);
+};
+
+/// The rotation that takes the source's directions to the target's: the least one for one
+/// direction, the best by least squares (Kabsch) for several, none where nothing leaves.
+[[nodiscard]] Eigen::Quaterniond rest_turn(const Leaving& leaving);
+
 /// How far the lowest point of the feet is below the hips (the bone's origin) in the T-pose, metres;
 /// nothing for a body without hips or feet.
 [[nodiscard]] std::optional<double> sole_depth(const Skeleton& skeleton,
                                                const HumanMapping& mapping);
+
+/// How far a bone begins above that point in the T-pose, metres; nothing for a bone that is missing.
+[[nodiscard]] std::optional<double> rise_over_soles(const Skeleton& skeleton,
+                                                    const HumanMapping& mapping, int bone);
 
 }  // namespace retarget

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "edit/foot_stands.h"
 #include "edit/seam_check.h"
 #include "retarget/base/number_text.h"
 #include "retarget/edit/change_speed.h"
-#include "retarget/human/foot_contacts.h"
 
 namespace retarget {
 namespace {
@@ -32,19 +32,21 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
                                       const HumanClip& human, const std::vector<GroundPose>& moves,
                                       double speed, double same_stand) {
   std::vector<PlantedFoot> plants;
-  const FootContacts contacts = find_foot_contacts(human);
+  const auto stands = find_foot_stands(human, same_stand);
   const auto last_move = static_cast<double>(moves.size() - 1);
   const auto legs = find_legs(clip.skeleton(), mapping);
   for (int foot = 0; foot < 2; ++foot) {
     if (!legs[foot]) continue;
     const auto ankles = ankle_poses(clip, mapping, *legs[foot]);
-    for (const ContactPhase& phase :
-         without_short_breaks(contacts.phases[foot], same_stand, clip.rate())) {
-      const int middle = (phase.begin + phase.end) / 2;
+    const int toe = mapping.bones[*find_bone(foot == 0 ? "LeftToe" : "RightToe")].position_joint;
+    const auto toes = joint_poses(clip, mapping, std::max(toe, 0));
+    for (const FootStand& stand : stands[foot]) {
+      const int middle = (stand.begin + stand.end) / 2;
       const double moved_as = std::min(std::round(speed * middle), last_move);
       const Pose move = moves[static_cast<std::size_t>(moved_as)].in_space();
-      PlantedFoot plant{foot, phase.begin, {}};
-      for (int frame = phase.begin; frame < phase.end; ++frame) {
+      PlantedFoot plant{foot, stand.begin, {}, stand.stances};
+      if (toe >= 0) plant.toes_in_foot = ankles[middle].inverse() * toes[middle].translation;
+      for (int frame = stand.begin; frame < stand.end; ++frame) {
         plant.world_from_foot.push_back(move * ankles[frame]);
       }
       plants.push_back(std::move(plant));
@@ -104,8 +106,8 @@ Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const
   const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
   if (!feet) return failure(feet.error());
   result.feet = *feet;
-  result.check = check_speeds(human, human, to_human(result.clip, mapping),
-                              {0, result.clip.frame_count(), 0, 0, 0}, options.speed_factor);
+  result.check = check_motion(human, human, to_human(result.clip, mapping),
+                              {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
   return result;
 }
 

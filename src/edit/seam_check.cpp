@@ -11,28 +11,86 @@
 namespace retarget {
 namespace {
 
-// clips that stand still have no speed of their own, m/s
-constexpr double kSlow = 0.25;
+// how a bone moves from frame to frame: its speed or its acceleration
+struct Change {
+  int order;      // 1: over two frames, m/s; 2: over three, m/s2
+  double gentle;  // clips that stand still have none of their own
 
-// of a bone from a frame to the next
-double speed_of(const HumanClip& human, int frame, int bone) {
-  const Eigen::Vector3d step =
-      human.frame(frame + 1)[bone].translation - human.frame(frame)[bone].translation;
-  return step.norm() * human.rate.fps();
+  // of a bone, from a frame on
+  [[nodiscard]] double at(const HumanClip& human, int frame, int bone) const {
+    const auto place = [&](int later) -> const Eigen::Vector3d& {
+      return human.frame(frame + later)[static_cast<std::size_t>(bone)].translation;
+    };
+    const double fps = human.rate.fps();
+    if (order == 1) return (place(1) - place(0)).norm() * fps;
+    return (place(2) - 2.0 * place(1) + place(0)).norm() * fps * fps;
+  }
+};
+constexpr Change kSpeed{1, 0.25}, kAcceleration{2, 5.0};
+
+double high_percentile(std::vector<double> values) {
+  return values.empty() ? 0.0 : percentile(std::move(values), 99.9);
 }
 
-double speed_percentile(std::vector<double> speeds) {
-  return speeds.empty() ? 0.0 : percentile(std::move(speeds), 99.9);
-}
-
-std::vector<double> speeds_of(const HumanClip& a, const HumanClip& b, int bone) {
-  std::vector<double> speeds;
+std::vector<double> all_changes(const Change& change, const HumanClip& a, const HumanClip& b,
+                                int bone) {
+  std::vector<double> changes;
   for (const HumanClip* human : {&a, &b}) {
-    for (int frame = 0; frame + 1 < human->frame_count; ++frame) {
-      speeds.push_back(speed_of(*human, frame, bone));
+    for (int frame = 0; frame + change.order < human->frame_count; ++frame) {
+      changes.push_back(change.at(*human, frame, bone));
     }
   }
-  return speeds;
+  return changes;
+}
+
+// of the bone at a seam that is largest for what it does
+struct LargestChange {
+  double usual = 0.0, largest = 0.0;
+  std::string bone;
+  double share = -1.0;  // largest / usual
+};
+
+// what a bone does at about this time in a clip itself; 0 where that has no such frames
+double own_change(const Change& change, const HumanClip& human, int frame, int bone) {
+  double largest = 0.0;
+  for (int near = std::max(frame - 1, 0);
+       near <= std::min(frame + 1, human.frame_count - 1 - change.order); ++near) {
+    largest = std::max(largest, change.at(human, near, bone));
+  }
+  return largest;
+}
+
+LargestChange find_largest(const Change& change, const HumanClip& a, const HumanClip& b,
+                           const HumanClip& joined, const SeamRegion& region) {
+  const std::vector<int> bones = common_bones(a, b);
+  std::vector<std::vector<double>> own;
+  std::vector<double> all;
+  for (const int bone : bones) {
+    own.push_back(all_changes(change, a, b, bone));
+    all.insert(all.end(), own.back().begin(), own.back().end());
+  }
+  const double usual_of_all = high_percentile(std::move(all));
+
+  LargestChange found;
+  const int end = std::min(region.end + 1, joined.frame_count - change.order);
+  for (std::size_t k = 0; k < bones.size(); ++k) {
+    const double usual =
+        std::max(change.gentle, std::min(usual_of_all, high_percentile(std::move(own[k]))));
+    for (int frame = std::max(region.begin - change.order, 0); frame < end; ++frame) {
+      const double value = change.at(joined, frame, bones[k]);
+      if (value <= found.share * usual) continue;
+      // a jolt of the recording is not the seam's
+      constexpr double kSame = 1.25;
+      if (change.order == 2 &&
+          value <= kSame * std::max(own_change(change, a, frame, bones[k]),
+                                    own_change(change, b, frame - region.b_shift, bones[k]))) {
+        continue;
+      }
+      found = {usual, value, std::string(kBoneNames[static_cast<std::size_t>(bones[k])]),
+               value / usual};
+    }
+  }
+  return found;
 }
 
 // the way of an ankle from a frame to the next; nothing where the clip has none
@@ -44,36 +102,27 @@ Eigen::Vector3d step_at(const std::vector<Pose>& ankles, int frame) {
 
 }  // namespace
 
-SeamCheck check_speeds(const HumanClip& a, const HumanClip& b, const HumanClip& joined,
-                       const SeamRegion& region, double speed_factor) {
-  const std::vector<int> bones = common_bones(a, b);
-  std::vector<std::vector<double>> own;
-  std::vector<double> all;
-  for (const int bone : bones) {
-    own.push_back(speeds_of(a, b, bone));
-    all.insert(all.end(), own.back().begin(), own.back().end());
-  }
-  const double usual_of_all = speed_percentile(std::move(all));
-
+SeamCheck check_motion(const HumanClip& a, const HumanClip& b, const HumanClip& joined,
+                       const SeamRegion& region, const MotionLimits& limits) {
+  const LargestChange speed = find_largest(kSpeed, a, b, joined, region),
+                      jolt = find_largest(kAcceleration, a, b, joined, region);
   SeamCheck check;
-  double largest_share = -1.0;
-  const int end = std::min(region.end + 1, joined.frame_count - 1);
-  for (std::size_t k = 0; k < bones.size(); ++k) {
-    const double usual =
-        std::max(kSlow, std::min(usual_of_all, speed_percentile(std::move(own[k]))));
-    for (int frame = std::max(region.begin - 1, 0); frame < end; ++frame) {
-      const double speed = speed_of(joined, frame, bones[k]);
-      if (speed <= largest_share * usual) continue;
-      largest_share = speed / usual;
-      check.usual_speed = usual;
-      check.largest_speed = speed;
-      check.fastest_bone = kBoneNames[static_cast<std::size_t>(bones[k])];
-    }
+  check.usual_speed = speed.usual;
+  check.largest_speed = speed.largest;
+  check.fastest_bone = speed.bone;
+  check.usual_acceleration = jolt.usual;
+  check.largest_acceleration = jolt.largest;
+  check.jolted_bone = jolt.bone;
+  const auto too_much = [](const LargestChange& of, const char* does, const char* unit,
+                           double factor) {
+    return of.bone + does + number_text(of.largest, 2) + unit + ", above " +
+           number_text(factor, 1) + " times the clips' own " + number_text(of.usual, 2);
+  };
+  if (speed.share > limits.speed) {
+    check.faults.push_back(too_much(speed, " moves at ", " m/s", limits.speed));
   }
-  if (largest_share > speed_factor) {
-    check.faults.push_back(check.fastest_bone + " moves at " + number_text(check.largest_speed, 2) +
-                           " m/s, above " + number_text(speed_factor, 1) +
-                           " times the clips' own " + number_text(check.usual_speed, 2));
+  if (jolt.share > limits.acceleration) {
+    check.faults.push_back(too_much(jolt, " is jolted at ", " m/s2", limits.acceleration));
   }
   return check;
 }

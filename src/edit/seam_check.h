@@ -10,10 +10,10 @@
 
 namespace retarget {
 
-/// Speeds of the joints at a seam, against what the same joints do in both clips.
-[[nodiscard]] SeamCheck check_speeds(const HumanClip& a, const HumanClip& b,
+/// Speeds and accelerations of the joints at a seam, against what the same joints do in both clips.
+[[nodiscard]] SeamCheck check_motion(const HumanClip& a, const HumanClip& b,
                                      const HumanClip& joined, const SeamRegion& region,
-                                     double speed_factor);
+                                     const MotionLimits& limits);
 
 /// Fills in what planted feet do at a seam: slip and jump.
 void check_feet(SeamCheck& check, const ClipFeet& a, const ClipFeet& b, const ClipFeet& joined,

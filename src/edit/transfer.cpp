@@ -1,35 +1,60 @@
 #include "retarget/edit/transfer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "edit/rest_frames.h"
+#include "edit/shared_joints.h"
 
 namespace retarget {
 namespace {
 
+constexpr double kSame = 1e-6;
+
+// whether a joint ever turns or moves against its parent, beyond what its OFFSET says
+bool is_turned_or_moved(const Clip& clip, int joint) {
+  const Eigen::Vector3d& offset = clip.skeleton().joint(joint).offset;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    if (1.0 - std::abs(clip.rotations(frame)[joint].w()) > kSame * kSame) return true;
+    const double way = (clip.translation(frame, joint) - offset).norm();
+    if (way > kSame * std::max(1.0, offset.norm())) return true;
+  }
+  return false;
+}
+
+Eigen::Vector3d mean_translation(const Clip& clip, int joint) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int frame = 0; frame < clip.frame_count(); ++frame) sum += clip.translation(frame, joint);
+  return sum / std::max(clip.frame_count(), 1);
+}
+
 class Transfer {
  public:
-  Transfer(const HumanClip& human, double raise, const TransferTarget& target)
-      : human_(human),
+  Transfer(const Clip& clip, const HumanMapping& mapping, double raise,
+           const TransferTarget& target)
+      : clip_(clip),
+        human_(to_human(clip, mapping)),
         raise_(raise),
+        units_(target.mapping.size / target.mapping.metres_per_unit * mapping.metres_per_unit /
+               mapping.size),
         target_(target),
         target_from_human_(Eigen::Quaterniond(target.mapping.human_from_source).conjugate()),
-        bone_of_joint_(target.skeleton->joint_count(), -1),
+        shared_(find_shared_joints(clip.skeleton(), mapping, target)),
+        bone_of_joint_(bones_of_joints(mapping, target)),
         world_from_joint_(target.skeleton->joint_count()) {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-      const int joint = target.map.joint_of_bone[static_cast<std::size_t>(bone)];
-      if (joint >= 0 && human.has(bone)) bone_of_joint_[joint] = bone;
-    }
     // where the path goes: the hips, or the next joint above that can be moved
     placed_joint_ = target.map.joint("Hips");
     while (placed_joint_ > 0 && target.skeleton->translation_slot(placed_joint_) < 0) {
       placed_joint_ = target.skeleton->joint(placed_joint_).parent;
     }
+    find_lengths();
   }
 
   Clip run() {
     Clip clip(target_.skeleton, human_.rate, human_.frame_count);
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      carry_translations(clip, frame);
       turn_joints(clip, frame);
       place(clip, frame);
     }
@@ -37,6 +62,40 @@ class Transfer {
   }
 
  private:
+  // where the translations of twins are counted from: their OFFSET where it is the target's too, else
+  // their mean, for then the OFFSETs are not the lengths of both
+  void find_lengths() {
+    lengths_.assign(shared_.twins.size(), Eigen::Vector3d::Zero());
+    for (int joint = 0; joint < target_.skeleton->joint_count(); ++joint) {
+      const int twin = carried_from(joint);
+      if (twin < 0) continue;
+      const Eigen::Vector3d& offset = clip_.skeleton().joint(twin).offset;
+      const Eigen::Vector3d scaled =
+          units_ * (shared_.turn_above(*target_.skeleton, joint) * offset);
+      const Eigen::Vector3d& wanted = target_.skeleton->joint(joint).offset;
+      const bool same = (scaled - wanted).norm() <= 1e-3 * wanted.norm() + kSame;
+      lengths_[joint] = same ? offset : mean_translation(clip_, twin);
+    }
+  }
+
+  // whose translations a joint of the target gets; -1: nobody's
+  [[nodiscard]] int carried_from(int joint) const {
+    const int twin = shared_.twins[joint];
+    const bool both = twin >= 0 && target_.skeleton->translation_slot(joint) >= 0 &&
+                      clip_.skeleton().translation_slot(twin) >= 0;
+    return both ? twin : -1;
+  }
+
+  void carry_translations(Clip& clip, int frame) const {
+    for (int joint = 0; joint < target_.skeleton->joint_count(); ++joint) {
+      const int twin = carried_from(joint);
+      if (twin < 0) continue;
+      const Eigen::Vector3d way = clip_.translation(frame, twin) - lengths_[joint];
+      clip.translations(frame)[target_.skeleton->translation_slot(joint)] +=
+          units_ * (shared_.turn_above(*target_.skeleton, joint) * way);
+    }
+  }
+
   void turn_joints(Clip& clip, int frame) {
     const auto poses = human_.frame(frame);
     const auto rotations = clip.rotations(frame);
@@ -49,6 +108,10 @@ class Transfer {
         const auto& axes = target_.mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
         if (axes) world = world * axes->conjugate();
         rotations[joint] = (above.conjugate() * world).normalized();
+      } else if (const int twin = shared_.twins[joint]; twin >= 0) {
+        rotations[joint] = (shared_.turn_above(*target_.skeleton, joint) *
+                            clip_.rotations(frame)[twin] * shared_.turns[joint].conjugate())
+                               .normalized();
       }
       const Pose parent_from_joint{rotations[joint], clip.translation(frame, joint)};
       world_from_joint_[joint] =
@@ -74,11 +137,15 @@ class Transfer {
     clip.translations(frame)[slot] += above.conjugate() * shift;
   }
 
-  const HumanClip& human_;
+  const Clip& clip_;
+  const HumanClip human_;
   const double raise_;  // of the hips, metres
+  const double units_;  // the target's file units for the source's, bodies brought to one size
   const TransferTarget& target_;
   const Eigen::Quaterniond target_from_human_;
-  std::vector<int> bone_of_joint_;  // of target joints; -1: no bone
+  const SharedJoints shared_;
+  const std::vector<int> bone_of_joint_;  // of target joints; -1: no bone
+  std::vector<Eigen::Vector3d> lengths_;  // of target joints: of their twins, source units
   int placed_joint_ = 0;
   std::vector<Pose> world_from_joint_;  // of the frame
 };
@@ -90,7 +157,37 @@ Clip transfer(const Clip& clip, const HumanMapping& mapping, const TransferTarge
   const auto target_depth = sole_depth(*target.skeleton, target.mapping);
   const double scale = target.mapping.size / mapping.size;
   const double raise = depth && target_depth ? *target_depth - scale * *depth : 0.0;
-  return Transfer(to_human(clip, mapping), raise, target).run();
+  return Transfer(clip, mapping, raise, target).run();
+}
+
+UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
+                                 const TransferTarget& target) {
+  const Skeleton &source = clip.skeleton(), &skeleton = *target.skeleton;
+  const auto twins = find_shared_joints(source, mapping, target).twins;
+  const auto bones = bones_of_joints(mapping, target);
+  // what is above the hips is in their way through the world
+  const auto is_above_hips = [](const Skeleton& of, int joint, int hips) {
+    while (hips > joint) hips = of.joint(hips).parent;
+    return hips == joint;
+  };
+  UncarriedJoints result;
+  std::vector<bool> carried(static_cast<std::size_t>(source.joint_count()), false);
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    if (twins[joint] >= 0) carried[twins[joint]] = true;
+    if (bones[joint] >= 0) {
+      const BoneSource& bone = mapping.bones[static_cast<std::size_t>(bones[joint])];
+      carried[bone.rotation_joint] = carried[bone.position_joint] = true;
+    } else if (twins[joint] < 0 &&
+               std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
+               !is_above_hips(skeleton, joint, target.map.joint("Hips"))) {
+      result.at_rest.push_back(skeleton.joint(joint).name);
+    }
+  }
+  for (int joint = 0; joint < source.joint_count(); ++joint) {
+    if (carried[joint] || is_above_hips(source, joint, mapping.bones[0].position_joint)) continue;
+    if (is_turned_or_moved(clip, joint)) result.left_out.push_back(source.joint(joint).name);
+  }
+  return result;
 }
 
 }  // namespace retarget

@@ -87,6 +87,22 @@ Eigen::Vector3d learned_hinge(const Clip& clip, const LegJoints& joints,
   return sum.norm() > kOneAxis * weights ? Eigen::Vector3d(sum.normalized()) : fallback;
 }
 
+LegReach LegReach::of(double length, double own, double moved, const PlantOptions& options) {
+  constexpr double kMoved = 0.04;  // of the leg
+  const double soft = options.soft_reach * length;
+  const double as_it_is = 1.0 - smooth_step(0.0, kMoved * length, moved);
+  const double begin = soft + as_it_is * std::max(own - soft, 0.0);
+  const double share = (options.longest_reach - options.soft_reach) / (1.0 - options.soft_reach);
+  return {begin, share * std::max(length - begin, 0.0)};
+}
+
+double LegReach::at(double wanted) const {
+  const double beyond = wanted - begin;
+  if (beyond <= 0.0) return wanted;
+  // straight on at first, without a bend of its own
+  return begin + beyond * room / std::sqrt(beyond * beyond + room * room);
+}
+
 double TwoBoneLeg::length(const std::vector<Pose>& world_from_joint) const {
   const Eigen::Vector3d& knee = world_from_joint[joints_.knee].translation;
   return (knee - world_from_joint[joints_.hip].translation).norm() +
@@ -94,7 +110,7 @@ double TwoBoneLeg::length(const std::vector<Pose>& world_from_joint) const {
 }
 
 double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,
-                         double longest) const {
+                         const LegReach& stretch) const {
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
   forward_kinematics(clip, frame, poses);
   const Eigen::Vector3d hip = poses[joints_.hip].translation;
@@ -106,7 +122,7 @@ double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,
     return (poses[joints_.ankle].translation - world_from_ankle.translation).norm();
   }
   const double shortest = 1.001 * std::abs(thigh.norm() - shin.norm());
-  const double distance = std::clamp(wanted.norm(), shortest, std::max(longest, shortest));
+  const double distance = std::max(stretch.at(wanted.norm()), shortest);
 
   const Eigen::Vector3d axis = bend_axis(thigh, shin, poses[joints_.knee].rotation * hinge_);
   const double bend = bend_to(thigh, shin, axis, distance);

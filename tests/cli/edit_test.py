@@ -124,6 +124,16 @@ class Edit(ToolTest):
                           "--times", 3, "-o", "loop.bvh")
         cycle = int(words.split("cycle")[1].split()[0])
         self.assertEqual(len(self.frames(self.folder / "loop.bvh")), 3 * cycle)
+        # how far the body comes does not hang on where in the world it walks
+        advance = words.split("advance")[1].splitlines()[0]
+        self.edited("turn", sample("walk"), "40").rename(self.folder / "turned.bvh")
+        self.edited("move", "turned.bvh", "-40,90").rename(self.folder / "far.bvh")
+        far = self.said("loop", "far.bvh", "--start", 3.4, "--end", 7, "--shortest", 0.6, "-o", "x.bvh")
+        self.assertEqual(far.split("advance")[1].splitlines()[0], advance)
+        # in the written motion
+        rows = self.frames(self.folder / "loop.bvh")
+        way = [0.01 * (rows[cycle][i] - rows[0][i]) for i in (0, 2)]
+        self.assertAlmostEqual(float(advance.split()[0]), (way[0] ** 2 + way[1] ** 2) ** 0.5, 3)
         # who gets up does not come back to lying
         up = sample("get_up")
         self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")
@@ -154,6 +164,20 @@ class Edit(ToolTest):
         self.assert_fails(
             self.run_tool("edit", "concat", walk, walk, "--search", "x", "-o", "x.bvh"), 2, "--search")
         self.assert_fails(self.run_tool("edit", "concat", "-", "-", "-o", "x.bvh"), 2, "standard input")
+
+    def test_the_move_of_a_seam_is_that_of_the_body(self):
+        walk = sample("walk")
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", ":160", "-o", "a.bvh"))
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", "150:", "-o", "b.bvh"))
+        self.edited("turn", "b.bvh", "50").rename(self.folder / "turned.bvh")
+        self.edited("move", "turned.bvh", "60,-80").rename(self.folder / "far.bvh")
+        words = self.said("concat", "a.bvh", "far.bvh", "-o", "ab.bvh")
+        # the second begins at the seam: the body goes back by what it was moved
+        self.assertIn("turned by -50 degrees", words)
+        x, y = (float(word) for word in
+                words.split("and moved by ")[1].split(" m")[0].split(", "))
+        self.assertAlmostEqual(x, -60.0, 2)
+        self.assertAlmostEqual(y, 80.0, 2)
 
     def test_a_refused_seam_still_has_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
@@ -193,6 +217,28 @@ class Edit(ToolTest):
         self.write("bad.json", '{"control_points": [[0, 0]]}')
         self.assert_fails(self.run_tool("edit", "path", walk, "--to", "bad.json", "-o", "x.bvh"), 4,
                           "3n + 1")
+
+    def test_transfer_carries_or_names_all_joints(self):
+        # the walk with a finger below its last joint, which bends
+        text = sample("walk").read_text()
+        hierarchy, motion = text.split("MOTION")
+        finger = ("JOINT RightIndex\n{\nOFFSET 8 1 0\n"
+                  "CHANNELS 3 Zrotation Yrotation Xrotation\nEnd Site\n{\nOFFSET 4 0 0\n}\n}\n")
+        at = hierarchy.rindex("End Site")
+        rows = motion.strip().splitlines()
+        rows = rows[:2] + [row + f" {10 + i % 40} 5 0" for i, row in enumerate(rows[2:])]
+        fingered = self.write("fingered.bvh", hierarchy[:at] + finger + hierarchy[at:] +
+                              "MOTION\n" + "\n".join(rows) + "\n")
+        words = self.said("transfer", fingered, "--to", fingered, "-o", "same.bvh")
+        self.assertNotIn("left out", words)
+        self.assertIsNone(difference([row[-3:] for row in self.frames(self.folder / "same.bvh")],
+                                     [row[-3:] for row in self.frames(fingered)], 1e-6))
+        words = self.said("transfer", fingered, "--to", sample("walk"), "-o", "x.bvh")
+        self.assertIn("left out", words)
+        self.assertIn("RightIndex", words)
+        words = self.said("transfer", sample("walk"), "--to", fingered, "-o", "x.bvh")
+        self.assertIn("at rest", words)
+        self.assertIn("RightIndex", words)
 
     @unittest.skipUnless((SHARED / "data").is_dir(), "the shared data is not there")
     def test_other_skeletons(self):

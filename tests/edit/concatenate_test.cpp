@@ -282,6 +282,30 @@ TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
   }
 }
 
+// an arm that is elsewhere from one frame to the next: no faster than arms swing, but at once
+TEST(Concatenation, JoltsAreSaid) {
+  const EditSample& sample = data_sample("walk");
+  Clip b = cut(sample.clip, 150, 301);
+  const int arm = sample.map.joint("LeftArm");
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.12, Eigen::Vector3d::UnitZ()));
+  for (int frame = 0; frame < b.frame_count(); ++frame) {
+    b.rotations(frame)[arm] = b.rotations(frame)[arm] * turn;
+  }
+  ConcatenateOptions options;
+  options.seam.most_seams = 1;
+  options.seam.band = options.widest_band = 0.3;
+  const Clip a = cut(sample.clip, 0, 160);
+  const auto smooth = concatenate(a, b, sample.mapping, options, "a", "b");
+  ASSERT_TRUE(smooth);
+  EXPECT_THAT(smooth->check.faults, testing::IsEmpty());
+  options.fade = options.seam.window = 0.01;
+  const auto jolted = concatenate(a, b, sample.mapping, options, "a", "b");
+  ASSERT_TRUE(jolted);
+  EXPECT_LT(jolted->check.largest_speed, 3.0 * jolted->check.usual_speed);
+  EXPECT_GT(jolted->check.largest_acceleration, 3.0 * jolted->check.usual_acceleration);
+  EXPECT_THAT(jolted->check.faults, testing::ElementsAre(testing::HasSubstr("jolted")));
+}
+
 TEST(Concatenation, OddClips) {
   const EditSample& walk = data_sample("walk");
   const Clip none = cut(walk.clip, 0, 0), one = cut(walk.clip, 0, 1);

@@ -113,6 +113,7 @@ TEST(Loops, AWalkHasNoSeam) {
   EXPECT_LT(loop.distance, 0.02);
   EXPECT_EQ(loop.clip.frame_count(), 3 * loop.cycle);
   EXPECT_NEAR(loop.advance.position.norm(), 1.2 * loop.cycle / 30.0, 0.05);
+  EXPECT_NEAR(loop.way.norm(), 1.2 * loop.cycle / 30.0, 0.05);
   // accelerations at the seams are those of the strides themselves
   const auto largest_acceleration = [&](const Clip& clip, int begin, int end) {
     const HumanClip human = sample.human_of(clip);

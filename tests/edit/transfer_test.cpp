@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "edit_sample.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/edit/put_on_floor.h"
 #include "retarget/human/calibrate.h"
@@ -67,6 +68,96 @@ TEST(Transfer, ScalesThePathBySize) {
   const Clip half = transfer(clip, whole.mapping, target);
   EXPECT_LT((half.translation(100, 0) - 0.5 * clip.translation(100, 0)).norm(), 1e-9);
   EXPECT_LT(half.rotations(100)[3].angularDistance(clip.rotations(100)[3]), 1e-7);
+}
+
+// a joint right below another, first of its children
+void insert_below(std::vector<Joint>& joints, int parent, Joint joint) {
+  for (Joint& other : joints) {
+    if (other.parent > parent) ++other.parent;
+  }
+  joint.parent = parent;
+  joints.insert(joints.begin() + parent + 1, std::move(joint));
+}
+
+int index_of(const std::vector<Joint>& joints, const std::string& name) {
+  const auto found = std::ranges::find(joints, name, &Joint::name);
+  return static_cast<int>(found - joints.begin());
+}
+
+// the walk on a skeleton with a finger, a second neck joint and a helper that moves; all of them do
+Clip walk_with_more_joints() {
+  using enum Channel;
+  const Clip walk = sample("walk");
+  std::vector<Joint> joints = walk.skeleton().joints();
+  const std::vector<Channel> turns{kZRotation, kYRotation, kXRotation};
+  insert_below(joints, index_of(joints, "LeftHand"), {"LeftIndex1", -1, {8, 1, 0}, {}, turns});
+  insert_below(joints, index_of(joints, "LeftIndex1"),
+               {"LeftIndex2", -1, {4, 0, 0}, {{3, 0, 0}}, turns});
+  const int neck = index_of(joints, "Neck"), head = index_of(joints, "Head");
+  insert_below(joints, neck, {"Neck2", -1, 0.5 * joints[head].offset, {}, turns});
+  joints[head + 1].parent = neck + 1;
+  joints[head + 1].offset *= 0.5;
+  insert_below(joints, index_of(joints, "Spine2"),
+               {"Bag",
+                -1,
+                {-5, -9, 2},
+                {{0, 4, 0}},
+                {kXPosition, kYPosition, kZPosition, kZRotation, kYRotation, kXRotation}});
+  Clip clip(std::make_shared<const Skeleton>(joints), walk.rate(), walk.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto rotations = clip.rotations(frame);
+    for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+      if (const auto twin = walk.skeleton().find(joints[joint].name)) {
+        rotations[joint] = walk.rotations(frame)[*twin];
+      } else {
+        rotations[joint] =
+            Eigen::AngleAxisd(0.01 * (frame % 90), Eigen::Vector3d(1, 2, 3).normalized());
+      }
+    }
+    clip.translations(frame)[0] = walk.translations(frame)[0];
+    clip.translations(frame)[1].x() += 0.02 * frame;
+  }
+  return clip;
+}
+
+TEST(Transfer, JointsThatBothHaveAreCarried) {
+  const Clip clip = walk_with_more_joints();
+  const TransferTarget same = understood(clip);
+  EXPECT_LT(edit_test::largest_distance(transfer(clip, same.mapping, same), clip, 0.01), 1e-9);
+  // on a skeleton with all axes turned, the same places
+  const Eigen::Quaterniond axes(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  std::vector<Joint> joints = clip.skeleton().joints();
+  for (Joint& joint : joints) {
+    joint.offset = axes * joint.offset;
+    for (Eigen::Vector3d& end : joint.end_sites) end = axes * end;
+  }
+  TransferTarget turned{std::make_shared<const Skeleton>(joints), same.map, same.mapping};
+  for (BoneSource& bone : turned.mapping.bones) {
+    if (bone.rotation_joint >= 0) bone.joint_from_bone = axes;
+  }
+  const Clip other = transfer(clip, same.mapping, turned);
+  std::vector<Pose> is(joints.size()), was(joints.size());
+  for (int frame = 0; frame < clip.frame_count(); frame += 25) {
+    forward_kinematics(other, frame, is);
+    forward_kinematics(clip, frame, was);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      ASSERT_LT((is[i].translation - was[i].translation).norm(), 1e-9) << joints[i].name;
+    }
+  }
+  const UncarriedJoints none = uncarried_joints(clip, same.mapping, turned);
+  EXPECT_TRUE(none.left_out.empty() && none.at_rest.empty());
+}
+
+TEST(Transfer, WhatIsNotCarriedIsNamed) {
+  const Clip more = walk_with_more_joints(), plain = sample("walk");
+  const TransferTarget with_more = understood(more), without = understood(plain);
+  const std::vector<std::string> names{"Bag", "Neck2", "LeftIndex1", "LeftIndex2"};
+  const UncarriedJoints dropped = uncarried_joints(more, with_more.mapping, without);
+  EXPECT_EQ(dropped.left_out, names);
+  EXPECT_TRUE(dropped.at_rest.empty());
+  const UncarriedJoints lacking = uncarried_joints(plain, without.mapping, with_more);
+  EXPECT_TRUE(lacking.left_out.empty());
+  EXPECT_EQ(lacking.at_rest, names);
 }
 
 // real skeletons of other makes: what arrives is recognised as the same human

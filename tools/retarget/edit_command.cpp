@@ -11,7 +11,6 @@
 #include "retarget/bvh/write_bvh.h"
 #include "retarget/edit/change_rest.h"
 #include "retarget/edit/lafan1_clip.h"
-#include "retarget/edit/transfer.h"
 
 namespace retarget::cli {
 namespace {
@@ -60,8 +59,10 @@ Result<Clip> to_other(const EditOptions& options, Console& console) {
   const auto of_target =
       understand(*target, target_options, without_unit({}), options.common, console);
   if (!of_target) return failure(of_target.error());
-  return transfer(motion->clip, human->calibration.mapping,
-                  {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping});
+  return to_skeleton(
+      motion->clip, human->calibration.mapping,
+      {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping},
+      options.like, console);
 }
 
 // nothing: what was asked for is written already

@@ -10,7 +10,6 @@
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
 #include "retarget/edit/concatenate.h"
-#include "retarget/edit/transfer.h"
 #include "retarget/motion/resample.h"
 
 namespace retarget::cli {
@@ -78,8 +77,9 @@ Result<Clip> like_first(EditSource source, const EditSource& first, const std::s
   Clip clip = std::move(source.clip);
   if (!same) {
     console.line("", "brought to the first clip's skeleton through the T-pose");
-    clip = transfer(clip, source.mapping(),
-                    {first.clip.shared_skeleton(), first.human.map, first.mapping()});
+    clip = to_skeleton(clip, source.mapping(),
+                       {first.clip.shared_skeleton(), first.human.map, first.mapping()}, file,
+                       console);
   }
   if (same_rate(clip.rate(), first.clip.rate())) return clip;
   console.line("", "from " + to_text(clip.rate()) + " to " + to_text(first.clip.rate()) + " fps");
@@ -102,8 +102,8 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
   const GroundPose& move = seam.a_from_b;
   console.line(
       "", "the second is turned by " + number_text(move.heading * 180.0 / std::numbers::pi, 2) +
-              " degrees and moved by " + number_text(move.position.x(), 3) + ", " +
-              number_text(move.position.y(), 3) + " m" +
+              " degrees about its hips at the seam and moved by " + number_text(seam.way.x(), 3) +
+              ", " + number_text(seam.way.y(), 3) + " m" +
               (joined.lift == 0.0
                    ? std::string()
                    : ", and raised by " + number_text(joined.lift, 3) + " m to the first's floor"));
@@ -114,6 +114,10 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
                        number_text(joined.check.largest_speed, 2) + " m/s (in the clips " +
                        number_text(joined.check.usual_speed, 2) + "); planted feet slip at " +
                        number_text(joined.check.slip, 3) + " m/s");
+  if (joined.check.jolted_bone.empty()) return;
+  console.line("", "largest acceleration for what it does: " + joined.check.jolted_bone + " " +
+                       number_text(joined.check.largest_acceleration, 1) + " m/s2 (in the clips " +
+                       number_text(joined.check.usual_acceleration, 1) + ")");
 }
 
 // a failure for one that is not good

@@ -93,9 +93,7 @@ Result<Clip> follow(const EditSource& source, const EditOptions& options, const 
                         source_name(options.source));
   if (!moved) return failure(moved.error());
   console.line("new path", path_text(*path) + ", " + number_text(moved->clip.duration(), 3) + " s");
-  console.line("feet", "moved by up to " + number_text(100.0 * moved->feet.largest_correction, 1) +
-                           " cm to stand, hips lowered by up to " +
-                           number_text(100.0 * moved->feet.largest_drop, 1) + " cm");
+  console.line("feet", planted_text(moved->feet));
   console.warn(doubts_about(*moved), source_name(options.source));
   if (!options.path.svg.empty()) {
     const HumanClip before = to_human(source.clip, source.mapping());

@@ -3,6 +3,7 @@
 
 #include "edits.h"
 #include "retarget/base/data_folder.h"
+#include "retarget/base/suggest.h"
 #include "retarget/motion/clip_range.h"
 
 namespace retarget::cli {
@@ -37,6 +38,29 @@ Result<Clip> choose_part(Clip clip, const PartOptions& part) {
                          : frame_range_from_text(part.frames, clip.frame_count());
   if (!range) return failure(range.error());
   return cut(clip, range->begin, range->end);
+}
+
+Clip to_skeleton(const Clip& clip, const HumanMapping& mapping, const TransferTarget& target,
+                 const std::string& file, Console& console) {
+  constexpr std::size_t kNamed = 12;
+  const UncarriedJoints uncarried = uncarried_joints(clip, mapping, target);
+  if (!uncarried.left_out.empty()) {
+    console.line("left out", list_names(uncarried.left_out, kNamed) +
+                                 ": the target has no such joint below the same parent");
+  }
+  if (!uncarried.at_rest.empty()) {
+    console.line("at rest", list_names(uncarried.at_rest, kNamed) +
+                                ": the source has no such joint below the same parent");
+  }
+  Clip moved = transfer(clip, mapping, target);
+  const auto feet = plant_transferred_feet(moved, target, clip, mapping, {}, file);
+  console.line("feet", feet ? planted_text(*feet) : "not planted: " + feet.error().message);
+  return moved;
+}
+
+std::string planted_text(const PlantSummary& feet) {
+  return "moved by up to " + number_text(100.0 * feet.largest_correction, 1) +
+         " cm to stand, hips lowered by up to " + number_text(100.0 * feet.largest_drop, 1) + " cm";
 }
 
 std::vector<Warning> as_warnings(const std::vector<std::string>& faults) {

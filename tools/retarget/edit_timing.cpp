@@ -118,7 +118,7 @@ Result<Clip> edit_loop(const EditSource& source, const EditOptions& options, Con
                             number_text(source.clip.rate().time_of(loop->cycle), 3) +
                             " s; its ends were " + number_text(100.0 * loop->distance, 2) +
                             " cm apart");
-  console.line("advance", number_text(advance.position.norm(), 3) + " m and " +
+  console.line("advance", number_text(loop->way.norm(), 3) + " m and " +
                               number_text(advance.heading * 180.0 / std::numbers::pi, 2) +
                               " degrees a cycle" + (how.in_place ? ", taken out" : ""));
   const std::vector<std::string>& faults = loop->check.faults;

@@ -7,6 +7,7 @@
 #include "console.h"
 #include "edit_options.h"
 #include "human_source.h"
+#include "retarget/edit/transfer.h"
 #include "retarget/motion/clip.h"
 
 namespace retarget::cli {
@@ -30,8 +31,16 @@ struct EditSource {
 /// The file that is edited, cut to the part that was asked for after the human was recognised.
 [[nodiscard]] Result<EditSource> read_edit_source(const EditOptions& options, Console& console);
 
+/// A clip on another skeleton, its feet planted; says what is not carried over.
+[[nodiscard]] Clip to_skeleton(const Clip& clip, const HumanMapping& mapping,
+                               const TransferTarget& target, const std::string& file,
+                               Console& console);
+
 /// Faults of a seam or a path, as what is said without stopping.
 [[nodiscard]] std::vector<Warning> as_warnings(const std::vector<std::string>& faults);
+
+/// What was done to plant feet.
+[[nodiscard]] std::string planted_text(const PlantSummary& feet);
 
 /// Edits of time and place: resample, trim, mirror, ground, turn, move, loop.
 [[nodiscard]] Result<Clip> edit_time_or_place(const EditOptions& options, Console& console);

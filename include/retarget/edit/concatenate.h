@@ -18,15 +18,21 @@ enum class SeamBlend : std::uint8_t {
   kInertial,   ///< At once; what the second lacks to the first fades in it.
 };
 
+/// What joints may do at a seam or on a path, times their 99.9th percentile in the clips.
+struct MotionLimits {
+  double speed = 3.0;
+  double acceleration = 3.0;
+};
+
 struct ConcatenateOptions {
   SeamOptions seam;
   /// Where no good seam is within seam.band, twice as much is searched, and again, up to so many
   /// seconds: recordings often begin with seconds of a T-pose that nothing goes on to.
   double widest_band = 32.0;
   SeamBlend blend = SeamBlend::kCrossfade;
-  double fade = 0.35;         ///< Of kInertial: how long the difference fades, seconds.
-  double threshold = 0.2;     ///< Largest distance of a seam, metres.
-  double speed_factor = 3.0;  ///< A joint's speed at the seam against its 99.9th percentile.
+  double fade = 0.35;      ///< Of kInertial: how long the difference fades, seconds.
+  double threshold = 0.2;  ///< Largest distance of a seam, metres.
+  MotionLimits limits;     ///< Of the joints at the seam.
   /// Of planted feet at the seam: mean speed over the floor, m/s, beyond what they slip in the clips.
   double slip = 0.1;
   double jump = 0.5;  ///< Of a planted foot at the seam, beyond what it does in the clips, m/s.
@@ -41,9 +47,12 @@ struct SeamCheck {
                                ///< own, or that of all joints where this is less.
   double largest_speed = 0.0;  ///< Of the joint at the seam that is fastest for what it does, m/s,
   std::string fastest_bone;    ///< and which it is.
-  double slip = 0.0;           ///< Mean speed over the floor of planted ankles at the seam, m/s,
-  double own_slip = 0.0;       ///< and of the same in the clips.
-  double jump = 0.0;  ///< Largest speed of a planted ankle beyond that in either clip, m/s.
+  double usual_acceleration = 0.0;    ///< The same of accelerations, m/s2; where a clip itself has
+  double largest_acceleration = 0.0;  ///< as large a one at that time it does not count.
+  std::string jolted_bone;
+  double slip = 0.0;      ///< Mean speed over the floor of planted ankles at the seam, m/s,
+  double own_slip = 0.0;  ///< and of the same in the clips.
+  double jump = 0.0;      ///< Largest speed of a planted ankle beyond that in either clip, m/s.
   std::vector<std::string> faults;  ///< What is wrong with it, a phrase each; none: it is good.
 };
 

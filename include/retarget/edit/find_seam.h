@@ -26,13 +26,14 @@ struct SeamOptions {
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
 struct Seam {
   int a_frame = 0, b_frame = 0;
-  int overlap = 1;           ///< Frames, from these on, that both clips have (at most the window).
-  GroundPose a_from_b;       ///< Brings b over the ground to a.
-  double distance = 0.0;     ///< As WindowDistance, metres.
-  bool same_support = true;  ///< The same feet are planted in both.
-  std::string worst_bone;    ///< Farthest from its counterpart at the seam,
-  double worst_distance = 0.0;    ///< by so many metres.
-  double speed_difference = 0.0;  ///< Root mean square over the bones, m/s.
+  int overlap = 1;      ///< Frames, from these on, that both clips have (at most the window).
+  GroundPose a_from_b;  ///< Brings b over the ground to a: of the world, about its origin.
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< The same of b's hips at b_frame, metres.
+  double distance = 0.0;                          ///< As WindowDistance, metres.
+  bool same_support = true;                       ///< The same feet are planted in both.
+  std::string worst_bone;                         ///< Farthest from its counterpart at the seam,
+  double worst_distance = 0.0;                    ///< by so many metres.
+  double speed_difference = 0.0;                  ///< Root mean square over the bones, m/s.
 };
 
 /// Distances of all windows that were searched, row by row: rows are frames of a.

@@ -23,7 +23,9 @@ struct Loop {
   int cycle = 0;  ///< Frames of one cycle: the source's from its first one on, but for those
                   ///< around the seam.
   double distance = 0.0;  ///< Between beginning and end before they were joined, as WindowDistance.
-  GroundPose advance;     ///< Of one cycle over the ground, before `in_place`.
+  GroundPose advance;     ///< Of one cycle over the ground, before `in_place`: of the world, as it
+                          ///< turns about its origin,
+  Eigen::Vector2d way;    ///< and of the hips, metres: how far the body comes in a cycle.
   SeamCheck check;        ///< Of where the end meets the beginning.
 };
 

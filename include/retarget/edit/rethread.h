@@ -25,8 +25,8 @@ struct RethreadOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
-  double same_stand = 0.1;    ///< Contacts of a foot with a shorter break are one, seconds.
-  double speed_factor = 3.0;  ///< A joint's largest speed against its own 99.9th percentile.
+  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break are one, seconds.
+  MotionLimits limits;      ///< Of the joints.
 };
 
 /// A motion on another path.
@@ -35,8 +35,7 @@ struct Rethreaded {
   PathMotion source;               ///< The motion's own path.
   std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
   PlantSummary feet;
-  SeamCheck
-      check;  ///< Speeds in the whole clip, against the source's; faults where a path hurries.
+  SeamCheck check;  ///< Speeds and accelerations in the whole clip; faults where a path hurries.
 };
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves

@@ -1,7 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "retarget/base/result.h"
+#include "retarget/edit/plant_feet.h"
 #include "retarget/human/bone_map.h"
 #include "retarget/human/human_clip.h"
 #include "retarget/motion/clip.h"
@@ -22,10 +26,33 @@ struct TransferTarget {
 ///
 /// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by what
 /// the soles are farther below the hips than the source's, so that who stood on the floor stands on
-/// it, and put on the hips, or on the root above them where they have no position channels. Joints
-/// that are no bone keep their rest rotation (zero). Joint order, offsets and channels are the
+/// it, and put on the hips, or on the root above them where they have no position channels.
+///
+/// Joints that are no bone (fingers, a second neck joint, helpers) but have a twin in the source,
+/// of the same name below a joint of the same name, turn as it does; so do translations of twins,
+/// scaled. The others keep their rest rotation (zero). Joint order, offsets and channels are the
 /// target's.
 [[nodiscard]] Clip transfer(const Clip& clip, const HumanMapping& mapping,
                             const TransferTarget& target);
+
+/// What a transfer does not carry over.
+struct UncarriedJoints {
+  std::vector<std::string> left_out;  ///< Joints of the source that turn or move and have no twin.
+  std::vector<std::string> at_rest;   ///< Joints of the target that stay as they are.
+};
+[[nodiscard]] UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
+                                               const TransferTarget& target);
+
+/// Plants the feet of a clip that was transferred: bodies of other proportions slide where the
+/// source stands. Each foot that stands on its toes, sole or heel moves over the floor no more than
+/// the source's, in proportion, and is as high over it.
+/// @param moved  transfer(clip, mapping, target); changed.
+/// @param file   for messages.
+/// @return kInput errors as BodyMover::of.
+[[nodiscard]] Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
+                                                          const Clip& clip,
+                                                          const HumanMapping& mapping,
+                                                          const PlantOptions& options,
+                                                          const std::string& file);
 
 }  // namespace retarget

@@ -1,0 +1,142 @@
+#include "edit/foot_offsets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "edit/fading_offset.h"
+#include "retarget/math/so3.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+// corrections below this are rounding, metres and radians
+constexpr double kNothing = 1e-10;
+
+using Track = std::vector<Eigen::Vector3d>;
+
+// fills the frames between two places, or before the first or after the last one
+void fade_between(Track& track, const std::vector<bool>& planted, int from, int to, int release) {
+  const int frames = static_cast<int>(track.size());
+  const auto velocity = [&](int frame, int inwards) -> Eigen::Vector3d {
+    const int other = frame + inwards;
+    if (other < 0 || other >= frames || !planted[other]) return Eigen::Vector3d::Zero();
+    return (track[other] - track[frame]) * inwards;
+  };
+  // velocities inside the places, before anything is filled
+  const Eigen::Vector3d leaving = from >= 0 ? velocity(from, -1) : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d coming = to < frames ? velocity(to, 1) : Eigen::Vector3d::Zero();
+  if (from >= 0 && to < frames && to - from <= 2 * release) {
+    for (int i = from + 1; i < to; ++i) {
+      track[i] = ease(track[from], leaving, track[to], coming, to - from, i - from);
+    }
+    return;
+  }
+  if (from >= 0) {
+    for (int i = from + 1; i < std::min(to, from + release); ++i) {
+      track[i] = fade(track[from], leaving, release, i - from);
+    }
+  }
+  if (to < frames) {
+    for (int i = to - 1; i > std::max(from, to - release); --i) {
+      track[i] = fade(track[to], -coming, release, to - i);
+    }
+  }
+}
+
+FootStance stance_at(const PlantedFoot& plant, int frame) {
+  const auto at = static_cast<std::size_t>(frame - plant.begin);
+  return at < plant.stances.size() ? plant.stances[at] : FootStance::kSole;
+}
+
+// a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer to
+// the hip, as it does when a step is long
+Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
+                 const Eigen::Vector3d& hip, const LegReach& stretch, double farthest) {
+  const Eigen::Vector3d toes = wanted * toes_in_foot;
+  const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
+  const Eigen::Vector3d axis = foot.cross(leg);
+  const double lengths = foot.norm() * leg.norm();
+  const double distance = (hip - wanted.translation).norm(), near = stretch.halved().at(distance);
+  if (near >= distance || !(axis.norm() > 1e-6 * lengths)) return wanted;
+  const double cosine = std::clamp(
+      (foot.squaredNorm() + leg.squaredNorm() - near * near) / (2.0 * lengths), -1.0, 1.0);
+  const double angle = portable::atan2(std::sqrt(1.0 - cosine * cosine), cosine);
+  const double turn = portable::atan2(axis.norm(), foot.dot(leg)) - angle;
+  const Eigen::Quaterniond about = exp_so3(axis.normalized() * std::clamp(turn, 0.0, farthest));
+  return {(about * wanted.rotation).normalized(), toes + about * foot};
+}
+
+}  // namespace
+
+bool FootOffsets::any(std::size_t frame) const {
+  return shifts[frame].norm() > kNothing || turns[frame].norm() > kNothing;
+}
+
+void FootOffsets::set(std::size_t frame, const Pose& wanted, const LegTrack& leg) {
+  const Pose& ankle = leg.ankles[frame];
+  shifts[frame] = wanted.translation - ankle.translation;
+  turns[frame] = log_so3(wanted.rotation * ankle.rotation.conjugate());
+}
+
+Pose FootOffsets::moved(std::size_t frame, const LegTrack& leg) const {
+  const Pose& ankle = leg.ankles[frame];
+  return {(exp_so3(turns[frame]) * ankle.rotation).normalized(), ankle.translation + shifts[frame]};
+}
+
+LegReach FootOffsets::reach(std::size_t frame, const LegTrack& leg, double drop,
+                            const PlantOptions& options) const {
+  const double own = (leg.hips[frame] - leg.ankles[frame].translation).norm();
+  const double against_hip = (shifts[frame] + Eigen::Vector3d(0.0, 0.0, drop)).norm();
+  return LegReach::of(leg.lengths[frame], own, against_hip, options);
+}
+
+FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const LegTrack& leg) {
+  FootOffsets offsets(leg.ankles.size());
+  for (const PlantedFoot& plant : plants) {
+    if (plant.foot != foot) continue;
+    for (int i = plant.begin; i < plant.end(); ++i) {
+      const auto at = static_cast<std::size_t>(i - plant.begin);
+      offsets.set(static_cast<std::size_t>(i), plant.world_from_foot[at], leg);
+      offsets.planted[i] = true;
+      offsets.heel_up[i] = plant.toes_in_foot && stance_at(plant, i) == FootStance::kToes;
+    }
+  }
+  return offsets;
+}
+
+void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int foot,
+                  const LegTrack& leg, const std::vector<double>& drops,
+                  const PlantOptions& options, int ramp) {
+  constexpr double kFarthest = 0.6;  // radians; beyond, the leg is too short
+  for (const PlantedFoot& plant : plants) {
+    if (plant.foot != foot || !plant.toes_in_foot) continue;
+    // little at first, or the foot would jump where its toes come down
+    int down = plant.begin == 0 ? ramp : 0;
+    for (auto i = static_cast<std::size_t>(plant.begin); std::cmp_less(i, plant.end()); ++i) {
+      if (stance_at(plant, static_cast<int>(i)) == FootStance::kHeel) continue;
+      const double farthest = kFarthest * std::min(++down, ramp) / ramp;
+      const Eigen::Vector3d hip = leg.hips[i] - Eigen::Vector3d(0.0, 0.0, drops[i]);
+      const LegReach stretch = offsets.reach(i, leg, drops[i], options);
+      offsets.set(
+          i, on_its_toes(offsets.moved(i, leg), *plant.toes_in_foot, hip, stretch, farthest), leg);
+    }
+  }
+}
+
+void fade_offsets(FootOffsets& offsets, int release) {
+  const int frames = static_cast<int>(offsets.planted.size());
+  // places are runs of planted frames: the last frame before a gap, the first one after it
+  int from = -1;
+  for (int to = 0; to <= frames; ++to) {
+    if (to < frames && !offsets.planted[to]) continue;
+    if (to - from > 1 && (from >= 0 || to < frames)) {
+      fade_between(offsets.shifts, offsets.planted, from, to, release);
+      fade_between(offsets.turns, offsets.planted, from, to, release);
+    }
+    from = to;
+  }
+}
+
+}  // namespace retarget

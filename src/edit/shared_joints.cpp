@@ -1,0 +1,90 @@
+#include "edit/shared_joints.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "edit/rest_frames.h"
+
+namespace retarget {
+namespace {
+
+using JointKey = std::pair<std::string, std::string>;  // name, parent's name
+
+JointKey key_of(const Skeleton& skeleton, int joint) {
+  const int parent = skeleton.joint(joint).parent;
+  return {skeleton.joint(joint).name, parent < 0 ? std::string() : skeleton.joint(parent).name};
+}
+
+// of joints that share name and parent's name the first is the first's twin, and so on
+std::vector<int> find_twins(const Skeleton& source, const Skeleton& target) {
+  std::map<JointKey, std::vector<int>> known;
+  for (int joint = source.joint_count() - 1; joint >= 0; --joint) {
+    known[key_of(source, joint)].push_back(joint);
+  }
+  std::vector<int> twins(static_cast<std::size_t>(target.joint_count()), -1);
+  for (int joint = 0; joint < target.joint_count(); ++joint) {
+    const auto found = known.find(key_of(target, joint));
+    if (found == known.end() || found->second.empty()) continue;
+    twins[joint] = found->second.back();
+    found->second.pop_back();
+  }
+  return twins;
+}
+
+// what leaves a twin, with the source's directions turned as its parent's axes are
+Leaving leaving_of(const Skeleton& source, const Skeleton& target, const std::vector<int>& twins,
+                   int joint, const Eigen::Quaterniond& turn) {
+  Leaving leaving;
+  for (int child = joint + 1; child < target.joint_count(); ++child) {
+    if (target.joint(child).parent != joint || twins[child] < 0) continue;
+    leaving.add(turn * source.joint(twins[child]).offset, target.joint(child).offset);
+  }
+  const auto& sites = source.joint(twins[joint]).end_sites;
+  const auto& target_sites = target.joint(joint).end_sites;
+  for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
+    leaving.add(turn * sites[i], target_sites[i]);
+  }
+  return leaving;
+}
+
+}  // namespace
+
+std::vector<int> bones_of_joints(const HumanMapping& source, const TransferTarget& target) {
+  std::vector<int> bones(static_cast<std::size_t>(target.skeleton->joint_count()), -1);
+  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    const auto at = static_cast<std::size_t>(bone);
+    const int joint = target.map.joint_of_bone[at];
+    if (joint >= 0 && source.bones[at].position_joint >= 0) bones[joint] = bone;
+  }
+  return bones;
+}
+
+SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapping,
+                                const TransferTarget& target) {
+  const Skeleton& skeleton = *target.skeleton;
+  const Eigen::Quaterniond human_from_source(mapping.human_from_source),
+      human_from_target(target.mapping.human_from_source);
+  SharedJoints shared{find_twins(source, skeleton), {}, {}};
+  shared.world_turn = human_from_target.conjugate() * human_from_source;
+  const auto bones = bones_of_joints(mapping, target);
+  const auto source_rest = t_pose_rotations(source, mapping),
+             target_rest = t_pose_rotations(skeleton, target.mapping);
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    const Eigen::Quaterniond above = shared.turn_above(skeleton, joint);
+    if (const int bone = bones[joint]; bone >= 0) {
+      const int from = mapping.bones[static_cast<std::size_t>(bone)].rotation_joint;
+      shared.turns.push_back(target_rest[joint].conjugate() * source_rest[from]);
+    } else if (shared.twins[joint] >= 0) {
+      const Eigen::Quaterniond turn =
+          rest_turn(leaving_of(source, skeleton, shared.twins, joint, above)) * above;
+      shared.turns.push_back(turn.normalized());
+    } else {
+      shared.turns.push_back(above);
+    }
+  }
+  return shared;
+}
+
+}  // namespace retarget

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "retarget/edit/transfer.h"
+
+namespace retarget {
+
+/// Which joints of two skeletons are one by their own and their parent's name, and how their rest
+/// poses differ.
+struct SharedJoints {
+  std::vector<int> twins;  ///< Of target joints, in the source; -1: none.
+  /// Of target joints: from rest axes of the source to those of the target. A bone's are those of
+  /// both T-poses; a twin's are its parent's, turned so that what leaves it points as before.
+  std::vector<Eigen::Quaterniond> turns;
+  Eigen::Quaterniond world_turn;  ///< The same of the worlds.
+
+  /// Of what a joint hangs from.
+  [[nodiscard]] const Eigen::Quaterniond& turn_above(const Skeleton& target, int joint) const {
+    const int parent = target.joint(joint).parent;
+    return parent < 0 ? world_turn : turns[parent];
+  }
+};
+
+/// The canonical bone that each joint of the target turns and the source has; -1: none.
+[[nodiscard]] std::vector<int> bones_of_joints(const HumanMapping& source,
+                                               const TransferTarget& target);
+
+[[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapping,
+                                              const TransferTarget& target);
+
+}  // namespace retarget

@@ -1,0 +1,121 @@
+// feet that stand after a transfer
+
+#include <algorithm>
+#include <utility>
+
+#include "edit/foot_stands.h"
+#include "edit/rest_frames.h"
+#include "retarget/edit/transfer.h"
+
+namespace retarget {
+namespace {
+
+using Track = std::vector<Eigen::Vector3d>;
+
+// stands of a foot with a shorter break are one, seconds
+constexpr double kSameStand = 0.1;
+
+// where a part of a foot is in the target, and where the source has it, brought to the target's size
+struct PartTrack {
+  Track is, as_source;
+};
+
+// one foot in both bodies
+class TransferredFoot {
+ public:
+  // @param toe  nothing: one of the bodies has none
+  TransferredFoot(PartTrack ankle, std::optional<PartTrack> toe)
+      : ankle_(std::move(ankle)), toe_(std::move(toe)) {}
+
+  // how far the foot has to be moved in each frame of a stand
+  [[nodiscard]] Track shifts(const FootStand& stand) const {
+    Track shifts(static_cast<std::size_t>(stand.end - stand.begin));
+    const auto down = frames_down(stand);
+    const PartTrack& part = down.first < down.second && toe_ ? *toe_ : ankle_;
+    const auto [first, last] =
+        down.first < down.second && toe_ ? down : std::pair(stand.begin, stand.end);
+    // the place over the floor that is nearest to where it is
+    Eigen::Vector3d beside = Eigen::Vector3d::Zero();
+    for (int i = first; i < last; ++i) beside += (part.is[i] - part.as_source[i]) / (last - first);
+    beside.z() = 0.0;
+    for (int i = first; i < last; ++i) {
+      shifts[i - stand.begin] = part.as_source[i] + beside - part.is[i];
+    }
+    // on its heel: as the ankle goes, from and to there
+    for (int i = first - 1; i >= stand.begin; --i) {
+      shifts[i - stand.begin] = shifts[first - stand.begin] + ankle_way(i) - ankle_way(first);
+    }
+    for (int i = last; i < stand.end; ++i) {
+      shifts[i - stand.begin] = shifts[last - 1 - stand.begin] + ankle_way(i) - ankle_way(last - 1);
+    }
+    return shifts;
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d ankle_way(int frame) const {
+    return ankle_.as_source[frame] - ankle_.is[frame];
+  }
+
+  // from the first to the last frame with the toes down
+  static std::pair<int, int> frames_down(const FootStand& stand) {
+    int first = stand.end, last = stand.begin;
+    for (int i = stand.begin; i < stand.end; ++i) {
+      if (stand.stances[i - stand.begin] == FootStance::kHeel) continue;
+      first = std::min(first, i);
+      last = i + 1;
+    }
+    return {first, last};
+  }
+
+  PartTrack ankle_;
+  std::optional<PartTrack> toe_;
+};
+
+}  // namespace
+
+Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
+                                            const Clip& clip, const HumanMapping& mapping,
+                                            const PlantOptions& options, const std::string& file) {
+  const HumanClip source = to_human(clip, mapping), human = to_human(moved, target.mapping);
+  const double scale = target.mapping.size / mapping.size;
+  const auto part_of = [&](int bone) -> std::optional<PartTrack> {
+    if (!source.has(bone) || !human.has(bone)) return std::nullopt;
+    // joints are not as high in the foot in both
+    const auto rise = rise_over_soles(clip.skeleton(), mapping, bone),
+               target_rise = rise_over_soles(moved.skeleton(), target.mapping, bone);
+    const double higher = rise && target_rise ? *target_rise - scale * *rise : 0.0;
+    PartTrack part;
+    for (int frame = 0; frame < human.frame_count; ++frame) {
+      part.is.push_back(human.frame(frame)[bone].translation);
+      part.as_source.push_back(scale * source.frame(frame)[bone].translation +
+                               Eigen::Vector3d(0.0, 0.0, higher));
+    }
+    return part;
+  };
+  std::vector<PlantedFoot> plants;
+  const auto stands = find_foot_stands(source, kSameStand);
+  const auto legs = find_legs(moved.skeleton(), target.mapping);
+  for (int foot = 0; foot < 2; ++foot) {
+    const int toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");
+    const auto ankle = part_of(*find_bone(foot == 0 ? "LeftFoot" : "RightFoot"));
+    if (!legs[foot] || !ankle) continue;
+    const TransferredFoot both(*ankle, part_of(toe));
+    const auto poses = ankle_poses(moved, target.mapping, *legs[foot]);
+    for (const FootStand& stand : stands[foot]) {
+      PlantedFoot plant{foot, stand.begin, {}, stand.stances};
+      if (human.has(toe)) {
+        plant.toes_in_foot =
+            poses[stand.begin].inverse() * human.frame(stand.begin)[toe].translation;
+      }
+      const Track shifts = both.shifts(stand);
+      for (int frame = stand.begin; frame < stand.end; ++frame) {
+        plant.world_from_foot.push_back(poses[frame]);
+        plant.world_from_foot.back().translation += shifts[frame - stand.begin];
+      }
+      plants.push_back(std::move(plant));
+    }
+  }
+  return plant_feet(moved, target.mapping, plants, options, file);
+}
+
+}  // namespace retarget
