@@ -53,7 +53,8 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
 // a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer to
 // the hip, as it does when a step is long
 Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
-                 const Eigen::Vector3d& hip, const LegReach& stretch, double farthest) {
+                 const Eigen::Vector3d& hip, const LegReach& stretch, double share) {
+  constexpr double kFarthest = 0.6;  // radians; beyond, the leg is too short
   const Eigen::Vector3d toes = wanted * toes_in_foot;
   const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
   const Eigen::Vector3d axis = foot.cross(leg);
@@ -64,7 +65,8 @@ Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
       (foot.squaredNorm() + leg.squaredNorm() - near * near) / (2.0 * lengths), -1.0, 1.0);
   const double angle = portable::atan2(std::sqrt(1.0 - cosine * cosine), cosine);
   const double turn = portable::atan2(axis.norm(), foot.dot(leg)) - angle;
-  const Eigen::Quaterniond about = exp_so3(axis.normalized() * std::clamp(turn, 0.0, farthest));
+  const Eigen::Quaterniond about =
+      exp_so3(axis.normalized() * share * std::clamp(turn, 0.0, kFarthest));
   return {(about * wanted.rotation).normalized(), toes + about * foot};
 }
 
@@ -109,18 +111,18 @@ FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const
 void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int foot,
                   const LegTrack& leg, const std::vector<double>& drops,
                   const PlantOptions& options, int ramp) {
-  constexpr double kFarthest = 0.6;  // radians; beyond, the leg is too short
   for (const PlantedFoot& plant : plants) {
     if (plant.foot != foot || !plant.toes_in_foot) continue;
     // little at first, or the foot would jump where its toes come down
     int down = plant.begin == 0 ? ramp : 0;
     for (auto i = static_cast<std::size_t>(plant.begin); std::cmp_less(i, plant.end()); ++i) {
       if (stance_at(plant, static_cast<int>(i)) == FootStance::kHeel) continue;
-      const double farthest = kFarthest * std::min(++down, ramp) / ramp;
+      const double u = static_cast<double>(std::min(++down, ramp)) / ramp;
+      const double share = u * u * (3.0 - 2.0 * u);
       const Eigen::Vector3d hip = leg.hips[i] - Eigen::Vector3d(0.0, 0.0, drops[i]);
       const LegReach stretch = offsets.reach(i, leg, drops[i], options);
-      offsets.set(
-          i, on_its_toes(offsets.moved(i, leg), *plant.toes_in_foot, hip, stretch, farthest), leg);
+      offsets.set(i, on_its_toes(offsets.moved(i, leg), *plant.toes_in_foot, hip, stretch, share),
+                  leg);
     }
   }
 }

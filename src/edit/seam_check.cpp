@@ -122,7 +122,7 @@ SeamCheck check_motion(const HumanClip& a, const HumanClip& b, const HumanClip& 
     check.faults.push_back(too_much(speed, " moves at ", " m/s", limits.speed));
   }
   if (jolt.share > limits.acceleration) {
-    check.faults.push_back(too_much(jolt, " is jolted at ", " m/s2", limits.acceleration));
+    check.faults.push_back(too_much(jolt, " accelerates at ", " m/s2", limits.acceleration));
   }
   return check;
 }

@@ -56,7 +56,8 @@ std::vector<int> bones_of_joints(const HumanMapping& source, const TransferTarge
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {
     const auto at = static_cast<std::size_t>(bone);
     const int joint = target.map.joint_of_bone[at];
-    if (joint >= 0 && source.bones[at].position_joint >= 0) bones[joint] = bone;
+    const BoneSource& from = source.bones[at];
+    if (joint >= 0 && from.position_joint >= 0 && from.rotation_joint >= 0) bones[joint] = bone;
   }
   return bones;
 }
@@ -69,13 +70,14 @@ SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapp
   SharedJoints shared{find_twins(source, skeleton), {}, {}};
   shared.world_turn = human_from_target.conjugate() * human_from_source;
   const auto bones = bones_of_joints(mapping, target);
-  const auto source_rest = t_pose_rotations(source, mapping),
-             target_rest = t_pose_rotations(skeleton, target.mapping);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const Eigen::Quaterniond above = shared.turn_above(skeleton, joint);
     if (const int bone = bones[joint]; bone >= 0) {
-      const int from = mapping.bones[static_cast<std::size_t>(bone)].rotation_joint;
-      shared.turns.push_back(target_rest[joint].conjugate() * source_rest[from]);
+      const auto axes = [bone](const HumanMapping& of) {
+        return of.bones[static_cast<std::size_t>(bone)].joint_from_bone.value_or(
+            Eigen::Quaterniond::Identity());
+      };
+      shared.turns.push_back(axes(target.mapping) * axes(mapping).conjugate());
     } else if (shared.twins[joint] >= 0) {
       const Eigen::Quaterniond turn =
           rest_turn(leaving_of(source, skeleton, shared.twins, joint, above)) * above;

@@ -42,14 +42,13 @@ Result<Clip> choose_part(Clip clip, const PartOptions& part) {
 
 Clip to_skeleton(const Clip& clip, const HumanMapping& mapping, const TransferTarget& target,
                  const std::string& file, Console& console) {
-  constexpr std::size_t kNamed = 12;
   const UncarriedJoints uncarried = uncarried_joints(clip, mapping, target);
   if (!uncarried.left_out.empty()) {
-    console.line("left out", list_names(uncarried.left_out, kNamed) +
+    console.line("left out", list_names(uncarried.left_out) +
                                  ": the target has no such joint below the same parent");
   }
   if (!uncarried.at_rest.empty()) {
-    console.line("at rest", list_names(uncarried.at_rest, kNamed) +
+    console.line("at rest", list_names(uncarried.at_rest) +
                                 ": the source has no such joint below the same parent");
   }
   Clip moved = transfer(clip, mapping, target);
