@@ -13,6 +13,7 @@
 #include "human/posed_body.h"
 #include "human/rest_pose.h"
 #include "human/units.h"
+#include "human/up_axis.h"
 
 namespace retarget {
 namespace {
@@ -47,7 +48,6 @@ class Calibrator {
  private:
   [[nodiscard]] Result<void> check() const;
   void look();
-  [[nodiscard]] bool stands_otherwise(const SignedAxis& custom) const;
   [[nodiscard]] bool has_lafan1_axes() const;
   [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result);
   [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result);
@@ -118,37 +118,18 @@ void Calibrator::look() {
     view_.up = *options_.up;
     return;
   }
-  if (map_.facts.up && !stands_otherwise(nearest_axis(*map_.facts.up))) {
-    view_.up = nearest_axis(*map_.facts.up);
-    return;
+  KnownUp known;
+  if (map_.facts.up) known.of_kind = nearest_axis(*map_.facts.up);
+  if (const auto zero = zero_candidate(body_); zero && is_well_formed(body_, *zero)) {
+    known.of_zero_pose = nearest_axis(zero->axes.row(2));
   }
-  if (view_.poses.empty()) {
-    // y by custom, unless there is a zero pose that stands
-    const auto zero = zero_candidate(body_);
-    if (zero && is_well_formed(body_, *zero)) view_.up = nearest_axis(zero->axes.row(2));
-    return;
-  }
-  const UpGuess guess = guess_up(body_, view_.poses);
-  view_.up = guess.axis;
-  if (guess.certainty < 0.3) {
+  const UpChoice up = choose_up(body_, view_.poses, known);
+  view_.up = up.axis;
+  if (up.doubtful) {
     view_.doubts.push_back({0, 0,
-                            "the body hardly ever stands: " + to_text(guess.axis) +
+                            "the body hardly ever stands: " + to_text(up.axis) +
                                 " was taken as the up axis; give --up if that is wrong"});
   }
-}
-
-// whether a body plainly stands along another axis than all others of its kind; people who lie may
-// seem to for a moment, and hardly any file has up along a negative axis
-bool Calibrator::stands_otherwise(const SignedAxis& custom) const {
-  constexpr std::size_t kFewest = 15;  // one and a half seconds
-  constexpr double kPlainly = 0.5, kBeyondDoubt = 0.95;
-  if (view_.poses.size() < kFewest) return false;
-  const UpGuess guess = guess_up(body_, view_.poses);
-  // who lies all the time lies on the floor
-  if (is_on_floor(body_, view_.poses, custom) && !is_on_floor(body_, view_.poses, guess.axis)) {
-    return false;
-  }
-  return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
 }
 
 std::optional<RestCandidate> Calibrator::candidate(JointPoses pose,
