@@ -16,6 +16,7 @@ constexpr double kLeastShouldersPerTrunk = 0.4;
 constexpr double kMostFootPerLeg = 0.35;
 // cosines of the angle between trunk and legs: standing or lying, across, and what is never upright
 constexpr double kStretched = 0.85, kAcross = 0.5, kUpright = 0.3;
+constexpr const char* kNarrow = "the shoulders are narrow";
 // chains that are no part of a human body
 constexpr int kFewestTailJoints = 3;
 constexpr double kLeastTailPerTrunk = 0.3;
@@ -93,7 +94,7 @@ void add_signs_of_animal(const BodySource& source, const BoneMap& map, double le
                          HumanDoubts& doubts) {
   if (mean_distance(source, map.joint("LeftArm"), map.joint("RightArm")) <
       kLeastShouldersPerTrunk * trunk) {
-    doubts.signs.emplace_back("the shoulders are narrow");
+    doubts.signs.emplace_back(kNarrow);
   }
   const bool has_toes = map.joint("LeftToe") >= 0 && map.joint("RightToe") >= 0;
   if (has_toes && limb_length(source, map, {"Foot", "Toe"}) > kMostFootPerLeg * leg) {
@@ -136,7 +137,10 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
     doubts.signs.push_back("it has a " + quoted_name(source.skeleton, joint));
     break;
   }
-  doubts.proven = doubts.signs.size() >= (stands ? 3U : 2U);
+  // posture and shoulders alone may be those of a broken motion
+  const auto narrow = static_cast<std::size_t>(std::ranges::count(doubts.signs, kNarrow));
+  const std::size_t count = doubts.signs.size();
+  doubts.proven = count >= 3 || (!stands && count - narrow >= 2);
   return doubts;
 }
 
