@@ -291,7 +291,7 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
   result.unit = is_published ? "cm" : unit->name;
   result.rest_pose = "lafan1";
   result.mapping.metres_per_unit = unit->metres;
-  if (!is_lafan1_height(own_height * unit->metres)) {
+  if (own_height > 0.0 && !is_lafan1_height(own_height * unit->metres)) {
     result.rest_pose = "lafan1 axes";
     result.mapping.height = own_height * unit->metres;
     result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit->metres;
