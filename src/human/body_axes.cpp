@@ -116,10 +116,7 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
   mean /= static_cast<double>(std::max<std::size_t>(poses.size(), 1));
 
   // a floor that wanders by a whole leg counts as much as a trunk that leans by 60 degrees
-  const double leg = size_of(body);
-  const auto floor = [&](const SignedAxis& axis) {
-    return leg <= 0.0 ? 0.0 : std::min(wander(poses, axis.direction()) / leg, 1.0);
-  };
+  const auto floor = [&](const SignedAxis& axis) { return floor_wander(body, poses, axis); };
   const auto score = [&](const SignedAxis& axis) {
     return mean.dot(axis.direction()) - 0.5 * floor(axis);
   };
@@ -136,6 +133,11 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
                     floor(custom) < 0.4 * floor(best);
   if (is_near || lies) best = custom;
   return {best, mean.dot(best.direction())};
+}
+
+double floor_wander(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {
+  const double leg = size_of(body);
+  return leg <= 0.0 ? 0.0 : std::min(wander(poses, up.direction()) / leg, 1.0);
 }
 
 bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses, const SignedAxis& up) {

@@ -38,6 +38,11 @@ struct UpGuess {
 };
 [[nodiscard]] UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses);
 
+/// How far the lowest joint wanders along an axis, from the tenth to the fiftieth percentile of the
+/// poses so that jumps do not count, in legs, at most 1.
+[[nodiscard]] double floor_wander(const Body& body, const std::vector<JointPoses>& poses,
+                                  const SignedAxis& up);
+
 /// Whether the body is on a floor at height 0 along an axis: half of the poses have their lowest joint
 /// within a fifth of a leg's length of it, as nearly all recordings have along up.
 [[nodiscard]] bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses,

@@ -8,35 +8,18 @@
 
 #include "human/body_axes.h"
 #include "human/bone_sources.h"
+#include "human/find_rest.h"
 #include "human/lafan1_shape.h"
 #include "human/learned_axes.h"
 #include "human/posed_body.h"
 #include "human/rest_pose.h"
 #include "human/toe_rotations.h"
 #include "human/units.h"
+#include "human/up_axis.h"
 #include "retarget/motion/lead_in.h"
 
 namespace retarget {
 namespace {
-
-// a frame within these is a T-pose that was meant as one
-constexpr double kExactMean = 5.0;      // degrees
-constexpr double kExactLargest = 12.0;  // degrees
-
-// the pose that is brought to T, and the axes it gives
-struct Rest {
-  RestCandidate candidate;
-  JointFromBone axes;
-  std::string name;
-};
-
-// what is seen of a movement
-struct View {
-  std::vector<int> frames;
-  std::vector<JointPoses> poses;
-  SignedAxis up;
-  std::vector<Warning> doubts;
-};
 
 class Calibrator {
  public:
@@ -49,22 +32,13 @@ class Calibrator {
  private:
   [[nodiscard]] Result<void> check() const;
   void look();
-  [[nodiscard]] bool stands_otherwise(const SignedAxis& custom) const;
   [[nodiscard]] bool has_lafan1_axes() const;
   [[nodiscard]] Result<void> keep_lafan1_axes(Calibration& result);
   [[nodiscard]] Result<void> bring_to_canonical_axes(Calibration& result);
-  [[nodiscard]] std::optional<RestCandidate> candidate(JointPoses pose,
-                                                       const Eigen::Vector3d& up) const;
-  [[nodiscard]] std::optional<RestCandidate> zero_candidate(const Body& body) const;
-  [[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame() const;
-  [[nodiscard]] std::optional<Rest> rest_of_dialect() const;
-  [[nodiscard]] Result<Rest> rest_of_movement() const;
-  [[nodiscard]] Result<Rest> with_arms_of_movement(Result<Rest> rest) const;
-  [[nodiscard]] Result<Rest> find_rest() const;
+  [[nodiscard]] RestFinder rest_finder() const {
+    return {clip_, map_, options_, file_, body_, movement_};
+  }
   bool disbelieve_flipped_toes(const JointFromBone& axes);
-  [[nodiscard]] Result<Rest> told_rest() const;
-  [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
-  [[nodiscard]] Result<Rest> taken(std::optional<RestCandidate> candidate, std::string name) const;
   [[nodiscard]] Result<Unit> find_unit(double hip_height, double height);
   void doubt_sides();
   void doubt_height(const Calibration& found);
@@ -74,8 +48,8 @@ class Calibrator {
   const CalibrationOptions& options_;
   const std::string& file_;
   Body body_;
-  int lead_in_ = 0;  // frames in front that are none of the motion
-  View view_;
+  Movement movement_;
+  std::vector<Warning> doubts_;
   // as far as offsets count: of joints in one place the uppermost, which has the length
   JointOfBone joint_of_ = [this](std::string_view bone) -> std::optional<int> {
     if (!body_.has(bone)) return std::nullopt;
@@ -118,178 +92,25 @@ Result<void> Calibrator::check() const {
 }
 
 void Calibrator::look() {
-  lead_in_ = count_lead_in_frames(clip_);
-  view_.frames = sampled_frames(clip_, lead_in_);
-  for (const int frame : view_.frames) view_.poses.push_back(frame_pose(clip_, frame));
+  movement_.lead_in = count_lead_in_frames(clip_);
+  movement_.frames = sampled_frames(clip_, movement_.lead_in);
+  for (const int frame : movement_.frames) movement_.poses.push_back(frame_pose(clip_, frame));
   if (options_.up) {
-    view_.up = *options_.up;
+    movement_.up = *options_.up;
     return;
   }
-  if (map_.facts.up && !stands_otherwise(nearest_axis(*map_.facts.up))) {
-    view_.up = nearest_axis(*map_.facts.up);
-    return;
+  KnownUp known;
+  if (map_.facts.up) known.of_kind = nearest_axis(*map_.facts.up);
+  if (const auto zero = rest_finder().zero_candidate(); zero && is_well_formed(body_, *zero)) {
+    known.of_zero_pose = nearest_axis(zero->axes.row(2));
   }
-  if (view_.poses.empty()) {
-    // y by custom, unless there is a zero pose that stands
-    const auto zero = zero_candidate(body_);
-    if (zero && is_well_formed(body_, *zero)) view_.up = nearest_axis(zero->axes.row(2));
-    return;
+  const UpChoice up = choose_up(body_, movement_.poses, known);
+  movement_.up = up.axis;
+  if (up.doubtful) {
+    doubts_.push_back({0, 0,
+                       "the body hardly ever stands: " + to_text(up.axis) +
+                           " was taken as the up axis; give --up if that is wrong"});
   }
-  const UpGuess guess = guess_up(body_, view_.poses);
-  view_.up = guess.axis;
-  if (guess.certainty < 0.3) {
-    view_.doubts.push_back({0, 0,
-                            "the body hardly ever stands: " + to_text(guess.axis) +
-                                " was taken as the up axis; give --up if that is wrong"});
-  }
-}
-
-// whether a body plainly stands along another axis than all others of its kind; people who lie may
-// seem to for a moment, and hardly any file has up along a negative axis
-bool Calibrator::stands_otherwise(const SignedAxis& custom) const {
-  constexpr std::size_t kFewest = 15;  // one and a half seconds
-  constexpr double kPlainly = 0.5, kBeyondDoubt = 0.95;
-  if (view_.poses.size() < kFewest) return false;
-  const UpGuess guess = guess_up(body_, view_.poses);
-  // who lies all the time lies on the floor
-  if (is_on_floor(body_, view_.poses, custom) && !is_on_floor(body_, view_.poses, guess.axis)) {
-    return false;
-  }
-  return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
-}
-
-std::optional<RestCandidate> Calibrator::candidate(JointPoses pose,
-                                                   const Eigen::Vector3d& up) const {
-  std::optional<BodyFromFile> axes;
-  if (!options_.forward) {
-    axes = body_axes(body_, pose, up);
-  } else if (up.cross(options_.forward->direction()).norm() > 0.5) {
-    axes = told_axes(options_.forward->direction(), up);
-  }
-  if (!axes) return std::nullopt;
-  return RestCandidate{std::move(pose), *axes};
-}
-
-// a zero pose is built along its own axes, which need not be those of the movement
-std::optional<RestCandidate> Calibrator::zero_candidate(const Body& body) const {
-  JointPoses pose = zero_pose(body.skeleton());
-  const auto trunk = trunk_direction(body, pose);
-  if (!trunk) return std::nullopt;
-  auto found = candidate(std::move(pose), nearest_axis(*trunk).direction());
-  if (found) found->is_built = true;
-  return found;
-}
-
-std::optional<std::pair<int, RestCandidate>> Calibrator::best_frame() const {
-  std::optional<std::pair<int, RestCandidate>> best;
-  double least = 0.0;
-  const auto consider = [&](int frame, const JointPoses& pose) {
-    auto found = candidate(pose, view_.up.direction());
-    if (!found) return;
-    const double mean = deviation_from_t(body_, *found).mean;
-    // poses that are equal but for rounding count as one, the first
-    if (best && mean > least - 1e-6) return;
-    least = mean;
-    best = std::pair(frame, *std::move(found));
-  };
-  // a T-pose in front is none of the motion, but a rest pose
-  for (int frame = 0; frame < lead_in_; ++frame) consider(frame, frame_pose(clip_, frame));
-  for (std::size_t i = 0; i < view_.poses.size(); ++i) consider(view_.frames[i], view_.poses[i]);
-  return best;
-}
-
-Result<Rest> Calibrator::taken(std::optional<RestCandidate> found, std::string name) const {
-  if (!found) {
-    return input_failure(file_, "the " + name + " shows no facing: hips and shoulders lie along up",
-                         "choose another rest pose, or give --forward");
-  }
-  JointFromBone axes = bring_to_t(body_, *found);
-  return Rest{*std::move(found), std::move(axes), std::move(name)};
-}
-
-Result<Rest> Calibrator::rest_of_tpose_file() const {
-  const Skeleton& own = clip_.skeleton();
-  const Clip& tpose = *options_.tpose;
-  const JointPoses given =
-      tpose.frame_count() > 0 ? frame_pose(tpose, 0) : zero_pose(tpose.skeleton());
-  // only the mapped joints and the ends of their bones are looked at
-  JointPoses pose = zero_pose(own);
-  for (int joint = 0; joint < own.joint_count(); ++joint) {
-    const auto same = tpose.skeleton().find(own.joint(joint).name);
-    if (same) pose[joint] = given[*same];
-    if (!same && std::ranges::count(map_.joint_of_bone, joint) > 0) {
-      return input_failure(file_, "the T-pose file has no joint \"" + own.joint(joint).name + "\"",
-                           "give a T-pose of the same skeleton");
-    }
-  }
-  const auto trunk = trunk_direction(body_, pose);
-  if (!trunk) return taken(std::nullopt, "T-pose file");
-  return taken(candidate(std::move(pose), nearest_axis(*trunk).direction()), "T-pose file");
-}
-
-Result<Rest> Calibrator::told_rest() const {
-  if (options_.rest == RestPose::kZero) return taken(zero_candidate(body_), "zero pose");
-  if (clip_.frame_count() == 0) return input_failure(file_, "no frames: no frame is a rest pose");
-  if (options_.rest == RestPose::kLearned) return rest_of_movement();
-  if (options_.rest == RestPose::kBest) {
-    const auto best = best_frame();
-    if (!best) return taken(std::nullopt, "movement");
-    return taken(best->second, "frame " + std::to_string(best->first));
-  }
-  const int frame = options_.rest == RestPose::kFirst ? 0 : options_.rest_frame;
-  if (frame < 0 || frame >= clip_.frame_count()) {
-    return usage_failure("no frame " + std::to_string(frame) + ": the clip has " +
-                         std::to_string(clip_.frame_count()));
-  }
-  return taken(candidate(frame_pose(clip_, frame), view_.up.direction()),
-               "frame " + std::to_string(frame));
-}
-
-// the rest pose of a kind of skeleton, when it is one in this file
-std::optional<Rest> Calibrator::rest_of_dialect() const {
-  constexpr double kMostOff = 20.0;  // degrees
-  const std::string& known = map_.facts.rest_pose;
-  std::optional<RestCandidate> pose;
-  if (known == "zero") pose = zero_candidate(body_);
-  if (known == "first" && clip_.frame_count() > 0) {
-    pose = candidate(frame_pose(clip_, 0), view_.up.direction());
-  }
-  if (!pose || deviation_from_t(body_, *pose).mean > kMostOff) return std::nullopt;
-  auto rest = taken(std::move(pose), known == "zero" ? "zero pose" : "frame 0");
-  return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
-}
-
-// one pose says little of how arms are turned about themselves
-Result<Rest> Calibrator::with_arms_of_movement(Result<Rest> rest) const {
-  if (rest && !view_.poses.empty()) {
-    rest->axes = with_corrected_arms(body_, view_.poses, view_.up.direction(), rest->axes);
-  }
-  return rest;
-}
-
-Result<Rest> Calibrator::find_rest() const {
-  if (options_.tpose) return rest_of_tpose_file();
-  if (options_.rest != RestPose::kAuto) return told_rest();
-  if (auto known = rest_of_dialect()) return *std::move(known);
-  if (map_.facts.rest_pose == "learned") return rest_of_movement();
-  const auto zero = zero_candidate(body_);
-  if (zero && is_well_formed(body_, *zero)) {
-    return with_arms_of_movement(taken(zero, "zero pose"));
-  }
-  if (const auto best = best_frame()) {
-    const Deviation deviation = deviation_from_t(body_, best->second);
-    if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
-      return with_arms_of_movement(taken(best->second, "frame " + std::to_string(best->first)));
-    }
-  }
-  return rest_of_movement();
-}
-
-Result<Rest> Calibrator::rest_of_movement() const {
-  const auto best = best_frame();
-  if (!best || view_.poses.empty()) return taken(std::nullopt, "movement");
-  return Rest{best->second, learned_axes(body_, view_.poses, view_.up.direction(), best->second),
-              "learned"};
 }
 
 Result<Unit> Calibrator::find_unit(double hip_height, double height) {
@@ -298,7 +119,7 @@ Result<Unit> Calibrator::find_unit(double hip_height, double height) {
   if (unit) return *unit;
   if (options_.unit_optional) {
     const Unit assumed = unit_of_average_body(height);
-    view_.doubts.push_back({0, 0, assumed_unit_text(hip_height)});
+    doubts_.push_back({0, 0, assumed_unit_text(hip_height)});
     return assumed;
   }
   return input_failure(file_,
@@ -317,17 +138,17 @@ bool Calibrator::has_lafan1_axes() const {
 
 // toes that turn as none do follow their feet from now on
 bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
-  const auto sides = sides_with_flipped_toes(body_, view_.poses, axes);
+  const auto sides = sides_with_flipped_toes(body_, movement_.poses, axes);
   for (const std::string& side : sides) {
     body_.disbelieve_rotation(find_bone(side + "Toe").value());
   }
   if (sides.empty()) return false;
-  view_.doubts.push_back({0, 0,
-                          (sides.size() > 1          ? std::string("the toes turn")
-                           : sides.front() == "Left" ? "the left toes turn"
-                                                     : "the right toes turn") +
-                              " farther than toes do: their rotations are not believed, and they "
-                              "follow the foot"});
+  doubts_.push_back({0, 0,
+                     (sides.size() > 1          ? std::string("the toes turn")
+                      : sides.front() == "Left" ? "the left toes turn"
+                                                : "the right toes turn") +
+                         " farther than toes do: their rotations are not believed, and they "
+                         "follow the foot"});
   return true;
 }
 
@@ -347,7 +168,7 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
   result.unit = is_published ? "cm" : unit->name;
   result.rest_pose = "lafan1";
   result.mapping.metres_per_unit = unit->metres;
-  if (!is_lafan1_height(own_height * unit->metres)) {
+  if (own_height > 0.0 && !is_lafan1_height(own_height * unit->metres)) {
     result.rest_pose = "lafan1 axes";
     result.mapping.height = own_height * unit->metres;
     result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit->metres;
@@ -360,8 +181,8 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
     }
   }
   complete_lafan1_toes(body_, result.mapping.bones);
-  result.mapping.human_from_source = z_up_from_file(view_.up);
-  if (const auto best = best_frame()) {
+  result.mapping.human_from_source = z_up_from_file(movement_.up);
+  if (const auto best = rest_finder().best_frame()) {
     result.forward = nearest_axis(best->second.axes.row(0));
     result.rest_deviation = deviation_from_t(body_, best->second).mean;
   }
@@ -369,10 +190,10 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
 }
 
 Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
-  auto rest = find_rest();
+  auto rest = rest_finder().find();
   if (!rest) return failure(rest.error());
   if (disbelieve_flipped_toes(rest->axes)) {
-    rest = find_rest();
+    rest = rest_finder().find();
     if (!rest) return failure(rest.error());
   }
   const RestCandidate& posed = rest->candidate;
@@ -385,7 +206,7 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
   result.forward = nearest_axis(rest->candidate.axes.row(0));
   result.mapping.dialect = map_.dialect;
   result.mapping.metres_per_unit = unit->metres;
-  result.mapping.human_from_source = z_up_from_file(view_.up);
+  result.mapping.human_from_source = z_up_from_file(movement_.up);
   result.mapping.bones = bone_sources(body_, rest->axes, rest->candidate.pose);
   const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
   result.mapping.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
@@ -395,10 +216,10 @@ Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
 }
 
 void Calibrator::doubt_sides() {
-  if (facing_evidence(body_, view_.poses, view_.up.direction()) < -0.2) {
-    view_.doubts.push_back({0, 0,
-                            "feet point and knees bend the wrong way: left and right are swapped "
-                            "or the body is mirrored"});
+  if (facing_evidence(body_, movement_.poses, movement_.up.direction()) < -0.2) {
+    doubts_.push_back({0, 0,
+                       "feet point and knees bend the wrong way: left and right are swapped "
+                       "or the body is mirrored"});
   }
 }
 
@@ -406,9 +227,9 @@ void Calibrator::doubt_height(const Calibration& found) {
   constexpr double kSmall = 1.3, kTall = 2.1;  // metres
   const double height = found.mapping.height;
   if (height >= kSmall && height <= kTall) return;
-  view_.doubts.push_back({0, 0,
-                          "a body height of " + metres_text(height) + " is unusual: " +
-                              "if the unit is not " + found.unit + ", give --unit"});
+  doubts_.push_back({0, 0,
+                     "a body height of " + metres_text(height) +
+                         " is unusual: " + "if the unit is not " + found.unit + ", give --unit"});
 }
 
 Result<Calibration> Calibrator::run() {
@@ -416,7 +237,7 @@ Result<Calibration> Calibrator::run() {
   look();
   doubt_sides();
   Calibration result;
-  result.up = view_.up;
+  result.up = movement_.up;
   const auto done = has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result);
   if (!done) return failure(done.error());
   const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
@@ -426,8 +247,7 @@ Result<Calibration> Calibrator::run() {
   } else if (!is_published && !options_.metres_per_unit) {
     doubt_height(result);
   }
-  result.mapping.doubts.insert(result.mapping.doubts.end(), view_.doubts.begin(),
-                               view_.doubts.end());
+  result.mapping.doubts.insert(result.mapping.doubts.end(), doubts_.begin(), doubts_.end());
   if (!is_published) result.mapping.description = describe_calibration(result);
   return result;
 }

@@ -1,6 +1,8 @@
 #include "human/human_proportions.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "human/body_words.h"
 #include "human/mirrored_chains.h"
@@ -16,9 +18,14 @@ constexpr double kLeastShouldersPerTrunk = 0.4;
 constexpr double kMostFootPerLeg = 0.35;
 // cosines of the angle between trunk and legs: standing or lying, across, and what is never upright
 constexpr double kStretched = 0.85, kAcross = 0.5, kUpright = 0.3;
+constexpr double kParallel = 0.7;
+// signs that come of poses alone, which a broken motion or a crawling human's file may have
+constexpr const char* kNarrow = "the shoulders are narrow";
+constexpr const char* kFourLegs = "without rotations it stands on arms and legs";
 // chains that are no part of a human body
 constexpr int kFewestTailJoints = 3;
 constexpr double kLeastTailPerTrunk = 0.3;
+constexpr double kEqualChains = 1.15;
 
 double mean_distance(const BodySource& source, int a, int b) {
   double sum = 0.0;
@@ -70,10 +77,10 @@ Posture posture_of(const BodySource& source, const BoneMap& map) {
   return {cosines.back(), cosines[cosines.size() / 2]};
 }
 
-// whether exactly one chain that ends there without a bone hangs from a joint: several are clothes
-bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double least_length) {
+// how far the chains reach that hang from a joint and end without a bone
+std::vector<double> free_chains(const BodySource& source, const BoneMap& map, int joint) {
   const TreeReach reach(source);
-  int tails = 0;
+  std::vector<double> reaches;
   for (const int way : source.tree.neighbours(joint)) {
     const bool leads_to_bone = std::ranges::any_of(map.joint_of_bone, [&](int bone) {
       return bone >= 0 && bone != joint && source.tree.between(way, joint, bone);
@@ -83,9 +90,38 @@ bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, doubl
     for (int at = way; source.tree.neighbours(at).size() == 2; ++count) {
       at = source.tree.neighbours(at)[source.tree.parent(at) == source.tree.neighbours(at)[0]];
     }
-    if (count >= kFewestTailJoints && reach.reach(joint, way) >= least_length) ++tails;
+    if (count >= kFewestTailJoints) reaches.push_back(reach.reach(joint, way));
+  }
+  return reaches;
+}
+
+// whether one chain of some length hangs from a joint beside pairs, as of ears; several are clothes
+bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double least_length) {
+  std::vector<double> reaches = free_chains(source, map, joint);
+  std::erase_if(reaches, [&](double reach) { return reach < least_length; });
+  std::ranges::sort(reaches);
+  int tails = 0;
+  for (std::size_t i = 0; i < reaches.size(); ++i) {
+    if (i + 1 < reaches.size() && reaches[i + 1] <= kEqualChains * reaches[i]) {
+      ++i;
+    } else {
+      ++tails;
+    }
   }
   return tails == 1;
+}
+
+// whether all rotations zero give an animal on its four legs
+bool is_built_on_four_legs(const BodySource& source, const BoneMap& map) {
+  const BodyPoses zero = sample_zero_pose(source.skeleton);
+  const BodyPoses::Pose& pose = zero.poses.front();
+  if (std::abs(uprightness(pose, map)) > kAcross) return false;
+  return std::ranges::all_of(std::array{"Left", "Right"}, [&](const std::string& side) {
+    const auto along = [&](const char* from, const char* to) -> Eigen::Vector3d {
+      return (pose.joints[map.joint(side + to)] - pose.joints[map.joint(side + from)]).normalized();
+    };
+    return along("Arm", "ForeArm").dot(along("UpLeg", "Foot")) > kParallel;
+  });
 }
 
 // what a four-legged animal has beside a trunk across its legs
@@ -93,8 +129,9 @@ void add_signs_of_animal(const BodySource& source, const BoneMap& map, double le
                          HumanDoubts& doubts) {
   if (mean_distance(source, map.joint("LeftArm"), map.joint("RightArm")) <
       kLeastShouldersPerTrunk * trunk) {
-    doubts.signs.emplace_back("the shoulders are narrow");
+    doubts.signs.emplace_back(kNarrow);
   }
+  if (is_built_on_four_legs(source, map)) doubts.signs.emplace_back(kFourLegs);
   const bool has_toes = map.joint("LeftToe") >= 0 && map.joint("RightToe") >= 0;
   if (has_toes && limb_length(source, map, {"Foot", "Toe"}) > kMostFootPerLeg * leg) {
     doubts.signs.emplace_back("the feet are parts of the legs");
@@ -136,7 +173,10 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
     doubts.signs.push_back("it has a " + quoted_name(source.skeleton, joint));
     break;
   }
-  doubts.proven = doubts.signs.size() >= (stands ? 3U : 2U);
+  const auto of_poses = static_cast<std::size_t>(std::ranges::count_if(
+      doubts.signs, [](const std::string& sign) { return sign == kNarrow || sign == kFourLegs; }));
+  const std::size_t count = doubts.signs.size();
+  doubts.proven = count >= 3 || (!stands && count - of_poses >= 2);
   return doubts;
 }
 

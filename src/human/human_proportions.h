@@ -11,10 +11,10 @@ struct HumanDoubts {
 };
 
 /// Signs are a trunk longer than the legs, arms as long as the legs, names of animals' parts, and in a
-/// motion a trunk that lies across the legs most of the time; then also narrow shoulders, feet as long
-/// as segments of legs, and single chains that hang from both head and hips. Two prove it; of a body
-/// that is seen to stand or lie stretched, which may be a cartoon's, three. People who crawl have
-/// one of them.
+/// motion a trunk that lies across the legs most of the time. Only with the last one count narrow
+/// shoulders, a zero pose on four legs, feet as long as segments of legs, and single chains that hang
+/// from both head and hips. Three prove it, and two of a body that is never seen to stand or lie
+/// stretched, the first two of these four left out. People who crawl have one sign, or two of poses.
 [[nodiscard]] HumanDoubts doubt_human(const BodySource& source, const BoneMap& map);
 
 }  // namespace retarget

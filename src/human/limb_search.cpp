@@ -157,6 +157,7 @@ Error ambiguous_bone(const BodySource& source, const std::string& bone, int a, i
 std::string note_of_choice(const BodySource& source, const std::string& bone,
                            const std::vector<int>& joints, int chosen) {
   std::vector<std::string> names;
+  names.reserve(joints.size());
   for (const int joint : joints) names.push_back(quoted_name(source.skeleton, joint));
   return list_names(names) + " may each be the " + bone + ": took " +
          quoted_name(source.skeleton, chosen);

@@ -101,8 +101,9 @@ void set_head(const BodySource& source, BoneMap& map) {
   const std::vector<int> heads = find_named(source, Role::kHead);
   if (heads.empty()) return;
   joint_of(map, "Head") = middle_joint(source, heads);
-  if (heads.size() > 1)
+  if (heads.size() > 1) {
     map.notes.push_back(note_of_choice(source, "Head", heads, map.joint("Head")));
+  }
 }
 
 Result<void> set_hips_by_name(const BodySource& source, BoneMap& map) {

@@ -98,7 +98,7 @@ std::optional<Unit> unit_of_body(const BodySize& size) {
   const auto nearest = std::ranges::min_element(
       kRanges, {}, [&](const UnitRange& range) { return off(range.metres); });
   if (off(nearest->metres) <= kAbout) return Unit{nearest->name, nearest->metres};
-  return Unit{"scaled", exact};
+  return unit ? unit : Unit{"scaled", exact};
 }
 
 Unit unit_of_average_body(double height) {

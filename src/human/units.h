@@ -36,8 +36,8 @@ struct BodySize {
 };
 
 /// The unit of a file: that of its kind where the hips are then a person's, else the known one in
-/// which they are. A told height decides where neither is so, or where it is far off: the known
-/// unit in which the body has about that height, else the length in which it has just that
+/// which they are. Where a told height is far off, or neither is so, the known unit in which the body has
+/// about that height; where there is none such and no other, the length in which it has just that
 /// (`scaled`). Nothing where nothing tells.
 [[nodiscard]] std::optional<Unit> unit_of_body(const BodySize& size);
 

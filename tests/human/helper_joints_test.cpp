@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
@@ -14,7 +15,8 @@ namespace retarget {
 namespace {
 
 Clip sample(const std::string& name) {
-  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+  const std::filesystem::path folder = std::filesystem::path(RETARGET_SOURCE_DIR) / "data";
+  return load_bvh((folder / (name + ".bvh")).string()).value().clip;
 }
 
 // who keeps the name of a joint that is split in two

@@ -58,6 +58,8 @@ TEST(UnitOfBody, IsSettledByAToldHeight) {
   EXPECT_EQ(unit_of_body({90.0, 165.0, {}, 1.8})->name, "cm");
   EXPECT_EQ(unit_of_body({45.0, 84.0, {}, 0.85})->name, "cm");
   EXPECT_EQ(unit_of_body({48.0, 89.0, {}, 2.2})->name, "inch");
+  // a body of a known unit is not scaled: its height is what targets are scaled by
+  EXPECT_EQ(unit_of_body({93.0, 175.0, 0.01, 1.1})->name, "cm");
 }
 
 Clip sample_in(double scale, bool with_lafan1_axes) {

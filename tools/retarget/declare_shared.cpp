@@ -104,7 +104,8 @@ void add_human_options(CLI::App& app, HumanOptions& options) {
       ->type_name("AXIS")
       ->group(kHuman);
   app.add_option("--height", options.height,
-                 "Height of the body, metres (default: estimated; 1.75 for\nLAFAN1)")
+                 "Height of the body, metres; settles a unit that is\nunknown (default: estimated; "
+                 "1.75 for LAFAN1)")
       ->type_name("M")
       ->check(number_from(0.1, 10.0))
       ->group(kHuman);

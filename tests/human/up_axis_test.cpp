@@ -1,0 +1,85 @@
+#include "human/up_axis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "human/hand_made_maps.h"
+#include "human/twins.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/motion/forward_kinematics.h"
+
+namespace retarget {
+namespace {
+
+Clip sample(const std::string& name) {
+  return load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/" + name + ".bvh").value().clip;
+}
+
+double lowest_joint(const Clip& clip, int frame) {
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  forward_kinematics(clip, frame, poses);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Pose& pose : poses) lowest = std::min(lowest, pose.translation.y());
+  return lowest;
+}
+
+// the body of a y-up clip in a T-pose zero, rolled head over heels all the time: in the air about its
+// hips, or on the floor
+Clip tumbling(const std::string& name, double turns, bool on_floor) {
+  Clip clip = with_t_pose_as_zero(sample(name));
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const double floor = lowest_joint(clip, frame);
+    const double angle = 2.0 * M_PI * turns * frame / clip.frame_count();
+    clip.rotations(frame)[0] =
+        Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())) *
+        clip.rotations(frame)[0];
+    if (on_floor) clip.translations(frame)[0].y() += floor - lowest_joint(clip, frame);
+  }
+  return clip;
+}
+
+Calibration calibrated(const Clip& clip) {
+  return calibrate(clip, lafan1_map(clip.skeleton(), "test"), {}, "clip").value();
+}
+
+TEST(UpAxis, OfBodiesThatTumbleIsThatOfTheZeroPose) {
+  for (const char* name : {"wave", "turn_in_place", "squat", "walk", "get_up"}) {
+    for (const double turns : {1.0, 1.5, 3.0}) {
+      for (const bool on_floor : {false, true}) {
+        SCOPED_TRACE(std::string(name) + " " + std::to_string(turns) + (on_floor ? " floor" : ""));
+        const Calibration found = calibrated(tumbling(name, turns, on_floor));
+        EXPECT_EQ(to_text(found.up), "+y");
+      }
+    }
+  }
+}
+
+TEST(UpAxis, OfBodiesThatHardlyStandIsDoubted) {
+  const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).mapping.doubts;
+  ASSERT_FALSE(doubts.empty());
+  EXPECT_THAT(doubts[0].message, testing::HasSubstr("+y was taken as the up axis"));
+}
+
+// a zero pose along y in a world with z up: whoever plainly stands is believed
+TEST(UpAxis, OfBodiesThatStandIsThatOfTheMovement) {
+  const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  for (const char* name : {"wave", "turn_in_place", "squat", "walk"}) {
+    const Clip clip = scaled_and_turned(with_t_pose_as_zero(sample(name)), 1.0, z_up);
+    EXPECT_EQ(to_text(calibrated(clip).up), "+z") << name;
+  }
+}
+
+TEST(ChooseUp, TakesTheKindsAxisOrTheZeroPosesWithoutPoses) {
+  const Clip clip = sample("walk");
+  const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
+  EXPECT_EQ(choose_up(body, {}, {}).axis, SignedAxis{});
+  EXPECT_EQ(choose_up(body, {}, {{}, SignedAxis{2, false}}).axis, (SignedAxis{2, false}));
+  EXPECT_EQ(choose_up(body, {}, {SignedAxis{0, false}, SignedAxis{2, false}}).axis,
+            (SignedAxis{0, false}));
+}
+
+}  // namespace
+}  // namespace retarget
