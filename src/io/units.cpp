@@ -156,7 +156,9 @@ class UnitFinder {
     double path = 0.0;
     for (std::size_t frame = 1; frame < raw_.frames; ++frame) {
       const double* now = raw_.position.data() + 3 * frame;
-      path += std::hypot(now[0] - now[-3], now[1] - now[-2], now[2] - now[-1]);
+      double square = 0.0;
+      for (int i = 0; i < 3; ++i) square += (now[i] - now[i - 3]) * (now[i] - now[i - 3]);
+      path += std::sqrt(square);
     }
     return path / static_cast<double>(raw_.frames - 1) * rate_.fps();
   }

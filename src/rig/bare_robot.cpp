@@ -20,15 +20,19 @@ Result<CompletedRobot> complete_bare_robot(const Robot& bare, const std::string&
   profile.soles = std::move(found.soles);
   if (profile.allowed_self_contact.empty()) profile.allowed_self_contact = neighbours(bare);
   std::vector<CollisionShape> shapes;
-  shapes.reserve(found.shapes.size());
-  for (const RoughShape& rough : found.shapes) shapes.push_back(rough.shape);
+  int shapeless = 0;
+  for (const RoughShape& rough : found.shapes) {
+    const bool measured = rough.shape.geom >= 0 || rough.source == ShapeSource::kMesh;
+    if (measured) shapes.push_back(rough.shape);
+    if (!measured) ++shapeless;
+  }
 
   ModelPtr model(mj_copyModel(nullptr, bare.model()));
   auto robot = std::make_shared<Robot>(std::move(model), std::move(profile), bare.warnings());
   robot->set_collision_shapes(std::move(shapes));
   const bool guessed = found.sole_source == ShapeSource::kEstimated;
   return CompletedRobot{std::move(robot), (guessed ? "" : "from ") + source_text(found.sole_source),
-                        guessed};
+                        guessed, shapeless};
 }
 
 }  // namespace retarget

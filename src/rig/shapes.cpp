@@ -42,6 +42,28 @@ std::vector<Eigen::Vector3d> lowest_points(const CollisionShape& shape, const Ei
   return points;
 }
 
+// Puts the touching point that is nearest in the place of each corner of the box around them: feet
+// are no rectangles, and a corner beyond them would touch the floor before they do. Corners stay
+// where two of them have one point.
+void take_touching_points(const std::vector<Eigen::Vector3d>& touching,
+                          std::vector<Eigen::Vector3d>& corners) {
+  std::vector<std::size_t> taken;
+  for (const Eigen::Vector3d& corner : corners) {
+    const auto nearest = std::ranges::min_element(touching, {}, [&](const Eigen::Vector3d& point) {
+      const double x = point.x() - corner.x(), right = point.z() - corner.z();
+      return x * x + right * right;
+    });
+    taken.push_back(static_cast<std::size_t>(nearest - touching.begin()));
+  }
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (std::ranges::count(taken, taken[i]) > 1) return;
+  }
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    corners[i].x() = touching[taken[i]].x();
+    corners[i].z() = touching[taken[i]].z();
+  }
+}
+
 // a box with the given axes around points
 CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
                           const Eigen::Matrix3d& axes) {
@@ -223,12 +245,14 @@ void ShapeFinder::find_sole(std::size_t side) {
   Eigen::Vector3d upper = -lower;
   double lowest = INFINITY;
   const double level = 0.01 * leg_length();
+  std::vector<Eigen::Vector3d> touching;  // forward, up, right
   for (const Eigen::Vector3d& point : points) {
     lowest = std::min(lowest, (axes.transpose() * (point - foot.joint)).y());
   }
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d local = axes.transpose() * (point - foot.joint);
     if (local.y() > lowest + level) continue;
+    touching.push_back(local);
     lower = lower.cwiseMin(local);
     upper = upper.cwiseMax(local);
   }
@@ -251,10 +275,13 @@ void ShapeFinder::find_sole(std::size_t side) {
   sole.side = side == 0 ? "left" : "right";
   sole.body = foot.body;
   sole.labels = {"heel_left", "heel_right", "toe_left", "toe_right"};
+  std::vector<Eigen::Vector3d> corners;
   for (const double x : {lower.x(), upper.x()}) {
-    for (const double right : {lower.z(), upper.z()}) {
-      sole.points.emplace_back(foot.joint + axes * Eigen::Vector3d(x, lowest, right));
-    }
+    for (const double right : {lower.z(), upper.z()}) corners.emplace_back(x, lowest, right);
+  }
+  if (is_area) take_touching_points(touching, corners);
+  for (const Eigen::Vector3d& corner : corners) {
+    sole.points.emplace_back(foot.joint + axes * corner);
   }
   found_.ankle_height += 0.5 * -lowest;
   found_.soles.push_back(sole);

@@ -48,9 +48,10 @@ std::vector<std::string> robots_called(const std::string& name,
   std::vector<std::string> ending, holding;
   for (const std::string& robot : known) {
     const std::vector<std::string> all = words_of(robot);
-    const auto found = std::ranges::find_end(all, words);
-    if (found.empty()) continue;
-    (found.end() == all.end() ? ending : holding).push_back(robot);
+    const auto found = std::find_end(all.begin(), all.end(), words.begin(), words.end());
+    if (found == all.end()) continue;
+    const auto behind = all.end() - found - static_cast<std::ptrdiff_t>(words.size());
+    (behind == 0 ? ending : holding).push_back(robot);
   }
   return ending.empty() ? holding : ending;
 }

@@ -188,6 +188,10 @@ class SharedFiles(ToolTest):
                 result = self.run_tool("--smpl", file, "--robot", "unitree_g1", "-o", "smpl.csv")
                 self.assert_done(result)
                 self.assertIn("generic body", result.stderr)
+                # known by its content where it is named without an option
+                self.assert_done(self.run_tool(file, "g1", "-o", "word.csv"))
+                self.assertEqual((self.folder / "word.csv").read_bytes(),
+                                 (self.folder / "smpl.csv").read_bytes())
                 heights = [row[2] for row in read_rows((self.folder / "smpl.csv").read_text())]
                 self.assertTrue(0.5 < min(heights) and max(heights) < 1.2, heights)
 

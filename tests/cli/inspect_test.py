@@ -65,6 +65,10 @@ class Inspect(ToolTest):
         for words in ("301", "30 fps", "10 s", "22", "LeftForeArm", "Zrotation Yrotation"):
             self.assertIn(words, result.stdout)
         self.assertEqual(result.stderr, "")
+        about_the_human = result.stdout.split("\n\n")[0]
+        self.assertIn("  human     LAFAN1", about_the_human)
+        for line in about_the_human[about_the_human.index("  human"):].splitlines():
+            self.assertLessEqual(len(line), 80)
 
     def test_positions(self):
         clip = self.write("clip.bvh", CLIP)

@@ -98,7 +98,7 @@ class Mistakes(ToolTest):
                 (("walk.bvh",), "no robot and no output are given"),
                 (("g1",), "no motion file and no output are given"),
                 (("walk.bvh", "g1"), "no output is given"),
-                (("--robot-xml", "x.xml"), "no motion file and no output are given"),
+                (("--robot-xml", "x.xml"), "no motion file, no output and no mapping are given"),
                 (("evaluate",), "no motions and no robot are given"),
                 (("convert",), "no input, no robot and no output are given"),
                 (("compare", "x.csv"), "no b is given"),
@@ -120,7 +120,8 @@ class Mistakes(ToolTest):
             self.assert_fails(self.run_tool(*words), 3, "clips", "directory", "retarget batch clips")
         for words in (("evaluate", "clips"), ("convert", "clips", "x.csv"),
                       ("compare", "clips", "clips")):
-            self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory")
+            self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory",
+                              "clips/*.csv", "retarget batch")
 
 
 if __name__ == "__main__":

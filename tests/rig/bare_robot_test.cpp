@@ -74,8 +74,9 @@ TEST(BareRobot, AllElseStays) {
   EXPECT_FALSE(robot.profile().allowed_self_contact.empty());
 }
 
-// a model of masses alone, as one is whose meshes were taken out
-TEST(BareRobot, BodiesWithoutGeomsGetShapesAndGuessedSoles) {
+// a model of masses alone, as one is whose meshes were taken out: soles must be guessed, and are
+// better than none; shapes would be judged by
+TEST(BareRobot, WhatNothingTellsIsSaid) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   for (std::size_t at = text.find("<geom"); at != std::string::npos; at = text.find("<geom", at)) {
@@ -90,9 +91,55 @@ TEST(BareRobot, BodiesWithoutGeomsGetShapesAndGuessedSoles) {
   ASSERT_TRUE(completed) << describe(completed.error());
   EXPECT_TRUE(completed->guessed);
   EXPECT_EQ(completed->robot->profile().soles.size(), 2U);
-  EXPECT_GE(completed->robot->collision_shapes().size(), 10U);
-  for (const CollisionShape& shape : completed->robot->collision_shapes()) {
-    EXPECT_EQ(shape.geom, -1);
+  EXPECT_TRUE(completed->robot->collision_shapes().empty());
+  // thighs, shins, feet, upper arms, forearms
+  EXPECT_EQ(completed->shapeless, 10);
+}
+
+// what a motion is measured by is the model's: a capsule in a cylinder's place would be a guess
+TEST(BareRobot, ShapesOfTheModelAreKept) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  const auto add_geom = [&](const std::string& body, const std::string& geom) {
+    const std::size_t at = text.find("<body name=\"" + body + "\"");
+    text.insert(text.find('>', at) + 1, geom);
+  };
+  add_geom("left_shin", "<geom type=\"cylinder\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
+  add_geom("right_shin", "<geom type=\"capsule\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
+  const std::string model = folder.write("robot.xml", text);
+  const auto bare = load_robot(model);
+  ASSERT_TRUE(bare) << describe(bare.error());
+  const auto completed = complete_bare_robot(**bare, model);
+  ASSERT_TRUE(completed) << describe(completed.error());
+  EXPECT_FALSE(completed->guessed);
+  const auto &shapes = completed->robot->collision_shapes(), &own = (*bare)->collision_shapes();
+  ASSERT_EQ(shapes.size(), own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(shapes[i].geom, own[i].geom);
+  // thighs, one shin, upper arms, forearms
+  EXPECT_EQ(completed->shapeless, 7);
+}
+
+// feet are no rectangles: a corner beyond the spheres of a narrow heel would touch before they do
+TEST(BareRobot, SolesTouchWhereTheFootDoes) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  const std::string box = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
+  for (std::size_t at = text.find(box); at != std::string::npos; at = text.find(box)) {
+    text.replace(
+        at, box.size(),
+        "<geom size=\".01\" pos=\"-.05 .01 -.04\"/><geom size=\".01\" pos=\"-.05 -.01 -.04\"/>"
+        "<geom size=\".01\" pos=\".1 .04 -.04\"/><geom size=\".01\" pos=\".1 -.04 -.04\"/>");
+  }
+  const std::string model = folder.write("robot.xml", text);
+  const auto bare = load_robot(model);
+  ASSERT_TRUE(bare) << describe(bare.error());
+  const auto completed = complete_bare_robot(**bare, model);
+  ASSERT_TRUE(completed) << describe(completed.error());
+  const Eigen::Vector3d wanted[] = {
+      {-0.05, 0.01, -0.05}, {-0.05, -0.01, -0.05}, {0.1, 0.04, -0.05}, {0.1, -0.04, -0.05}};
+  for (const Sole& sole : completed->robot->profile().soles) {
+    ASSERT_EQ(sole.points.size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((sole.points[i] - wanted[i]).norm(), 1e-9) << i;
   }
 }
 

@@ -100,12 +100,26 @@ Result<void> resolve_options(const RunOptions& run, const RobotSetup& setup, Fin
   return {};
 }
 
+// soles, which may have been found in the model's meshes
+Result<std::string> soles_hash(const Robot& robot) {
+  Json json = Json::array();
+  for (const Sole& sole : robot.profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      json.push_back({sole.body, point.x(), point.y(), point.z()});
+    }
+  }
+  return hash_bytes(json_text(json));
+}
+
 Result<void> add_robot(const RunOptions& run, const RobotSetup& setup, const fs::path& data_folder,
                        Fingerprint& print) {
   const auto model = model_hash(*setup.robot);
   if (!model) return failure(model.error());
   print.hashed["robot"] = setup.robot->name();
   print.hashed["model"] = *model;
+  auto soles = soles_hash(*setup.robot);
+  if (!soles) return failure(soles.error());
+  print.hashed["soles"] = std::move(*soles);
   if (run.robot_xml.empty()) {
     const auto files = find_robot(run.robot, data_folder / "robots");
     if (!files) return failure(files.error());

@@ -60,7 +60,7 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
   const std::array<std::string, 2> files = {options.a, options.b};
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (robot) {
-      const auto motion = load_robot_motion(files[i], robot, *read_options);
+      const auto motion = read_motion(files[i], robot, *read_options);
       if (!motion) return failure(motion.error());
       print_motion(files[i], *motion, console);
       tables[i] = motion_table(motion->clip);

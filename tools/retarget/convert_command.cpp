@@ -44,7 +44,7 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
   whole.dof.clear();
   const auto robot = load_chosen_robot(whole, *data_folder, console);
   if (!robot) return failure(robot.error());
-  auto motion = load_robot_motion(options.input, robot->robot, *read_options);
+  auto motion = read_motion(options.input, robot->robot, *read_options);
   if (!motion) return failure(motion.error());
   print_motion(options.input, *motion, console);
   RobotClip clip = std::move(motion->clip);

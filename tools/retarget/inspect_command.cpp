@@ -11,6 +11,7 @@
 #include "retarget/base/file.h"
 #include "retarget/motion/forward_kinematics.h"
 #include "retarget/motion/skeleton_points.h"
+#include "wrapped_text.h"
 
 namespace retarget::cli {
 namespace {
@@ -103,13 +104,19 @@ std::string vector_text(const Eigen::Vector3d& v) {
 }
 
 std::string human_text(const Clip& clip, const Result<HumanSource>& human) {
-  if (!human) return "  human     not understood: " + human.error().message + "\n\n";
+  constexpr std::size_t kTextColumn = 12;
+  const auto line = [](const std::string& label, const std::string& text) {
+    std::string start = "  " + label;
+    start.resize(kTextColumn, ' ');
+    return start + wrapped_text(text, kTextColumn, kTextColumn + 2) + "\n";
+  };
+  if (!human) return line("human", "not understood: " + human.error().message) + "\n";
   const auto& [map, calibration] = *human;
-  std::string text = "  human     " + calibration.mapping.description + "; " + map.dialect +
-                     ", confidence " + number_text(map.confidence, 2) + "\n";
-  for (const std::string& note : map.notes) text += "            " + note + "\n";
+  std::string text = line("human", calibration.mapping.description + "; " + map.dialect +
+                                       ", confidence " + number_text(map.confidence, 2));
+  for (const std::string& note : map.notes) text += line("", note);
   for (const Warning& doubt : calibration.mapping.doubts) {
-    text += "            doubtful: " + doubt.message + "\n";
+    text += line("", "doubtful: " + doubt.message);
   }
   text += "\n";
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {

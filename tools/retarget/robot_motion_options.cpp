@@ -1,5 +1,8 @@
 #include "robot_motion_options.h"
 
+#include <filesystem>
+#include <system_error>
+
 namespace retarget::cli {
 
 Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options) {
@@ -20,6 +23,18 @@ Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options) {
   read.motion = options.motion;
   read.ignore_header = options.ignore_header;
   return read;
+}
+
+Result<RobotMotion> read_motion(const std::string& file, const std::shared_ptr<const Robot>& robot,
+                                const ReadMotionOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    return input_failure(file, "expected a robot's motion, found a directory",
+                         "name files in it, such as " +
+                             (std::filesystem::path(file) / "*.csv").string() +
+                             "; folders of human motions are for retarget batch");
+  }
+  return load_robot_motion(file, robot, options);
 }
 
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "console.h"
@@ -10,6 +11,11 @@ namespace retarget::cli {
 
 /// The reader's options as the command line has them.
 [[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options);
+
+/// load_robot_motion; of a folder it says what is wanted in its place.
+[[nodiscard]] Result<RobotMotion> read_motion(const std::string& file,
+                                              const std::shared_ptr<const Robot>& robot,
+                                              const ReadMotionOptions& options);
 
 /// Says what a file was taken for, and what is odd about it.
 /// @param rate_option  that tells the rate where the file does not.

@@ -52,8 +52,9 @@ Result<void> take_words(RunOptions& options) {
     } else if (is_file(word) && !is_model(word)) {
       std::error_code ignored;
       if (motion == options.words[0] && motion != "-" && !fs::exists(motion, ignored)) {
-        return usage_failure("\"" + motion + "\" is no command, no motion file and no robot",
-                             "retarget --help lists the commands, retarget robots list the robots");
+        return usage_failure(
+            "\"" + motion + "\" is no command, no motion file and no robot",
+            "retarget --help lists the commands, retarget robots list lists the robots");
       }
       return one_too_many("motions", motion, word);
     } else if (robot.empty()) {
@@ -72,6 +73,9 @@ Result<void> check_all_given(const RunOptions& options) {
     needs.push_back({"robot", "ROBOT, --robot NAME or --robot-xml FILE"});
   }
   if (options.output.empty()) needs.push_back({"output", "-o FILE, or -o - for standard output"});
+  if (!needs.empty() && !options.robot_xml.empty() && options.ik_config.empty()) {
+    needs.push_back({"mapping", "--ik-config FILE"});
+  }
   return check_needs(needs, "as in retarget walk.bvh g1 -o walk.csv");
 }
 

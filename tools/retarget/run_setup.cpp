@@ -72,25 +72,35 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
 
 // a motion whose feet nobody knows floats or sinks, so soles are looked for in the model
 std::shared_ptr<const Robot> with_soles(const std::shared_ptr<const Robot>& robot,
-                                        const std::string& model, Console& console) {
-  constexpr const char* kProfile = "a profile gives them (docs/robots.md): --robot-profile FILE";
+                                        const std::string& model, const RunOptions& options,
+                                        Console& console) {
+  const bool may_have_one = !options.robot_xml.empty() && options.robot_profile.empty();
+  const std::string remedy = std::string("a profile tells them (docs/robots.md)") +
+                             (may_have_one ? ": --robot-profile FILE" : ", this robot's does not");
   auto completed = complete_bare_robot(*robot, model);
   if (!completed) {
     console.warn(
         {{0, 0,
-          std::string("the robot's soles are not known, so its feet may float or sink; ") +
-              kProfile + "; they were looked for in the model: " + completed.error().message}},
+          std::string("the robot's soles are not known, so its feet may float or sink; ") + remedy +
+              "; they were looked for in the model: " + completed.error().message}},
         model);
     return robot;
   }
-  console.line("soles", completed->note + "; " + kProfile);
+  console.line("soles", completed->note + "; " + remedy);
+  std::vector<Warning> warnings;
   if (completed->guessed) {
-    console.warn(
-        {{0, 0,
-          "nothing in the model tells where the soles are: they are guessed from the legs' "
-          "lengths, and feet may float or sink by centimetres"}},
-        model);
+    warnings.push_back({0, 0,
+                        "nothing in the model tells where the soles are: they are guessed from the "
+                        "legs' lengths, and feet may float or sink by centimetres"});
   }
+  if (completed->shapeless > 0) {
+    warnings.push_back({0, 0,
+                        "the model has neither a sphere, capsule or box nor a mesh for " +
+                            count_text(completed->shapeless, "part") +
+                            " of its body, and nothing keeps these out of each other and the "
+                            "floor; retarget robots add makes shapes for them"});
+  }
+  console.warn(warnings, model);
   return std::move(completed->robot);
 }
 
@@ -183,7 +193,7 @@ Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path&
   auto robot = load_robot(model, profile);
   if (!robot) return failure(robot.error());
   if (soles == Soles::kNeeded && (*robot)->profile().soles.empty()) {
-    robot = with_soles(*robot, model, console);
+    robot = with_soles(*robot, model, options, console);
   }
   if (!options.dof.empty()) robot = robot_variant(*robot, options.dof);
   if (!robot) return failure(robot.error());

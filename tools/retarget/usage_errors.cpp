@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "retarget/base/suggest.h"
 
@@ -30,6 +31,13 @@ std::string call_of(const CLI::App& command) {
 
 std::string options_hint(const CLI::App& command) {
   return call_of(command) + " --help lists the options";
+}
+
+std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
+  std::vector<std::string> names;
+  names.reserve(commands.size());
+  for (const CLI::App* command : commands) names.push_back(command->get_name());
+  return names;
 }
 
 bool is_there(const std::string& path) {
@@ -104,13 +112,12 @@ Result<void> check_command(const CLI::App& app, const std::vector<std::string>& 
       command = *found;
       continue;
     }
-    std::vector<std::string> names;
-    for (const CLI::App* each : known) names.push_back(each->get_name());
-    const std::string near = did_you_mean(word, names);
+    const std::string near = did_you_mean(word, names_of(known));
     const bool may_be_motion = command == &app && !for_help;
     if (may_be_motion && (near.empty() || is_there(word))) return {};
-    return usage_failure("there is no command \"" + word + "\"" + near,
-                         call_of(*command) + " --help lists the commands");
+    std::string message = "there is no command \"";
+    message.append(word).append("\"").append(near);
+    return usage_failure(std::move(message), call_of(*command) + " --help lists the commands");
   }
   return {};
 }
@@ -119,8 +126,7 @@ Result<void> check_given(const CLI::App& app) {
   const CLI::App& command = given_command(app);
   const std::vector<const CLI::App*> parts = commands_of(command);
   if (&command != &app && !parts.empty()) {
-    std::vector<std::string> names;
-    for (const CLI::App* part : parts) names.push_back(part->get_name());
+    const std::vector<std::string> names = names_of(parts);
     return usage_failure(
         call_of(command) + " needs one of the commands " + list_names(names, names.size()),
         call_of(command) + " --help says what they do");

@@ -39,7 +39,7 @@ struct RobotShapes {
 /// Soles and shapes. The model's own contact primitives are kept (cylinders become capsules); a
 /// body without any gets a capsule, foot and trunk a box, around its mesh's vertices; without
 /// these the limbs' segments and the feet have shapes of human proportions. A sole is what of a
-/// foot lies lowest with the foot level, as four corners.
+/// foot lies lowest with the foot level, as four points: those that touch nearest to its corners.
 [[nodiscard]] RobotShapes find_shapes(const Robot& robot, const RobotAnatomy& limbs,
                                       const BodyPoints& mesh);
 
