@@ -1,12 +1,13 @@
 """The main command: what it writes, and that it is what it should be."""
 
 import math
+import os
 import re
 import subprocess
 import sys
 import unittest
 
-from tool import SAMPLES, SOURCE, ToolTest, difference, read_rows, sample
+from tool import SAMPLES, SOURCE, TOOL, ToolTest, difference, read_rows, sample, short_clip
 
 try:
     import numpy
@@ -202,19 +203,47 @@ class Output(ToolTest):
                                r"\d+ % of frames$")
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*contact_height_p50_cm [\d.]+ \(at most 0.1\)")
-        self.assertRegex(verdict, r"^verdict  \d of 11 gates kept")
+        self.assertRegex(verdict, r"^verdict  \d+ of 12 gates kept")
         # as evaluate says of the file
         told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"))
         self.assertIn(verdict.replace("verdict  ", "verdict  out.csv: "), told.stderr)
         # digits that leave no quaternion spoil the verdict and not the run
         self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)
 
+    def on_a_terminal(self, *words):
+        """What a run prints where standard error is a terminal."""
+        master, terminal = os.openpty()
+        self.addCleanup(os.close, master)
+        run = subprocess.Popen([TOOL, "--bvh", sample("squat"), "--robot", "unitree_g1", "-o",
+                                "out.csv", *words], cwd=self.folder, stdin=subprocess.DEVNULL,
+                               stdout=subprocess.DEVNULL, stderr=terminal)
+        os.close(terminal)
+        text = b""
+        try:
+            while part := os.read(master, 65536):
+                text += part
+        except OSError:
+            pass  # Linux says so when the other end is closed
+        run.wait(timeout=300)
+        # progress lines are overwritten
+        lines = text.decode().replace("\r\n", "\n").split("\n")
+        return [re.sub(r"\x1b\[[0-9;]*[mK]", "", line.split("\r")[-1]) for line in lines]
+
     def test_nothing_is_broken_by_a_terminal_of_80_columns(self):
         for words in ((), ("--verbose",), ("--method", "gmr"), ("--limits", "official"),
                       ("--fps", "x"), ("--robot-xml", "x.xml"), ("--start", "900")):
-            for line in self.retarget(*words, bvh=sample("squat")).printed.splitlines():
+            lines = self.on_a_terminal(*words)
+            self.assertTrue(any(lines))
+            for line in lines:
                 if not any(len(word) > 40 for word in line.split()):
                     self.assertLessEqual(len(line), 80, line)
+
+    def test_programs_read_a_message_a_line(self):
+        bad = self.write("a_file_with_quite_a_long_name_for_a_clip.bvh",
+                         short_clip("wave", 3).replace(b"Frame Time", b"Frame Tim", 1))
+        told = self.retarget(bvh=bad).printed.splitlines()
+        self.assertEqual(len([line for line in told if line.startswith(str(bad))]), 1)
+        self.assertGreater(len(told[0]), 80)
 
     def test_words_for_the_floor(self):
         head, rows = sample("wave").read_text().split("Frame Time:", 1)

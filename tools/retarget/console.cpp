@@ -99,6 +99,11 @@ void Console::line(std::string_view label, std::string_view text) {
       wrapped_text(printable(std::string(text)), padded.size(), kLabelWidth + kFurther) + "\n");
 }
 
+// programs that read messages take them a line each; a terminal would break them anywhere
+std::string Console::message(const std::string& text) const {
+  return terminal_ ? wrapped_text(printable(text), 0, kMessageIndent) : printable(text);
+}
+
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
   if (notes_ != nullptr) {
     for (const Warning& warning : warnings) notes_->warnings.push_back(describe(warning, file));
@@ -107,14 +112,14 @@ void Console::warn(const std::vector<Warning>& warnings, std::string_view file) 
   if (quiet_) return;
   end_progress();
   for (const Warning& warning : warnings) {
-    put(paint_severity(wrapped_text(printable(describe(warning, file)), 0, kMessageIndent)) + "\n");
+    put(paint_severity(message(describe(warning, file))) + "\n");
   }
 }
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
   if (notes_ == nullptr) {
-    put(paint_severity(wrapped_text(printable(describe(error)), 0, kMessageIndent)) + "\n");
+    put(paint_severity(message(describe(error))) + "\n");
   }
   return exit_code(error.kind);
 }

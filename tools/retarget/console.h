@@ -52,6 +52,8 @@ class Console {
 
  private:
   [[nodiscard]] std::string paint(std::string_view text, std::string_view code) const;
+  /// A warning or an error as it is printed, but for colours.
+  [[nodiscard]] std::string message(const std::string& text) const;
   /// Colours the word that says how bad a line is.
   [[nodiscard]] std::string paint_severity(std::string text) const;
 
