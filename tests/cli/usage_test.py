@@ -2,7 +2,7 @@
 
 import unittest
 
-from tool import SOURCE, ToolTest, sample
+from tool import SOURCE, ToolTest, sample, short_clip
 
 COMMANDS = ("batch", "compare", "convert", "edit", "evaluate", "inspect", "robots", "verify")
 
@@ -122,6 +122,16 @@ class Mistakes(ToolTest):
                       ("compare", "clips", "clips")):
             self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory",
                               "clips/*.csv", "retarget batch")
+
+    def test_a_search_of_whole_clips_is_not_told_in_seconds(self):
+        # who lies for a second and a third meets nobody who walks
+        self.write("lying.bvh", short_clip("get_up", 40))
+        refused = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "-o", "x.bvh")
+        self.assert_fails(refused, 1, "does not fit to lying.bvh anywhere", "--force")
+        self.assertNotIn("--search", refused.stderr)
+        near = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "--search", "0.2", "-o",
+                             "x.bvh")
+        self.assert_fails(near, 1, "within 0.2 s", "--search all")
 
 
 if __name__ == "__main__":
