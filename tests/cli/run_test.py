@@ -163,7 +163,7 @@ class Output(ToolTest):
         result = self.run_tool(*words)
         self.assert_done(result)
         self.assertIn("soles    from the model's contact geoms", result.stderr)
-        self.assertIn("verdict  11 of 11 gates kept", result.stderr)
+        self.assertIn("verdict  12 of 12 gates kept", result.stderr)
         self.write("bare.csv", result.stdout)
         told = self.run_tool("evaluate", "bare.csv", "--robot", "unitree_g1", "--bvh",
                              sample("walk"))
@@ -199,7 +199,7 @@ class Output(ToolTest):
 
     def test_summary_ends_with_a_verdict(self):
         last = self.retarget(bvh=sample("get_up")).printed.splitlines()[-1]
-        self.assertRegex(last, r"^verdict  11 of 11 gates kept; right_ankle_pitch at its limit in "
+        self.assertRegex(last, r"^verdict  12 of 12 gates kept; right_ankle_pitch at its limit in "
                                r"\d+ % of frames$")
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*contact_height_p50_cm [\d.]+ \(at most 0.1\)")
