@@ -128,7 +128,7 @@ class DirectionRotations {
     }
     for (const char* bone : {"Spine", "Spine1", "Spine2"}) {
       if (!positions_.has(bone)) continue;
-      const Vector3d way = positions_.at(frame, bone) - positions_.at(frame, "Hips");
+      Vector3d way = positions_.at(frame, bone) - positions_.at(frame, "Hips");
       if (way.norm() > kNextTo * trunk) return way;
     }
     return positions_.trunk(frame);

@@ -69,12 +69,28 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   return jump > kBeyondMotion * after[(95 * (after.size() - 1)) / 100];
 }
 
+// whether a frame has no rotation at all and the next one leaves it at once: nobody is recorded so
+bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
+  constexpr double kNoTurn = 1e-9;
+  const auto none = [](const Eigen::Quaterniond& rotation) {
+    return rotation.vec().norm() < kNoTurn;
+  };
+  if (!std::ranges::all_of(clip.rotations(frame), none) ||
+      std::ranges::all_of(clip.rotations(frame + 1), none)) {
+    return false;
+  }
+  const double step = positions.step(frame);
+  const double next = frame + 2 < clip.frame_count() ? positions.step(frame + 1) : 0.0;
+  return step > kJump * positions.spread(frame + 1) && step > kBeyondMotion * next;
+}
+
 // frames from `begin` on that are held and then left by a jump; 0: none
 int count_held(const Clip& clip, Positions& positions, int begin) {
   const auto longest =
       static_cast<int>(std::min(kLongestHold * clip.rate().fps(), 1.0 * clip.frame_count()));
   for (int count = 1; count <= std::max(1, longest); ++count) {
-    if (begin + count + 1 >= clip.frame_count()) return 0;
+    if (begin + count >= clip.frame_count()) return 0;
+    if (is_frame_of_zeros(clip, positions, begin + count - 1)) return count;
     if (begins_with_a_jump(clip, positions, begin + count)) return count;
     const double still = kStill * clip.rate().frame_time() * positions.spread(begin);
     if (!(positions.step(begin + count - 1) <= still)) return 0;

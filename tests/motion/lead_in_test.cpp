@@ -42,6 +42,13 @@ TEST(LeadIn, AFrameThatTheMotionJumpsAwayFrom) {
   }
 }
 
+TEST(LeadIn, AFrameOfZerosBeforeAnythingElse) {
+  // too short to know what its motion is like
+  const Clip clip = make_clip({30, 1}, 2, [](double) { return 1.5; });
+  EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.0)), 1);
+  EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.2)), 0);
+}
+
 TEST(LeadIn, APoseThatIsHeldAndThenLeft) {
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
 }
