@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -302,17 +303,16 @@ double limb_wander(const Clip& clip, const BoneMap& map) {
                               way->normalized());
     }
   }
-  double sum = 0.0;
-  int count = 0;
+  std::vector<double> wander(2, 0.0);
   for (const auto& seen : directions) {
     if (seen.empty()) continue;
     Vector3d mean = Vector3d::Zero();
     for (const Vector3d& direction : seen) mean += direction / static_cast<double>(seen.size());
     // for small angles the mean of unit vectors is 1 - angle^2 / 2 long
-    sum += std::sqrt(2.0 * std::max(0.0, 1.0 - mean.norm()));
-    ++count;
+    wander.push_back(std::sqrt(2.0 * std::max(0.0, 1.0 - mean.norm())));
   }
-  return count == 0 ? 0.0 : sum / count;
+  std::ranges::sort(wander, std::greater());
+  return wander[1];
 }
 
 void make_rotations_from_directions(Clip& clip, BoneMap& map) {

@@ -189,7 +189,7 @@ class RotationsThatCarryNothing(OddBody):
         return clip
 
     def test_directions_win(self):
-        for name in ("walk", "squat"):
+        for name in ("walk", "squat", "wave"):
             whole = Bvh(sample(name))
             clip = with_other_names(self.baked(Bvh(sample(name)), [numpy.eye(3)] * 99))
             _, said, _ = self.run_clip(clip)

@@ -8,10 +8,11 @@
 
 namespace retarget {
 
-/// How far the rotations of a clip's joints are from carrying the joints below them: the mean, over
-/// thighs, shins, upper arms and forearms, of the root mean square angle by which the far joint
-/// wanders as its own joint sees it, radians. 0 for skeletons in which only the root is translated:
-/// there rotations are all that places a joint.
+/// How far the rotations of a clip's joints are from carrying the joints below them: of the angles, root
+/// mean square over the frames, by which the far ends of thighs, shins, upper arms and forearms
+/// wander as their own joints see them, the second largest, radians. One limb may have a joint
+/// that slides; of a body that only waves, upper arm and forearm tell. 0 for skeletons in which
+/// only the root is translated: there rotations are all that places a joint.
 [[nodiscard]] double limb_wander(const Clip& clip, const BoneMap& map);
 
 /// The same positions of joints with rotations made from them: the joints of mapped bones get axes as
