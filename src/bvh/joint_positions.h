@@ -19,8 +19,8 @@ struct PositionReading {
 /// those of the others that are nearer to 0 than to their OFFSET. Their OFFSET is added.
 PositionReading read_positions_beside_offsets(Clip& clip);
 
-/// Whether a joint's positions would be read as changes to its OFFSET, or as none at all: it is below the
-/// root, and they stay near 0 beside it.
+/// Whether a joint's positions would be read as changes to its OFFSET, or as none at all: it is
+/// below the root, and they stay near 0 beside it.
 [[nodiscard]] bool has_positions_near_zero(const Clip& clip, int joint);
 
 }  // namespace retarget

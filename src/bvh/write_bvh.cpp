@@ -179,8 +179,8 @@ Result<void> BvhWriter::write_hierarchy() {
   return {};
 }
 
-// An OFFSET says nothing beside positions for every frame, but readers take positions near 0 for changes
-// to it: joints that stay there have none.
+// An OFFSET says nothing beside positions for every frame, but readers take positions near 0 for
+// changes to it: joints that stay there have none.
 Eigen::Vector3d BvhWriter::written_offset(int index) const {
   const Joint& joint = skeleton_.joint(index);
   Eigen::Vector3d offset = joint.offset;

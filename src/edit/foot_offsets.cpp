@@ -50,8 +50,8 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
   return at < plant.stances.size() ? plant.stances[at] : FootStance::kSole;
 }
 
-// a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer to
-// the hip, as it does when a step is long
+// a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer
+// to the hip, as it does when a step is long
 Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
                  const Eigen::Vector3d& hip, const LegReach& stretch, double share) {
   constexpr double kFarthest = 0.6;  // radians; beyond, the leg is too short

@@ -38,7 +38,8 @@ struct FootOffsets {
                                const PlantOptions& options) const;
 };
 
-/// Where a foot has to stand, and what its leg lacks there; the frames between are still to be filled.
+/// Where a foot has to stand, and what its leg lacks there; the frames between are still to be
+/// filled.
 [[nodiscard]] FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot,
                                           const LegTrack& leg);
 

@@ -158,8 +158,8 @@ int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
   return best;
 }
 
-// one cycle of a clip that was joined to itself after `cycle` frames: from a frame of the first time
-// to the same of the second, far from the seam, put in its order and closed to the last bit
+// one cycle of a clip that was joined to itself after `cycle` frames: from a frame of the first
+// time to the same of the second, far from the seam, put in its order and closed to the last bit
 Clip cycle_of(const Clip& joined, int begin, int cycle, const GroundPose& advance,
               const BodyMover& mover, int settle) {
   Clip part = cut(joined, begin, begin + cycle + 1);

@@ -26,12 +26,13 @@ struct Leaving {
 /// direction, the best by least squares (Kabsch) for several, none where nothing leaves.
 [[nodiscard]] Eigen::Quaterniond rest_turn(const Leaving& leaving);
 
-/// How far the lowest point of the feet is below the hips (the bone's origin) in the T-pose, metres;
-/// nothing for a body without hips or feet.
+/// How far the lowest point of the feet is below the hips (the bone's origin) in the T-pose,
+/// metres; nothing for a body without hips or feet.
 [[nodiscard]] std::optional<double> sole_depth(const Skeleton& skeleton,
                                                const HumanMapping& mapping);
 
-/// How far a bone begins above that point in the T-pose, metres; nothing for a bone that is missing.
+/// How far a bone begins above that point in the T-pose, metres; nothing for a bone that is
+/// missing.
 [[nodiscard]] std::optional<double> rise_over_soles(const Skeleton& skeleton,
                                                     const HumanMapping& mapping, int bone);
 

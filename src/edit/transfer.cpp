@@ -62,8 +62,8 @@ class Transfer {
   }
 
  private:
-  // where the translations of twins are counted from: their OFFSET where it is the target's too, else
-  // their mean, for then the OFFSETs are not the lengths of both
+  // where the translations of twins are counted from: their OFFSET where it is the target's too,
+  // else their mean, for then the OFFSETs are not the lengths of both
   void find_lengths() {
     lengths_.assign(shared_.twins.size(), Eigen::Vector3d::Zero());
     for (int joint = 0; joint < target_.skeleton->joint_count(); ++joint) {

@@ -15,7 +15,8 @@ using Track = std::vector<Eigen::Vector3d>;
 // stands of a foot with a shorter break are one, seconds
 constexpr double kSameStand = 0.1;
 
-// where a part of a foot is in the target, and where the source has it, brought to the target's size
+// where a part of a foot is in the target, and where the source has it, brought to the target's
+// size
 struct PartTrack {
   Track is, as_source;
 };

@@ -46,8 +46,8 @@ class TwoBoneLeg {
   [[nodiscard]] double length(const std::vector<Pose>& world_from_joint) const;
 
   /// Turns hip, knee and ankle so that the ankle joint gets the wanted pose, or as near as the
-  /// leg's stretch lets it. The knee bends in the plane that it is bent in; the less it is bent, the
-  /// more about its hinge; and never backwards farther than it was.
+  /// leg's stretch lets it. The knee bends in the plane that it is bent in; the less it is bent,
+  /// the more about its hinge; and never backwards farther than it was.
   /// @return the distance that is left.
   double reach(Clip& clip, int frame, const Pose& world_from_ankle, const LegReach& stretch) const;
 

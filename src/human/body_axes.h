@@ -43,8 +43,8 @@ struct UpGuess {
 [[nodiscard]] double floor_wander(const Body& body, const std::vector<JointPoses>& poses,
                                   const SignedAxis& up);
 
-/// Whether the body is on a floor at height 0 along an axis: half of the poses have their lowest joint
-/// within a fifth of a leg's length of it, as nearly all recordings have along up.
+/// Whether the body is on a floor at height 0 along an axis: half of the poses have their lowest
+/// joint within a fifth of a leg's length of it, as nearly all recordings have along up.
 [[nodiscard]] bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses,
                                const SignedAxis& up);
 

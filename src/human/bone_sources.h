@@ -26,8 +26,8 @@ namespace retarget {
 [[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
                                                    const JointPoses& rest);
 
-/// The same for the toes and synthetic feet of a body with LAFAN1's axes, where the toes are missing
-/// or not believed.
+/// The same for the toes and synthetic feet of a body with LAFAN1's axes, where the toes are
+/// missing or not believed.
 /// @param bones  all sources; changed.
 void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones);
 

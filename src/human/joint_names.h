@@ -17,10 +17,10 @@ struct JointName {
 
 /// Normalises names that stand in one skeleton.
 ///
-/// Dropped are namespaces (`mixamorig:`, `Armature|`), the prefixes of well-known exporters
-/// (`Bip01 `, `Character1_`), and words that nearly all names begin or end with. `Left`, `L_`,
-/// `_l`, `.L`, `lShldr` and the like become the side: `Bip01 L Thigh` is {left, "thigh"}. Marks of the
-/// middle (`C_Head`) are dropped.
+/// Dropped are namespaces (`mixamorig:`, `Armature|`), the prefixes of well-known exporters (`Bip01
+/// `, `Character1_`), and words that nearly all names begin or end with. `Left`, `L_`, `_l`, `.L`,
+/// `lShldr` and the like become the side: `Bip01 L Thigh` is {left, "thigh"}. Marks of the middle
+/// (`C_Head`) are dropped.
 [[nodiscard]] std::vector<JointName> normalise_joint_names(const std::vector<std::string>& names);
 
 }  // namespace retarget

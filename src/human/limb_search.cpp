@@ -85,8 +85,8 @@ class LimbSearch {
     if (in_line && gain > 0) best_ = choice;
   }
 
-  // positive if b is to be preferred to a: the upper one, but of one word the shorter name, which is
-  // no helper's
+  // positive if b is to be preferred to a: the upper one, but of one word the shorter name, which
+  // is no helper's
   int preference(int a, int b) const {
     const auto length = [&](int joint) {
       return static_cast<int>(source_.skeleton.joint(joint).name.size());

@@ -20,8 +20,9 @@ struct DialectMatch {
 ///
 /// The score is the Jaccard index of the names that lie in the body (mapped joints and those
 /// between them) times the share of mapped bones that hang from the bone they should hang from.
-/// Where none fits so, unknown joints that share a place with the one above or below them do not count.
-/// Required names, marks, parents and directions must hold or the dialect does not fit at all.
+/// Where none fits so, unknown joints that share a place with the one above or below them do not
+/// count. Required names, marks, parents and directions must hold or the dialect does not fit at
+/// all.
 [[nodiscard]] std::vector<DialectMatch> match_dialects(const BodySource& source,
                                                        const std::vector<Dialect>& dialects);
 

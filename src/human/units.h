@@ -36,9 +36,9 @@ struct BodySize {
 };
 
 /// The unit of a file: that of its kind where the hips are then a person's, else the known one in
-/// which they are. Where a told height is far off, or neither is so, the known unit in which the body has
-/// about that height; where there is none such and no other, the length in which it has just that
-/// (`scaled`). Nothing where nothing tells.
+/// which they are. Where a told height is far off, or neither is so, the known unit in which the
+/// body has about that height; where there is none such and no other, the length in which it has
+/// just that (`scaled`). Nothing where nothing tells.
 [[nodiscard]] std::optional<Unit> unit_of_body(const BodySize& size);
 
 /// The unit in which a body of this height (file units) is an average person, for what needs none;

@@ -5,8 +5,8 @@
 namespace retarget {
 namespace {
 
-// mean cosines of trunk and legs to an axis along which a body plainly stands, and hardly does; hardly
-// any file has up along a negative axis
+// mean cosines of trunk and legs to an axis along which a body plainly stands, and hardly does;
+// hardly any file has up along a negative axis
 constexpr double kPlainly = 0.5, kHardly = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
 
 // whether a body plainly stands along another axis than all others of its kind; people who lie may

@@ -139,8 +139,9 @@ bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
   return frame == 0 || std::abs(root_target_.dot(before)) < kFarthestTurn;
 }
 
-// Solves a frame from several configurations and takes the best: on the way from a single one a limb
-// may run into its limits and stay there. After the first frame the one before is the first of them.
+// Solves a frame from several configurations and takes the best: on the way from a single one a
+// limb may run into its limits and stay there. After the first frame the one before is the first of
+// them.
 Result<void> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targets,
                                             std::span<const Pose> world_from_target) {
   constexpr double kClearlyBetter = 0.95;

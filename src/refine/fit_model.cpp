@@ -452,8 +452,8 @@ void ModelMaker::add_pairs() {
   }
 }
 
-// pairs of the same two links side by side, and a ball around each link's shapes: most links are far
-// from each other
+// pairs of the same two links side by side, and a ball around each link's shapes: most links are
+// far from each other
 void ModelMaker::group_pairs() {
   const auto links = [&](const FitPair& pair) {
     return std::pair(model_.shapes[static_cast<std::size_t>(pair.a)].link,

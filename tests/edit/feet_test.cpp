@@ -26,7 +26,8 @@ Track track_of(const HumanClip& human, const char* bone) {
   return track;
 }
 
-// runs of frames in which a point is low and slow; nothing is taken from the contacts of the library
+// runs of frames in which a point is low and slow; nothing is taken from the contacts of the
+// library
 std::vector<FrameRange> standing(const Track& track, double fps) {
   constexpr double kSlow = 0.1, kLow = 0.03;
   double lowest = track[0].z();

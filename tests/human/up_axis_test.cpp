@@ -26,8 +26,8 @@ double lowest_joint(const Clip& clip, int frame) {
   return lowest;
 }
 
-// the body of a y-up clip in a T-pose zero, rolled head over heels all the time: in the air about its
-// hips, or on the floor
+// the body of a y-up clip in a T-pose zero, rolled head over heels all the time: in the air about
+// its hips, or on the floor
 Clip tumbling(const std::string& name, double turns, bool on_floor) {
   Clip clip = with_t_pose_as_zero(sample(name));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {

@@ -33,7 +33,8 @@ struct ConcatenateOptions {
   double fade = 0.35;      ///< Of kInertial: how long the difference fades, seconds.
   double threshold = 0.2;  ///< Largest distance of a seam, metres.
   MotionLimits limits;     ///< Of the joints at the seam.
-  /// Of planted feet at the seam: mean speed over the floor, m/s, beyond what they slip in the clips.
+  /// Of planted feet at the seam: mean speed over the floor, m/s, beyond what they slip in the
+  /// clips.
   double slip = 0.1;
   double jump = 0.5;  ///< Of a planted foot at the seam, beyond what it does in the clips, m/s.
   /// Clips whose floors are farther apart are tried on one floor too, metres.
@@ -71,10 +72,10 @@ struct Concatenation {
 /// seam.b_frame frames. Where the floors of the clips differ, b is raised or lowered to a's floor
 /// if the seam is the better for it (a clip cut in two on a stair stays as it was).
 ///
-/// kCrossfade mixes the frames that both have from the seam on (at most the window): with k of
-/// them a weighs 2 ((p + 1) / k)^3 - 3 ((p + 1) / k)^2 + 1 in the p-th; translations are mixed
-/// linearly, local rotations the shorter way round. kInertial follows b from the seam on and adds
-/// to each channel a cubic from the difference of values and velocities at the seam to rest; so does
+/// kCrossfade mixes the frames that both have from the seam on (at most the window): with k of them
+/// a weighs 2 ((p + 1) / k)^3 - 3 ((p + 1) / k)^2 + 1 in the p-th; translations are mixed linearly,
+/// local rotations the shorter way round. kInertial follows b from the seam on and adds to each
+/// channel a cubic from the difference of values and velocities at the seam to rest; so does
 /// kCrossfade where the clips share less than the window.
 ///
 /// Where b begins one frame after a's end, as the parts of a clip do that was cut in two, and no

@@ -25,8 +25,8 @@ struct LegJoints {
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                                 const HumanMapping& mapping);
 
-/// World poses of a joint, such as a leg's ankle (the file's joint and its axes), metres, z up, every
-/// frame.
+/// World poses of a joint, such as a leg's ankle (the file's joint and its axes), metres, z up,
+/// every frame.
 [[nodiscard]] std::vector<Pose> joint_poses(const Clip& clip, const HumanMapping& mapping,
                                             int joint);
 [[nodiscard]] inline std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping,
@@ -55,7 +55,8 @@ struct PlantOptions {
   /// In which a foot leaves its place for where its leg would have it, and comes to it, seconds.
   double release = 0.3;
   /// Legs are stretched to this share of thigh and shin as it is asked for, and less and less from
-  /// there to the longest one; where they were stretched farther before, from there to their length.
+  /// there to the longest one; where they were stretched farther before, from there to their
+  /// length.
   double soft_reach = 0.96;
   double longest_reach = 0.995;
   double pelvis_blend = 0.25;   ///< Before and after a frame in which the hips are low, seconds.

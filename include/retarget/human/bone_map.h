@@ -57,9 +57,9 @@ struct BoneMap {
 ///
 /// That is the bone's own joint, except on the way from the hips up to the file's root where the
 /// root is not at the hips (a headset, for one): there the tree runs against the body, and the
-/// joint that turns the part of the body between two joints is the one farther from the hips. And where
-/// helpers stand in the joint's own place, without a length between: all that the bone carries
-/// hangs from the last of them, which holds the turns of those before.
+/// joint that turns the part of the body between two joints is the one farther from the hips. And
+/// where helpers stand in the joint's own place, without a length between: all that the bone
+/// carries hangs from the last of them, which holds the turns of those before.
 /// @return -1 for a bone without a joint.
 [[nodiscard]] int rotation_joint(const BoneMap& map, const Skeleton& skeleton,
                                  std::string_view bone);

@@ -10,9 +10,9 @@ namespace retarget {
 ///
 /// A jump is a step whose second difference, the mean over the joints, is above 0.1 times the
 /// spread of the body (the root mean square distance of its joints from their middle) and above
-/// five times the 95th percentile of those in the two seconds that follow; from a frame in which no joint is turned also a
-/// step of 0.1 times the spread and five times the next one. What moves before the jump, or is held
-/// for more than 5 s, is motion and stays.
+/// five times the 95th percentile of those in the two seconds that follow; from a frame in which no
+/// joint is turned also a step of 0.1 times the spread and five times the next one. What moves
+/// before the jump, or is held for more than 5 s, is motion and stays.
 [[nodiscard]] int count_lead_in_frames(const Clip& clip);
 
 }  // namespace retarget

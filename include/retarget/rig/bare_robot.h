@@ -19,8 +19,8 @@ struct CompletedRobot {
 /// Gives a robot without soles (it has no profile, or one that leaves them out) soles, and, where
 /// none are named, the contacts that are no fault: from its limbs and its model's geoms and meshes
 /// (find_shapes). Bodies without a primitive get the shape of their mesh; rougher ones, which stand
-/// for cylinders or are guessed, are left out, for a motion is measured by them. Everything else stays: names, tree, joint
-/// order, ranges, speeds.
+/// for cylinders or are guessed, are left out, for a motion is measured by them. Everything else
+/// stays: names, tree, joint order, ranges, speeds.
 ///
 /// @param model_path  that the robot was loaded from; its meshes may be missing.
 /// Errors (kConfig): what find_limbs refuses.

@@ -21,8 +21,8 @@ struct RobotFiles {
 /// @param name_or_folder  a robot in `robots_folder`, else a folder with a model, else a short name:
 ///   words of one robot's name (`g1`, `toddy`, `adam-lite`), in any letter case. Names that end with
 ///   the words go before others: `g1` is unitree_g1 and not unitree_g1_with_hands.
-/// Errors (kConfig): an unknown name suggests the nearest one and lists all, a short name of several
-/// robots lists these; a folder without a model says which file it lacks.
+/// Errors (kConfig): an unknown name suggests the nearest one and lists all, a short name of
+/// several robots lists these; a folder without a model says which file it lacks.
 [[nodiscard]] Result<RobotFiles> find_robot(const std::string& name_or_folder,
                                             const std::filesystem::path& robots_folder);
 
