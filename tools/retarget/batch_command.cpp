@@ -364,7 +364,7 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   auto manifest = begin_manifest(*manifests, finished, *plan, console);
   if (!manifest) return failure(manifest.error());
   if (shard->count == 1 && locks->folder.is_held()) {
-    remove_unfinished(output_folders(*folder, plan->tasks));
+    remove_unfinished(*folder, output_folders(*folder, plan->tasks));
   }
   warn_of_earlier_files(*folder, *plan, finished, console);
   if (auto written = write_options_file(*folder, plan->robots); !written) {

@@ -317,11 +317,27 @@ ExitCode check(const RobotsOptions& options, Console& console) {
   return faults > 0 ? kBadConfig : kDone;
 }
 
+// whether a file is in a folder or below it, links followed
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path of_file = fs::weakly_canonical(file, error);
+  const fs::path of_folder = fs::weakly_canonical(folder, error);
+  if (error) return false;
+  return std::ranges::mismatch(of_folder, of_file).in1 == of_folder.end();
+}
+
 ExitCode add(const RobotsOptions& options, Console& console) {
   const std::string& name = options.robot;
   if (name.empty() || name.starts_with('.') || name.find_first_of("/\\") != std::string::npos) {
     return console.fail(
         usage_failure("\"" + name + "\" cannot be a robot's name: it becomes a folder's").value());
+  }
+  if (is_below(options.model, fs::path(options.output) / name)) {
+    return console.fail(usage_failure("\"" + options.model +
+                                          "\" lies in the folder that would be " + "replaced, \"" +
+                                          name + "\"",
+                                      "take the model out of it first")
+                            .value());
   }
   const auto made = make_robot(options.model, name);
   if (!made) return console.fail(made.error());
