@@ -24,6 +24,7 @@
 #include "retarget/motion/clip_range.h"
 #include "robot_mapping.h"
 #include "run_setup.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -199,6 +200,36 @@ Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const Batch
   return tree.check_folders();
 }
 
+// no file that is there already is one that is read: a link into the clips' folder, say
+Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchOptions& options,
+                          const std::list<BatchRobot>& robots) {
+  std::vector<std::string> read = options.lists;
+  for (const BatchInput& input : inputs) read.push_back(input.path);
+  for (const BatchRobot& robot : robots) {
+    const std::vector<std::string> of_robot = files_of(robot.run);
+    read.insert(read.end(), of_robot.begin(), of_robot.end());
+  }
+  const WrittenFiles written(read);
+  const std::string folder = without_last_slash(options.output) + "/";
+  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
+    if (auto spared = written.check_spared(folder + own); !spared) return spared;
+  }
+  for (const BatchRobot& robot : robots) {
+    OutputOptions of_clip = static_cast<const OutputOptions&>(robot.run);
+    for (const BatchInput& input : inputs) {
+      of_clip.output = folder + robot.folder + batch_output(of_clip, input.relative);
+      const auto items = plan_outputs(of_clip);
+      if (!items) return failure(items.error());
+      for (const OutputItem& item : *items) {
+        if (auto spared = written.check_spared(item.path); !spared) return spared;
+        if (!of_clip.sidecar) continue;
+        if (auto spared = written.check_spared(item.path + ".json"); !spared) return spared;
+      }
+    }
+  }
+  return {};
+}
+
 Result<void> plan_inputs(const BatchOptions& options, const Shard& shard, BatchPlan& plan,
                          Console& console) {
   InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
@@ -211,6 +242,7 @@ Result<void> plan_inputs(const BatchOptions& options, const Shard& shard, BatchP
   if (auto distinct = check_outputs_of(found->inputs, options); !distinct) {
     return failure(distinct.error());
   }
+  if (auto spared = check_spared(found->inputs, options, plan.robots); !spared) return spared;
   const std::size_t all = found->inputs.size();
   for (const BatchInput& input : found->inputs) plan.known.insert(input.relative);
   plan.inputs = take_shard(std::move(found->inputs), shard);

@@ -11,6 +11,7 @@
 #include "retarget/base/file.h"
 #include "retarget/motion/forward_kinematics.h"
 #include "retarget/motion/skeleton_points.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -209,6 +210,12 @@ ExitCode inspect(const InspectOptions& options, Console& console) {
                                       "give --positions a file name")
                             .value());
   }
+  RunOptions read;
+  read.common = options.common;
+  read.source = options.source;
+  read.human = options.human;
+  const auto spared = check_written({options.positions, options.human.write_map}, files_of(read));
+  if (!spared) return console.fail(spared.error());
   const auto file = read_source(options.source, options.skeleton_only, console);
   if (!file) return console.fail(file.error());
   const auto human = understand(*file, options);
