@@ -1,10 +1,14 @@
 #include "retarget/rig/make_robot.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
+#include "retarget/base/utf8.h"
 #include "retarget/rig/derive_mapping.h"
 #include "retarget/rig/shapes.h"
 #include "rig/describe_robot.h"
@@ -19,6 +23,20 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+// profiles and mappings name parts of the model in JSON, which is UTF-8
+Result<void> check_names(const mjModel& model, const std::string& path) {
+  const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
+  for (std::size_t at = 0; at < names.size();) {
+    const std::string_view name = names.substr(at, names.find('\0', at) - at);
+    if (valid_utf8(name) != name) {
+      return config_failure(path, "the name \"" + valid_utf8(name) + "\" is not UTF-8",
+                            "save the model as UTF-8, or give its parts names in ASCII");
+    }
+    at += name.size() + 1;
+  }
+  return {};
+}
 
 Result<Robot> import_robot(const std::string& path, const std::string& name,
                            std::vector<std::string>& notes) {
@@ -36,6 +54,7 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   }
   const auto joints = check_robot_joints(*loaded->model, path);
   if (!joints) return failure(joints.error());
+  if (auto names = check_names(*loaded->model, path); !names) return failure(names.error());
   if (!loaded->floated_body.empty()) {
     notes.push_back("the model had no free joint: \"" + loaded->floated_body +
                     "\" was made to float");

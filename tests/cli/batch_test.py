@@ -475,6 +475,16 @@ class NothingIsLost(BatchTest):
             if not name.startswith(("up", "link")):
                 self.assertIn(f'not inside the output folder, as "{name}"', result.stderr)
 
+    def test_a_body_model_is_for_smpl_motions(self):
+        self.clips("a.bvh")
+        self.assert_fails(self.batch("--smpl-model", "none.npz"), 4, "none.npz")
+        clip = self.folder / "in/a.bvh"
+        self.assert_fails(self.retarget("--smpl-model", "none.npz", bvh=clip), 2, "--smpl-model")
+        self.write("body.npz", "any")
+        self.assert_fails(self.retarget("--smpl-model", "body.npz", bvh=clip), 2, "--smpl-model")
+        # the clips of a batch may be of both kinds
+        self.assert_done(self.batch("--smpl-model", "body.npz"))
+
     def test_what_was_edited_since_is_not_removed(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())

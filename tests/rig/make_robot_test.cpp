@@ -117,6 +117,18 @@ TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   EXPECT_FALSE(save_robot(*made, folder.path() / "missing", false));
 }
 
+TEST(MakeRobot, NamesThatAreNoUtf8AreRefused) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  const std::size_t at = text.find("name=\"");
+  ASSERT_NE(at, std::string::npos);
+  text.insert(at + 6, "\xE9");
+  const auto made = make_robot(folder.write("latin1.xml", text), "mine");
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::kConfig);
+  EXPECT_NE(made.error().message.find("is not UTF-8"), std::string::npos) << made.error().message;
+}
+
 TEST(MakeRobot, NothingButARobotIsReplaced) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");

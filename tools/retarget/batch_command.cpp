@@ -1,7 +1,9 @@
 // `retarget batch`: folders of clips to folders of motions.
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <list>
 #include <map>
@@ -57,6 +59,10 @@ Result<void> check_batch_usage(const BatchOptions& options) {
   if (auto outputs = plan_outputs(run); !outputs) return failure(outputs.error());
   if (auto writing = write_options(run); !writing) return failure(writing.error());
   if (auto human = check_human_options(run.human); !human) return human;
+  const std::string& body = run.source.smpl_model;
+  if (std::ifstream file(body); !body.empty() && !file) {
+    return config_failure(body, "cannot read the file: " + std::generic_category().message(errno));
+  }
   if (auto rate = output_rate(run.fps); !rate) return failure(rate.error());
   if (!run.frames.empty()) {
     constexpr int kAnyLength = std::numeric_limits<int>::max();

@@ -1,5 +1,7 @@
 #include "batch_runner.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <chrono>
 #include <mutex>
@@ -33,6 +35,10 @@ std::string finished_now(const FinishedClips& finished, const ManifestEntry& ent
 
 bool is_archive(const std::string& name) {
   return name.size() > 4 && (name.ends_with("z") || name.ends_with("Z"));
+}
+
+bool is_bvh(const std::string& name) {
+  return name.size() > 4 && strcasecmp(name.c_str() + name.size() - 4, ".bvh") == 0;
 }
 
 std::uint64_t memory_of(const BatchInput& input) {
@@ -76,6 +82,8 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
                               ManifestEntry& entry) const {
   RunOptions options = task.robot->run;
   options.source.file = task.input->path;
+  // it is for the SMPL motions among the clips
+  if (is_bvh(task.input->relative)) options.source.smpl_model.clear();
   options.output = output;
   options.threads = threads_;
   ConsoleNotes notes;

@@ -9,6 +9,7 @@
 #include "interrupt.h"
 #include "read_source.h"
 #include "retarget/base/file.h"
+#include "retarget/base/printable.h"
 #include "retarget/base/suggest.h"
 #include "retarget/io/robot_motion.h"
 #include "retarget/quality/measure.h"
@@ -223,12 +224,12 @@ Result<ExitCode> evaluate_checked(const EvaluateOptions& options, Console& conso
     reports.push_back(std::move(*report));
   }
   if (!options.json.empty()) {
-    if (auto written = write_file(options.json, report_json(reports)); !written) {
+    if (auto written = write_file(options.json, printable_json(report_json(reports))); !written) {
       return failure(written.error());
     }
   }
   if (options.json != "-") {
-    if (auto written = write_file("-", report_text(reports)); !written) {
+    if (auto written = write_file("-", printable(report_text(reports))); !written) {
       return failure(written.error());
     }
   }

@@ -127,7 +127,7 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   // which mapping is read is known from the source only
   const auto files =
       files_read(run, *data_folder, outcome ? outcome->mapping : setup->mappings.of_lafan1.file);
-  if (!files) return failure(files.error());
+  if (!files) return failure(outcome ? files.error() : outcome.error());
   const std::vector<std::string> changed = changes(*sidecar, *files);
   for (const std::string& change : changed) console.line("changed", change);
   if (!outcome) return failure(outcome.error());
