@@ -39,19 +39,8 @@ if(RETARGET_BUNDLE_MUJOCO)
     file(GLOB licences ${folder}/../LICENSE* ${folder}/../THIRD_PARTY_NOTICES*)
     install(FILES ${licences} DESTINATION ${retarget_mujoco_folder})
   endforeach()
-  file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${retarget_mujoco_folder})
-  set_target_properties(retarget PROPERTIES INSTALL_RPATH "$ORIGIN/retarget")
-  if(TARGET retarget_cli)
-    set_target_properties(retarget_cli PROPERTIES
-      INSTALL_RPATH "$ORIGIN/${library_from_bin};$ORIGIN/${library_from_bin}/..")
-  endif()
-else()
-  foreach(target IN ITEMS retarget retarget_cli)
-    if(TARGET ${target})
-      set_target_properties(${target} PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
-    endif()
-  endforeach()
 endif()
+include(cmake/RunPath.cmake)
 
 configure_package_config_file(cmake/retargetConfig.cmake.in
   ${PROJECT_BINARY_DIR}/retargetConfig.cmake

@@ -253,7 +253,16 @@ Result<void> OutputFile::commit() {
 }
 
 bool is_temporary_name(std::string_view name) {
-  return name.starts_with(kTemporaryBegin) && name.ends_with(kTemporaryEnd);
+  if (!name.starts_with(kTemporaryBegin) || !name.ends_with(kTemporaryEnd)) return false;
+  // two numbers between them: names of others may begin and end alike
+  name.remove_prefix(kTemporaryBegin.size());
+  name.remove_suffix(std::min(kTemporaryEnd.size(), name.size()));
+  const std::size_t middle = name.find('-');
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  return middle != std::string_view::npos && is_number(name.substr(0, middle)) &&
+         is_number(name.substr(middle + 1));
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes) {

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "retarget/base/file.h"
+#include "retarget/base/plain_name.h"
 
 namespace retarget {
 namespace {
@@ -21,6 +22,26 @@ Failure manifest_failure(const std::string& path, int error_number) {
                      error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
                          ? "free some space and go on with --resume"
                          : "");
+}
+
+// of an entry the first name that would lead out of its folder
+std::optional<std::string> name_outside(const ManifestEntry& entry) {
+  if (!is_plain_path(entry.relative)) return entry.relative;
+  if (!entry.robot.empty() && !is_plain_name(entry.robot)) return entry.robot;
+  const auto outside = std::ranges::find_if_not(
+      entry.outputs, [](const FileRecord& output) { return is_plain_path(output.file); });
+  return outside == entry.outputs.end() ? std::nullopt : std::optional(outside->file);
+}
+
+void take_line(std::string_view line, ManifestContent& content) {
+  auto entry = parse_manifest_line(line);
+  if (!entry) {
+    ++content.unreadable;
+  } else if (auto name = name_outside(*entry)) {
+    if (content.outside++ == 0) content.outside_name = std::move(*name);
+  } else {
+    content.entries.push_back(std::move(*entry));
+  }
 }
 
 }  // namespace
@@ -36,12 +57,7 @@ Result<ManifestContent> read_manifest(const std::string& path) {
     const std::size_t length = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, length);
     text.remove_prefix(std::min(length + 1, text.size()));
-    if (line.empty()) continue;
-    if (auto entry = parse_manifest_line(line)) {
-      content.entries.push_back(std::move(*entry));
-    } else {
-      ++content.unreadable;
-    }
+    if (!line.empty()) take_line(line, content);
   }
   return content;
 }

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 #include <utility>
 
 #include "base/json.h"
@@ -70,7 +72,19 @@ class EntryReader {
   template <typename T>
   void number(const std::string& key, T& value) const {
     const Json* json = member(key);
-    if (json != nullptr && json->is_number()) value = json->get<T>();
+    if (json == nullptr || !json->is_number()) return;
+    if constexpr (std::is_integral_v<T>) {
+      // a number that T cannot hold must not be cast to it
+      if (json->is_number_unsigned()) {
+        const auto number = json->get<std::uint64_t>();
+        if (std::in_range<T>(number)) value = static_cast<T>(number);
+      } else if (json->is_number_integer()) {
+        const auto number = json->get<std::int64_t>();
+        if (std::in_range<T>(number)) value = static_cast<T>(number);
+      }
+    } else {
+      value = json->get<T>();
+    }
   }
   void text(const std::string& key, std::string& value) const {
     const Json* json = member(key);

@@ -1,13 +1,14 @@
 #include "retarget/batch/resume.h"
 
 #include <sys/stat.h>
-#include <set>
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
 #include <system_error>
 
 #include "retarget/base/hash.h"
+#include "retarget/base/plain_name.h"
 
 namespace retarget {
 namespace {
@@ -50,11 +51,13 @@ FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string out
   std::set<std::pair<std::string, std::string>> failed;
   for (const ManifestEntry& entry : latest_entries(entries)) {
     if (!entry.done) failed.emplace(entry.relative, entry.robot);
+    last_finished_[{entry.relative, entry.robot}] = entry.finished;
   }
   for (ManifestEntry& entry : entries) {
     if (!entry.done || entry.outputs.empty()) continue;
     std::pair key(entry.relative, entry.robot);
-    for (const FileRecord& output : entry.outputs) outputs_[key].insert(output.file);
+    std::vector<FileRecord>& made = outputs_[key];
+    made.insert(made.end(), entry.outputs.begin(), entry.outputs.end());
     if (failed.contains(key)) continue;
     entries_.emplace(std::move(key), std::move(entry));
   }
@@ -85,11 +88,31 @@ FinishedClips::Candidate FinishedClips::find(const std::string& relative, const 
   return best;
 }
 
+std::string FinishedClips::last_finished(const std::string& relative,
+                                         const std::string& robot) const {
+  const auto found = last_finished_.find({relative, robot});
+  return found == last_finished_.end() ? std::string() : found->second;
+}
+
 std::vector<std::string> FinishedClips::outputs_of(const std::string& relative,
                                                    const std::string& robot) const {
   const auto found = outputs_.find({relative, robot});
   if (found == outputs_.end()) return {};
-  return {found->second.begin(), found->second.end()};
+  std::set<std::string> names;
+  for (const FileRecord& output : found->second) names.insert(output.file);
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> FinishedClips::verified_outputs_of(const std::string& relative,
+                                                            const std::string& robot) const {
+  const auto found = outputs_.find({relative, robot});
+  if (found == outputs_.end()) return {};
+  std::set<std::string> names;
+  for (const FileRecord& output : found->second) {
+    if (names.contains(output.file) || !lies_in(output_folder_, output.file)) continue;
+    if (has_recorded_content(output, output_folder_ + "/" + output.file)) names.insert(output.file);
+  }
+  return {names.begin(), names.end()};
 }
 
 bool FinishedClips::still_holds(const ManifestEntry& entry, const std::string& input_path) const {

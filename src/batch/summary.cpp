@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -33,6 +34,13 @@ void add_cell(std::string& row, const std::string& text) {
   row += '"';
 }
 
+// a cell of text; one that a spreadsheet would take for a formula is marked as text by an apostrophe
+void add_text(std::string& row, const std::string& text) {
+  const bool is_formula =
+      !text.empty() && std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos;
+  add_cell(row, is_formula ? "'" + text : text);
+}
+
 std::string shortest(double value) {
   if (std::isinf(value)) return "inf";
   char text[32];
@@ -43,26 +51,26 @@ std::string shortest(double value) {
 std::string row_of(const ManifestEntry& entry) {
   std::string row;
   add_cell(row, entry.done ? "done" : "failed");
-  add_cell(row, entry.relative);
-  add_cell(row, entry.robot);
+  add_text(row, entry.relative);
+  add_text(row, entry.robot);
   add_cell(row, entry.done ? std::to_string(entry.frames) : "");
   add_cell(row, entry.done ? shortest(entry.fps) : "");
   const bool timed = entry.done && entry.fps > 0.0;
   add_cell(row, timed ? shortest(std::max(0, entry.frames - 1) / entry.fps) : "");
   const ClipQuality none, &quality = entry.quality ? *entry.quality : none;
   add_cell(row, entry.quality ? std::to_string(quality.missed.size()) : "");
-  add_cell(row, quality.worst);
+  add_text(row, quality.worst);
   add_cell(row, quality.worst.empty() ? "" : shortest(quality.worst_ratio));
   for (const Metric& metric : quality_metrics()) {
     const auto figure = std::ranges::find_if(
         quality.figures, [&](const auto& item) { return item.first == metric.key; });
     add_cell(row, figure == quality.figures.end() ? "" : shortest(figure->second));
   }
-  add_cell(row, entry.error
+  add_text(row, entry.error
                     ? describe(Error{entry.error->kind, entry.error->file, entry.error->line,
                                      entry.error->column, entry.error->message, ""})
                     : "");
-  add_cell(row, entry.error ? entry.error->hint : "");
+  add_text(row, entry.error ? entry.error->hint : "");
   return row + "\n";
 }
 

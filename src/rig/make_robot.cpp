@@ -1,12 +1,14 @@
 #include "retarget/rig/make_robot.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <system_error>
+#include <string_view>
 
-#include "retarget/base/file.h"
+#include "retarget/base/utf8.h"
 #include "retarget/rig/derive_mapping.h"
 #include "retarget/rig/shapes.h"
 #include "rig/describe_robot.h"
@@ -21,6 +23,20 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+// profiles and mappings name parts of the model in JSON, which is UTF-8
+Result<void> check_names(const mjModel& model, const std::string& path) {
+  const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
+  for (std::size_t at = 0; at < names.size();) {
+    const std::string_view name = names.substr(at, names.find('\0', at) - at);
+    if (valid_utf8(name) != name) {
+      return config_failure(path, "the name \"" + valid_utf8(name) + "\" is not UTF-8",
+                            "save the model as UTF-8, or give its parts names in ASCII");
+    }
+    at += name.size() + 1;
+  }
+  return {};
+}
 
 Result<Robot> import_robot(const std::string& path, const std::string& name,
                            std::vector<std::string>& notes) {
@@ -38,6 +54,7 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   }
   const auto joints = check_robot_joints(*loaded->model, path);
   if (!joints) return failure(joints.error());
+  if (auto names = check_names(*loaded->model, path); !names) return failure(names.error());
   if (!loaded->floated_body.empty()) {
     notes.push_back("the model had no free joint: \"" + loaded->floated_body +
                     "\" was made to float");
@@ -128,49 +145,6 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   made.summary = summary_of(findings);
   made.decisions = decisions_text(findings, made.notes);
   return made;
-}
-
-Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
-  const fs::path folder = into / robot.name;
-  std::error_code error;
-  if (!fs::is_directory(into, error)) {
-    return usage_failure("the folder \"" + into.string() + "\" is not there");
-  }
-  if (fs::exists(folder, error) && !force) {
-    return usage_failure("\"" + folder.string() + "\" is there already", "--force replaces it");
-  }
-  // written beside its place, then put there in one step
-  const fs::path staging = into / ("." + robot.name + ".new");
-  const fs::path old = into / ("." + robot.name + ".old");
-  const auto give_up = [&](const std::string& what) {
-    std::error_code ignored;
-    fs::remove_all(staging, ignored);
-    return run_failure(folder.string(), "cannot write the robot's folder: " + what);
-  };
-  fs::remove_all(staging, error);
-  fs::remove_all(old, error);
-  if (!fs::create_directory(staging, error)) return give_up(error.message());
-  const std::map<std::string, const std::string*> files = {{"model.xml", &robot.model},
-                                                           {"robot.json", &robot.profile},
-                                                           {"ik.json", &robot.mapping},
-                                                           {"decisions.md", &robot.decisions}};
-  for (const auto& [file, text] : files) {
-    const auto written = write_file((staging / file).string(), *text);
-    if (!written) return give_up(written.error().message);
-  }
-  if (fs::exists(folder, error)) {
-    fs::rename(folder, old, error);
-    if (error) return give_up(error.message());
-  }
-  fs::rename(staging, folder, error);
-  if (error) {
-    const std::string what = error.message();
-    std::error_code ignored;
-    if (fs::exists(old, ignored)) fs::rename(old, folder, ignored);
-    return give_up(what);
-  }
-  fs::remove_all(old, error);
-  return folder;
 }
 
 }  // namespace retarget

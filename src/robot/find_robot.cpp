@@ -56,9 +56,14 @@ std::vector<std::string> robots_called(const std::string& name,
   return ending.empty() ? holding : ending;
 }
 
-RobotFiles files_in(const fs::path& folder, const std::string& name) {
+// a profile that cannot be looked at is none that is not there
+Result<RobotFiles> files_in(const fs::path& folder, const std::string& name) {
   const fs::path profile = folder / kProfileFile;
-  return {folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
+  std::error_code error;
+  if (!fs::status_known(fs::status(profile, error))) {
+    return config_failure(profile.string(), "cannot look at the file: " + error.message());
+  }
+  return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "base/faults.h"
 #include "base/json.h"
+#include "retarget/base/plain_name.h"
 #include "retarget/base/suggest.h"
 #include "robot/json_ranges.h"
 
@@ -55,8 +56,14 @@ class ProfileReader {
 
   RobotProfile read() {
     check_keys(json_, kKeys, "");
-    profile_.name = text(json_, "name", "");
-    if (profile_.name.empty()) faults_.add("\"name\" is missing or empty");
+    const std::string name = text(json_, "name", "");
+    profile_.name = name;
+    if (name.empty()) {
+      faults_.add("\"name\" is missing or empty");
+    } else if (!is_plain_name(name)) {
+      // folders of outputs are called after it
+      faults_.add("\"name\" must be one that a folder can have, found " + quoted(name));
+    }
     profile_.description = text(json_, "description", "");
     profile_.source = text(json_, "source", "");
     profile_.licence = text(json_, "licence", "");

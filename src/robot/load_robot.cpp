@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "retarget/base/plain_name.h"
 #include "robot/load_model.h"
 #include "robot/load_profile.h"
 
@@ -17,6 +18,8 @@ Result<std::shared_ptr<const Robot>> load_robot(const std::string& model_path,
   }
   RobotProfile bare;
   bare.name = std::filesystem::path(model_path).stem().string();
+  // of a file as `...xml` nothing is left that a folder could be called
+  if (!is_plain_name(bare.name)) bare.name = "model";
   auto robot = std::make_shared<Robot>(std::move(loaded->model), std::move(bare),
                                        std::move(loaded->warnings));
   if (profile_path.empty()) return robot;

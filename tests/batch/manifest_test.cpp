@@ -152,6 +152,51 @@ TEST(Manifest, BeginReplacesWhatIsThere) {
   EXPECT_EQ(text_of(path), "");
 }
 
+TEST(ManifestLine, NumbersThatDoNotFitAreSkipped) {
+  for (const char* number : {"1e300", "-1e300", "99999999999999999999", "-9223372036854775809",
+                             "4294967296", "-4294967297", "1.5"}) {
+    const std::string text(number);
+    const auto entry = parse_manifest_line(
+        "{\"relative\": \"a\", \"status\": \"done\", \"frames\": " + text +
+        ", \"input\": {\"file\": \"a\", \"bytes\": -1, \"modified_ns\": 1e300}}");
+    ASSERT_TRUE(entry) << number;
+    EXPECT_EQ(entry->frames, 0) << number;
+    EXPECT_EQ(entry->input.bytes, 0U);
+    EXPECT_EQ(entry->input.modified_ns, 0);
+  }
+}
+
+TEST(Manifest, LinesThatNameWhatIsOutsideCountForNothing) {
+  const TemporaryFolder folder;
+  std::vector<ManifestEntry> entries(7, entry_of("a.bvh"));
+  entries[1].outputs = {{"ok.csv", 1, 1, ""}, {"../victim.txt", 1, 1, ""}};
+  entries[2].outputs = {{"/etc/passwd", 1, 1, ""}};
+  entries[3].relative = "../../a.bvh";
+  entries[4].robot = "..";
+  entries[5].robot = "a/../../b";
+  entries[6].outputs = {{"a/../../b.csv", 1, 1, ""}};
+  std::string text;
+  for (const ManifestEntry& entry : entries) text += manifest_line(entry);
+  const auto content = read_manifest(folder.write("manifest.jsonl", text));
+  ASSERT_TRUE(content);
+  EXPECT_EQ(content->entries.size(), 1U);
+  EXPECT_EQ(content->outside, 6);
+  EXPECT_EQ(content->outside_name, "../victim.txt");
+  EXPECT_EQ(content->unreadable, 0);
+}
+
+TEST(Manifest, AClockThatWasAheadDoesNotMakeAnEntryTheLast) {
+  constexpr std::int64_t kNow = 1'767'225'600'123;  // 2026-01-01T00:00:00.123Z
+  EXPECT_EQ(finished_after(kNow, ""), "2026-01-01T00:00:00.123Z");
+  EXPECT_EQ(finished_after(kNow, "2025-12-31T23:59:59.999Z"), "2026-01-01T00:00:00.123Z");
+  EXPECT_EQ(finished_after(kNow, "2026-01-01T00:00:00.123Z"), "2026-01-01T00:00:00.124Z");
+  EXPECT_EQ(finished_after(kNow, "2031-05-06T07:08:59.999Z"), "2031-05-06T07:09:00.000Z");
+  EXPECT_EQ(finished_after(kNow, "2031-05-06T07:08:09Z"), "2031-05-06T07:08:09.001Z");
+  for (const char* odd : {"tomorrow", "9", "zzzz-zz-zzTzz:zz:zzZ", "2031-05-06T07:08:09.x99Z"}) {
+    EXPECT_EQ(finished_after(kNow, odd), "2026-01-01T00:00:00.123Z") << odd;
+  }
+}
+
 TEST(LatestEntries, TheLastOfEveryClipAndRobotInOrder) {
   ManifestEntry other = entry_of("a.bvh", "2026-01-01T00:00:05Z");
   other.robot = "booster_t1";

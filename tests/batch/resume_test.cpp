@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "support/temporary_folder.h"
 
@@ -96,6 +97,29 @@ TEST_F(ResumeTest, AnyOfSeveralEntriesServes) {
 TEST_F(ResumeTest, FilesThatCannotBeRecorded) {
   EXPECT_FALSE(record_file((folder_.path() / "missing").string(), "x"));
   EXPECT_FALSE(record_file(folder_.path().string(), "x"));
+}
+
+TEST_F(ResumeTest, OnlyWhatIsAsRecordedMayBeRemoved) {
+  const auto verified = [&] {
+    const FinishedClips clips({entry_}, (folder_.path() / "out").string());
+    return clips.verified_outputs_of("walk.bvh", "g1");
+  };
+  EXPECT_EQ(verified(), std::vector<std::string>{"walk.csv"});
+  // the same size, edited since
+  folder_.write("out/walk.csv", "OUTPUT");
+  EXPECT_TRUE(verified().empty());
+  folder_.write("out/walk.csv", "output");
+  entry_.outputs.front().hash.clear();
+  EXPECT_TRUE(verified().empty());
+  // outside, by name and by a link
+  const std::string victim = folder_.write("victim.txt", "victim");
+  entry_.outputs = {record_file(victim, "../victim.txt").value()};
+  EXPECT_TRUE(verified().empty());
+  entry_.outputs = {record_file(victim, victim).value()};
+  EXPECT_TRUE(verified().empty());
+  fs::create_directory_symlink("..", folder_.path() / "out" / "up");
+  entry_.outputs = {record_file(victim, "up/victim.txt").value()};
+  EXPECT_TRUE(verified().empty());
 }
 
 }  // namespace

@@ -86,5 +86,20 @@ TEST(ClipQualityOf, MissedGatesAndTheWorst) {
   EXPECT_EQ(clip_quality(report).worst_ratio, HUGE_VAL);
 }
 
+TEST(Summary, CellsAreNoFormulas) {
+  for (const char* name :
+       {"=cmd|' /C calc'!A0.bvh", "+1.bvh", "-1.bvh", "@SUM(A1).bvh", "\t=1.bvh"}) {
+    ManifestEntry entry;
+    entry.relative = name;
+    entry.robot = "=robot";
+    entry.error.emplace().message = "=message";
+    entry.error->hint = "-hint";
+    const std::string text = summary_csv({&entry, 1});
+    const std::string row = text.substr(text.find('\n') + 1);
+    EXPECT_TRUE(row.starts_with(std::string("failed,'") + name + ",'=robot,,")) << row;
+    EXPECT_NE(row.find(",'-hint\n"), std::string::npos) << row;
+  }
+}
+
 }  // namespace
 }  // namespace retarget

@@ -1,6 +1,7 @@
 """retarget batch: what goes where, what a second run does, what happens to bad files."""
 
 import csv
+import hashlib
 import json
 import os
 import shutil
@@ -446,6 +447,76 @@ class NothingIsLost(BatchTest):
         self.assertEqual((self.folder / "out/z.csv").read_text(), "precious")
         self.assertTrue((self.folder / "out/manifest_of_mine.jsonl").exists())
         self.assertTrue((self.folder / "out/y.csv").is_dir())
+
+    def forge(self, **changes):
+        """The manifest's only line with other values, `output` those of its first output."""
+        path = self.folder / "out/manifest.jsonl"
+        entry = json.loads(path.read_text())
+        entry["outputs"][0].update(changes.pop("output", {}))
+        entry.update(changes)
+        path.write_text(json.dumps(entry) + "\n")
+
+    def test_a_manifest_names_nothing_outside_its_folder(self):
+        victim = self.write("victim.txt", "precious")
+        record = {"bytes": 8, "modified_ns": victim.stat().st_mtime_ns,
+                  "hash": "sha256:" + hashlib.sha256(b"precious").hexdigest()}
+        for name in ("../victim.txt", str(victim), "up/victim.txt", "link.txt"):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            self.clips("a.bvh")
+            self.assert_done(self.batch())
+            (self.folder / "out/up").symlink_to("..")
+            (self.folder / "out/link.txt").symlink_to(victim)
+            self.forge(output={"file": name, **record})
+            self.write("in/a.bvh", "junk")
+            result = self.batch("--resume")
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(victim.read_text(), "precious", name)
+            self.assertTrue((self.folder / "out/link.txt").is_symlink())
+            if not name.startswith(("up", "link")):
+                self.assertIn(f'not inside the output folder, as "{name}"', result.stderr)
+
+    def test_a_body_model_is_for_smpl_motions(self):
+        self.clips("a.bvh")
+        self.assert_fails(self.batch("--smpl-model", "none.npz"), 4, "none.npz")
+        clip = self.folder / "in/a.bvh"
+        self.assert_fails(self.retarget("--smpl-model", "none.npz", bvh=clip), 2, "--smpl-model")
+        self.write("body.npz", "any")
+        self.assert_fails(self.retarget("--smpl-model", "body.npz", bvh=clip), 2, "--smpl-model")
+        # the clips of a batch may be of both kinds
+        self.assert_done(self.batch("--smpl-model", "body.npz"))
+
+    def test_what_was_edited_since_is_not_removed(self):
+        self.clips("a.bvh")
+        self.assert_done(self.batch())
+        kept = self.write("out/a.csv", "edited by hand\n")
+        self.write("in/a.bvh", "junk")
+        self.assertEqual(self.batch("--resume").returncode, 1)
+        self.assertEqual(kept.read_text(), "edited by hand\n")
+
+    def test_merging_removes_nothing_outside(self):
+        self.clips("a.bvh")
+        self.assert_done(self.batch())
+        outside = self.write("place/.retarget-1-0.tmp", "half")
+        (self.folder / "out/sub").mkdir()
+        (self.folder / "out/link").symlink_to("../place")
+        for relative in ("../place/a.bvh", "link/a.bvh"):
+            self.forge(relative=relative)
+            self.run_tool("batch", "--merge", "-o", "out")
+            self.assertTrue(outside.exists(), relative)
+            self.batch("--redo")
+
+    def test_a_clock_that_was_ahead_does_not_undo_what_is_done(self):
+        self.clips("a.bvh")
+        good = (self.folder / "in/a.bvh").read_bytes()
+        self.write("in/a.bvh", "junk")
+        self.assertEqual(self.batch("--shard", "1/2").returncode, 1)
+        path = self.folder / "out/manifest.1-of-2.jsonl"
+        entry = json.loads(path.read_text())
+        path.write_text(json.dumps({**entry, "finished": "2999-01-01T00:00:00.000Z"}) + "\n")
+        (self.folder / "in/a.bvh").write_bytes(good)
+        self.assert_done(self.batch("--resume"))
+        self.assertEqual([e["status"] for e in self.manifest()], ["done"])
+        self.assertEqual(self.summary()[0]["status"], "done")
 
     def test_what_failed_last_is_done_again(self):
         self.clips("a.bvh", "b.bvh")

@@ -541,6 +541,15 @@ class Provenance(FormatsTest):
         self.assert_fails(self.verify(), 1, "not the one that the sidecar tells of")
         self.assert_fails(self.verify("in.bvh"), 3, "no sidecar")
 
+    def test_an_output_beside_the_sidecar_alone(self):
+        self.assert_done(self.retarget("--method", "gmr", "--frames", "0:2", "--sidecar",
+                                       bvh="in.bvh"))
+        sidecar = json.loads((self.folder / "out.csv.json").read_text())
+        for name in ("../out.csv", str(self.folder / "out.csv"), "a/out.csv", ".."):
+            sidecar["output"]["file"] = name
+            self.write("odd.json", json.dumps(sidecar))
+            self.assert_fails(self.verify("odd.json"), 3, "not the name of a file beside it")
+
     def test_standard_output_has_no_sidecar(self):
         self.assert_fails(self.retarget("--sidecar", output="-"), 2, "--sidecar needs a file")
 

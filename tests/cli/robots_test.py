@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from tool import SOURCE, ToolTest, read_rows, sample
+from tool import SOURCE, ToolTest, read_rows, sample, short_clip
 
 K1 = SOURCE / "robots/booster_k1/model.xml"
 
@@ -43,6 +43,86 @@ class Robots(ToolTest):
         self.assertEqual(len(read_rows(rows.stdout)[0]), 7 + 22)
         self.assert_fails(self.run_tool("robots", "add", "mine", "--model", "mine.xml"), 2,
                           "--force")
+
+    def test_a_model_in_the_working_directory(self):
+        self.write("model.xml", K1.read_bytes())
+        bare, dotted = (self.run_tool("robots", "check", name) for name in ("model.xml",
+                                                                            "./model.xml"))
+        self.assertEqual((bare.returncode, bare.stdout.replace("model.xml", "./model.xml")),
+                         (dotted.returncode, dotted.stdout))
+        self.assertNotIn("error", bare.stderr)
+
+    def test_names_do_not_command_the_terminal(self):
+        for file in (SOURCE / "robots/unitree_g1").iterdir():
+            if file.is_file():
+                self.write(f"odd/{file.name}", file.read_bytes())
+        profile = json.loads((self.folder / "odd/robot.json").read_text())
+        odd = "\x1b[2J\x9b2J\u202egpj"
+        profile.update(description=odd, licence=odd, joint_ordr=[])
+        self.write("odd/robot.json", json.dumps(profile))
+        checked = self.run_tool("robots", "check", "odd")
+        del profile["joint_ordr"]
+        profile["limit_sets"][odd] = profile["limit_sets"]["official"]
+        self.write("odd/robot.json", json.dumps(profile))
+        shown = self.run_tool("robots", "show", "odd")
+        self.assertIn("?[2J?2J?gpj", shown.stdout)
+        told = self.run_tool("robots", "show", "odd", "--json")
+        self.assertEqual(json.loads(told.stdout)["description"], odd)
+        self.write(f"x{odd}.bvh", short_clip("wave", 2).replace(b"JOINT Spine", b"JOINT Sp\xc2\x9bine"))
+        inspected = self.run_tool("inspect", f"x{odd}.bvh")
+        failed = self.run_tool("inspect", odd)
+        for result in (checked, shown, told, inspected, failed):
+            for text in (result.stdout, result.stderr):
+                self.assertFalse(set("\x1b\x9b\u202e") & set(text), text)
+
+    def test_files_that_cannot_be_looked_at_are_not_passed_over(self):
+        for file in (SOURCE / "robots/booster_k1").iterdir():
+            if file.is_file():
+                self.write(f"mine/{file.name}", file.read_bytes())
+        for name in ("robot.json", "ik.json"):
+            path = self.folder / "mine" / name
+            content = path.read_bytes() if path.exists() else None
+            path.unlink(missing_ok=True)
+            path.symlink_to(name)  # points to itself
+            result = self.retarget(robot="mine")
+            self.assert_fails(result, 4, f"mine/{name}", "cannot look at the file")
+            path.unlink()
+            if content is not None:
+                path.write_bytes(content)
+
+    def test_force_replaces_robots_alone(self):
+        self.write("mine.xml", K1.read_bytes())
+        kept = self.write("mine/thesis.txt", "years")
+        add = ("robots", "add", "mine", "--model", "mine.xml", "--force")
+        self.assert_fails(self.run_tool(*add), 2, "mine", "no folder that robots add made")
+        self.assertEqual(kept.read_text(), "years")
+        for _ in range(2):
+            self.assert_done(self.run_tool("robots", "add", "new", "--model", "mine.xml",
+                                           "--force"))
+        # the model may not be in the folder that is replaced
+        inside = self.run_tool("robots", "add", "new", "--model", "new/model.xml", "--force")
+        self.assert_fails(inside, 2, "new/model.xml")
+        self.assertTrue((self.folder / "new/model.xml").exists())
+
+    def test_a_robot_cannot_be_called_like_a_folder_above(self):
+        for file in (SOURCE / "robots/unitree_g1").iterdir():
+            if file.is_file():
+                self.write(f"bad/{file.name}", file.read_bytes())
+        profile = json.loads((self.folder / "bad/robot.json").read_text())
+        self.write("bad/robot.json", json.dumps({**profile, "name": ".."}))
+        self.write("in/a.bvh", short_clip("wave", 2))
+        before = self.files()
+        for robots in ("bad", "bad,unitree_h1"):
+            result = self.run_tool("batch", "in", "-o", "out", "--robot", robots, "--method", "gmr")
+            self.assert_fails(result, 4, '"name"', '".."')
+        self.assertEqual(self.files(), before)
+        # a model file that leaves no name either
+        self.write("...xml", (SOURCE / "robots/unitree_g1/model.xml").read_bytes())
+        self.assert_done(self.run_tool(
+            "batch", "in", "-o", "out", "--robot-xml", "...xml", "--ik-config",
+            SOURCE / "configs/lafan1_to_unitree_g1.json", "--method", "gmr", "--no-quality"))
+        self.assertEqual(json.loads((self.folder / "out/manifest.jsonl").read_text())["robot"],
+                         "model")
 
     def test_check_tells_every_fault(self):
         mapping = (SOURCE / "robots/booster_k1/ik.json").read_text()

@@ -117,6 +117,71 @@ TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   EXPECT_FALSE(save_robot(*made, folder.path() / "missing", false));
 }
 
+TEST(MakeRobot, NamesThatAreNoUtf8AreRefused) {
+  const TemporaryFolder folder;
+  std::string text = tiny_humanoid(true);
+  const std::size_t at = text.find("name=\"");
+  ASSERT_NE(at, std::string::npos);
+  text.insert(at + 6, "\xE9");
+  const auto made = make_robot(folder.write("latin1.xml", text), "mine");
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::kConfig);
+  EXPECT_NE(made.error().message.find("is not UTF-8"), std::string::npos) << made.error().message;
+}
+
+TEST(MakeRobot, NothingButARobotIsReplaced) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
+  ASSERT_TRUE(made);
+  const fs::path place = folder.path() / "mine";
+  const auto is_kept = [&](const char* what) {
+    const auto saved = save_robot(*made, folder.path(), true);
+    ASSERT_FALSE(saved) << what;
+    EXPECT_EQ(saved.error().kind, ErrorKind::kUsage) << what;
+    EXPECT_NE(saved.error().message.find("no folder that robots add made"), std::string::npos);
+  };
+  fs::create_directory(place);
+  is_kept("an empty folder");
+  folder.write("mine/thesis.txt", "years");
+  is_kept("somebody's folder");
+  for (const char* profile : {"", "[]", "{}", R"({"name": "mine"})", R"({"name": "other"})"}) {
+    folder.write("mine/robot.json", profile);
+    is_kept(profile);
+  }
+  EXPECT_TRUE(fs::exists(place / "thesis.txt"));
+  fs::remove_all(place);
+  folder.write("mine", "a file");
+  is_kept("a file");
+  fs::remove(place);
+  // a robot of another name, and one behind a link
+  MadeRobot other = *made;
+  other.name = "other";
+  ASSERT_TRUE(save_robot(other, folder.path(), false));
+  fs::rename(folder.path() / "other", folder.path() / "kept");
+  fs::create_directory_symlink("kept", place);
+  is_kept("a link");
+  EXPECT_TRUE(fs::exists(folder.path() / "kept" / "model.xml"));
+}
+
+TEST(MakeRobot, NamesThatItOnceUsedItselfAreOfOthers) {
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
+  ASSERT_TRUE(made);
+  for (const char* name : {".mine.new", ".mine.old"}) {
+    fs::create_directory(folder.path() / name);
+    folder.write(std::string(name) + "/precious.txt", "kept");
+  }
+  ASSERT_TRUE(save_robot(*made, folder.path(), true));
+  ASSERT_TRUE(save_robot(*made, folder.path(), true));
+  EXPECT_TRUE(fs::exists(folder.path() / ".mine.new" / "precious.txt"));
+  EXPECT_TRUE(fs::exists(folder.path() / ".mine.old" / "precious.txt"));
+  MadeRobot up = *made;
+  for (const char* name : {"..", ".", "", "a/b", "../mine"}) {
+    up.name = name;
+    EXPECT_FALSE(save_robot(up, folder.path() / ".mine.old", true)) << name;
+  }
+}
+
 TEST(MakeRobot, MakesABaseFloatThatHadNoFreeJoint) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);

@@ -101,6 +101,14 @@ TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
   EXPECT_EQ(robot.error().column, 11U);
 }
 
+TEST(LoadProfileTest, TheNameIsOneThatAFolderCanHave) {
+  for (const char* name : {"..", ".", "a/b", "../x", "/etc", "a\\\\b", "a\\u0000b", "\\u001b[2J"}) {
+    EXPECT_THAT(message_of("{\"name\": \"" + std::string(name) + "\"}"),
+                HasSubstr("\"name\" must be one that a folder can have"))
+        << name;
+  }
+}
+
 TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
   const std::string message = message_of(R"({
     "joint_ordr": [],

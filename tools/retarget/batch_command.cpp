@@ -1,7 +1,9 @@
 // `retarget batch`: folders of clips to folders of motions.
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <list>
 #include <map>
@@ -24,6 +26,7 @@
 #include "retarget/motion/clip_range.h"
 #include "robot_mapping.h"
 #include "run_setup.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -56,6 +59,10 @@ Result<void> check_batch_usage(const BatchOptions& options) {
   if (auto outputs = plan_outputs(run); !outputs) return failure(outputs.error());
   if (auto writing = write_options(run); !writing) return failure(writing.error());
   if (auto human = check_human_options(run.human); !human) return human;
+  const std::string& body = run.source.smpl_model;
+  if (std::ifstream file(body); !body.empty() && !file) {
+    return config_failure(body, "cannot read the file: " + std::generic_category().message(errno));
+  }
   if (auto rate = output_rate(run.fps); !rate) return failure(rate.error());
   if (!run.frames.empty()) {
     constexpr int kAnyLength = std::numeric_limits<int>::max();
@@ -199,6 +206,36 @@ Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const Batch
   return tree.check_folders();
 }
 
+// no file that is there already is one that is read: a link into the clips' folder, say
+Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchOptions& options,
+                          const std::list<BatchRobot>& robots) {
+  std::vector<std::string> read = options.lists;
+  for (const BatchInput& input : inputs) read.push_back(input.path);
+  for (const BatchRobot& robot : robots) {
+    const std::vector<std::string> of_robot = files_of(robot.run);
+    read.insert(read.end(), of_robot.begin(), of_robot.end());
+  }
+  const WrittenFiles written(read);
+  const std::string folder = without_last_slash(options.output) + "/";
+  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
+    if (auto spared = written.check_spared(folder + own); !spared) return spared;
+  }
+  for (const BatchRobot& robot : robots) {
+    OutputOptions of_clip = static_cast<const OutputOptions&>(robot.run);
+    for (const BatchInput& input : inputs) {
+      of_clip.output = folder + robot.folder + batch_output(of_clip, input.relative);
+      const auto items = plan_outputs(of_clip);
+      if (!items) return failure(items.error());
+      for (const OutputItem& item : *items) {
+        if (auto spared = written.check_spared(item.path); !spared) return spared;
+        if (!of_clip.sidecar) continue;
+        if (auto spared = written.check_spared(item.path + ".json"); !spared) return spared;
+      }
+    }
+  }
+  return {};
+}
+
 Result<void> plan_inputs(const BatchOptions& options, const Shard& shard, BatchPlan& plan,
                          Console& console) {
   InputSearch search{options.inputs, options.lists, options.base, options.exclude, options.output};
@@ -211,6 +248,7 @@ Result<void> plan_inputs(const BatchOptions& options, const Shard& shard, BatchP
   if (auto distinct = check_outputs_of(found->inputs, options); !distinct) {
     return failure(distinct.error());
   }
+  if (auto spared = check_spared(found->inputs, options, plan.robots); !spared) return spared;
   const std::size_t all = found->inputs.size();
   for (const BatchInput& input : found->inputs) plan.known.insert(input.relative);
   plan.inputs = take_shard(std::move(found->inputs), shard);
@@ -364,7 +402,7 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   auto manifest = begin_manifest(*manifests, finished, *plan, console);
   if (!manifest) return failure(manifest.error());
   if (shard->count == 1 && locks->folder.is_held()) {
-    remove_unfinished(output_folders(*folder, plan->tasks));
+    remove_unfinished(*folder, output_folders(*folder, plan->tasks));
   }
   warn_of_earlier_files(*folder, *plan, finished, console);
   if (auto written = write_options_file(*folder, plan->robots); !written) {

@@ -5,6 +5,7 @@
 
 #include "outputs.h"
 #include "retarget/base/file.h"
+#include "retarget/base/plain_name.h"
 
 namespace retarget::cli {
 
@@ -29,13 +30,19 @@ std::set<fs::path> output_folders(const std::string& folder,
   return folders;
 }
 
-void remove_unfinished(const std::set<fs::path>& folders) {
+void remove_unfinished(const std::string& output_folder, const std::set<fs::path>& folders) {
   for (const fs::path& place : folders) {
     std::error_code error;
+    if (place != output_folder &&
+        !lies_in(output_folder, place.lexically_relative(output_folder).string())) {
+      continue;
+    }
     std::vector<fs::path> unfinished;
     for (fs::directory_iterator at(place, error); !error && at != fs::directory_iterator();
          at.increment(error)) {
-      if (is_temporary_name(at->path().filename().string())) unfinished.push_back(at->path());
+      const bool is_own = is_temporary_name(at->path().filename().string()) &&
+                          fs::is_regular_file(at->symlink_status(error));
+      if (is_own) unfinished.push_back(at->path());
     }
     for (const fs::path& file : unfinished) fs::remove(file, error);
   }

@@ -17,7 +17,9 @@ namespace retarget::cli {
     const std::string& folder, const std::vector<ManifestEntry>& entries);
 
 /// Removes what a killed run left of outputs that were not whole; nobody else may be writing there.
-void remove_unfinished(const std::set<std::filesystem::path>& folders);
+/// Folders that links take out of the output folder are passed over.
+void remove_unfinished(const std::string& output_folder,
+                       const std::set<std::filesystem::path>& folders);
 
 /// Files, below the output folder, that earlier options made of clips that are done again and that
 /// the present ones neither replace nor list any more: those of another --format.

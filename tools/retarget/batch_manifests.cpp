@@ -26,6 +26,13 @@ Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Console
     console.line("manifest", path + ": " + count_text(content->unreadable, "line") +
                                  " cannot be read and counts for nothing");
   }
+  if (content->outside > 0) {
+    console.warn({{0, 0,
+                   count_text(content->outside, "line") + " with a name that is not inside the " +
+                       "output folder, as \"" + content->outside_name +
+                       "\", counts for nothing: no batch writes such"}},
+                 path);
+  }
   return std::move(content->entries);
 }
 
@@ -190,7 +197,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   }
   // what they say is on the disk by now
   for (const std::string& part : parts) fs::remove(part, ignored);
-  remove_unfinished(output_folders(folder, entries));
+  remove_unfinished(folder, output_folders(folder, entries));
   const std::size_t failed = failed_among(entries);
   console.line("merged", count_text(static_cast<long>(all.size()), "manifest") + ", " +
                              count_text(static_cast<long>(entries.size()), "clip") + ", " +

@@ -1,8 +1,9 @@
 #include "batch_runner.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <mutex>
 #include <new>
 #include <system_error>
@@ -25,20 +26,19 @@ constexpr std::uint64_t kMemoryOfBvh = 8;
 constexpr std::uint64_t kMemoryOfNpz = 20;
 constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
 
-// to the millisecond: later entries of a clip count more
-std::string utc_now() {
+// later entries of a clip count more, so this one must be later than those that are known
+std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
-  const std::time_t now = ms / 1000;
-  std::tm parts{};
-  ::gmtime_r(&now, &parts);
-  char text[32];
-  std::string seconds(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts));
-  return seconds + "." + std::to_string(1000 + ms % 1000).substr(1) + "Z";
+  return finished_after(std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count(),
+                        finished.last_finished(entry.relative, entry.robot));
 }
 
 bool is_archive(const std::string& name) {
   return name.size() > 4 && (name.ends_with("z") || name.ends_with("Z"));
+}
+
+bool is_bvh(const std::string& name) {
+  return name.size() > 4 && strcasecmp(name.c_str() + name.size() - 4, ".bvh") == 0;
 }
 
 std::uint64_t memory_of(const BatchInput& input) {
@@ -82,6 +82,8 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
                               ManifestEntry& entry) const {
   RunOptions options = task.robot->run;
   options.source.file = task.input->path;
+  // it is for the SMPL motions among the clips
+  if (is_bvh(task.input->relative)) options.source.smpl_model.clear();
   options.output = output;
   options.threads = threads_;
   ConsoleNotes notes;
@@ -110,13 +112,12 @@ Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
   return {};
 }
 
-// what earlier runs made of a clip whose file is no longer good
+// what earlier runs made of a clip whose file is no longer good, unless somebody changed it since
 void BatchWorker::remove_outputs(const BatchTask& task) const {
   std::error_code ignored;
   for (const std::string& file :
-       context_.finished.outputs_of(task.input->relative, task.robot->name)) {
-    const std::string path = context_.output_folder + "/" + file;
-    if (!fs::is_directory(path, ignored)) fs::remove(path, ignored);
+       context_.finished.verified_outputs_of(task.input->relative, task.robot->name)) {
+    fs::remove(context_.output_folder + "/" + file, ignored);
   }
 }
 
@@ -192,7 +193,7 @@ void BatchWorker::work(const BatchTask& task) {
     entry.exit_code = exit_code(done.error().kind);
     entry.error = std::move(done.error());
   }
-  entry.finished = utc_now();
+  entry.finished = finished_now(context_.finished, entry);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   append(entry);
   context_.progress.finished(entry);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "retarget/base/printable.h"
 #include "wrapped_text.h"
 
 namespace retarget::cli {
@@ -37,15 +38,6 @@ double seconds_now() {
 bool colours_wanted() {
   const char* no_color = std::getenv("NO_COLOR");
   return no_color == nullptr || *no_color == '\0';
-}
-
-// what a file holds must not command the terminal
-std::string printable(std::string text) {
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f) c = '?';
-  }
-  return text;
 }
 
 }  // namespace
@@ -95,8 +87,8 @@ void Console::line(std::string_view label, std::string_view text) {
   end_progress();
   std::string padded(label);
   padded.resize(std::max(padded.size(), kLabelWidth), ' ');
-  put(paint(padded, kFaint) +
-      wrapped_text(printable(std::string(text)), padded.size(), kLabelWidth + kFurther) + "\n");
+  put(paint(padded, kFaint) + wrapped_text(printable(text), padded.size(), kLabelWidth + kFurther) +
+      "\n");
 }
 
 // programs that read messages take them a line each; a terminal would break them anywhere

@@ -10,14 +10,16 @@
 #include "retarget/robot/variant.h"
 #include "robot_motion_options.h"
 #include "run_setup.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
 
 Result<void> check_usage(const ConvertOptions& options) {
   if (auto robot = check_robot_choice(options.run); !robot) return robot;
-  return check_outputs(options.run,
-                       {options.input, options.run.robot_xml, options.run.robot_profile}, {});
+  std::vector<std::string> inputs = files_of(options.run);
+  inputs.push_back(options.input);
+  return check_outputs(options.run, inputs, {});
 }
 
 Result<RobotClip> at_rate(RobotClip clip, const ConvertOptions& options) {

@@ -11,6 +11,7 @@
 #include "retarget/bvh/write_bvh.h"
 #include "retarget/edit/change_rest.h"
 #include "retarget/edit/lafan1_clip.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -86,11 +87,10 @@ Result<std::optional<Clip>> edited(const EditOptions& options, Console& console)
 }  // namespace
 
 ExitCode edit(const EditOptions& options, Console& console) {
-  for (const std::string& file :
-       {options.output, options.concat.matrix, options.path.fit, options.path.svg}) {
-    if (file.empty()) continue;
-    if (auto folder = check_output_folder(file); !folder) return console.fail(folder.error());
-  }
+  const auto good = check_written({options.output, options.concat.matrix, options.path.fit,
+                                   options.path.svg, options.human.write_map},
+                                  files_of(options));
+  if (!good) return console.fail(good.error());
   const auto clip = edited(options, console);
   if (!clip) return console.fail(clip.error());
   if (!*clip) return kDone;

@@ -9,6 +9,7 @@
 #include "interrupt.h"
 #include "read_source.h"
 #include "retarget/base/file.h"
+#include "retarget/base/printable.h"
 #include "retarget/base/suggest.h"
 #include "retarget/io/robot_motion.h"
 #include "retarget/quality/measure.h"
@@ -18,6 +19,7 @@
 #include "robot_motion_options.h"
 #include "run_report.h"
 #include "run_setup.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -52,16 +54,11 @@ Result<void> check_usage(const EvaluateOptions& options) {
   }
   const auto inputs = std::ranges::count(options.motions, "-") + (run.source.file == "-" ? 1 : 0);
   if (inputs > 1) return usage_failure("standard input can be read once only");
-  if (options.json.empty()) return {};
   std::vector<std::string> read = options.motions;
-  read.insert(read.end(), {run.source.file, run.smpl_file, run.ik_config, run.human.map});
   read.insert(read.end(), options.gates.begin(), options.gates.end());
-  for (const std::string& file : read) {
-    std::error_code ignored;
-    if (options.json == "-" || !fs::equivalent(file, options.json, ignored)) continue;
-    return usage_failure("--json would overwrite the input \"" + file + "\"", "give another name");
-  }
-  return check_output_folder(options.json);
+  const std::vector<std::string> of_run = files_of(run);
+  read.insert(read.end(), of_run.begin(), of_run.end());
+  return check_written({options.json, run.human.write_map}, read);
 }
 
 // `METRIC=NUMBER` or `METRIC=none`
@@ -227,12 +224,12 @@ Result<ExitCode> evaluate_checked(const EvaluateOptions& options, Console& conso
     reports.push_back(std::move(*report));
   }
   if (!options.json.empty()) {
-    if (auto written = write_file(options.json, report_json(reports)); !written) {
+    if (auto written = write_file(options.json, printable_json(report_json(reports))); !written) {
       return failure(written.error());
     }
   }
   if (options.json != "-") {
-    if (auto written = write_file("-", report_text(reports)); !written) {
+    if (auto written = write_file("-", printable(report_text(reports))); !written) {
       return failure(written.error());
     }
   }

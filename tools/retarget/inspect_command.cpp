@@ -9,9 +9,11 @@
 #include "human_source.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
+#include "retarget/base/printable.h"
 #include "retarget/motion/forward_kinematics.h"
 #include "retarget/motion/skeleton_points.h"
 #include "wrapped_text.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -96,7 +98,7 @@ std::string report_json(const SourceMotion& file, const Result<HumanSource>& hum
   }
   add_human(json, clip, human);
   // names are the file's bytes; what is no UTF-8 must not end the program
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 std::string vector_text(const Eigen::Vector3d& v) {
@@ -216,6 +218,12 @@ ExitCode inspect(const InspectOptions& options, Console& console) {
                                       "give --positions a file name")
                             .value());
   }
+  RunOptions read;
+  read.common = options.common;
+  read.source = options.source;
+  read.human = options.human;
+  const auto spared = check_written({options.positions, options.human.write_map}, files_of(read));
+  if (!spared) return console.fail(spared.error());
   const auto file = read_source(options.source, options.skeleton_only, console);
   if (!file) return console.fail(file.error());
   const auto human = understand(*file, options);
@@ -228,8 +236,8 @@ ExitCode inspect(const InspectOptions& options, Console& console) {
     if (options.positions == "-") return kDone;
   }
   const std::string name = source_name(options.source);
-  const auto printed = write_file(
-      "-", options.json ? report_json(*file, human, name) : report_text(*file, human, name));
+  const auto printed = write_file("-", options.json ? report_json(*file, human, name)
+                                                    : printable(report_text(*file, human, name)));
   if (!printed) return console.fail(printed.error());
   return kDone;
 }

@@ -7,6 +7,7 @@
 #include "retarget/base/hash.h"
 #include "retarget/base/suggest.h"
 #include "retarget/robot/normalize_start.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 
@@ -116,46 +117,23 @@ Result<std::vector<OutputItem>> plan_outputs(const OutputOptions& options) {
 
 Result<void> check_outputs(const OutputOptions& options, const std::vector<std::string>& inputs,
                            const std::vector<std::string>& other_outputs) {
-  std::vector<std::string> taken;
-  const auto same_file = [](const std::string& a, const std::string& b) {
-    std::error_code ignored;
-    return fs::path(a).lexically_normal() == fs::path(b).lexically_normal() ||
-           fs::equivalent(a, b, ignored);
-  };
-  const auto spares_inputs = [&](const std::string& path) -> Result<void> {
-    for (const std::string& input : inputs) {
-      if (input.empty() || path.empty() || !same_file(input, path)) continue;
-      return usage_failure("the output would overwrite the input \"" + input + "\"",
-                           "give another name");
-    }
-    return {};
-  };
-  const auto take = [&](const std::string& path) -> Result<void> {
-    if (path == "-") return {};
-    if (auto spared = spares_inputs(path); !spared) return spared;
-    for (const std::string& other : taken) {
-      if (same_file(other, path)) return usage_failure("two outputs are the file \"" + path + "\"");
-    }
-    taken.push_back(path);
-    return check_output_folder(path);
-  };
+  WrittenFiles written(inputs);
   // before what its name says: whoever names an input has mistaken something else
   if (options.output != "-" && options.formats.size() <= 1) {
-    if (auto spared = spares_inputs(options.output); !spared) return spared;
+    if (auto spared = written.check_spared(options.output); !spared) return spared;
   }
   const auto items = plan_outputs(options);
   if (!items) return failure(items.error());
   for (const std::string& other : other_outputs) {
-    if (other.empty()) continue;
-    if (auto sound = take(other); !sound) return sound;
+    if (auto sound = written.take(other); !sound) return sound;
   }
   for (const OutputItem& item : *items) {
-    if (auto sound = take(item.path); !sound) return sound;
+    if (auto sound = written.take(item.path); !sound) return sound;
     if (!options.sidecar) continue;
     if (item.path == "-") {
       return usage_failure("--sidecar needs a file to stand beside", "give a name with -o");
     }
-    if (auto sound = take(item.path + ".json"); !sound) return sound;
+    if (auto sound = written.take(item.path + ".json"); !sound) return sound;
   }
   if (auto sound = write_options(options); !sound) return failure(sound.error());
   return {};

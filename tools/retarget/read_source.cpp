@@ -63,6 +63,11 @@ Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_onl
   if (!bytes) return failure(bytes.error());
   // archives hold NPZ, and no BVH file begins like one
   const bool is_archive = bytes->view().starts_with("PK\x03\x04");
+  if (!options.smpl && !is_archive && !options.smpl_model.empty()) {
+    return usage_failure(
+        "--smpl-model is a body of SMPL motions, and \"" + source_name(options) + "\" is none",
+        "leave it out");
+  }
   auto motion = options.smpl || is_archive ? read_smpl_source(bytes->view(), options)
                                            : read_bvh_source(bytes->view(), options, skeleton_only);
   if (motion) console.warn(motion->warnings, source_name(options));

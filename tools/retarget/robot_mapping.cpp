@@ -18,6 +18,14 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
+// a file that cannot be looked at is none that is not there: another would be taken in its place
+Result<void> check_look(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::status_known(status)) return {};
+  return config_failure(path.string(), "cannot look at the file: " + error.message());
+}
+
 // a robot of the data folder, not one of that name that somebody made
 bool is_of_folder(const fs::path& robot_folder, const fs::path& robots) {
   const fs::path parent = robot_folder.parent_path();
@@ -36,6 +44,9 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path&
   if (!ik_config.empty() && !is_mapping_kind(ik_config)) return MappingFiles{ik_config, {}};
   const fs::path own = robot_folder / "ik.json";
   const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
+  for (const fs::path& path : {own, published}) {
+    if (auto looked = check_look(path); !looked) return failure(looked.error());
+  }
   if (!ik_config.empty()) {
     const fs::path& chosen = ik_config == kPublished ? published : own;
     const fs::path& other = ik_config == kPublished ? own : published;

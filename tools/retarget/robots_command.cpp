@@ -9,6 +9,8 @@
 #include "commands.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
+#include "retarget/base/printable.h"
+#include "retarget/base/utf8.h"
 #include "retarget/pipeline/ik_tables.h"
 #include "retarget/rig/check_robot.h"
 #include "retarget/rig/make_robot.h"
@@ -33,7 +35,8 @@ struct RobotPlace {
 };
 
 RobotPlace place_of(const RobotFiles& files, const fs::path& data_folder) {
-  const fs::path folder = files.model.parent_path();
+  const fs::path named = files.model.parent_path();
+  const fs::path folder = named.empty() ? fs::path(".") : named;
   auto found = find_mappings({}, folder, data_folder, fs::absolute(folder).filename().string());
   return {files, found ? std::optional<MappingFiles>(std::move(*found)) : std::nullopt};
 }
@@ -140,6 +143,11 @@ Json robot_json(const Robot& robot, const std::optional<MappingFiles>& mappings)
   return json;
 }
 
+// for a terminal as well
+std::string json_text(const Json& json) {
+  return printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+}
+
 std::string padded(std::string text, std::size_t width) {
   text.resize(std::max(text.size() + 1, width), ' ');
   return text;
@@ -225,7 +233,7 @@ Result<std::string> list(const RobotsOptions& options) {
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
             (*robot)->profile().description + (place->mappings ? "" : " (no mapping)") + "\n";
   }
-  return options.json ? all.dump(2) + "\n" : text;
+  return options.json ? json_text(all) : printable(text);
 }
 
 Result<std::string> show(const RobotsOptions& options) {
@@ -236,8 +244,7 @@ Result<std::string> show(const RobotsOptions& options) {
   const auto robot = load_robot(place->files.model.string(), place->files.profile.string());
   if (!robot) return failure(robot.error());
   const Json json = robot_json(**robot, place->mappings);
-  return options.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-                      : plain_text(json);
+  return options.json ? json_text(json) : printable(plain_text(json));
 }
 
 bool is_model_file(const std::string& path) {
@@ -312,16 +319,33 @@ ExitCode check(const RobotsOptions& options, Console& console) {
   const auto notes = static_cast<long>(findings->size()) - faults;
   text +=
       options.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") + "\n";
-  const auto written = write_file("-", text);
+  const auto written = write_file("-", printable(text));
   if (!written) return console.fail(written.error());
   return faults > 0 ? kBadConfig : kDone;
 }
 
+// whether a file is in a folder or below it, links followed
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path of_file = fs::weakly_canonical(file, error);
+  const fs::path of_folder = fs::weakly_canonical(folder, error);
+  if (error) return false;
+  return std::ranges::mismatch(of_folder, of_file).in1 == of_folder.end();
+}
+
 ExitCode add(const RobotsOptions& options, Console& console) {
   const std::string& name = options.robot;
-  if (name.empty() || name.starts_with('.') || name.find_first_of("/\\") != std::string::npos) {
+  if (name.empty() || name.starts_with('.') || valid_utf8(name) != name ||
+      name.find_first_of("/\\") != std::string::npos) {
     return console.fail(
         usage_failure("\"" + name + "\" cannot be a robot's name: it becomes a folder's").value());
+  }
+  if (is_below(options.model, fs::path(options.output) / name)) {
+    return console.fail(usage_failure("\"" + options.model +
+                                          "\" lies in the folder that would be " + "replaced, \"" +
+                                          name + "\"",
+                                      "take the model out of it first")
+                            .value());
   }
   const auto made = make_robot(options.model, name);
   if (!made) return console.fail(made.error());

@@ -13,6 +13,7 @@
 #include "retarget/robot/find_robot.h"
 #include "run_setup.h"
 #include "usage_errors.h"
+#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -89,11 +90,7 @@ Result<void> check_usage(const RunOptions& options) {
   if (!options.report.empty()) {
     if (auto folder = check_output_folder(options.report); !folder) return folder;
   }
-  const std::vector<std::string> inputs = {
-      options.source.file, options.source.smpl_model, options.human.map, options.human.tpose_file,
-      options.robot_xml,   options.robot_profile,     options.ik_config, options.limits,
-      options.fit_config};
-  return check_outputs(options, inputs, {options.report, options.human.write_map});
+  return check_outputs(options, files_of(options), {options.report, options.human.write_map});
 }
 
 Result<void> run_checked(RunOptions options, Console& console) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "retarget/base/hash.h"
 #include "retarget/robot/find_robot.h"
@@ -17,13 +18,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void add_file(std::vector<ReadFile>& files, const char* role, const fs::path& path,
-              const fs::path& data_folder) {
-  std::error_code ignored;
-  if (path.empty()) return;
+Result<void> add_file(std::vector<ReadFile>& files, const char* role, const fs::path& path,
+                      const fs::path& data_folder) {
+  if (path.empty()) return {};
   ReadFile file{role, recorded_name(path, data_folder), path.string(), {}};
-  if (auto hash = hash_file(file.path)) file.hash = std::move(*hash);
+  // of a pipe nothing is left to be hashed; a file that was read must give its hash
+  std::error_code ignored;
+  if (!fs::is_fifo(path, ignored)) {
+    auto hash = hash_file(file.path);
+    if (!hash) return failure(hash.error());
+    file.hash = std::move(*hash);
+  }
   files.push_back(std::move(file));
+  return {};
 }
 
 // all dialects together: which of them fits is found by trying
@@ -76,11 +83,6 @@ Json found_json(const RunOptions& options, const ClipSetup& setup, const Source&
 Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::path& data_folder,
                                          const std::string& mapping) {
   std::vector<ReadFile> files;
-  if (options.source.file == "-") {
-    files.push_back({"motion", "-", "-", {}});
-  } else {
-    add_file(files, "motion", options.source.file, data_folder);
-  }
   std::string model = options.robot_xml, profile = options.robot_profile;
   if (model.empty()) {
     const auto found = find_robot(options.robot, data_folder / "robots");
@@ -88,17 +90,24 @@ Result<std::vector<ReadFile>> files_read(const RunOptions& options, const fs::pa
     model = found->model.string();
     profile = found->profile.string();
   }
-  add_file(files, "model", model, data_folder);
-  add_file(files, "profile", profile, data_folder);
-  add_file(files, "mapping", mapping, data_folder);
   std::error_code ignored;
-  if (fs::is_regular_file(options.limits, ignored)) {
-    add_file(files, "limits", options.limits, data_folder);
+  const bool limits_file = fs::is_regular_file(options.limits, ignored);
+  if (options.source.file == "-") files.push_back({"motion", "-", "-", {}});
+  const std::pair<const char*, std::string> read[] = {
+      {"motion", options.source.file == "-" ? "" : options.source.file},
+      {"model", model},
+      {"profile", profile},
+      {"mapping", mapping},
+      {"limits", limits_file ? options.limits : ""},
+      {"fit-config", options.fit_config},
+      {"map", options.human.map},
+      {"tpose-file", options.human.tpose_file},
+      {"smpl-model", options.source.smpl_model}};
+  for (const auto& [role, path] : read) {
+    if (auto added = add_file(files, role, path, data_folder); !added) {
+      return failure(added.error());
+    }
   }
-  add_file(files, "fit-config", options.fit_config, data_folder);
-  add_file(files, "map", options.human.map, data_folder);
-  add_file(files, "tpose-file", options.human.tpose_file, data_folder);
-  add_file(files, "smpl-model", options.source.smpl_model, data_folder);
   const fs::path dialects = data_folder / "configs" / "skeletons";
   auto hash = hash_of_folder(dialects);
   if (!hash) return failure(hash.error());

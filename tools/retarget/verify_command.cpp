@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "retarget/base/file.h"
 #include "retarget/base/hash.h"
+#include "retarget/base/plain_name.h"
 #include "retarget/base/suggest.h"
 #include "retarget/version.h"
 #include "run_options_json.h"
@@ -46,6 +47,11 @@ Result<Sidecar> read_sidecar(const std::string& file) {
   Sidecar sidecar;
   sidecar.version = text_of(json, "retarget");
   sidecar.output = name_from(json["output"], "file");
+  // it lies beside the sidecar
+  if (!is_plain_name(sidecar.output)) {
+    return input_failure(file, "the sidecar's output \"" + sidecar.output +
+                                   "\" is not the name of a file beside it");
+  }
   sidecar.format = text_of(json["output"], "format");
   sidecar.hash = text_of(json["output"], "hash");
   auto options = run_options_from_json(json["options"], file);
@@ -121,7 +127,7 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   // which mapping is read is known from the source only
   const auto files =
       files_read(run, *data_folder, outcome ? outcome->mapping : setup->mappings.of_lafan1.file);
-  if (!files) return failure(files.error());
+  if (!files) return failure(outcome ? files.error() : outcome.error());
   const std::vector<std::string> changed = changes(*sidecar, *files);
   for (const std::string& change : changed) console.line("changed", change);
   if (!outcome) return failure(outcome.error());

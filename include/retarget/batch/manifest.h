@@ -60,11 +60,19 @@ struct ManifestEntry {
 struct ManifestContent {
   std::vector<ManifestEntry> entries;  ///< As they stand in the file, older ones of a clip too.
   int unreadable = 0;                  ///< Lines that are no entries, a torn last one included.
+  int outside = 0;                     ///< Lines that name something outside of their folder,
+  std::string outside_name;            ///< and the first such name.
 };
 
 /// Reads a manifest; one that is not there is empty. A line that a kill or a full disk tore is
-/// counted and else ignored.
+/// counted and else ignored, and so is one whose clip, robot or outputs are no plain names below a
+/// folder: what runs make has no others.
 [[nodiscard]] Result<ManifestContent> read_manifest(const std::string& path);
+
+/// The `finished` of an entry that is made now, by one who knows an earlier entry of the same clip:
+/// the time, or a millisecond after the earlier one's where that machine's clock was ahead.
+/// @param now_ms  milliseconds since 1970.
+[[nodiscard]] std::string finished_after(std::int64_t now_ms, const std::string& earlier);
 
 /// The last entry of every clip and robot, by `finished`, then by place; sorted by relative path,
 /// then robot.

@@ -26,8 +26,11 @@ struct MadeRobot {
 /// refuses: an arm, a quadruped, wheels.
 [[nodiscard]] Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name);
 
-/// Writes the robot's folder into another one: whole or not at all. A usage error when a folder of
-/// that name is there already and `force` is not set, which replaces it.
+/// Writes the robot's folder into another one: whole or not at all. Where something of that name is
+/// there already, `force` puts the new folder in its place in one step, provided that it is a folder
+/// whose robot.json make_robot wrote for a robot of this name; all else of that name stays. Usage
+/// errors: something is there and may not be replaced, the name is none of a folder, the folder to
+/// write into is not there.
 /// @return the folder that was written.
 [[nodiscard]] Result<std::filesystem::path> save_robot(const MadeRobot& robot,
                                                        const std::filesystem::path& into,

@@ -1,0 +1,59 @@
+# Where the tool and a shared library of ours look for libraries, in the build tree and installed.
+#
+# CMake ends a run path that an install is to change with a colon, or with as many as the new one
+# needs; the loader takes what stands between colons, or behind the last, for the working directory
+# and loads code from there. So the targets are linked with a run path that CMake leaves alone: the
+# folders of the build tree, then those of the installed tree. The install keeps the latter, which
+# fit into the place of both.
+file(RELATIVE_PATH library_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
+set(installed_retarget "$ORIGIN/")
+set(installed_retarget_cli "$ORIGIN/${library_from_bin}")
+if(RETARGET_BUNDLE_MUJOCO)
+  list(PREPEND installed_retarget "$ORIGIN/retarget/")
+  list(PREPEND installed_retarget_cli "$ORIGIN/${library_from_bin}/retarget")
+endif()
+
+# one target's run path. build_folders: what only the build tree may name
+function(retarget_set_run_path target build_folders installed destination)
+  if(APPLE)
+    # no separators there: each folder is an entry of its own, which the install replaces
+    set_target_properties(${target} PROPERTIES INSTALL_RPATH "${installed}"
+      INSTALL_RPATH_USE_LINK_PATH $<NOT:$<BOOL:${RETARGET_BUNDLE_MUJOCO}>>)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES BUILD_WITH_INSTALL_RPATH ON
+    INSTALL_RPATH "${build_folders};${installed}" INSTALL_RPATH_USE_LINK_PATH ON)
+  list(JOIN installed ":" kept)
+  list(JOIN build_folders ":" dropped)
+  set(file "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${destination}/$<TARGET_FILE_NAME:${target}>")
+  if(IS_ABSOLUTE "${destination}")
+    set(file "\$ENV{DESTDIR}${destination}/$<TARGET_FILE_NAME:${target}>")
+  endif()
+  string(REPLACE "$ORIGIN" "\\$ORIGIN" kept "${kept}")
+  if(RETARGET_BUNDLE_MUJOCO)
+    install(CODE "file(RPATH_SET FILE \"${file}\" NEW_RPATH \"${kept}\")")
+  elseif(dropped)
+    # folders of libraries outside of the build tree stay behind ours
+    install(CODE "file(RPATH_CHANGE FILE \"${file}\" OLD_RPATH \"${dropped}:${kept}\"
+      NEW_RPATH \"${kept}\")")
+  endif()
+endfunction()
+
+set(build_folders "")
+get_filename_component(mujoco_folder "${MuJoCo_RUNTIME_LIBRARY}" DIRECTORY)
+get_filename_component(mujoco_folder "${mujoco_folder}" ABSOLUTE)
+string(FIND "${mujoco_folder}/" "${PROJECT_SOURCE_DIR}/" in_source)
+string(FIND "${mujoco_folder}/" "${PROJECT_BINARY_DIR}/" in_build)
+# one outside of both is among the folders of the link, which an install keeps unless it bundles
+if(in_source EQUAL 0 OR in_build EQUAL 0 OR RETARGET_BUNDLE_MUJOCO)
+  list(APPEND build_folders "${mujoco_folder}")
+endif()
+get_target_property(library_type retarget TYPE)
+if(library_type STREQUAL SHARED_LIBRARY)
+  retarget_set_run_path(retarget "${build_folders}" "${installed_retarget}" ${CMAKE_INSTALL_LIBDIR})
+  list(APPEND build_folders "$<TARGET_FILE_DIR:retarget>")
+endif()
+if(TARGET retarget_cli)
+  retarget_set_run_path(retarget_cli "${build_folders}" "${installed_retarget_cli}"
+    ${CMAKE_INSTALL_BINDIR})
+endif()

@@ -1,0 +1,92 @@
+"""No output of any command overwrites a file that the command reads, whatever it is called."""
+
+import json
+import os
+import unittest
+
+from tool import SOURCE, ToolTest, sample, short_clip
+
+G1 = SOURCE / "robots/unitree_g1"
+
+
+class Spared(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a.bvh", sample("wave").read_bytes())
+        self.write("b.bvh", sample("walk").read_bytes())
+        (self.folder / "sub").mkdir()
+        os.symlink("a.bvh", self.folder / "soft.bvh")
+        os.link(self.folder / "a.bvh", self.folder / "hard.bvh")
+
+    def assert_spared(self, *arguments, **options):
+        before = {name: (self.folder / name).read_bytes() for name in self.files()}
+        result = self.run_tool(*arguments, **options)
+        self.assert_fails(result, 2, "overwrite the input")
+        self.assertEqual({name: (self.folder / name).read_bytes() for name in self.files()}, before,
+                         arguments)
+
+    def test_inspect(self):
+        for option in ("--write-map", "--positions"):
+            for name in ("a.bvh", "soft.bvh", "hard.bvh", "sub/../a.bvh", self.folder / "a.bvh"):
+                self.assert_spared("inspect", "a.bvh", option, name)
+        self.assert_done(self.run_tool("inspect", "a.bvh", "--write-map", "map.json"))
+        self.assert_spared("inspect", "a.bvh", "--map", "map.json", "--positions", "map.json")
+        both = self.run_tool("inspect", "a.bvh", "--write-map", "x", "--positions", "sub/../x")
+        self.assert_fails(both, 2, "two outputs")
+
+    def test_edit(self):
+        self.assert_done(self.run_tool("edit", "path", "b.bvh", "--fit", "path.json"))
+        self.assert_done(self.run_tool("inspect", "a.bvh", "--write-map", "map.json"))
+        for arguments in (("path", "a.bvh", "--svg", "a.bvh"), ("path", "a.bvh", "--fit", "hard.bvh"),
+                          ("path", "b.bvh", "--to", "path.json", "--svg", "path.json"),
+                          ("path", "b.bvh", "--to", "path.json", "-o", "path.json"),
+                          ("path", "a.bvh", "--to", "circle", "-o", "soft.bvh"),
+                          ("path", "a.bvh", "--map", "map.json", "--fit", "map.json"),
+                          ("concat", "a.bvh", "b.bvh", "-o", "c.bvh", "--matrix", "a.bvh"),
+                          ("concat", "a.bvh", "b.bvh", "-o", "b.bvh"),
+                          ("transfer", "a.bvh", "--to", "b.bvh", "-o", "b.bvh"),
+                          ("transfer", "a.bvh", "--to", "b.bvh", "-o", "soft.bvh"),
+                          ("rest", "a.bvh", "--like", "b.bvh", "-o", "b.bvh"),
+                          ("mirror", "a.bvh", "-o", "hard.bvh"),
+                          ("mirror", "a.bvh", "-o", "x.bvh", "--write-map", "a.bvh"),
+                          ("trim", "a.bvh", "--end", "1", "-o", "a.bvh")):
+            self.assert_spared("edit", *arguments)
+
+    def test_run(self):
+        for arguments in (("-o", "soft.bvh"), ("-o", "x.csv", "--report", "hard.bvh"),
+                          ("-o", "x.csv", "--write-map", "sub/../a.bvh")):
+            self.assert_spared("a.bvh", "g1", *arguments)
+        for file in G1.iterdir():
+            if file.is_file():
+                self.write(f"mine/{file.name}", file.read_bytes())
+        for name in ("model.xml", "robot.json", "ik.json"):
+            if (self.folder / "mine" / name).exists():
+                self.assert_spared("a.bvh", "mine", "-o", "x.csv", "--report", f"mine/{name}")
+
+    def test_standard_streams(self):
+        with open(self.folder / "a.bvh", "rb") as stream:
+            self.assert_spared("-", "g1", "-o", "x.csv", "--report", "a.bvh", stdin=stream)
+
+    def test_convert_and_evaluate(self):
+        self.assert_done(self.run_tool("a.bvh", "g1", "-o", "x.csv", "--method", "gmr"))
+        os.symlink("x.csv", self.folder / "y.csv")
+        self.assert_spared("convert", "x.csv", "y.csv", "--robot", "g1")
+        self.write("gates.json", (SOURCE / "configs/quality/default.json").read_bytes())
+        for name in ("x.csv", "y.csv", "soft.bvh", "gates.json"):
+            self.assert_spared("evaluate", "x.csv", "--robot", "g1", "--bvh", "a.bvh", "--gate",
+                               "gates.json", "--json", name)
+        self.assert_spared("evaluate", "x.csv", "--robot", "g1", "--bvh", "a.bvh", "--write-map",
+                           "x.csv")
+
+    def test_batch(self):
+        self.write("in/walk.bvh", short_clip("wave", 2))
+        (self.folder / "out").mkdir()
+        for name in ("walk.csv", "manifest.jsonl", "summary.csv", "options.json", "walk.csv.json"):
+            os.symlink("../in/walk.bvh", self.folder / "out" / name)
+            self.assert_spared("batch", "in", "-o", "out", "--robot", "g1", "--method", "gmr",
+                               "--redo", "--sidecar")
+            (self.folder / "out" / name).unlink()
+
+
+if __name__ == "__main__":
+    unittest.main()
