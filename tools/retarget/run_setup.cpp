@@ -70,6 +70,24 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
   return resampled;
 }
 
+// a motion so far away that no reader of robot motions takes it, and its numbers tell no steps apart
+Result<void> check_place(const Clip& clip, double metres_per_unit, const RunOptions& options) {
+  const double most = options.centimetres ? 5e3 : 5e5;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto places = clip.translations(frame);
+    const auto far = std::ranges::find_if(places, [&](const Eigen::Vector3d& place) {
+      return !(place.cwiseAbs().maxCoeff() * metres_per_unit <= most);
+    });
+    if (far == places.end()) continue;
+    return input_failure(source_name(options.source),
+                         "in frame " + std::to_string(frame) + " the body is more than " +
+                             number_text(most / 1000.0, 0) + " km away from the origin",
+                         "bring the motion to the origin first; or --unit says what its numbers "
+                         "are");
+  }
+  return {};
+}
+
 // a motion whose feet nobody knows floats or sinks, so soles are looked for in the model
 std::shared_ptr<const Robot> with_soles(const std::shared_ptr<const Robot>& robot,
                                         const std::string& model, Console& console) {
@@ -142,6 +160,10 @@ Result<Source> load_source(const RunOptions& options, const fs::path& data_folde
   const int lead_in = frames_to_leave_out(clip, options, console);
   auto prepared = prepare_clip(std::move(motion->clip), options, lead_in);
   if (!prepared) return failure(prepared.error());
+  const double metres_per_unit = human->calibration.mapping.metres_per_unit;
+  if (auto place = check_place(*prepared, metres_per_unit, options); !place) {
+    return failure(place.error());
+  }
   return Source{std::move(*prepared), lead_in, std::move(*human)};
 }
 
