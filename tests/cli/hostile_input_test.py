@@ -2,13 +2,13 @@
 
 import io
 import os
-import resource
 import subprocess
+import threading
 import time
 import unittest
 import zipfile
 
-from tool import SOURCE, TOOL, ToolTest, sample
+from tool import TOOL, ToolTest, sample
 
 MEGABYTE = 1 << 20
 
@@ -50,7 +50,11 @@ class HostileInput(ToolTest):
             options.setdefault("stdin", subprocess.DEVNULL)
             process = subprocess.Popen([TOOL, *map(str, arguments)], cwd=self.folder,
                                        stdout=subprocess.DEVNULL, stderr=messages, **options)
+            # what never ends is killed, and then fails by its exit code
+            watchdog = threading.Timer(seconds, process.kill)
+            watchdog.start()
             _, status, usage = os.wait4(process.pid, 0)
+            watchdog.cancel()
             process.returncode = os.waitstatus_to_exitcode(status)
             messages.seek(0)
             process.stderr = messages.read()
@@ -72,6 +76,39 @@ class HostileInput(ToolTest):
             self.assertEqual(result.returncode, 3)
             self.assertIn("clip.bvh:", result.stderr)
             self.assertIn("40000 frames of 2001 joints take", " ".join(result.stderr.split()))
+
+    def test_few_numbers_for_many_frames(self):
+        def body(joints, indent=0):
+            text = ""
+            for name, offset, below in joints:
+                channels = "" if indent else "CHANNELS 1 Yrotation "
+                text += f"{'JOINT' if indent else 'ROOT'} {name}{{OFFSET {offset}\n{channels}"
+                text += body(below, indent + 1) + "}\n"
+            return text
+
+        def side(name, x):
+            arm = [(name + "Arm", f"{12 * x} 0 0", [(name + "ForeArm", f"{28 * x} 0 0", [
+                (name + "Hand", f"{25 * x} 0 0", [])])])]
+            leg = (name + "UpLeg", f"{9 * x} 0 0", [(name + "Leg", "0 -43 0", [
+                (name + "Foot", "0 -42 0", [(name + "ToeBase", "0 -8 14", [])])])])
+            return leg, (name + "Shoulder", f"{5 * x} 14 0", arm)
+
+        left, right = side("Left", 1), side("Right", -1)
+        chest = ("Spine1", "0 12 0", [("Spine2", "0 12 0", [
+            ("Neck", "0 18 0", [("Head", "0 10 0", [])]), left[1], right[1]])])
+        hips = ("Hips", "0 95 0", [left[0], right[0], ("Spine", "0 10 0", [chest])])
+        for frames, seconds in ((47000, 0.125), (47000, 1), (47000, 30), (1000, 30)):
+            clip = self.write("clip.bvh", "HIERARCHY\n" + body([hips]) +
+                              f"MOTION\nFrames: {frames}\nFrame Time: {seconds}\n" + "0\n" * frames)
+            self.assertLess(clip.stat().st_size, 100000)
+            result = self.run_measured("--bvh", clip, "--robot", "unitree_g1", "-o", "o.csv")
+            self.assert_small(result)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertIn("frames", result.stderr)
+        # the same at an honest rate is a motion
+        result = self.run_measured("--bvh", clip, "--source-fps", 30, "--robot", "unitree_g1",
+                                   "-o", "o.csv")
+        self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_motions_packed_tightly(self):
         for frames, fps in ((480000, 30), (31000, 30), (31000, 8), (31000, 1), (31000, 250)):

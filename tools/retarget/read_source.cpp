@@ -87,7 +87,9 @@ Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_onl
   const bool is_archive = bytes->view().starts_with("PK\x03\x04");
   auto motion = options.smpl || is_archive ? read_smpl_source(bytes->view(), options)
                                            : read_bvh_source(bytes->view(), options, skeleton_only);
-  if (motion) console.warn(motion->warnings, source_name(options));
+  if (!motion) return motion;
+  motion->bytes = bytes->view().size();
+  console.warn(motion->warnings, source_name(options));
   return motion;
 }
 

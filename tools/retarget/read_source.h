@@ -16,6 +16,7 @@ struct SourceMotion {
   Clip clip;
   std::vector<Warning> warnings;  ///< Printed already.
   std::optional<double> height;   ///< Of the body, metres, where the file tells.
+  std::uint64_t bytes = 0;        ///< Of the file.
 };
 
 /// The memory that may be taken, bytes: what the user allows, else three quarters of what there is.
