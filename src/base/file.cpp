@@ -34,6 +34,14 @@ Failure write_failure(const std::string& name, int error_number) {
                      full ? "nothing was left behind; free some space or write elsewhere" : "");
 }
 
+Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most) {
+  Error error;
+  error.kind = kind;
+  error.file = path == "-" ? "standard input" : path;
+  error.message = "expected at most " + std::to_string(most) + " bytes, found more";
+  return failure(std::move(error));
+}
+
 // closes a descriptor that is only read from, whatever path leaves the function
 struct Reader {
   int descriptor;
@@ -99,7 +107,7 @@ int create_named(const std::string& target, std::string& name) {
 
 }  // namespace
 
-Result<FileContent> read_file(const std::string& path, ErrorKind kind) {
+Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t most) {
   const bool standard_input = path == "-";
   Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
                 !standard_input};
@@ -110,8 +118,13 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind) {
   // a device such as /dev/zero may never end
   if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
 
+  const bool regular = S_ISREG(info.st_mode);
+  if (regular && static_cast<std::size_t>(info.st_size) > most) {
+    return too_large_failure(kind, path, most);
+  }
+
   // the size is a guess that saves copies; the file may be a pipe, or grow
-  std::size_t room = S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
+  std::size_t room = regular ? static_cast<std::size_t>(info.st_size) + 1 : 65536;
   auto bytes = std::make_unique_for_overwrite<char[]>(room);
   std::size_t used = 0;
   for (;;) {
@@ -126,6 +139,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind) {
     if (count < 0) return read_failure(kind, path, errno);
     if (count == 0) break;
     used += static_cast<std::size_t>(count);
+    if (used > most) return too_large_failure(kind, path, most);
   }
   return FileContent(std::move(bytes), used);
 }

@@ -1,6 +1,7 @@
 #include "base/json.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "retarget/base/file.h"
@@ -9,7 +10,11 @@ namespace retarget {
 namespace {
 
 // deeper nesting means nothing to us, and recursive code would run out of stack
-constexpr int kMaxDepth = 100;
+constexpr std::size_t kMaxDepth = 100;
+// a member is sought among all of its object, so that time grows with the square of their number
+constexpr std::size_t kMaxMembers = 2000;
+constexpr std::size_t kMaxMembersInAll = 200'000;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxFoundLength = 80;
 constexpr std::size_t kMaxReasonLength = 200;
 
@@ -47,8 +52,18 @@ Failure json_failure(std::string_view text, const std::string& file, std::size_t
   return failure(std::move(error));
 }
 
-std::optional<std::size_t> too_deep_at(std::string_view text) {
-  int depth = 0;
+struct Excess {
+  std::size_t offset;
+  std::string what;
+};
+
+// where a text is more than is parsed
+std::optional<Excess> excess_of(std::string_view text) {
+  if (text.size() > kMaxBytes) {
+    return Excess{kMaxBytes, "more than " + std::to_string(kMaxBytes) + " bytes"};
+  }
+  std::size_t depth = 0, all = 0;
+  std::array<std::size_t, kMaxDepth + 1> members{};  // of the objects around, by depth
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -58,9 +73,19 @@ std::optional<std::size_t> too_deep_at(std::string_view text) {
     } else if (c == '"') {
       in_string = true;
     } else if (c == '[' || c == '{') {
-      if (++depth > kMaxDepth) return i;
-    } else if (c == ']' || c == '}') {
+      if (++depth > kMaxDepth) {
+        return Excess{i, "nested more than " + std::to_string(kMaxDepth) + " deep"};
+      }
+      members[depth] = 0;
+    } else if ((c == ']' || c == '}') && depth > 0) {
       --depth;
+    } else if (c == ':') {
+      if (++members[depth] > kMaxMembers) {
+        return Excess{i, "an object of more than " + std::to_string(kMaxMembers) + " members"};
+      }
+      if (++all > kMaxMembersInAll) {
+        return Excess{i, "more than " + std::to_string(kMaxMembersInAll) + " members in all"};
+      }
     }
   }
   return std::nullopt;
@@ -78,9 +103,8 @@ std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
 }  // namespace
 
 Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::string& file) {
-  if (const auto offset = too_deep_at(text)) {
-    return json_failure(text, file, *offset,
-                        "nested more than " + std::to_string(kMaxDepth) + " deep");
+  if (const auto excess = excess_of(text)) {
+    return json_failure(text, file, excess->offset, excess->what);
   }
   try {
     return nlohmann::ordered_json::parse(text);
@@ -94,7 +118,8 @@ Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::stri
 }
 
 Result<nlohmann::ordered_json> load_json(const std::string& path) {
-  const auto text = read_file(path, ErrorKind::kConfig);
+  // what is beyond the bound says so with its place
+  const auto text = read_file(path, ErrorKind::kConfig, 2 * kMaxBytes);
   if (!text) return failure(text.error());
   return parse_json(text->view(), path);
 }

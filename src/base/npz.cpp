@@ -76,6 +76,31 @@ struct NpzFile::Contents {
     if (!array.empty()) error.message = "array \"" + std::string(array) + "\": " + error.message;
     return failure(std::move(error));
   }
+
+  // numbers of a byte become such of eight, so that they need not be packed tightly to be a bomb
+  [[nodiscard]] Result<void> check_numbers(std::string_view array, const NpyLayout& layout,
+                                           const ZipEntry& entry) const {
+    if (!layout.array.is_number()) return {};
+    const std::uint64_t count = layout.data_size / layout.array.item_size;
+    const std::uint64_t most = options.max_number_bytes / sizeof(double);
+    const std::string what = "its " + std::to_string(count) + " numbers need " +
+                             bytes_text(count * sizeof(double)) + " of memory, ";
+    if (count > most) {
+      return complete(format_failure(what + "at most " + std::to_string(options.max_number_bytes) +
+                                     " are taken")
+                          .value(),
+                      array);
+    }
+    if (is_too_much(count * sizeof(double), entry.packed_size, options.free_number_bytes,
+                    options.max_ratio)) {
+      return complete(
+          format_failure(what + "and the file has " + bytes_text(entry.packed_size) + " of them",
+                         std::string(kBombHint))
+              .value(),
+          array);
+    }
+    return {};
+  }
 };
 
 NpzFile::NpzFile(std::shared_ptr<const Contents> contents) : contents_(std::move(contents)) {}
@@ -184,6 +209,9 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
                          needs + bytes_text(layout->data_size) + ", and the file has " +
                              bytes_text(entry.packed_size) + " of it",
                          std::string(kBombHint));
+  }
+  if (auto fits = contents_->check_numbers(name, *layout, entry); !fits) {
+    return failure(fits.error());
   }
   Result<std::string> data = reader->read(layout->data_size);
   if (!data) return contents_->complete(data.error(), name);

@@ -15,7 +15,9 @@
 #include "bvh/motion_rows.h"
 #include "bvh/row_decoder.h"
 #include "bvh/source_text.h"
+#include "motion/clip_size.h"
 #include "retarget/base/file.h"
+#include "retarget/base/number_text.h"
 #include "retarget/base/suggest.h"
 
 namespace retarget {
@@ -84,6 +86,10 @@ class BvhReader {
   Result<BvhFile> skeleton_alone(const Tree& tree);
   Result<BvhFile> with_motion(const Tree& tree);
   Result<void> read_rows(const Tree& tree, const MotionHeader& header, Clip& clip);
+  [[nodiscard]] std::size_t most_bytes() const;
+  [[nodiscard]] std::size_t most_frames(const Skeleton& skeleton) const;
+  [[nodiscard]] Failure too_large(const MotionHeader& header, const Skeleton& skeleton,
+                                  int frames) const;
   void warn_about_positions(const Tree& tree, const PositionReading& reading);
   BvhFile finish(Clip clip);
 
@@ -155,14 +161,17 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
                               "that may hold more",
                               "split the file");
   }
+  // joints without channels take memory for which there is no text
+  const std::size_t kept_rows = std::min(most_rows, most_frames(*tree.skeleton));
   const auto declared = static_cast<std::uint64_t>(header.frames);
-  clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, most_rows)));
+  clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, kept_rows)));
 
   RowDecoder decoder(*tree.skeleton, tree.first_column);
   const RowSink sink = [&](int index, std::span<const double> row) {
+    if (static_cast<std::size_t>(index) >= kept_rows) return;
     if (index >= clip.frame_count()) {
       const std::size_t grown = std::max<std::size_t>(16, 2 * static_cast<std::size_t>(index));
-      clip.resize(static_cast<int>(std::min(grown, most_rows)));
+      clip.resize(static_cast<int>(std::min(grown, kept_rows)));
     }
     decoder.decode(row, clip, index);
   };
@@ -170,10 +179,36 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
                                           header.frames_place, options_.lenient};
   Result<MotionRows> rows = parse_motion_rows(source_, scanner_, rows_options, sink);
   if (!rows) return Failure(rows.error());
+  if (static_cast<std::size_t>(rows->count) > kept_rows) {
+    return too_large(header, *tree.skeleton, rows->count);
+  }
   clip.resize(rows->count);
   dropped_rows_ = rows->dropped;
   std::ranges::move(rows->warnings, std::back_inserter(warnings_));
   return {};
+}
+
+std::size_t BvhReader::most_bytes() const {
+  const std::size_t of_text = BvhReadOptions::kMostBytesOfText * source_.text().size();
+  return std::min(options_.most_clip_bytes, std::max(BvhReadOptions::kFreeClipBytes, of_text));
+}
+
+std::size_t BvhReader::most_frames(const Skeleton& skeleton) const {
+  return most_bytes() / frame_bytes(skeleton);
+}
+
+Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleton,
+                             int frames) const {
+  const double needed = static_cast<double>(frame_bytes(skeleton)) * frames;
+  const bool by_user = most_bytes() == options_.most_clip_bytes;
+  return source_.failure_at(
+      header.frames_place,
+      std::to_string(frames) + " frames of " + std::to_string(skeleton.joint_count()) +
+          " joints take " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
+          number_text(static_cast<double>(most_bytes()) / 1e6, 1) + " MB are taken" +
+          (by_user ? "" : " for a file of this size"),
+      by_user ? "--memory gives more; or split the file"
+              : "leave out the joints without channels, which move with their parents");
 }
 
 void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {

@@ -60,7 +60,11 @@ void split_cells(std::string_view line, std::vector<CsvCell>& cells) {
 }
 
 std::optional<double> number_of_cell(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    // one sign is enough
+    if (text.starts_with('-')) return std::nullopt;
+  }
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "motion/clip_size.h"
 #include "motion/clip_tracks.h"
 #include "motion/track_sampler.h"
 #include "retarget/math/filter.h"
@@ -18,6 +19,10 @@ __extension__ using Int128 = __int128;
 
 constexpr std::int64_t kLargestUpsampling = 1000;
 constexpr std::int64_t kLargestFrameCount = 10'000'000;
+// a sparse source may not become a clip of more bytes than these: a few kilobytes of text could
+// otherwise stand for gigabytes
+constexpr std::int64_t kSparse = 4;
+constexpr std::int64_t kMostSparseBytes = std::int64_t{64} << 20;
 // one part of an output sample that still counts as reached
 constexpr std::int64_t kParts = 1'000'000'000;
 
@@ -38,7 +43,11 @@ struct Stride {
 Result<void> check_size(const Clip& source, const FrameRate& output_rate,
                         std::int64_t output_count) {
   const Stride stride(source.rate(), output_rate);
-  const bool too_dense = stride.numerator * kLargestUpsampling < stride.denominator;
+  const bool sparse = stride.numerator * kSparse < stride.denominator;
+  const auto most_sparse =
+      kMostSparseBytes / static_cast<std::int64_t>(frame_bytes(source.skeleton()));
+  const bool too_dense = stride.numerator * kLargestUpsampling < stride.denominator ||
+                         (sparse && output_count > most_sparse);
   if (source.frame_count() < 2 || (!too_dense && output_count <= kLargestFrameCount)) return {};
   return input_failure("",
                        "going from " + to_text(source.rate()) + " to " + to_text(output_rate) +

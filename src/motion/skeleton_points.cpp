@@ -1,5 +1,7 @@
 #include "retarget/motion/skeleton_points.h"
 
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "retarget/motion/forward_kinematics.h"
@@ -8,6 +10,8 @@ namespace retarget {
 
 std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
   std::vector<SkeletonPoint> points;
+  std::unordered_set<std::string_view> names;
+  for (const Joint& joint : skeleton.joints()) names.insert(joint.name);
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joint(j);
     points.push_back({joint.name, j, Eigen::Vector3d::Zero()});
@@ -18,7 +22,7 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
       do {
         ++number;
         name = joint.name + "_end" + (number == 1 ? "" : std::to_string(number));
-      } while (skeleton.find(name));
+      } while (names.contains(name));
       points.push_back({name, j, end_site});
     }
   }
@@ -28,10 +32,14 @@ std::vector<SkeletonPoint> skeleton_points(const Skeleton& skeleton) {
 std::vector<SkeletonPoint> points_below(const Skeleton& skeleton, int joint) {
   std::vector<SkeletonPoint> points;
   if (joint < 0) return points;
+  // parents come before their children
+  std::vector<bool> below(static_cast<std::size_t>(skeleton.joint_count()), false);
+  for (int j = joint; j < skeleton.joint_count(); ++j) {
+    const int parent = skeleton.joint(j).parent;
+    below[j] = j == joint || (parent >= 0 && below[parent]);
+  }
   for (SkeletonPoint& point : skeleton_points(skeleton)) {
-    int above = point.joint;
-    while (above > joint) above = skeleton.joint(above).parent;
-    if (above == joint) points.push_back(std::move(point));
+    if (below[point.joint]) points.push_back(std::move(point));
   }
   return points;
 }

@@ -12,6 +12,7 @@
 
 #include "retarget/base/file.h"
 #include "robot/mujoco_messages.h"
+#include "robot/vet_model.h"
 #include "version_numbers.h"
 
 namespace retarget {
@@ -133,6 +134,12 @@ void note_equalities(mjSpec* spec, LoadedModel& loaded) {
 // MuJoCo's own words for a file that is not there, or for one that is no XML, are less clear
 Result<void> check_file(const std::string& path) {
   if (path == "-") return config_failure("", "a model cannot come from standard input");
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  // a pipe would be read to its end here and wait for ever there
+  if (std::filesystem::is_other(status)) {
+    return config_failure(path, "a model must be a regular file");
+  }
   const auto text = read_file(path, ErrorKind::kConfig);
   if (!text) return failure(text.error());
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -202,6 +209,9 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
   if (const auto version = check_version(); !version) return failure(version.error());
   if (const auto file = check_file(path); !file) return failure(file.error());
+  if (const auto vetted = vet_model(path, changes.keep_meshes); !vetted) {
+    return failure(vetted.error());
+  }
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;

@@ -6,8 +6,10 @@
 #include <new>
 #include <utility>
 
+#include "motion/clip_size.h"
 #include "retarget/base/file.h"
 #include "retarget/base/npz.h"
+#include "retarget/base/number_text.h"
 #include "retarget/math/so3.h"
 #include "smpl/motion_arrays.h"
 
@@ -76,7 +78,9 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body) {
 
 Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_name,
                                const SmplReadOptions& options) {
-  const Result<NpzFile> file = NpzFile::open(bytes, file_name);
+  NpzReadOptions npz;
+  npz.max_number_bytes = options.most_clip_bytes;
+  const Result<NpzFile> file = NpzFile::open(bytes, file_name, npz);
   if (!file) return failure(file.error());
   Result<MotionArrays> arrays = read_motion_arrays(*file, options.source_fps);
   if (!arrays) return failure(arrays.error());
@@ -84,6 +88,15 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
                                         ? model_rest_body(*options.body, *arrays)
                                         : generic_rest_body(*file, arrays->betas, options.height);
   if (!body) return failure(body.error());
+  const std::size_t needed =
+      static_cast<std::size_t>(arrays->frame_count) * frame_bytes(*smpl_skeleton(*body));
+  if (needed > options.most_clip_bytes) {
+    return file->file_failure(
+        std::to_string(arrays->frame_count) + " frames take " +
+            number_text(static_cast<double>(needed) / 1e6, 1) + " MB of memory, at most " +
+            number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are taken",
+        "--memory gives more; or split the motion");
+  }
   return SmplMotion{clip_of(*arrays, *body),    arrays->family,          std::move(arrays->gender),
                     std::move(arrays->betas),   options.body == nullptr, body->height,
                     std::move(arrays->warnings)};

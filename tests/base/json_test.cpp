@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 
 namespace retarget {
@@ -59,6 +60,31 @@ TEST(JsonTest, DeepNestingIsAnErrorAndNoOverflow) {
   EXPECT_TRUE(parse_json(as_deep_as_allowed, "file.json").has_value());
   const std::string brackets_in_text = "[\"\\\"" + std::string(200, '[') + "\"]";
   EXPECT_TRUE(parse_json(brackets_in_text, "file.json").has_value());
+}
+
+// `count` members of distinct names
+std::string object_of(int count) {
+  std::string text = "{";
+  for (int i = 0; i < count; ++i) text += (i > 0 ? ",\"" : "\"") + std::to_string(i) + "\":0";
+  return text + "}";
+}
+
+TEST(JsonTest, MoreMembersThanAreSoughtInReasonableTimeAreAnError) {
+  EXPECT_TRUE(parse_json(object_of(2000), "file.json").has_value());
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THAT(error_of(object_of(200'000)).message,
+              HasSubstr("an object of more than 2000 members"));
+  std::string objects;
+  for (int i = 0; i < 101; ++i) objects += (i > 0 ? "," : "[") + object_of(2000);
+  EXPECT_THAT(error_of(objects + "]").message, HasSubstr("more than 200000 members in all"));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  // colons in text are none of a member
+  EXPECT_TRUE(parse_json("[\"" + std::string(5000, ':') + "\"]", "file.json").has_value());
+}
+
+TEST(JsonTest, TextsLargerThanAnyConfigurationAreAnError) {
+  const std::string blanks(std::size_t{17} << 20, ' ');
+  EXPECT_THAT(error_of(blanks + "{}").message, HasSubstr("more than 16777216 bytes"));
 }
 
 TEST(JsonTest, LongTokensDoNotFillTheMessage) {

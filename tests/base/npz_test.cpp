@@ -304,6 +304,7 @@ TEST(Npz, SizesThatAreNotTrueCostNoMemory) {
   NpzReadOptions options;
   options.max_array_bytes = std::numeric_limits<std::size_t>::max();
   options.free_array_bytes = options.free_total_bytes = options.max_array_bytes;
+  options.free_number_bytes = options.max_array_bytes;
   for (const bool compress : {false, true}) {
     style.compress = compress;
     const auto found = read_array(NpzBuilder().add("a", array, style).build(), "a", options);
@@ -331,6 +332,22 @@ TEST(Npz, InflatesNoMoreThanTheShapeExplains) {
               HasSubstr("needs 1048576 bytes, at most 1048575 are read"));
   options.max_array_bytes = zeros.size();
   EXPECT_TRUE(read_array(bytes, "a", options).has_value());
+}
+
+TEST(Npz, NumbersCountAsTheDoublesThatTheyBecome) {
+  // three megabytes of bytes are twenty-four of doubles
+  const std::string zeros(std::size_t{3} << 20, '\0');
+  const std::string array = npy("<u1", "(3145728,)", zeros);
+  Style style;
+  style.compress = true;
+  const std::string packed = NpzBuilder().add("a", array, style).build();
+  EXPECT_THAT(error_of(read_array(packed, "a", {})),
+              HasSubstr("its 3145728 numbers need 25165824 bytes of memory, and the file has"));
+  EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", {}).has_value());
+  NpzReadOptions options;
+  options.max_number_bytes = (std::size_t{24} << 20) - 1;
+  EXPECT_THAT(error_of(read_array(NpzBuilder().add("a", array).build(), "a", options)),
+              HasSubstr("at most 25165823 are taken"));
 }
 
 TEST(Npz, RefusesWhatUnpacksToMuchMoreThanItIs) {

@@ -1,5 +1,6 @@
 // Whatever the bytes, the reader gives a clip or an error: no crash, no memory beyond the file.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -45,6 +46,12 @@ void read_every_way(std::string_view text) {
       expect_sound(read_exactly(text, options), text);
     }
   }
+}
+
+long peak_kilobytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
 }
 
 TEST(BvhRobustness, EveryTruncationIsReadOrRefused) {
@@ -125,11 +132,6 @@ TEST(BvhRobustness, DeepNestingNeedsNoStack) {
 }
 
 TEST(BvhRobustness, MemoryFollowsTheFileNotItsHeader) {
-  const auto peak_kilobytes = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return usage.ru_maxrss;
-  };
   const long before = peak_kilobytes();
   std::string text = conformance_file("huge_frames");
   BvhReadOptions lenient;
@@ -141,6 +143,38 @@ TEST(BvhRobustness, MemoryFollowsTheFileNotItsHeader) {
   EXPECT_TRUE(read_exactly(text, lenient).has_value());
   EXPECT_FALSE(read_exactly("HIERARCHY\nROOT a\n{\nCHANNELS 2000000000 Xrotation\n}").has_value());
   EXPECT_LT(peak_kilobytes() - before, 20000);
+}
+
+TEST(BvhRobustness, JointsWithoutChannelsTakeNoMemoryOutOfProportion) {
+  std::string text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n";
+  for (int i = 0; i < 2000; ++i) text += "JOINT j" + std::to_string(i) + "{OFFSET 0 0 0}";
+  text += "}\nMOTION\nFrames: 40000\nFrame Time: 0.01\n";
+  const std::string head = text;
+  for (int i = 0; i < 40'000; ++i) text += "0\n";
+  const long before = peak_kilobytes();
+  const Result<BvhFile> file = read_exactly(text);
+  ASSERT_FALSE(file.has_value());
+  EXPECT_EQ(file.error().message,
+            "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are taken for a "
+            "file of this size");
+  EXPECT_LT(peak_kilobytes() - before, 80'000);
+  // what is not said is not taken either
+  EXPECT_FALSE(read_exactly(head + "0\n").has_value());
+  BvhReadOptions lenient;
+  lenient.lenient = true;
+  EXPECT_EQ(clip_of(head + "0\n", lenient).frame_count(), 1);
+}
+
+TEST(BvhRobustness, AClipTakesNoMoreThanIsGiven) {
+  std::string text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation}\n";
+  text += "MOTION\nFrames: 3\nFrame Time: 0.01\n0\n0\n0\n";
+  BvhReadOptions options;
+  options.most_clip_bytes = 96;
+  EXPECT_EQ(clip_of(text, options).frame_count(), 3);
+  options.most_clip_bytes = 95;
+  const Result<BvhFile> file = read_exactly(text, options);
+  ASSERT_FALSE(file.has_value());
+  EXPECT_THAT(file.error().hint, ::testing::HasSubstr("--memory"));
 }
 
 TEST(BvhRobustness, WhatIsReadCanBeWritten) {

@@ -279,6 +279,8 @@ TEST_F(CsvMotion, FaultsHaveLineAndColumn) {
   expect_fault("1,2,x,0,0,0,1,.1,.2,.3,.4,.5\n", HasSubstr("m.csv:1:5: error: expected a number"));
   expect_fault("1,2,,0,0,0,1,.1,.2,.3,.4,.5\n",
                HasSubstr("m.csv:1:5: error: expected a number, found \"\""));
+  expect_fault("1,2,+-1,0,0,0,1,.1,.2,.3,.4,.5\n",
+               HasSubstr("m.csv:1:5: error: expected a number, found \"+-1\""));
   expect_fault("1,2,nan,0,0,0,1,.1,.2,.3,.4,.5\n", HasSubstr("m.csv:1:5: error: the number nan"));
   expect_fault("1,2,-1e7,0,0,0,1,.1,.2,.3,.4,.5\n", HasSubstr("is out of range"));
   expect_fault("1e7,2,1,0,0,0,1,.1,.2,.3,.4,.5\n", HasSubstr("beyond 1e6"));

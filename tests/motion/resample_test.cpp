@@ -31,6 +31,18 @@ Clip resampled(const Clip& clip, const FrameRate& rate, const ResampleOptions& o
   return *std::move(result);
 }
 
+TEST(Resample, SparseClipsDoNotFillTheMemory) {
+  // 40,000 frames of 5 joints: 8 MB, and half a gigabyte at 30 fps
+  const Clip sparse(make_tree(), {1, 1}, 40'000);
+  const auto result = resample(sparse, k30);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(result.error().message, HasSubstr("would make 1199971 frames out of 40000"));
+  // as sparse, but short; as long, but dense
+  EXPECT_EQ(resampled(Clip(make_tree(), {1, 1}, 1000), k30).frame_count(), 29'971);
+  EXPECT_EQ(resampled(Clip(make_tree(), {10, 1}, 40'000), k30).frame_count(), 119'998);
+}
+
 TEST(ResampledFrameCount, TenSecondClipsTo30) {
   const struct {
     double fps;

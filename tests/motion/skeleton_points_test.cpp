@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace retarget {
 namespace {
 
@@ -30,6 +35,19 @@ TEST(SkeletonPoints, EndSitesFollowTheirJointAndShareNoName) {
                            joint("Tip", 0, zero, {zero})});
   EXPECT_THAT(names_of(skeleton), ElementsAre("Hand", "Hand_end", "Hand_end3", "Hand_end4",
                                               "Hand_end2", "Tip", "Tip_end"));
+}
+
+TEST(SkeletonPoints, ManyJointsWithEndSitesTakeNoTimeOfTheirSquare) {
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  std::vector<Joint> joints;
+  for (int i = 0; i < 100'000; ++i) {
+    joints.push_back(joint("joint" + std::to_string(i), i - 1, zero, {zero}));
+  }
+  const Skeleton skeleton(std::move(joints));
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(skeleton_points(skeleton).size(), 200'000U);
+  EXPECT_EQ(points_below(skeleton, 10).size(), 200'000U - 20);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
 }
 
 TEST(Extents, HoldJointsAndEndSitesOfAllFrames) {

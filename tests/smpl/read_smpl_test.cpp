@@ -342,6 +342,19 @@ TEST(ReadSmpl, BetasGiveTheHeight) {
   EXPECT_EQ(read_smpl(Amass().bytes(), "walk.npz", options).error().kind, ErrorKind::kUsage);
 }
 
+TEST(ReadSmpl, AClipTakesNoMoreThanIsGiven) {
+  SmplReadOptions options;
+  options.most_clip_bytes = 500;
+  EXPECT_THAT(error_of(Amass{}, options), HasSubstr("of memory, at most 500 are taken"));
+  Amass narrow;
+  narrow.width = 66;
+  narrow.poses.resize(kFrames * 66);
+  options.most_clip_bytes = kFrames * (22 * 32 + 24);
+  EXPECT_EQ(motion_of(narrow, options).clip.frame_count(), kFrames);
+  --options.most_clip_bytes;
+  EXPECT_THAT(error_of(narrow, options), HasSubstr("4 frames take 0 MB of memory"));
+}
+
 TEST(ReadSmpl, RefusesBadArraysByNameAndFrame) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Amass amass;

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "interrupt.h"
+#include "read_source.h"
 #include "retarget/batch/summary.h"
 #include "retarget/batch/worker_pool.h"
 #include "robot_mapping.h"
@@ -49,14 +50,15 @@ class BatchWorker {
  public:
   BatchWorker(const BatchContext& context, int threads) : context_(context), threads_(threads) {}
 
-  void work(const BatchTask& task);
+  void work(const BatchTask& task, double memory_gb);
   [[nodiscard]] bool keep_going();
   [[nodiscard]] Result<void> result();
 
  private:
   [[nodiscard]] ManifestEntry entry_of(const BatchTask& task) const;
-  Result<void> solve(const BatchTask& task, ManifestEntry& entry) const;
-  Result<void> run(const BatchTask& task, const std::string& output, ManifestEntry& entry) const;
+  Result<void> solve(const BatchTask& task, double memory_gb, ManifestEntry& entry) const;
+  Result<void> run(const BatchTask& task, double memory_gb, const std::string& output,
+                   ManifestEntry& entry) const;
   void remove_outputs(const BatchTask& task) const;
   bool is_done_already(const BatchTask& task);
   [[nodiscard]] bool is_lost();
@@ -78,12 +80,13 @@ ManifestEntry BatchWorker::entry_of(const BatchTask& task) const {
   return entry;
 }
 
-Result<void> BatchWorker::run(const BatchTask& task, const std::string& output,
+Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std::string& output,
                               ManifestEntry& entry) const {
   RunOptions options = task.robot->run;
   options.source.file = task.input->path;
   // it is for the SMPL motions among the clips
   if (is_bvh(task.input->relative)) options.source.smpl_model.clear();
+  options.source.memory_gb = memory_gb;
   options.output = output;
   options.threads = threads_;
   ConsoleNotes notes;
@@ -121,7 +124,8 @@ void BatchWorker::remove_outputs(const BatchTask& task) const {
   }
 }
 
-Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) const {
+Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
+                                ManifestEntry& entry) const {
   auto input = record_file(task.input->path, task.input->path);
   if (!input) return failure(input.error());
   entry.input = std::move(*input);
@@ -133,7 +137,7 @@ Result<void> BatchWorker::solve(const BatchTask& task, ManifestEntry& entry) con
     return run_failure(fs::path(output).parent_path().string(),
                        "cannot make the folder: " + std::generic_category().message(error.value()));
   }
-  auto done = run(task, output, entry);
+  auto done = run(task, memory_gb, output, entry);
   if (!done) {
     if (done.error().file.empty()) done.error().file = task.input->path;
     // a wrong option or a full disk says nothing about the motion that is there
@@ -172,7 +176,7 @@ bool BatchWorker::is_lost() {
   return fatal_.has_value();
 }
 
-void BatchWorker::work(const BatchTask& task) {
+void BatchWorker::work(const BatchTask& task, double memory_gb) {
   // without a manifest a clip would be done for nothing
   if (is_lost()) return;
   const auto start = std::chrono::steady_clock::now();
@@ -180,7 +184,7 @@ void BatchWorker::work(const BatchTask& task) {
   Result<void> done;
   try {
     if (is_done_already(task)) return;
-    done = solve(task, entry);
+    done = solve(task, memory_gb, entry);
   } catch (const std::bad_alloc&) {
     done = run_failure(task.input->path, "there is not enough memory for this clip",
                        "fewer --jobs leave more for each");
@@ -210,11 +214,6 @@ Result<void> BatchWorker::result() {
   return {};
 }
 
-std::uint64_t memory_bound(const BatchOptions& options) {
-  if (options.memory_gb > 0.0) return static_cast<std::uint64_t>(options.memory_gb * 1e9);
-  return usable_memory() / 4 * 3;
-}
-
 }  // namespace
 
 std::string batch_output(const OutputOptions& options, const std::string& relative) {
@@ -227,17 +226,23 @@ std::string batch_output(const OutputOptions& options, const std::string& relati
 Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOptions& options,
                              const BatchContext& context) {
   const InterruptGuard guard;
-  std::vector<std::uint64_t> memory;
-  memory.reserve(tasks.size());
-  for (const BatchTask& task : tasks) memory.push_back(memory_of(*task.input));
   const int cores = usable_cores();
   WorkerPoolOptions pool;
   pool.workers = std::min(options.jobs > 0 ? options.jobs : cores,
                           static_cast<int>(std::max<std::size_t>(1, tasks.size())));
-  pool.memory = memory_bound(options);
+  pool.memory = memory_bound(options.run.source);
+  // what a clip is thought to need is what it gets, and no less than an even part
+  const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
+  std::vector<std::uint64_t> memory;
+  memory.reserve(tasks.size());
+  for (const BatchTask& task : tasks) memory.push_back(std::max(memory_of(*task.input), even));
   BatchWorker worker(context, std::max(1, cores / pool.workers));
   pool.keep_going = [&] { return worker.keep_going(); };
-  run_tasks(memory, pool, [&](std::size_t task) { worker.work(tasks[task]); });
+  run_tasks(memory, pool, [&](std::size_t task) {
+    // one that needs more than there is runs alone
+    const std::uint64_t most = std::min(memory[task], pool.memory);
+    worker.work(tasks[task], static_cast<double>(most) / 1e9);
+  });
   context.progress.show();
   return worker.result();
 }

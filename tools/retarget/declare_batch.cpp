@@ -14,7 +14,7 @@ constexpr const char* kBatch = "Batch";
 
 // options of a run that name what a batch has many of
 constexpr std::array kOfOneClip = {"--bvh",    "--smpl",   "--write-map", "--robot",
-                                   "--output", "--report", "--verbose"};
+                                   "--output", "--report", "--memory",    "--verbose"};
 
 // options that decide which clips are done where and when, not what becomes of one
 constexpr std::array<std::string_view, 15> kOfTheBatchAlone = {
@@ -54,9 +54,9 @@ void add_course(CLI::App& command, BatchOptions& options) {
       ->check(silent(CLI::Range(1, 4096)))
       ->group(kBatch);
   command
-      .add_option("--memory", options.memory_gb,
-                  "Begin no clip that would need more than this together\nwith those that run, GB "
-                  "(default: three quarters of what\nthere is)")
+      .add_option("--memory", options.run.source.memory_gb,
+                  "Begin no clip that would need more than this together\nwith those that run, GB, "
+                  "and let none take more (default:\nthree quarters of what there is)")
       ->type_name("GB")
       ->check(number_from(0.001, 1e6))
       ->group(kBatch);

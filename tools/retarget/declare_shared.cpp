@@ -56,6 +56,12 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->type_name("N")
       ->check(number_from(kSlowestRate, kFastestRate))
       ->group(kInput);
+  app.add_option("--memory", options.memory_gb,
+                 "Take no motion that would need more memory than this, GB\n(default: three "
+                 "quarters of what there is)")
+      ->type_name("GB")
+      ->check(number_from(0.001, 1e6))
+      ->group(kInput);
 }
 
 void add_lead_in_option(CLI::App& app, RunOptions& run) {

@@ -6,6 +6,7 @@
 #include "interrupt.h"
 #include "read_source.h"
 #include "retarget/base/file.h"
+#include "retarget/batch/worker_pool.h"
 
 namespace retarget::cli {
 namespace {
@@ -52,7 +53,7 @@ Result<FitOptions> fit_options(const RunOptions& options) {
     if (!read) return failure(read.error());
     fit = *read;
   }
-  if (fit.threads == 0) fit.threads = options.threads;
+  if (fit.threads == 0) fit.threads = options.threads > 0 ? options.threads : usable_cores();
   if (options.fit_window_s > 0.0) fit.window = options.fit_window_s;
   if (auto left_out = leave_out_terms(fit, options.without); !left_out) {
     return failure(left_out.error());

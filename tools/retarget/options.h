@@ -21,6 +21,7 @@ struct SourceOptions {
   bool lenient = false;
   std::string root;         ///< Which of several ROOTs.
   double source_fps = 0.0;  ///< 0: as the file says.
+  double memory_gb = 0.0;   ///< That a clip may need; 0: three quarters of what there is.
 };
 
 /// How the human in a clip is found and measured.
@@ -95,15 +96,15 @@ struct RunOptions : OutputOptions {
 
 /// `retarget batch`: many clips, to one robot or several.
 struct BatchOptions {
-  RunOptions run;                    ///< Of every clip but for its file, robot and output.
+  /// Of every clip but for its file, robot and output; its memory is that of all together.
+  RunOptions run;
   std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
   std::vector<std::string> lists;    ///< Files of names.
   std::string base;                  ///< Folder below which named files keep their tree.
   std::vector<std::string> exclude;  ///< Shell patterns.
   std::vector<std::string> robots;
-  std::string output;      ///< Folder.
-  int jobs = 0;            ///< Clips at a time; 0: as many as there are processors.
-  double memory_gb = 0.0;  ///< That clips may need together; 0: three quarters of what there is.
+  std::string output;  ///< Folder.
+  int jobs = 0;        ///< Clips at a time; 0: as many as there are processors.
   bool resume = false;
   bool redo = false;
   std::string shard;  ///< `I/N`; empty: all of it.

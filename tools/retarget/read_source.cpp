@@ -1,14 +1,25 @@
 #include "read_source.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 
 #include "retarget/base/file.h"
+#include "retarget/batch/worker_pool.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/smpl/read_smpl.h"
 
 namespace retarget::cli {
 namespace {
+
+// a motion's text, its clip, the same at another rate, and what is made of it share the memory
+constexpr std::uint64_t kShares = 4;
+
+std::size_t share_of(const SourceOptions& options) {
+  const std::uint64_t bound = memory_bound(options);
+  return bound == 0 ? std::numeric_limits<std::size_t>::max() : bound / kShares;
+}
 
 std::optional<double> given_rate(const SourceOptions& options) {
   return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
@@ -21,6 +32,7 @@ Result<SourceMotion> read_bvh_source(std::string_view bytes, const SourceOptions
   read_options.motion_optional = skeleton_only;
   read_options.root = options.root;
   read_options.source_fps = given_rate(options);
+  read_options.most_clip_bytes = share_of(options);
   auto file = read_bvh(bytes, source_name(options), read_options);
   if (!file) return failure(file.error());
   return SourceMotion{std::move(file->clip), std::move(file->warnings), std::nullopt};
@@ -29,6 +41,7 @@ Result<SourceMotion> read_bvh_source(std::string_view bytes, const SourceOptions
 Result<SourceMotion> read_smpl_source(std::string_view bytes, const SourceOptions& options) {
   SmplReadOptions read_options;
   read_options.source_fps = given_rate(options);
+  read_options.most_clip_bytes = share_of(options);
   std::optional<SmplBody> body;
   if (!options.smpl_model.empty()) {
     auto loaded = load_smpl_body(options.smpl_model);
@@ -49,6 +62,11 @@ Result<SourceMotion> read_smpl_source(std::string_view bytes, const SourceOption
 
 }  // namespace
 
+std::uint64_t memory_bound(const SourceOptions& options) {
+  if (options.memory_gb > 0.0) return static_cast<std::uint64_t>(options.memory_gb * 1e9);
+  return usable_memory() / 4 * 3;
+}
+
 Result<void> check_no_folder(const std::string& path) {
   std::error_code ignored;
   if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
@@ -59,8 +77,12 @@ Result<void> check_no_folder(const std::string& path) {
 Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
                                  Console& console) {
   if (auto file = check_no_folder(options.file); !file) return failure(file.error());
-  const auto bytes = read_file(options.file);
-  if (!bytes) return failure(bytes.error());
+  auto bytes = read_file(options.file, ErrorKind::kInput, share_of(options));
+  if (!bytes) {
+    const bool too_large = bytes.error().message.starts_with("expected at most ");
+    if (too_large) bytes.error().hint = "--memory gives more; or split the motion";
+    return failure(bytes.error());
+  }
   // archives hold NPZ, and no BVH file begins like one
   const bool is_archive = bytes->view().starts_with("PK\x03\x04");
   if (!options.smpl && !is_archive && !options.smpl_model.empty()) {
@@ -70,7 +92,9 @@ Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_onl
   }
   auto motion = options.smpl || is_archive ? read_smpl_source(bytes->view(), options)
                                            : read_bvh_source(bytes->view(), options, skeleton_only);
-  if (motion) console.warn(motion->warnings, source_name(options));
+  if (!motion) return motion;
+  motion->bytes = bytes->view().size();
+  console.warn(motion->warnings, source_name(options));
   return motion;
 }
 

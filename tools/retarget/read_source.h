@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,7 +16,12 @@ struct SourceMotion {
   Clip clip;
   std::vector<Warning> warnings;  ///< Printed already.
   std::optional<double> height;   ///< Of the body, metres, where the file tells.
+  std::uint64_t bytes = 0;        ///< Of the file.
 };
+
+/// The memory that may be taken, bytes: what the user allows, else three quarters of what there is.
+/// 0: not known.
+[[nodiscard]] std::uint64_t memory_bound(const SourceOptions& options);
 
 /// Error (kInput): the path is a folder; the hint names the command that takes folders.
 [[nodiscard]] Result<void> check_no_folder(const std::string& path);

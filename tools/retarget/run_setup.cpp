@@ -55,12 +55,41 @@ Result<Clip> choose_frames(Clip clip, const RunOptions& options, int lead_in) {
   return cut(clip, begin, range->end);
 }
 
+// A frame of the output needs about so many bytes until the motion is written and measured. A few
+// bytes of text must not stand for much more: no motion has fewer than a fortieth of this a frame.
+constexpr std::uint64_t kBytesOfFrame = 5000;
+constexpr std::uint64_t kMostOfFile = 200;
+constexpr std::uint64_t kFreeBytes = 256'000'000;
+
+Result<void> check_need(std::int64_t frames, std::uint64_t file_bytes, const RunOptions& options) {
+  const std::uint64_t by_file = std::max(kFreeBytes, kMostOfFile * file_bytes);
+  const std::uint64_t given = memory_bound(options.source);
+  const std::uint64_t most = given == 0 ? by_file : std::min(given, by_file);
+  const auto needed = static_cast<std::uint64_t>(frames) * kBytesOfFrame;
+  if (needed <= most) return {};
+  const auto megabytes = [](std::uint64_t bytes) {
+    return number_text(static_cast<double>(bytes) / 1e6, 1) + " MB";
+  };
+  return input_failure(source_name(options.source),
+                       std::to_string(frames) + " frames of output need about " +
+                           megabytes(needed) + " of memory, at most " + megabytes(most) +
+                           " are taken" + (most == given ? "" : " for a file of this size"),
+                       most == given ? "--memory gives more; or take parts of it with --frames"
+                                     : "is the source's frame rate the true one? --source-fps "
+                                       "gives another; --frames takes a part");
+}
+
 // the clip, cut and at the output rate
-Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
+Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in,
+                          std::uint64_t file_bytes) {
   const auto rate = output_rate(options.fps);
   if (!rate) return failure(rate.error());
   auto chosen = choose_frames(std::move(clip), options, lead_in);
-  if (!chosen || !*rate) return chosen;
+  if (!chosen) return chosen;
+  const std::int64_t frames =
+      resampled_frame_count(chosen->frame_count(), chosen->rate(), rate->value_or(chosen->rate()));
+  if (auto need = check_need(frames, file_bytes, options); !need) return failure(need.error());
+  if (!*rate) return chosen;
   ResampleOptions resample_options;
   resample_options.interpolation =
       options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
@@ -68,6 +97,24 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in) {
   auto resampled = resample(std::move(*chosen), **rate, resample_options);
   if (!resampled) resampled.error().file = source_name(options.source);
   return resampled;
+}
+
+// a motion so far away that no reader of robot motions takes it, and its numbers tell no steps apart
+Result<void> check_place(const Clip& clip, double metres_per_unit, const RunOptions& options) {
+  const double most = options.centimetres ? 5e3 : 5e5;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto places = clip.translations(frame);
+    const auto far = std::ranges::find_if(places, [&](const Eigen::Vector3d& place) {
+      return !(place.cwiseAbs().maxCoeff() * metres_per_unit <= most);
+    });
+    if (far == places.end()) continue;
+    return input_failure(source_name(options.source),
+                         "in frame " + std::to_string(frame) + " the body is more than " +
+                             number_text(most / 1000.0, 0) + " km away from the origin",
+                         "bring the motion to the origin first; or --unit says what its numbers "
+                         "are");
+  }
+  return {};
 }
 
 // a motion whose feet nobody knows floats or sinks, so soles are looked for in the model
@@ -150,8 +197,12 @@ Result<Source> load_source(const RunOptions& options, const fs::path& data_folde
   for (const std::string& note : human->map.notes) console.line("", note);
   console.warn(human->calibration.mapping.doubts, source_name(options.source));
   const int lead_in = frames_to_leave_out(clip, options, console);
-  auto prepared = prepare_clip(std::move(motion->clip), options, lead_in);
+  auto prepared = prepare_clip(std::move(motion->clip), options, lead_in, motion->bytes);
   if (!prepared) return failure(prepared.error());
+  const double metres_per_unit = human->calibration.mapping.metres_per_unit;
+  if (auto place = check_place(*prepared, metres_per_unit, options); !place) {
+    return failure(place.error());
+  }
   return Source{std::move(*prepared), lead_in, std::move(*human)};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,9 +27,12 @@ class FileContent {
 
 /// The whole content of a regular file, a pipe or, for `-`, of standard input.
 ///
-/// Folders, missing and unreadable files are errors of the given kind.
-[[nodiscard]] Result<FileContent> read_file(const std::string& path,
-                                            ErrorKind kind = ErrorKind::kInput);
+/// Folders, missing and unreadable files are errors of the given kind, and so are files of more
+/// than `most` bytes, which a pipe without an end is in the end: no more than about three times
+/// `most` is ever taken.
+[[nodiscard]] Result<FileContent> read_file(
+    const std::string& path, ErrorKind kind = ErrorKind::kInput,
+    std::size_t most = std::numeric_limits<std::size_t>::max());
 
 /// Whether the folder that would hold `path` exists; a usage error naming it when it does not.
 [[nodiscard]] Result<void> check_output_folder(const std::string& path);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,7 +20,10 @@ struct NpzReadOptions {
   /// Compressed arrays may unpack to so many times the bytes that they have in the file, and all of
   /// them together to so many times the file. Measured motions are below 4; noughts alone reach 1000.
   std::size_t max_ratio = 64;
-  /// What is let pass in any case: of one array, and of all together.
+  /// Of the numbers of an array as doubles, which they become: more are refused.
+  std::size_t max_number_bytes = std::numeric_limits<std::size_t>::max();
+  /// What is let pass in any case: of one array, as doubles and as it is, and of all together.
+  std::size_t free_number_bytes = std::size_t{16} << 20;
   std::size_t free_array_bytes = std::size_t{32} << 20;
   std::size_t free_total_bytes = std::size_t{128} << 20;
 };

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +25,13 @@ struct BvhReadOptions {
 
   /// Frames per second in place of the header's frame time, which may then be missing or 0.
   std::optional<double> source_fps;
+
+  /// Bytes that the clip may take in memory; a file whose clip would take more is an error. A
+  /// skeleton can be much larger than its rows, so whatever this says, a clip takes at most
+  /// kMostBytesOfText times the bytes of the text, where that is more than kFreeClipBytes.
+  std::size_t most_clip_bytes = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kMostBytesOfText = 64;
+  static constexpr std::size_t kFreeClipBytes = std::size_t{32} << 20;
 
   /// The tree to take, by the name of its root, where a file holds several; the only one if empty.
   std::string root;
@@ -57,7 +66,8 @@ struct BvhFile {
 /// column (in bytes). More rows than declared are all read, with a warning; fewer are an error.
 /// Rows may wrap or share lines as long as nothing hints that values were lost or added: a line
 /// of a wrong length among rows of one line each is an error rather than a shift of columns.
-/// Memory is bounded by the size of the text, not by what the header claims.
+/// Memory is bounded by the size of the text, not by what the header claims or by joints without
+/// channels (BvhReadOptions::most_clip_bytes).
 ///
 /// @param bytes      the whole file.
 /// @param file_name  as the user named it, for messages.

@@ -33,8 +33,9 @@ struct ResampleOptions {
 /// interpolated. Samples that fall on a frame take it bit for bit; going to a whole fraction of
 /// the rate without the filter therefore picks frames.
 ///
-/// Input errors: more than 1000 samples between two frames, or more than 10 million in all; a
-/// frame rate like that is a slip, and following it would fill the memory.
+/// Input errors: more than 1000 samples between two frames, more than 10 million in all, or more
+/// than four between two frames and 64 MB in all; a frame rate like that is a slip, and following
+/// it would fill the memory.
 [[nodiscard]] Result<Clip> resample(Clip source, const FrameRate& output_rate,
                                     const ResampleOptions& options = {});
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +16,9 @@ namespace retarget {
 struct SmplReadOptions {
   /// Frames per second in place of the file's, which may then be missing or wrong.
   std::optional<double> source_fps;
+
+  /// Bytes that the clip may take in memory; a file whose clip would take more is an error.
+  std::size_t most_clip_bytes = std::numeric_limits<std::size_t>::max();
 
   /// Height of the generic body in metres, in place of what the betas suggest. Not for a model,
   /// which has its own.

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+
+#include "retarget/motion/skeleton.h"
+
+namespace retarget {
+
+/// Bytes that a frame of a clip of this skeleton takes in memory.
+[[nodiscard]] inline std::size_t frame_bytes(const Skeleton& skeleton) {
+  return static_cast<std::size_t>(skeleton.joint_count()) * sizeof(Eigen::Quaterniond) +
+         static_cast<std::size_t>(skeleton.translated_count()) * sizeof(Eigen::Vector3d);
+}
+
+}  // namespace retarget

@@ -1,0 +1,360 @@
+#include "robot/vet_model.h"
+
+#include <sys/stat.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "retarget/base/file.h"
+#include "retarget/base/number_text.h"
+#include "robot/mujoco_messages.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using tinyxml2::XMLElement;
+
+// the largest known models of humanoids have some thousand elements and half a megabyte of text
+constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+constexpr std::uintmax_t kMostMeshBytes = std::uintmax_t{256} << 20;
+constexpr double kMostElements = 20'000;
+constexpr double kMostFileDepth = 16;
+constexpr int kMostDepth = 300;
+// MuJoCo's time grows with their squares
+constexpr double kMostBodies = 2000;
+constexpr double kMostJoints = 1000;
+constexpr double kMostCells = 16e6;
+constexpr double kMostNumbers = 1e6;
+constexpr double kMostPoints = 1000;
+constexpr double kMostDetail = 10'000;
+
+bool same_word(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return std::ranges::equal(a, b, [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+// a bound on an attribute of <size>; 0 and what is below mean MuJoCo's own choice
+struct SizeBound {
+  std::string_view attribute;
+  double most;
+};
+constexpr std::array kSizes = {
+    SizeBound{"njmax", 1e6},        SizeBound{"nconmax", 1e6},
+    SizeBound{"nstack", 1e8},       SizeBound{"nuserdata", 1e6},
+    SizeBound{"nkey", 1e4},         SizeBound{"nuser_body", 100},
+    SizeBound{"nuser_jnt", 100},    SizeBound{"nuser_geom", 100},
+    SizeBound{"nuser_site", 100},   SizeBound{"nuser_cam", 100},
+    SizeBound{"nuser_tendon", 100}, SizeBound{"nuser_actuator", 100},
+    SizeBound{"nuser_sensor", 100},
+};
+constexpr double kMostMemory = 4e9;
+
+// all numbers of a text parted by blanks; nothing where there is anything else
+std::optional<std::vector<double>> numbers_in(std::string_view text) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (;;) {
+    while (at < end && std::isspace(static_cast<unsigned char>(*at)) != 0) ++at;
+    if (at == end) return numbers;
+    if (*at == '+') ++at;
+    double number = 0.0;
+    const auto [stop, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return std::nullopt;
+    if (stop < end && std::isspace(static_cast<unsigned char>(*stop)) == 0) return std::nullopt;
+    numbers.push_back(number);
+    at = stop;
+  }
+}
+
+// where an element stands
+struct Place {
+  const std::string& file;
+  fs::path folder;      // of the file
+  double copies = 1.0;  // how often it is repeated by all <replicate> around
+  int depth = 0;        // elements around, those of including files as well
+  int files = 0;        // files around
+};
+
+class ModelVetter {
+ public:
+  ModelVetter(fs::path root, bool meshes) : root_(std::move(root)), meshes_(meshes) {}
+
+  Result<void> vet_file(const std::string& file, const Place& from);
+  Result<void> check_total(const std::string& file) const;
+
+ private:
+  Result<void> vet(const XMLElement& element, Place place);
+  Result<void> vet_children(const XMLElement& element, const Place& place);
+  Result<void> vet_kind(const XMLElement& element, Place& place);
+  Result<void> vet_size(const XMLElement& element, const Place& place);
+  Result<void> vet_named_file(const XMLElement& element, const Place& place);
+  Result<void> vet_attached(const XMLElement& element, const Place& place);
+  Result<void> vet_mesh(const XMLElement& element, const Place& place);
+  Result<double> product(const XMLElement& element, const char* attribute, const Place& place,
+                         double most) const;
+  [[nodiscard]] double total() const;
+
+  const fs::path root_;  // folder of the model, without links
+  const bool meshes_;
+  std::size_t bytes_ = 0;
+  double elements_ = 0.0, bodies_ = 0.0, joints_ = 0.0, cells_ = 0.0, numbers_ = 0.0;
+  double attached_ = 0.0, copied_ = 0.0;  // <attach>es of other models, and of the model itself
+  double largest_model_ = 0.0;            // elements of a model that may be attached
+  std::vector<std::string> mesh_folders_{""};
+};
+
+Failure fault(const XMLElement& element, const Place& place, std::string message,
+              std::string hint = {}) {
+  Error error;
+  error.kind = ErrorKind::kConfig;
+  error.file = place.file;
+  error.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
+  error.message = "<" + std::string(element.Name()) + "> " + std::move(message);
+  error.hint = std::move(hint);
+  return failure(std::move(error));
+}
+
+// whether a path, links followed, lies in a folder without links
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(path, error);
+  if (error) return false;
+  const auto [rest, ignored] =
+      std::mismatch(folder.begin(), folder.end(), whole.begin(), whole.end());
+  return rest == folder.end();
+}
+
+std::string text_of(const XMLElement& element, const char* attribute) {
+  const char* text = element.Attribute(attribute);
+  return text == nullptr ? std::string() : text;
+}
+
+double ModelVetter::total() const {
+  constexpr double kMostDoublings = 60.0;
+  return (elements_ + attached_ * largest_model_) * std::exp2(std::min(copied_, kMostDoublings));
+}
+
+Result<void> ModelVetter::check_total(const std::string& file) const {
+  const auto most = [&](const std::string& what, double bound) {
+    return config_failure(file,
+                          "the model has more than " + number_text(bound, 0) + " " + what +
+                              ", with all that it includes and repeats: no robot needs so many");
+  };
+  if (total() > kMostElements) return most("elements", kMostElements);
+  if (bodies_ > kMostBodies) return most("bodies", kMostBodies);
+  if (joints_ > kMostJoints) return most("joints", kMostJoints);
+  if (cells_ > kMostCells) return most("cells of height fields", kMostCells);
+  if (numbers_ > kMostNumbers) return most("custom numbers", kMostNumbers);
+  return {};
+}
+
+Result<void> ModelVetter::vet_file(const std::string& file, const Place& from) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) {
+    return config_failure(file, "expected a regular file, found something else");
+  }
+  const auto text = read_file(file, ErrorKind::kConfig, kMostBytes);
+  if (!text) return failure(text.error());
+  bytes_ += text->view().size();
+  if (bytes_ > kMostBytes) {
+    return config_failure(file, "the model has more than " + std::to_string(kMostBytes) +
+                                    " bytes with all files that it includes");
+  }
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text->view().data(), text->view().size()) != tinyxml2::XML_SUCCESS) {
+    return model_failure(file, "XML parse error: " + std::string(document.ErrorStr()));
+  }
+  const XMLElement* top = document.RootElement();
+  if (top == nullptr) return {};
+  return vet(*top, {file, fs::path(file).parent_path(), from.copies, from.depth, from.files + 1});
+}
+
+// the product of an attribute's numbers, 1 without it
+Result<double> ModelVetter::product(const XMLElement& element, const char* attribute,
+                                    const Place& place, double most) const {
+  const std::string text = text_of(element, attribute);
+  const auto numbers = numbers_in(text);
+  if (!numbers) {
+    return fault(
+        element, place,
+        std::string(attribute) + ": expected numbers, found \"" + text.substr(0, 40) + "\"");
+  }
+  double result = 1.0;
+  for (const double number : *numbers) result *= std::max(1.0, number);
+  if (result <= most) return result;
+  return fault(element, place,
+               std::string(attribute) + " is " + text.substr(0, 40) + ": at most " +
+                   number_text(most, 0) + " is taken");
+}
+
+Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place) {
+  for (const SizeBound& bound : kSizes) {
+    const auto value = product(element, bound.attribute.data(), place, bound.most);
+    if (!value) return failure(value.error());
+  }
+  std::string memory = text_of(element, "memory");
+  if (memory.empty()) return {};
+  const auto power = std::string_view("KMGTPE").find(
+      static_cast<char>(std::toupper(static_cast<unsigned char>(memory.back()))));
+  if (power != std::string_view::npos) memory.pop_back();
+  const double unit =
+      power == std::string_view::npos ? 1.0 : std::exp2(10.0 * static_cast<double>(power + 1));
+  const auto numbers = numbers_in(memory);
+  if (numbers && numbers->size() == 1 && numbers->front() * unit <= kMostMemory) return {};
+  return fault(element, place,
+               "memory is " + text_of(element, "memory").substr(0, 40) + ": at most 3G is taken");
+}
+
+// MuJoCo looks beside the model and beside the file that names the other
+Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place& place) {
+  const std::string named = text_of(element, "file");
+  if (named.empty()) return {};
+  if (place.files > kMostFileDepth) return fault(element, place, "nests files too deeply");
+  for (const fs::path& folder : {root_, place.folder}) {
+    const fs::path file = folder / named;
+    if (!lies_in(file, root_)) {
+      return fault(element, place,
+                   "names \"" + named.substr(0, 200) + "\", which lies outside the model's folder",
+                   "copy the file beside the model");
+    }
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) continue;
+    if (auto good = vet_file(file.string(), place); !good) return good;
+    if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) break;
+  }
+  return {};
+}
+
+// a model is parsed once, and taken over as often as it is attached
+Result<void> ModelVetter::vet_attached(const XMLElement& element, const Place& place) {
+  ModelVetter other(root_, meshes_);
+  other.bytes_ = bytes_;
+  if (auto good = other.vet_named_file(element, place); !good) return good;
+  if (auto good = other.check_total(place.file); !good) return good;
+  bytes_ = other.bytes_;
+  largest_model_ = std::max(largest_model_, other.total());
+  cells_ += other.cells_;
+  numbers_ += other.numbers_;
+  return {};
+}
+
+Result<void> ModelVetter::vet_mesh(const XMLElement& element, const Place& place) {
+  const std::string named =
+      text_of(element, same_word(element.Name(), "mesh") && element.Attribute("filename") != nullptr
+                           ? "filename"
+                           : "file");
+  if (!meshes_ || named.empty()) return {};
+  const fs::path package = root_.parent_path();
+  for (const std::string& folder : mesh_folders_) {
+    for (const fs::path& name : {fs::path(named), fs::path(named).filename()}) {
+      const fs::path file = root_ / folder / name;
+      std::error_code ignored;
+      if (!fs::exists(file, ignored)) continue;
+      if (!lies_in(file, package)) {
+        return fault(
+            element, place,
+            "names \"" + named.substr(0, 200) + "\", which lies outside the model's package");
+      }
+      if (!fs::is_regular_file(file, ignored) || fs::file_size(file, ignored) > kMostMeshBytes) {
+        return fault(
+            element, place,
+            "names \"" + named.substr(0, 200) + "\", which is no regular file of a mesh's size");
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
+  const auto is = [name = std::string_view(element.Name())](std::string_view word) {
+    return same_word(name, word);
+  };
+  if (is("plugin")) {
+    return fault(element, place, "asks for a plugin of MuJoCo's, which is never loaded",
+                 "leave out the plugins: they play no part in kinematics");
+  }
+  if (is("size")) return vet_size(element, place);
+  if (is("include")) return vet_named_file(element, place);
+  if (is("model")) return vet_attached(element, place);
+  if (is("mesh")) {
+    const auto detail = product(element, "params", place, kMostDetail);
+    if (!detail) return failure(detail.error());
+    return vet_mesh(element, place);
+  }
+  if (is("compiler")) {
+    for (const char* folder : {"meshdir", "assetdir"}) {
+      if (element.Attribute(folder) != nullptr) mesh_folders_.push_back(text_of(element, folder));
+    }
+  } else if (is("body") || is("link")) {
+    bodies_ += place.copies;
+  } else if (is("joint") || is("freejoint")) {
+    joints_ += place.copies;
+  } else if (is("attach")) {
+    (element.Attribute("model") != nullptr ? attached_ : copied_) += place.copies;
+  } else if (is("replicate")) {
+    const auto count = product(element, "count", place, kMostElements);
+    if (!count) return failure(count.error());
+    place.copies *= *count;
+  } else if (is("composite") || is("flexcomp")) {
+    const auto count = product(element, "count", place, kMostPoints);
+    if (!count) return failure(count.error());
+    if (element.Attribute("file") != nullptr) {
+      return fault(element, place, "reads a file, which no robot's kinematics needs");
+    }
+    bodies_ += place.copies * *count;
+  } else if (is("hfield")) {
+    const auto rows = product(element, "nrow", place, kMostCells);
+    if (!rows) return failure(rows.error());
+    const auto columns = product(element, "ncol", place, kMostCells);
+    if (!columns) return failure(columns.error());
+    cells_ += *rows * *columns;
+  } else if (is("numeric")) {
+    const auto count = product(element, "size", place, kMostNumbers);
+    if (!count) return failure(count.error());
+    numbers_ += *count;
+  }
+  return {};
+}
+
+Result<void> ModelVetter::vet(const XMLElement& element, Place place) {
+  if (++place.depth > kMostDepth) {
+    return fault(element, place, "is nested more than " + std::to_string(kMostDepth) + " deep");
+  }
+  elements_ += place.copies;
+  if (auto good = vet_kind(element, place); !good) return good;
+  if (auto good = check_total(place.file); !good) return good;
+  return vet_children(element, place);
+}
+
+Result<void> ModelVetter::vet_children(const XMLElement& element, const Place& place) {
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    if (auto good = vet(*child, place); !good) return good;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> vet_model(const std::string& path, bool meshes) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(path, error);
+  const fs::path root = error ? fs::path() : fs::canonical(whole.parent_path(), error);
+  if (error) return config_failure(path, "cannot find the folder of the model");
+  ModelVetter vetter(root, meshes);
+  return vetter.vet_file(path, {path, root});
+}
+
+}  // namespace retarget
