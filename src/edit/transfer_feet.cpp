@@ -13,7 +13,7 @@ namespace {
 using Track = std::vector<Eigen::Vector3d>;
 
 // stands of a foot with a shorter break are one, seconds
-constexpr double kSameStand = 0.1;
+constexpr double kBreakInStand = 0.1;
 
 // where a part of a foot is in the target, and where the source has it, brought to the target's
 // size
@@ -94,7 +94,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
     return part;
   };
   std::vector<PlantedFoot> plants;
-  const auto stands = find_foot_stands(source, kSameStand);
+  const auto stands = find_foot_stands(source, kBreakInStand);
   const auto legs = find_legs(moved.skeleton(), target.mapping);
   for (int foot = 0; foot < 2; ++foot) {
     const int toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");

@@ -25,6 +25,8 @@ constexpr std::array kLimbBones = {"LeftUpLeg",  "LeftLeg",  "LeftArm",  "LeftFo
 
 // the square of the sine of a bend at which its plane counts as much as that of the frame before
 constexpr double kBendThatCounts = 0.01;
+// the sine of a bend that says for itself which way the limb bends
+constexpr double kPlainBend = 0.35;
 
 // the component of a vector across a unit vector, unit length; nothing when there is none
 std::optional<Vector3d> across(const Vector3d& vector, const Vector3d& unit) {
@@ -36,9 +38,8 @@ std::optional<Vector3d> across(const Vector3d& vector, const Vector3d& unit) {
 // axes with an exact X and Z as near as it can be
 Matrix3d axes_along(const Vector3d& x, const Vector3d& z) {
   Matrix3d axes;
-  const Vector3d across_x = z - z.dot(x) * x;
   axes.col(0) = x;
-  axes.col(2) = across_x.normalized();
+  axes.col(2) = across(z, x).value_or(x.unitOrthogonal());
   axes.col(1) = axes.col(2).cross(axes.col(0));
   return axes;
 }
@@ -185,7 +186,10 @@ class DirectionRotations {
     std::vector<Vector3d> normals(bends.size());
     const auto settle = [&](int frame, const Vector3d& carried) {
       const auto f = static_cast<std::size_t>(frame);
-      const Vector3d wanted = bends[f] * bends[f].norm() + kBendThatCounts * carried;
+      // elbows and knees bend one way: a little the other way is a limb that is nearly straight
+      const bool overstretched = bends[f].dot(carried) < 0.0 && bends[f].norm() < kPlainBend;
+      const Vector3d wanted =
+          (overstretched ? -1.0 : 1.0) * bends[f] * bends[f].norm() + kBendThatCounts * carried;
       normals[f] =
           across(wanted, uppers[f])
               .value_or(across(usual(frame), uppers[f]).value_or(uppers[f].unitOrthogonal()));
@@ -228,8 +232,9 @@ class DirectionRotations {
 
   // hands turn with forearms, feet with shins but for their direction, toes with feet
   void make_ends(const std::string& side) {
+    // a mapping file may leave out what is above: then they turn with their parents
     if (positions_.has(side + "Hand")) track(side + "Hand") = track(side + "ForeArm");
-    if (!positions_.has(side + "Foot")) return;
+    if (!positions_.has(side + "Foot") || track(side + "Leg").empty()) return;
     const int shin = find_bone(side + "Leg").value(), foot = find_bone(side + "Foot").value();
     const int toe = find_bone(side + "Toe").value();
     const Matrix3d shin_from_foot = canonical_t_pose(shin).transpose() * canonical_t_pose(foot);
@@ -354,9 +359,10 @@ void make_rotations_from_directions(Clip& clip, BoneMap& map) {
 
 std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
   constexpr double kDegree = 57.295779513082321;
-  constexpr double kMostWander = 15.0;  // degrees
+  constexpr double kMostWander = 3.0;  // degrees
   const double wander = kDegree * limb_wander(clip, map);
-  if (wander <= kMostWander || !has_positions_of_all_bones(clip.skeleton(), map)) {
+  if (wander <= kMostWander || map.joint("Hips") < 0 ||
+      !has_positions_of_all_bones(clip.skeleton(), map)) {
     return std::nullopt;
   }
   make_rotations_from_directions(clip, map);

@@ -11,10 +11,13 @@ namespace {
 
 constexpr double kJump = 0.1;          // second difference by the body's spread
 constexpr double kBeyondMotion = 5.0;  // and by the motion's own 95th percentile
-constexpr double kStill = 0.2;         // spreads a second: a person who stands as still as one can
-constexpr double kLongestHold = 5.0;   // seconds
+constexpr double kStill = 0.05;        // spreads from the first frame: noise, a person who stands
+constexpr double kLongestHold = 20.0;  // seconds
 constexpr double kMotionSeen = 2.0;    // seconds
-constexpr int kFewestAfter = 5;        // frames of motion
+// what is held for longer must be another pose than the motion's, or it is the motion before a fault
+constexpr double kShortHold = 0.25;  // seconds
+constexpr double kSamePose = 0.1;    // spreads, the body brought to one place and heading
+constexpr int kFewestAfter = 5;      // frames of motion
 
 // positions of all joints, frame by frame, made when they are asked for
 class Positions {
@@ -22,18 +25,26 @@ class Positions {
   explicit Positions(const Clip& clip)
       : clip_(clip),
         frames_(static_cast<std::size_t>(clip.frame_count())),
+        root_turns_(frames_.size()),
         poses_(static_cast<std::size_t>(clip.skeleton().joint_count())) {}
 
   const Eigen::Matrix3Xd& at(int frame) {
     Eigen::Matrix3Xd& positions = frames_[static_cast<std::size_t>(frame)];
     if (positions.size() > 0) return positions;
     forward_kinematics(clip_, frame, poses_);
+    root_turns_[static_cast<std::size_t>(frame)] = poses_.front().rotation;
     positions.resize(3, static_cast<Eigen::Index>(poses_.size()));
     for (Eigen::Index joint = 0; joint < positions.cols(); ++joint) {
       positions.col(joint) = poses_[static_cast<std::size_t>(joint)].translation;
     }
     return positions;
   }
+
+  // of two frames as the root sees them, the mean over the joints
+  double pose_distance(int a, int b) {
+    return (seen_by_root(a) - seen_by_root(b)).colwise().norm().mean();
+  }
+  double distance(int a, int b) { return (at(a) - at(b)).colwise().norm().mean(); }
 
   // means over the joints
   double step(int frame) { return (at(frame + 1) - at(frame)).colwise().norm().mean(); }
@@ -47,8 +58,16 @@ class Positions {
   }
 
  private:
+  Eigen::Matrix3Xd seen_by_root(int frame) {
+    const Eigen::Matrix3Xd& positions = at(frame);
+    const Eigen::Matrix3d root_from_world =
+        root_turns_[static_cast<std::size_t>(frame)].conjugate().toRotationMatrix();
+    return root_from_world * (positions.colwise() - positions.col(0));
+  }
+
   const Clip& clip_;
   std::vector<Eigen::Matrix3Xd> frames_;
+  std::vector<Eigen::Quaterniond> root_turns_;
   std::vector<Pose> poses_;
 };
 
@@ -57,6 +76,8 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   if (clip.frame_count() - begin < kFewestAfter) return false;
   const double jump = positions.second_difference(begin);
   if (!(jump > kJump * positions.spread(begin))) return false;
+  // the second difference of the frame before is as large
+  if (positions.step(begin - 1) < positions.step(begin)) return false;
   const int end = std::min(
       clip.frame_count() - 1,
       begin + 1 +
@@ -84,6 +105,17 @@ bool is_frame_of_zeros(const Clip& clip, Positions& positions, int frame) {
   return step > kJump * positions.spread(frame + 1) && step > kBeyondMotion * next;
 }
 
+// whether the motion from a frame on comes back to a pose in the time that is seen of it
+bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
+  const double near = kSamePose * positions.spread(pose);
+  const int end = std::min<int>(
+      clip.frame_count(), begin + static_cast<int>(std::lround(kMotionSeen * clip.rate().fps())));
+  for (int frame = begin; frame < end; ++frame) {
+    if (positions.pose_distance(pose, frame) < near) return true;
+  }
+  return false;
+}
+
 // frames from `begin` on that are held and then left by a jump; 0: none
 int count_held(const Clip& clip, Positions& positions, int begin) {
   const auto longest =
@@ -91,9 +123,11 @@ int count_held(const Clip& clip, Positions& positions, int begin) {
   for (int count = 1; count <= std::max(1, longest); ++count) {
     if (begin + count >= clip.frame_count()) return 0;
     if (is_frame_of_zeros(clip, positions, begin + count - 1)) return count;
-    if (begins_with_a_jump(clip, positions, begin + count)) return count;
-    const double still = kStill * clip.rate().frame_time() * positions.spread(begin);
-    if (!(positions.step(begin + count - 1) <= still)) return 0;
+    if (begins_with_a_jump(clip, positions, begin + count)) {
+      const bool is_short = count * clip.rate().frame_time() <= kShortHold;
+      return is_short || !comes_back(clip, positions, begin, begin + count) ? count : 0;
+    }
+    if (!(positions.distance(begin, begin + count) <= kStill * positions.spread(begin))) return 0;
   }
   return 0;
 }

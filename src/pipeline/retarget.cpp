@@ -7,6 +7,7 @@
 
 #include "pipeline/target_stream.h"
 #include "retarget/base/suggest.h"
+#include "retarget/math/trigonometry.h"
 #include "retarget/pipeline/targets.h"
 
 namespace retarget {
@@ -58,7 +59,8 @@ class ClipSolver {
   const RetargetOptions& options_;
   std::unique_ptr<IkSolver> solver_;
   int passes_ = 0;
-  std::vector<double> qpos_;                                         // of the latest frame
+  std::vector<double> qpos_;  // of the latest frame
+  double frame_time_ = 0.0;
   Eigen::Quaterniond root_target_ = Eigen::Quaterniond::Identity();  // of the latest frame
 };
 
@@ -76,6 +78,7 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   qpos_ = robot_->zero_configuration();
 
   RetargetResult result;
+  frame_time_ = human.rate.frame_time();
   result.clip = RobotClip(robot_, human.rate, human.frame_count);
   TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
   for (int frame = 0; frame < human.frame_count; ++frame) {
@@ -130,13 +133,16 @@ std::vector<std::vector<double>> ClipSolver::starts() const {
 // limits, and stays there.
 bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
                              std::span<const Pose> world_from_target) {
-  constexpr double kFarthestTurn = 0.86602540378443865;  // cosine of half of 60 degrees
+  constexpr double kFarthestTurn = 1.0471975511965976;  // 60 degrees
+  constexpr double kFastestTurn = 20.0;                 // rad/s
   const auto bone = find_bone(tables_.human_root);
   const int target = bone ? targets.target_of(*bone) : -1;
   if (target < 0) return frame == 0;
   const Eigen::Quaterniond before = root_target_;
   root_target_ = world_from_target[static_cast<std::size_t>(target)].rotation.normalized();
-  return frame == 0 || std::abs(root_target_.dot(before)) < kFarthestTurn;
+  const Eigen::Quaterniond step = before.conjugate() * root_target_;
+  const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w()));
+  return frame == 0 || turn > std::max(kFarthestTurn, kFastestTurn * frame_time_);
 }
 
 // Solves a frame from several configurations and takes the best: on the way from a single one a

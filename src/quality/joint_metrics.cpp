@@ -183,7 +183,7 @@ void measure_root_jumps(const Draft& draft) {
   constexpr double kFastestTurn = 20.0;  // rad/s
   const RobotClip& clip = draft.clip;
   const double fps = clip.rate().fps();
-  FaultList jumping("root_jumps", "rad/s");
+  FaultList moving("root_jumps", "m/s"), turning("root_jumps", "rad/s");
   int jumps = 0;
   for (int frame = 0; frame + 1 < clip.frame_count(); ++frame) {
     const Pose before = root_pose(clip.qpos(frame)), now = root_pose(clip.qpos(frame + 1));
@@ -192,10 +192,12 @@ void measure_root_jumps(const Draft& draft) {
     const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w())) * fps;
     if (speed <= kFastest && turn <= kFastestTurn) continue;
     ++jumps;
-    jumping.add("root", frame, turn);
+    if (speed > kFastest) moving.add("root", frame, speed);
+    if (turn > kFastestTurn) turning.add("root", frame, turn);
   }
   draft.set("root_jumps", jumps);
-  jumping.move_to(draft.report.faults, draft.options.faults_per_metric);
+  moving.move_to(draft.report.faults, draft.options.faults_per_metric);
+  turning.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "refine/raised_stances.h"
@@ -16,6 +15,7 @@ constexpr double kFlattestFoot = 0.15, kSteepestFoot = 0.6, kCommonFoot = 0.36;
 constexpr double kNearLowest = 0.05;    // metres
 constexpr double kLowestShare = 0.02;   // of frames
 constexpr double kLeastStanding = 0.7;  // seconds of both feet together
+constexpr double kSunk = 0.25;          // metres that a body may be too low for a moment
 
 // height of a foot's up vector: none of its clearance counts below the first, all beyond both
 constexpr double kLyingFoot = 0.2, kUprightRange = 0.35;
@@ -208,10 +208,16 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
   }
 }
 
-// feet that are as slow and as steep as those that carry a body, whatever their height
-std::vector<SourceFoot> feet_that_stand(const SourceFeet& source, const FitOptions& options) {
+// a foot in a frame in which it is as slow and as steep as feet are that carry a body
+struct StandingFoot {
+  int frame = 0;
+  double ankle = 0.0, toe = 0.0;  // heights
+};
+
+// by the height of their toes
+std::vector<StandingFoot> feet_that_stand(const SourceFeet& source, const FitOptions& options) {
   const double size = source.size();
-  std::vector<SourceFoot> standing;
+  std::vector<StandingFoot> standing;
   for (int frame = 0; frame < source.frame_count(); ++frame) {
     for (int foot = 0; foot < source.foot_count; ++foot) {
       const SourceFoot& now = source.at(frame, foot);
@@ -219,49 +225,45 @@ std::vector<SourceFoot> feet_that_stand(const SourceFeet& source, const FitOptio
       if (steep > kFlattestFoot && steep < kSteepestFoot &&
           source.speed(frame, foot, kHeel) < options.contact_speed * size &&
           source.speed(frame, foot, kToe) < options.contact_speed * size) {
-        standing.push_back(now);
+        standing.push_back({frame, now.ankle.z(), now.toe.z()});
       }
     }
   }
+  std::ranges::stable_sort(standing, {}, &StandingFoot::toe);
   return standing;
 }
 
-// a height at which feet stand, and for how much of all standing
-struct Level {
-  double ankle = 0.0, toe = 0.0;
-  double share = 0.0;
-};
+// those of sorted feet whose toes are in [from, to)
+std::span<const StandingFoot> between(std::span<const StandingFoot> standing, double from,
+                                      double to) {
+  const auto begin = std::ranges::lower_bound(standing, from, {}, &StandingFoot::toe);
+  const auto end = std::ranges::lower_bound(begin, standing.end(), to, {}, &StandingFoot::toe);
+  return {begin, end};
+}
 
-// The lowest level at which feet stand for a good part of the time that they stand at all. Feet
-// that are lower for a moment do not stand on the floor: the body sank into it, after a flip or
-// when markers were lost, and everything else would stand in the air.
-std::optional<Level> level_of_standing(const std::vector<SourceFoot>& standing, double lowest,
-                                       double band) {
-  constexpr double kGoodPart = 0.1;
-  std::vector<double> toes;
-  for (const SourceFoot& foot : standing) toes.push_back(foot.toe.z());
-  std::ranges::sort(toes);
-  const auto below = [&](double height) {
-    return std::ranges::lower_bound(toes, height) - toes.begin();
-  };
-  double floor = lowest;
-  std::ptrdiff_t count = below(floor + band);
-  // the lowest level also holds what is lower still
-  for (std::size_t i = 0; i < toes.size(); ++i) {
-    if (static_cast<double>(count) >= kGoodPart * static_cast<double>(toes.size())) break;
-    if (toes[i] <= lowest) continue;
-    floor = toes[i];
-    count = below(floor + band) - static_cast<std::ptrdiff_t>(i);
+// Whether feet stand so for one moment alone and for little of the time that they stand at all: a
+// body that sinks in behind a flip, or markers that are lost.
+bool is_a_moment(std::span<const StandingFoot> level, std::size_t standing, double frame_time) {
+  constexpr double kLittle = 0.1;
+  if (static_cast<double>(level.size()) >= kLittle * static_cast<double>(standing)) return false;
+  const auto [first, last] = std::ranges::minmax(level, {}, &StandingFoot::frame);
+  return (last.frame - first.frame) * frame_time <= kLeastStanding;
+}
+
+// The feet that stand on the floor: those of the lowest level, up to `band` above the lowest toes,
+// unless they do so for a moment and a level on which feet do stand is near. All else would stand
+// in the air then.
+std::span<const StandingFoot> feet_on_floor(std::span<const StandingFoot> standing, double lowest,
+                                            double band, double near, double frame_time) {
+  const auto level = between(standing, -HUGE_VAL, lowest + band);
+  if (level.empty() || !is_a_moment(level, standing.size(), frame_time)) return level;
+  for (const StandingFoot& foot : standing.subspan(level.size())) {
+    if (foot.toe > lowest + near) break;
+    const auto higher = between(standing, foot.toe, foot.toe + band);
+    const bool carries = static_cast<double>(higher.size()) * frame_time > kLeastStanding;
+    if (carries && !is_a_moment(higher, standing.size(), frame_time)) return higher;
   }
-  std::vector<double> ankles_of_level, toes_of_level;
-  for (const SourceFoot& foot : standing) {
-    if (foot.toe.z() >= floor + band || (floor > lowest && foot.toe.z() < floor)) continue;
-    ankles_of_level.push_back(foot.ankle.z());
-    toes_of_level.push_back(foot.toe.z());
-  }
-  if (toes_of_level.empty()) return std::nullopt;
-  const double share = static_cast<double>(toes_of_level.size()) / static_cast<double>(toes.size());
-  return Level{middle_of(std::move(ankles_of_level)), middle_of(std::move(toes_of_level)), share};
+  return level;
 }
 
 }  // namespace
@@ -293,10 +295,16 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
   const auto low = lowest.begin() + static_cast<std::ptrdiff_t>(kLowestShare * frames);
   std::ranges::nth_element(lowest, low);
   const double floor = *low;
-  const std::vector<SourceFoot> standing = feet_that_stand(source, options);
-  if (const auto heights = level_of_standing(standing, floor, kNearLowest * size)) {
-    const double time = static_cast<double>(standing.size()) * source.frame_time;
-    if (time * heights->share > kLeastStanding) return {heights->ankle, heights->toe, true};
+  const std::vector<StandingFoot> standing = feet_that_stand(source, options);
+  const auto level =
+      feet_on_floor(standing, floor, kNearLowest * size, kSunk * size, source.frame_time);
+  if (static_cast<double>(level.size()) * source.frame_time > kLeastStanding) {
+    std::vector<double> ankles, toes;
+    for (const StandingFoot& foot : level) {
+      ankles.push_back(foot.ankle);
+      toes.push_back(foot.toe);
+    }
+    return {middle_of(std::move(ankles)), middle_of(std::move(toes)), true};
   }
   const SourceFoot& first = source.at(0, 0);
   return {floor + kCommonFoot * (first.ankle - first.toe).norm(), floor, false};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "motion/test_clips.h"
 #include "retarget/motion/clip.h"
@@ -51,6 +52,31 @@ TEST(LeadIn, AFrameOfZerosBeforeAnythingElse) {
 
 TEST(LeadIn, APoseThatIsHeldAndThenLeft) {
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
+}
+
+TEST(LeadIn, AHeldPoseMayShiver) {
+  Clip clip = with_frames_in_front(swinging(120, 360), 240, 2.0);
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 0.005);
+  for (int frame = 0; frame < 240; ++frame) {
+    for (auto& rotation : clip.rotations(frame)) {
+      rotation = rotation * exp_so3(Eigen::Vector3d(noise(random), noise(random), noise(random)));
+    }
+  }
+  EXPECT_EQ(count_lead_in_frames(clip), 240);
+}
+
+TEST(LeadIn, StandingBeforeAFaultIsMotion) {
+  // stands, sways a little, and one frame in between is garbage
+  Clip clip = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
+  for (auto& rotation : clip.rotations(100)) rotation = exp_so3(2.0 * kTestAxis);
+  EXPECT_EQ(count_lead_in_frames(clip), 0);
+  // or stands elsewhere from there on
+  Clip moved = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
+  for (int frame = 100; frame < moved.frame_count(); ++frame) {
+    moved.translations(frame)[0] += Eigen::Vector3d(3.0, 0.0, 0.0);
+  }
+  EXPECT_EQ(count_lead_in_frames(moved), 0);
 }
 
 TEST(LeadIn, SeveralPoses) {

@@ -260,6 +260,11 @@ TEST_F(MeasureQuality, RootsThatJump) {
   EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.4; }),
                    "root_jumps"),
             1.0);
+  const auto moved = faults_of(
+      measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 1.5; }), "root_jumps");
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_NEAR(moved[0].amount, 45.0, 1e-9);
+  EXPECT_EQ(moved[0].unit, "m/s");
   // turned about the vertical, the other quaternion of the same rotation
   const auto turned_by = [this](double angle) {
     return measure(20, [angle](int frame, auto qpos) {

@@ -28,7 +28,7 @@ namespace retarget {
 void make_rotations_from_directions(Clip& clip, BoneMap& map);
 
 /// Files with positions for every joint need not agree with their own rotations: some hold
-/// positions alone and rotations that mean nothing. Where limb_wander is above 15 degrees (knees
+/// positions alone and rotations that mean nothing. Where limb_wander is above 3 degrees (knees
 /// and elbows that slide and limbs that stretch stay far below) directions win:
 /// make_rotations_from_directions.
 /// @return what to tell the user; nothing where rotations and positions agree, or where positions are
