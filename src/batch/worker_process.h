@@ -1,0 +1,45 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "retarget/base/result.h"
+
+namespace retarget {
+
+/// A process that does tasks for this one, which is its parent.
+class WorkerProcess {
+ public:
+  /// @param work  runs in the process, for every task that is given to it.
+  [[nodiscard]] static Result<WorkerProcess> start(
+      const std::function<void()>& begin, const std::function<std::string(std::size_t)>& work);
+  ~WorkerProcess();
+  WorkerProcess(WorkerProcess&& other) noexcept;
+  WorkerProcess& operator=(WorkerProcess&&) = delete;
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+
+  /// False: it has ended.
+  [[nodiscard]] bool give(std::size_t task);
+  /// What there is to be read of an answer is taken; to be called when the descriptor is readable.
+  enum class State { kWaiting, kAnswered, kEnded };
+  [[nodiscard]] State read();
+  [[nodiscard]] std::string take_answer();
+  [[nodiscard]] int descriptor() const { return from_worker_; }
+  void send_signal(int signal_number) const;
+  /// Waits for its end; the signal that ended it, or 0.
+  int wait();
+
+ private:
+  WorkerProcess(pid_t id, int to_worker, int from_worker)
+      : id_(id), to_worker_(to_worker), from_worker_(from_worker) {}
+
+  pid_t id_;
+  int to_worker_, from_worker_;
+  std::string received_;
+};
+
+}  // namespace retarget
