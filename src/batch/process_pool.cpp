@@ -85,12 +85,11 @@ class Pool {
     // a process may have ended while it had nothing to do
     for (int tries = 0; tries < 2; ++tries) {
       if (!slot.process) {
-        auto started = WorkerProcess::start(
-            [&] {
-              bound_memory(options_.most_memory);
-              if (options_.begin_worker) options_.begin_worker();
-            },
-            work_);
+        const auto begin = [&] {
+          bound_memory(options_.most_memory);
+          if (options_.begin_worker) options_.begin_worker();
+        };
+        auto started = WorkerProcess::start({options_.end_process, begin, work_});
         if (!started) return failure(started.error());
         slot.process.emplace(std::move(*started));
       }

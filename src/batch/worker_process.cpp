@@ -55,29 +55,27 @@ void close_all_from(int first) {
 
 constexpr int kTasks = 3, kAnswers = 4, kOthers = 5;
 
-// does tasks until there are no more; never comes back
-[[noreturn]] void serve(pid_t parent, int tasks, int answers, const std::function<void()>& begin,
-                        const std::function<std::string(std::size_t)>& work) {
+// does tasks until there are no more; false: it could not begin
+bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& actions) {
   // both out of the way of the numbers that they are to have
   const int other_tasks = ::fcntl(tasks, F_DUPFD, kOthers);
   const int other_answers = ::fcntl(answers, F_DUPFD, kOthers);
-  if (::dup2(other_tasks, kTasks) < 0 || ::dup2(other_answers, kAnswers) < 0) ::_exit(1);
+  if (::dup2(other_tasks, kTasks) < 0 || ::dup2(other_answers, kAnswers) < 0) return false;
   close_all_from(kOthers);
 #ifdef __linux__
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
   // it may have ended before that
-  if (::getppid() != parent) ::_exit(1);
-  if (begin) begin();
+  if (::getppid() != parent) return false;
+  if (actions.begin) actions.begin();
   std::uint64_t task = 0;
   while (read_all(kTasks, &task, sizeof task)) {
-    const std::string answer = work(static_cast<std::size_t>(task));
+    const std::string answer = actions.work(static_cast<std::size_t>(task));
     const std::uint64_t size = answer.size();
     if (!write_all(kAnswers, &size, sizeof size)) break;
     if (!write_all(kAnswers, answer.data(), answer.size())) break;
   }
-  // the parent's objects are not this process's to take down
-  ::_exit(0);
+  return true;
 }
 
 Failure start_failure(int error_number) {
@@ -87,8 +85,7 @@ Failure start_failure(int error_number) {
 
 }  // namespace
 
-Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& begin,
-                                           const std::function<std::string(std::size_t)>& work) {
+Result<WorkerProcess> WorkerProcess::start(const Actions& actions) {
   std::array<int, 2> tasks{}, answers{};
   if (::pipe2(tasks.data(), O_CLOEXEC) != 0) return start_failure(errno);
   if (::pipe2(answers.data(), O_CLOEXEC) != 0) {
@@ -99,7 +96,11 @@ Result<WorkerProcess> WorkerProcess::start(const std::function<void()>& begin,
   const pid_t parent = ::getpid();
   const pid_t id = ::fork();
   const int error_number = errno;
-  if (id == 0) serve(parent, tasks[0], answers[1], begin, work);
+  if (id == 0) {
+    // the parent's objects are not this process's to take down, nor is what called this to go on in it
+    actions.end(serve(parent, tasks[0], answers[1], actions) ? 0 : 1);
+    for (;;) ::pause();
+  }
   ::close(tasks[0]);
   ::close(answers[1]);
   if (id > 0) return WorkerProcess(id, tasks[1], answers[0]);

@@ -13,9 +13,13 @@ namespace retarget {
 /// A process that does tasks for this one, which is its parent.
 class WorkerProcess {
  public:
-  /// @param work  runs in the process, for every task that is given to it.
-  [[nodiscard]] static Result<WorkerProcess> start(
-      const std::function<void()>& begin, const std::function<std::string(std::size_t)>& work);
+  /// What runs in the process.
+  struct Actions {
+    void (*end)(int code);                         ///< Ends it, as _exit() does.
+    std::function<void()> begin;                   ///< Comes first,
+    std::function<std::string(std::size_t)> work;  ///< then this for every task.
+  };
+  [[nodiscard]] static Result<WorkerProcess> start(const Actions& actions);
   ~WorkerProcess();
   WorkerProcess(WorkerProcess&& other) noexcept;
   WorkerProcess& operator=(WorkerProcess&&) = delete;

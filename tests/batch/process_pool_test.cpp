@@ -33,13 +33,19 @@ Ends ends_of(const std::vector<std::uint64_t>& memory, const ProcessPoolOptions&
   return ends;
 }
 
+ProcessPoolOptions with_exit() {
+  ProcessPoolOptions options;
+  options.end_process = ::_exit;
+  return options;
+}
+
 void sleep_ms(int ms) {
   std::this_thread::sleep_for(std::chrono::milliseconds(ms));
 }
 
 TEST(ProcessPool, EveryTaskOnceByAnyNumberOfWorkers) {
   for (const int workers : {0, 1, 3, 16}) {
-    ProcessPoolOptions options;
+    ProcessPoolOptions options = with_exit();
     options.workers = workers;
     // answers longer than a pipe holds, and empty ones
     const auto ends = ends_of(std::vector<std::uint64_t>(50, 1), options, [](std::size_t task) {
@@ -62,7 +68,7 @@ TEST(ProcessPool, OneWorkerKeepsTheOrderAndItsProcess) {
   std::vector<std::size_t> order;
   std::vector<std::string> processes;
   const std::vector<std::uint64_t> memory = {5, 1, 9, 2};
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.memory = 3;
   const auto ran = run_in_processes(
       memory, options, [](std::size_t) { return std::to_string(::getpid()); },
@@ -79,7 +85,7 @@ TEST(ProcessPool, OneWorkerKeepsTheOrderAndItsProcess) {
 TEST(ProcessPool, TasksTogetherStayBelowTheBound) {
   // the first is larger than the bound and runs alone
   const std::vector<std::uint64_t> memory = {50, 8, 8, 8, 1, 1, 1, 8, 2, 7};
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.workers = 8;
   options.memory = 10;
   const auto now = [] {
@@ -106,7 +112,7 @@ TEST(ProcessPool, TasksTogetherStayBelowTheBound) {
 }
 
 TEST(ProcessPool, ATaskThatEndsItsProcessIsToldOfAndTheOthersGoOn) {
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.workers = 2;
   const auto ends = ends_of(std::vector<std::uint64_t>(12, 1), options, [](std::size_t task) {
     if (task == 2) ::raise(SIGKILL);
@@ -124,7 +130,7 @@ TEST(ProcessPool, ATaskThatEndsItsProcessIsToldOfAndTheOthersGoOn) {
 }
 
 TEST(ProcessPool, ATaskThatHangsIsEnded) {
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.workers = 2;
   options.timeout_s = 0.3;
   const auto begin = std::chrono::steady_clock::now();
@@ -144,7 +150,7 @@ TEST(ProcessPool, ATaskThatTakesTooMuchMemoryIsRefusedIt) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take address space beyond any bound";
 #endif
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.most_memory = std::uint64_t{256} << 20U;
   const auto ends = ends_of({1, 1}, options, [](std::size_t task) -> std::string {
     try {
@@ -161,7 +167,7 @@ TEST(ProcessPool, ATaskThatTakesTooMuchMemoryIsRefusedIt) {
 TEST(ProcessPool, ProcessesHoldNoFilesOfTheirParent) {
   const int descriptor = ::open("/dev/null", O_RDONLY);
   ASSERT_GT(descriptor, 2);
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.workers = 3;
   const auto ends = ends_of(std::vector<std::uint64_t>(9, 1), options, [](std::size_t) {
     int open = 0;
@@ -175,7 +181,7 @@ TEST(ProcessPool, ProcessesHoldNoFilesOfTheirParent) {
 volatile std::sig_atomic_t told = 0;
 
 TEST(ProcessPool, NoFurtherTaskOnceStopped) {
-  ProcessPoolOptions options;
+  ProcessPoolOptions options = with_exit();
   options.workers = 2;
   options.begin_worker = [] { std::signal(SIGTERM, [](int) { told = 1; }); };
   int asked = 0;

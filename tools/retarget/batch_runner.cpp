@@ -1,6 +1,7 @@
 #include "batch_runner.h"
 
 #include <strings.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -287,6 +288,7 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOpt
     pool.most_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
   }
   pool.timeout_s = options.clip_timeout_s;
+  pool.end_process = ::_exit;
   pool.begin_worker = leave_interrupts_to_parent;
   BatchWorker worker(context, std::max(1, cores / pool.workers), pool.timeout_s);
   pool.keep_going = [&] { return worker.keep_going(); };

@@ -16,6 +16,9 @@ struct ProcessPoolOptions {
   /// Bytes that one process may take: beyond them allocation fails in it; 0: no bound.
   std::uint64_t most_memory = 0;
   double timeout_s = 0.0;  ///< A task that takes longer is ended with its process; 0: none is.
+  /// Ends a process of the pool at once, taking down none of the objects that it has copies of: _exit().
+  /// It must be given, since the library ends no process of its own accord.
+  void (*end_process)(int code) = nullptr;
   /// Called first in every process that does tasks.
   std::function<void()> begin_worker;
   /// Asked ten times a second while tasks run; false: no further task begins, and the processes that
