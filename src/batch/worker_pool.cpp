@@ -4,11 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <list>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,68 +16,6 @@
 
 namespace retarget {
 namespace {
-
-class TaskQueue {
- public:
-  TaskQueue(std::span<const std::uint64_t> memory, std::uint64_t most)
-      : memory_(memory), most_(most) {
-    for (std::size_t task = 0; task < memory.size(); ++task) waiting_.push_back(task);
-  }
-
-  /// The next task for a worker, once there is room for one; nothing when all are given away.
-  std::optional<std::size_t> take() {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      if (waiting_.empty()) return std::nullopt;
-      const auto fits = std::ranges::find_if(waiting_, [&](std::size_t task) {
-        return running_ == 0 || most_ == 0 || used_ + memory_[task] <= most_;
-      });
-      if (fits != waiting_.end()) {
-        const std::size_t task = *fits;
-        waiting_.erase(fits);
-        ++running_;
-        used_ += memory_[task];
-        return task;
-      }
-      changed_.wait(lock);
-    }
-  }
-
-  void finished(std::size_t task) {
-    const std::lock_guard lock(mutex_);
-    --running_;
-    used_ -= memory_[task];
-    changed_.notify_all();
-  }
-
-  void drop_waiting() {
-    const std::lock_guard lock(mutex_);
-    waiting_.clear();
-    changed_.notify_all();
-  }
-
-  void worker_left() {
-    const std::lock_guard lock(mutex_);
-    ++left_;
-    changed_.notify_all();
-  }
-
-  /// Waits a while; true once so many workers have left.
-  bool all_left(std::size_t workers) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::milliseconds(100),
-                             [&] { return left_ == workers; });
-  }
-
- private:
-  std::span<const std::uint64_t> memory_;
-  const std::uint64_t most_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::list<std::size_t> waiting_;
-  std::size_t running_ = 0, left_ = 0;
-  std::uint64_t used_ = 0;
-};
 
 // a file's first word that is a number (`max` and -1, which mean no bound, are none), or a later one
 std::optional<std::uint64_t> number_in(const std::string& path, int words_before = 0) {
@@ -141,35 +75,6 @@ std::optional<double> processors_of(const ControlGroup& group) {
 }
 
 }  // namespace
-
-void run_tasks(std::span<const std::uint64_t> memory, const WorkerPoolOptions& options,
-               const std::function<void(std::size_t)>& work) {
-  TaskQueue queue(memory, options.memory);
-  const auto run = [&] {
-    while (const auto task = queue.take()) {
-      work(*task);
-      queue.finished(*task);
-    }
-  };
-  const std::size_t wanted =
-      std::min<std::size_t>(static_cast<std::size_t>(std::max(1, options.workers)), memory.size());
-  std::vector<std::thread> threads;
-  try {
-    while (threads.size() < wanted) {
-      threads.emplace_back([&] {
-        run();
-        queue.worker_left();
-      });
-    }
-  } catch (const std::system_error&) {
-    // fewer threads do it as well
-  }
-  if (threads.empty()) run();
-  while (!threads.empty() && !queue.all_left(threads.size())) {
-    if (options.keep_going && !options.keep_going()) queue.drop_waiting();
-  }
-  for (std::thread& thread : threads) thread.join();
-}
 
 int usable_cores(const ControlGroupFiles& files) {
   // threads that share less time than they are only wait for each other

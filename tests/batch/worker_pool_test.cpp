@@ -1,86 +1,14 @@
 #include "retarget/batch/worker_pool.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
 #include <filesystem>
-#include <mutex>
-#include <numeric>
-#include <thread>
 #include <vector>
 
 #include "support/temporary_folder.h"
 
 namespace retarget {
 namespace {
-
-using ::testing::ElementsAre;
-
-TEST(WorkerPool, EveryTaskOnceByAnyNumberOfWorkers) {
-  for (const int workers : {0, 1, 3, 16, 500}) {
-    const std::vector<std::uint64_t> memory(200, 1);
-    std::vector<std::atomic<int>> done(200);
-    WorkerPoolOptions options;
-    options.workers = workers;
-    run_tasks(memory, options, [&](std::size_t task) { ++done[task]; });
-    for (const auto& count : done) EXPECT_EQ(count, 1);
-  }
-}
-
-TEST(WorkerPool, OneWorkerKeepsTheOrder) {
-  const std::vector<std::uint64_t> memory = {5, 1, 9, 2};
-  std::vector<std::size_t> order;
-  run_tasks(memory, {1, 3, {}}, [&](std::size_t task) { order.push_back(task); });
-  EXPECT_THAT(order, ElementsAre(0, 1, 2, 3));
-}
-
-TEST(WorkerPool, NothingToDo) {
-  run_tasks({}, {4, 0, {}}, [](std::size_t) { FAIL(); });
-}
-
-TEST(WorkerPool, TasksTogetherStayBelowTheBound) {
-  // the first is larger than the bound and runs alone
-  const std::vector<std::uint64_t> memory = {50, 8, 8, 8, 1, 1, 1, 8, 2, 7};
-  std::mutex mutex;
-  std::uint64_t used = 0, most = 0;
-  std::size_t running = 0;
-  bool alone = false;
-  run_tasks(memory, {8, 10, {}}, [&](std::size_t task) {
-    {
-      const std::lock_guard lock(mutex);
-      used += memory[task];
-      ++running;
-      if (task == 0) alone = running == 1;
-      if (task != 0) most = std::max(most, used);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    const std::lock_guard lock(mutex);
-    if (task == 0) alone = alone && running == 1;
-    used -= memory[task];
-    --running;
-  });
-  EXPECT_TRUE(alone);
-  EXPECT_LE(most, 10U);
-  EXPECT_GE(most, 9U);
-}
-
-TEST(WorkerPool, NoFurtherTaskOnceStopped) {
-  const std::vector<std::uint64_t> memory(1000, 1);
-  std::atomic<int> begun = 0;
-  std::atomic<bool> stop = false;
-  WorkerPoolOptions options;
-  options.workers = 2;
-  options.keep_going = [&] { return !stop; };
-  run_tasks(memory, options, [&](std::size_t) {
-    ++begun;
-    stop = true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  });
-  EXPECT_GE(begun, 1);
-  EXPECT_LT(begun, 100);
-}
 
 TEST(Machine, HasProcessorsAndMemory) {
   EXPECT_GE(usable_cores(), 1);

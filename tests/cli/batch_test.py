@@ -359,6 +359,94 @@ class Resume(BatchTest):
         self.assertEqual(len(self.outputs(f"out{signal.SIGINT}")), 30)
 
 
+class Isolation(BatchTest):
+    """A clip that takes its process with it is a failed line and not the end."""
+
+    def setUp(self):
+        super().setUp()
+        lines = sample("walk").read_text().splitlines(keepends=True)
+        motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
+        rows = lines[motion + 2:] * 100
+        self.write("in/long.bvh", "".join([*lines[:motion], f"Frames: {len(rows)}\n",
+                                           lines[motion + 1], *rows]))
+        for i in range(6):
+            self.clips(f"{i}.bvh", frames=2 + i)
+
+    def assert_only_the_long_one_failed(self, *words):
+        entries = {e["relative"]: e for e in self.manifest()}
+        self.assertEqual(len(entries), 7)
+        for name, entry in entries.items():
+            self.assertEqual(entry["status"], "failed" if name == "long.bvh" else "done", entry)
+        for word in words:
+            self.assertIn(word, entries["long.bvh"]["error"]["message"])
+        self.assertEqual(entries["long.bvh"]["error"]["exit_code"], 1)
+        self.assertEqual(self.outputs(), [f"{i}.csv" for i in range(6)])
+        self.assertEqual([row["status"] for row in self.summary()], ["failed"] + 6 * ["done"])
+
+    @staticmethod
+    def is_running(process):
+        try:
+            with open(f"/proc/{process}/stat") as file:
+                return file.read().rsplit(")", 1)[1].split()[0] not in "ZX"
+        except FileNotFoundError:
+            return False
+
+    def test_one_that_takes_too_long(self):
+        for jobs in ("1", "3"):
+            result = self.batch("--redo", "--clip-timeout", "0.5", "--jobs", jobs)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("long.bvh: error: the clip took longer than 0.5 s", result.stderr)
+            self.assert_only_the_long_one_failed("longer than 0.5 s")
+        # the timeout decides nothing about the motions that there are
+        result = self.batch("--resume")
+        self.assert_done(result)
+        self.assertIn("6 of 7 are done", result.stderr)
+
+    @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
+    def test_one_that_crashes(self):
+        for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "want of memory")):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1",
+                                   "--jobs", "1", *FAST], cwd=self.folder, text=True,
+                                  stderr=subprocess.PIPE) as run:
+                children = f"/proc/{run.pid}/task/{run.pid}/children"
+                deadline = time.monotonic() + 60
+                worker = None
+                while worker is None and time.monotonic() < deadline:
+                    with open(children) as file:
+                        worker = next(iter(file.read().split()), None)
+                # the longest comes first
+                time.sleep(0.2)
+                os.kill(int(worker), number)
+                _, text = run.communicate(timeout=60)
+            self.assertEqual(run.returncode, 1, text)
+            self.assert_only_the_long_one_failed(word)
+
+    @unittest.skipUnless(os.path.exists("/proc/self/task"), "needs /proc")
+    def test_workers_end_with_the_batch_and_hold_no_lock(self):
+        with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", "--jobs",
+                               "2", *FAST], cwd=self.folder, stderr=subprocess.DEVNULL) as run:
+            children = f"/proc/{run.pid}/task/{run.pid}/children"
+            deadline = time.monotonic() + 60
+            workers = []
+            while len(workers) < 2 and time.monotonic() < deadline:
+                with open(children) as file:
+                    workers = file.read().split()
+            time.sleep(0.2)
+            for worker in workers:
+                held = [os.path.realpath(f"/proc/{worker}/fd/{fd}")
+                        for fd in os.listdir(f"/proc/{worker}/fd")]
+                self.assertFalse([name for name in held if "lock" in name or "manifest" in name])
+            run.kill()
+            run.wait()
+        deadline = time.monotonic() + 10
+        while any(self.is_running(worker) for worker in workers):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        self.assert_done(self.batch("--resume"))
+        self.assertEqual(len(self.outputs()), 7)
+
+
 class Shards(BatchTest):
     def test_parts_merge_into_the_whole(self):
         for i in range(7):

@@ -1,15 +1,20 @@
 #include "batch_runner.h"
 
 #include <strings.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <mutex>
+#include <csignal>
+#include <cstring>
 #include <new>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "interrupt.h"
 #include "read_source.h"
+#include "retarget/batch/process_pool.h"
 #include "retarget/batch/summary.h"
 #include "retarget/batch/worker_pool.h"
 #include "robot_mapping.h"
@@ -46,11 +51,23 @@ std::uint64_t memory_of(const BatchInput& input) {
   return kMemoryOfClip + input.bytes * (is_archive(input.relative) ? kMemoryOfNpz : kMemoryOfBvh);
 }
 
+// what an answer begins with; the manifest's line follows
+constexpr char kFinished = 'f', kUnchanged = 'u';
+
+// a process may take this beside what all clips may need together: the tool itself, and what an
+// estimate misses
+constexpr std::uint64_t kMemoryOfProcess = std::uint64_t{1} << 30U;
+
 class BatchWorker {
  public:
-  BatchWorker(const BatchContext& context, int threads) : context_(context), threads_(threads) {}
+  BatchWorker(const BatchContext& context, int threads, double timeout_s)
+      : context_(context), threads_(threads), timeout_s_(timeout_s) {}
 
+  // in a process of its own
   void work(const BatchTask& task, double memory_gb);
+  [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
+  // in the batch's process
+  void take(const BatchTask& task, const TaskEnd& end);
   [[nodiscard]] bool keep_going();
   [[nodiscard]] Result<void> result();
 
@@ -61,12 +78,13 @@ class BatchWorker {
                    ManifestEntry& entry) const;
   void remove_outputs(const BatchTask& task) const;
   bool is_done_already(const BatchTask& task);
-  [[nodiscard]] bool is_lost();
-  void append(const ManifestEntry& entry);
+  void answer(char kind, const ManifestEntry& entry);
+  [[nodiscard]] ManifestEntry entry_of_ended(const BatchTask& task, const TaskEnd& end) const;
 
   const BatchContext& context_;
   const int threads_;  // of one clip
-  std::mutex mutex_;
+  const double timeout_s_;
+  std::string answer_;  // of the clip that was done
   std::optional<Error> fatal_;
 };
 
@@ -159,26 +177,57 @@ bool BatchWorker::is_done_already(const BatchTask& task) {
     if (!now || now->hash != output.hash) return false;
     output = *now;
   }
-  append(entry);
-  context_.progress.skipped(task.input->bytes);
+  answer(kUnchanged, entry);
   return true;
 }
 
-void BatchWorker::append(const ManifestEntry& entry) {
-  auto appended = context_.manifest.append(entry);
-  if (appended) return;
-  const std::lock_guard lock(mutex_);
-  if (!fatal_) fatal_ = std::move(appended.error());
+void BatchWorker::answer(char kind, const ManifestEntry& entry) {
+  answer_ = kind + manifest_line(entry);
 }
 
-bool BatchWorker::is_lost() {
-  const std::lock_guard lock(mutex_);
-  return fatal_.has_value();
+// of a clip that took its process with it
+ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& end) const {
+  ManifestEntry entry = entry_of(task);
+  Error& error = entry.error.emplace();
+  error.file = task.input->path;
+  if (end.timed_out) {
+    error.message = "the clip took longer than " + number_text(timeout_s_, 3) + " s and was ended";
+    error.hint = "--clip-timeout gives it more";
+  } else if (end.signal == SIGKILL) {
+    error.message = "the clip's process was killed from outside, for want of memory perhaps";
+    error.hint = "fewer --jobs leave more for each";
+  } else {
+    error.message = "the clip ended its process" +
+                    (end.signal == 0 ? std::string()
+                                     : " by signal " + std::to_string(end.signal) + " (" +
+                                           ::strsignal(end.signal) + ")");
+    error.hint = "that is a fault of this tool; the other clips are not touched by it";
+  }
+  entry.exit_code = exit_code(error.kind);
+  entry.finished = finished_now(context_.finished, entry);
+  return entry;
+}
+
+void BatchWorker::take(const BatchTask& task, const TaskEnd& end) {
+  // nothing: it was interrupted
+  if (end.answered && end.answer.empty()) return;
+  if (!end.answered && InterruptGuard::interrupted()) return;
+  std::optional<ManifestEntry> entry;
+  if (end.answered) entry = parse_manifest_line(std::string_view(end.answer).substr(1));
+  if (!entry) entry = entry_of_ended(task, end);
+  // without a manifest a clip would be done for nothing
+  if (auto appended = context_.manifest.append(*entry); !appended) {
+    if (!fatal_) fatal_ = std::move(appended.error());
+    return;
+  }
+  if (end.answered && end.answer.front() == kUnchanged) {
+    context_.progress.skipped(task.input->bytes);
+  } else {
+    context_.progress.finished(*entry);
+  }
 }
 
 void BatchWorker::work(const BatchTask& task, double memory_gb) {
-  // without a manifest a clip would be done for nothing
-  if (is_lost()) return;
   const auto start = std::chrono::steady_clock::now();
   ManifestEntry entry = entry_of(task);
   Result<void> done;
@@ -199,13 +248,12 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   }
   entry.finished = finished_now(context_.finished, entry);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  append(entry);
-  context_.progress.finished(entry);
+  answer(kFinished, entry);
 }
 
 bool BatchWorker::keep_going() {
   context_.progress.show();
-  return !is_lost() && !InterruptGuard::interrupted();
+  return !fatal_ && !InterruptGuard::interrupted();
 }
 
 Result<void> BatchWorker::result() {
@@ -227,7 +275,7 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOpt
                              const BatchContext& context) {
   const InterruptGuard guard;
   const int cores = usable_cores();
-  WorkerPoolOptions pool;
+  ProcessPoolOptions pool;
   pool.workers = std::min(options.jobs > 0 ? options.jobs : cores,
                           static_cast<int>(std::max<std::size_t>(1, tasks.size())));
   pool.memory = memory_bound(options.run.source);
@@ -236,13 +284,25 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchOpt
   std::vector<std::uint64_t> memory;
   memory.reserve(tasks.size());
   for (const BatchTask& task : tasks) memory.push_back(std::max(memory_of(*task.input), even));
-  BatchWorker worker(context, std::max(1, cores / pool.workers));
+  if (pool.memory > 0) {
+    const std::uint64_t largest = memory.empty() ? 0 : *std::ranges::max_element(memory);
+    pool.most_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
+  }
+  pool.timeout_s = options.clip_timeout_s;
+  pool.end_process = ::_exit;
+  pool.begin_worker = leave_interrupts_to_parent;
+  BatchWorker worker(context, std::max(1, cores / pool.workers), pool.timeout_s);
   pool.keep_going = [&] { return worker.keep_going(); };
-  run_tasks(memory, pool, [&](std::size_t task) {
+  const auto work = [&](std::size_t task) {
     // one that needs more than there is runs alone
     const std::uint64_t most = std::min(memory[task], pool.memory);
     worker.work(tasks[task], static_cast<double>(most) / 1e9);
+    return worker.take_answer();
+  };
+  const auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {
+    worker.take(tasks[task], end);
   });
+  if (!ran) return ran;
   context.progress.show();
   return worker.result();
 }

@@ -17,9 +17,9 @@ constexpr std::array kOfOneClip = {"--bvh",    "--smpl",   "--write-map", "--rob
                                    "--output", "--report", "--memory",    "--verbose"};
 
 // options that decide which clips are done where and when, not what becomes of one
-constexpr std::array<std::string_view, 15> kOfTheBatchAlone = {
-    "inputs", "list", "base",  "exclude", "robot", "output",   "jobs", "memory",
-    "resume", "redo", "shard", "merge",   "quiet", "data-dir", "help"};
+constexpr std::array<std::string_view, 16> kOfTheBatchAlone = {
+    "clip-timeout", "inputs", "list", "base",  "exclude", "robot", "output",   "jobs",
+    "memory",       "resume", "redo", "shard", "merge",   "quiet", "data-dir", "help"};
 
 void add_inputs(CLI::App& command, BatchOptions& options) {
   command
@@ -59,6 +59,12 @@ void add_course(CLI::App& command, BatchOptions& options) {
                   "and let none take more (default:\nthree quarters of what there is)")
       ->type_name("GB")
       ->check(number_from(0.001, 1e6))
+      ->group(kBatch);
+  command
+      .add_option("--clip-timeout", options.clip_timeout_s,
+                  "A clip that takes longer has failed, and the others go\non (default: none does)")
+      ->type_name("SECONDS")
+      ->check(number_from(0.001, 1e9))
       ->group(kBatch);
   command
       .add_flag("--resume", options.resume,

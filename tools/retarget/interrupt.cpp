@@ -47,6 +47,15 @@ bool InterruptGuard::interrupted() {
   return interrupt_seen != 0;
 }
 
+void leave_interrupts_to_parent() {
+  // the terminal sends Ctrl-C to the parent as well, which passes it on
+  std::signal(SIGINT, SIG_IGN);
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupt_seen = 1; };
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
 void turn_write_signals_into_errors() {
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);

@@ -22,6 +22,10 @@ class InterruptGuard {
   struct sigaction old_terminate_ {};
 };
 
+/// In a process that works for another one: Ctrl-C is the other's affair, and SIGTERM, however often,
+/// is what interrupted() tells of.
+void leave_interrupts_to_parent();
+
 /// Writing past a file size limit or into a closed pipe becomes an error instead of a signal.
 void turn_write_signals_into_errors();
 

@@ -105,6 +105,7 @@ struct BatchOptions {
   std::vector<std::string> robots;
   std::string output;  ///< Folder.
   int jobs = 0;        ///< Clips at a time; 0: as many as there are processors.
+  double clip_timeout_s = 0.0;  ///< After which a clip has failed; 0: never.
   bool resume = false;
   bool redo = false;
   std::string shard;  ///< `I/N`; empty: all of it.

@@ -1,0 +1,186 @@
+#include "retarget/batch/process_pool.h"
+
+#include <poll.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <list>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "batch/worker_process.h"
+
+namespace retarget {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kPauseMs = 100;
+
+// the sanitizers take address space beyond any bound
+constexpr bool kBoundsMemory =
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    false;
+#else
+    true;
+#endif
+
+void bound_memory(std::uint64_t most) {
+  if (!kBoundsMemory || most == 0) return;
+  struct rlimit limit {};
+  if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max == RLIM_INFINITY
+                       ? static_cast<rlim_t>(most)
+                       : std::min(static_cast<rlim_t>(most), limit.rlim_max);
+  // a system that cannot do it has its own way of ending what takes too much
+  [[maybe_unused]] const int set = ::setrlimit(RLIMIT_DATA, &limit);
+}
+
+// a process and the task that it does
+struct Slot {
+  std::optional<WorkerProcess> process;
+  std::optional<std::size_t> task;
+  Clock::time_point begin;
+  bool ended_by_us = false;
+};
+
+class Pool {
+ public:
+  Pool(std::span<const std::uint64_t> memory, const ProcessPoolOptions& options,
+       const std::function<std::string(std::size_t)>& work,
+       const std::function<void(std::size_t, const TaskEnd&)>& ended)
+      : memory_(memory), options_(options), work_(work), ended_(ended) {
+    for (std::size_t task = 0; task < memory.size(); ++task) waiting_.push_back(task);
+    const auto workers = static_cast<std::size_t>(std::max(1, options.workers));
+    slots_.resize(std::min(workers, memory.size()));
+  }
+
+  Result<void> run() {
+    for (;;) {
+      for (Slot& slot : slots_) {
+        if (slot.task) continue;
+        if (auto fed = feed(slot); !fed && running_ == 0) return fed;
+      }
+      if (running_ == 0) return {};
+      wait_for_answers();
+      end_late_ones();
+      ask_whether_to_go_on();
+    }
+  }
+
+ private:
+  // the next task that fits beside those that run
+  std::list<std::size_t>::iterator next_task() {
+    return std::ranges::find_if(waiting_, [&](std::size_t task) {
+      return running_ == 0 || options_.memory == 0 || used_ + memory_[task] <= options_.memory;
+    });
+  }
+
+  Result<void> feed(Slot& slot) {
+    const auto next = next_task();
+    if (next == waiting_.end()) return {};
+    // a process may have ended while it had nothing to do
+    for (int tries = 0; tries < 2; ++tries) {
+      if (!slot.process) {
+        const auto begin = [&] {
+          bound_memory(options_.most_memory);
+          if (options_.begin_worker) options_.begin_worker();
+        };
+        auto started = WorkerProcess::start({options_.end_process, begin, work_});
+        if (!started) return failure(started.error());
+        slot.process.emplace(std::move(*started));
+      }
+      if (!slot.process->give(*next)) {
+        slot.process.reset();
+        continue;
+      }
+      slot.task = *next;
+      slot.begin = Clock::now();
+      slot.ended_by_us = false;
+      ++running_;
+      used_ += memory_[*next];
+      waiting_.erase(next);
+      return {};
+    }
+    return run_failure("", "processes end as soon as they are started");
+  }
+
+  void wait_for_answers() {
+    std::vector<pollfd> polled;
+    std::vector<Slot*> of;
+    for (Slot& slot : slots_) {
+      if (!slot.task) continue;
+      polled.push_back({slot.process->descriptor(), POLLIN, 0});
+      of.push_back(&slot);
+    }
+    if (::poll(polled.data(), polled.size(), kPauseMs) <= 0) return;
+    for (std::size_t i = 0; i < polled.size(); ++i) {
+      if (polled[i].revents != 0) take(*of[i]);
+    }
+  }
+
+  void take(Slot& slot) {
+    const WorkerProcess::State state = slot.process->read();
+    if (state == WorkerProcess::State::kWaiting) return;
+    TaskEnd end;
+    if (state == WorkerProcess::State::kAnswered) {
+      end.answered = true;
+      end.answer = slot.process->take_answer();
+    } else {
+      end.timed_out = slot.ended_by_us;
+      end.signal = slot.process->wait();
+      slot.process.reset();
+    }
+    const std::size_t task = *slot.task;
+    slot.task.reset();
+    --running_;
+    used_ -= memory_[task];
+    // it need not wait until the other task is taken note of; one that cannot be fed is tried again
+    [[maybe_unused]] const auto fed = feed(slot);
+    ended_(task, end);
+  }
+
+  void end_late_ones() {
+    if (options_.timeout_s <= 0.0) return;
+    const auto now = Clock::now();
+    for (Slot& slot : slots_) {
+      if (!slot.task || slot.ended_by_us) continue;
+      if (std::chrono::duration<double>(now - slot.begin).count() < options_.timeout_s) continue;
+      slot.ended_by_us = true;
+      slot.process->send_signal(SIGKILL);
+    }
+  }
+
+  void ask_whether_to_go_on() {
+    if (stopped_ || !options_.keep_going || options_.keep_going()) return;
+    stopped_ = true;
+    waiting_.clear();
+    for (const Slot& slot : slots_) {
+      if (slot.task) slot.process->send_signal(SIGTERM);
+    }
+  }
+
+  std::span<const std::uint64_t> memory_;
+  const ProcessPoolOptions& options_;
+  const std::function<std::string(std::size_t)>& work_;
+  const std::function<void(std::size_t, const TaskEnd&)>& ended_;
+  std::list<std::size_t> waiting_;
+  std::vector<Slot> slots_;
+  std::size_t running_ = 0;
+  std::uint64_t used_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+Result<void> run_in_processes(std::span<const std::uint64_t> memory,
+                              const ProcessPoolOptions& options,
+                              const std::function<std::string(std::size_t)>& work,
+                              const std::function<void(std::size_t, const TaskEnd&)>& ended) {
+  return Pool(memory, options, work, ended).run();
+}
+
+}  // namespace retarget

@@ -1,0 +1,160 @@
+#include "batch/worker_process.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#endif
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+// false: the other end is closed
+bool write_all(int descriptor, const void* bytes, std::size_t size) {
+  const char* at = static_cast<const char*>(bytes);
+  while (size > 0) {
+    const ssize_t count = ::write(descriptor, at, size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    at += count;
+    size -= static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+bool read_all(int descriptor, void* bytes, std::size_t size) {
+  char* at = static_cast<char*>(bytes);
+  while (size > 0) {
+    const ssize_t count = ::read(descriptor, at, size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    at += count;
+    size -= static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+// the parent's locks, manifests and pipes to others must not stay open when the parent is gone
+void close_all_from(int first) {
+#ifdef SYS_close_range
+  if (::syscall(SYS_close_range, static_cast<unsigned>(first), ~0U, 0U) == 0) return;
+#endif
+  const long most = ::sysconf(_SC_OPEN_MAX);
+  for (int descriptor = first; descriptor < most; ++descriptor) ::close(descriptor);
+}
+
+constexpr int kTasks = 3, kAnswers = 4, kOthers = 5;
+
+// does tasks until there are no more; false: it could not begin
+bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& actions) {
+  // both out of the way of the numbers that they are to have
+  const int other_tasks = ::fcntl(tasks, F_DUPFD, kOthers);
+  const int other_answers = ::fcntl(answers, F_DUPFD, kOthers);
+  if (::dup2(other_tasks, kTasks) < 0 || ::dup2(other_answers, kAnswers) < 0) return false;
+  close_all_from(kOthers);
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  // it may have ended before that
+  if (::getppid() != parent) return false;
+  if (actions.begin) actions.begin();
+  std::uint64_t task = 0;
+  while (read_all(kTasks, &task, sizeof task)) {
+    const std::string answer = actions.work(static_cast<std::size_t>(task));
+    const std::uint64_t size = answer.size();
+    if (!write_all(kAnswers, &size, sizeof size)) break;
+    if (!write_all(kAnswers, answer.data(), answer.size())) break;
+  }
+  return true;
+}
+
+Failure start_failure(int error_number) {
+  return run_failure("", "cannot start a process: " + std::generic_category().message(error_number),
+                     "fewer --jobs need fewer of them");
+}
+
+}  // namespace
+
+Result<WorkerProcess> WorkerProcess::start(const Actions& actions) {
+  std::array<int, 2> tasks{}, answers{};
+  if (::pipe2(tasks.data(), O_CLOEXEC) != 0) return start_failure(errno);
+  if (::pipe2(answers.data(), O_CLOEXEC) != 0) {
+    const int error_number = errno;
+    for (const int end : tasks) ::close(end);
+    return start_failure(error_number);
+  }
+  const pid_t parent = ::getpid();
+  const pid_t id = ::fork();
+  const int error_number = errno;
+  if (id == 0) {
+    // the parent's objects are not this process's to take down, nor is what called this to go on in it
+    actions.end(serve(parent, tasks[0], answers[1], actions) ? 0 : 1);
+    for (;;) ::pause();
+  }
+  ::close(tasks[0]);
+  ::close(answers[1]);
+  if (id > 0) return WorkerProcess(id, tasks[1], answers[0]);
+  ::close(tasks[1]);
+  ::close(answers[0]);
+  return start_failure(error_number);
+}
+
+WorkerProcess::~WorkerProcess() {
+  if (id_ > 0) wait();
+}
+
+WorkerProcess::WorkerProcess(WorkerProcess&& other) noexcept
+    : id_(std::exchange(other.id_, -1)),
+      to_worker_(std::exchange(other.to_worker_, -1)),
+      from_worker_(std::exchange(other.from_worker_, -1)),
+      received_(std::move(other.received_)) {}
+
+bool WorkerProcess::give(std::size_t task) {
+  const std::uint64_t number = task;
+  return write_all(to_worker_, &number, sizeof number);
+}
+
+WorkerProcess::State WorkerProcess::read() {
+  std::array<char, 65536> bytes{};
+  const ssize_t count = ::read(from_worker_, bytes.data(), bytes.size());
+  if (count < 0) return errno == EINTR ? State::kWaiting : State::kEnded;
+  if (count == 0) return State::kEnded;
+  received_.append(bytes.data(), static_cast<std::size_t>(count));
+  std::uint64_t size = 0;
+  if (received_.size() < sizeof size) return State::kWaiting;
+  std::memcpy(&size, received_.data(), sizeof size);
+  return received_.size() - sizeof size < size ? State::kWaiting : State::kAnswered;
+}
+
+std::string WorkerProcess::take_answer() {
+  std::string answer = std::exchange(received_, {});
+  answer.erase(0, sizeof(std::uint64_t));
+  return answer;
+}
+
+void WorkerProcess::send_signal(int signal_number) const {
+  if (id_ > 0) ::kill(id_, signal_number);
+}
+
+int WorkerProcess::wait() {
+  // without tasks it leaves
+  if (to_worker_ >= 0) ::close(std::exchange(to_worker_, -1));
+  if (from_worker_ >= 0) ::close(std::exchange(from_worker_, -1));
+  int status = 0;
+  while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+  }
+  id_ = -1;
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+}  // namespace retarget

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "retarget/base/result.h"
+
+namespace retarget {
+
+/// A process that does tasks for this one, which is its parent.
+class WorkerProcess {
+ public:
+  /// What runs in the process.
+  struct Actions {
+    void (*end)(int code);                         ///< Ends it, as _exit() does.
+    std::function<void()> begin;                   ///< Comes first,
+    std::function<std::string(std::size_t)> work;  ///< then this for every task.
+  };
+  [[nodiscard]] static Result<WorkerProcess> start(const Actions& actions);
+  ~WorkerProcess();
+  WorkerProcess(WorkerProcess&& other) noexcept;
+  WorkerProcess& operator=(WorkerProcess&&) = delete;
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+
+  /// False: it has ended.
+  [[nodiscard]] bool give(std::size_t task);
+  /// What there is to be read of an answer is taken; to be called when the descriptor is readable.
+  enum class State { kWaiting, kAnswered, kEnded };
+  [[nodiscard]] State read();
+  [[nodiscard]] std::string take_answer();
+  [[nodiscard]] int descriptor() const { return from_worker_; }
+  void send_signal(int signal_number) const;
+  /// Waits for its end; the signal that ended it, or 0.
+  int wait();
+
+ private:
+  WorkerProcess(pid_t id, int to_worker, int from_worker)
+      : id_(id), to_worker_(to_worker), from_worker_(from_worker) {}
+
+  pid_t id_;
+  int to_worker_, from_worker_;
+  std::string received_;
+};
+
+}  // namespace retarget
