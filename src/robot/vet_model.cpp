@@ -1,6 +1,5 @@
 #include "robot/vet_model.h"
 
-#include <sys/stat.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -224,13 +223,13 @@ Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place&
   if (place.files > kMostFileDepth) return fault(element, place, "nests files too deeply");
   for (const fs::path& folder : {root_, place.folder}) {
     const fs::path file = folder / named;
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) continue;
     if (!lies_in(file, root_)) {
       return fault(element, place,
                    "names \"" + named.substr(0, 200) + "\", which lies outside the model's folder",
                    "copy the file beside the model");
     }
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) continue;
     if (auto good = vet_file(file.string(), place); !good) return good;
     if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) break;
   }
