@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # The checks beyond the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tidy] [arm64]      (default: all five)
+#   tools/check.sh [format] [shell] [asan] [tidy] [fuzz] [arm64]      (default: all six)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck finds nothing in the scripts
 #   asan    all tests pass under the address and undefined behaviour sanitizers
 #   asan-input   the same for the modules that read what users bring, and the command line
 #   tidy    clang-tidy finds nothing in the library and the tool
+#   fuzz    every reader is fuzzed for ten seconds (tools/fuzz.sh) and nothing breaks
 #   arm64   the library and the tool compile for ARM64, where its cross compiler is there
 #
 # Needs what tools/setup.sh --dev installs, and calls it. JOBS: how many processes.
@@ -58,15 +59,19 @@ check_tidy() {
   cmake --build --preset tidy --parallel "$jobs"
 }
 
+check_fuzz() {
+  FUZZ_SECONDS=${FUZZ_SECONDS:-10} JOBS=$jobs "$root/tools/fuzz.sh"
+}
+
 check_arm64() {
   "$root/tools/check_arm64.sh"
 }
 
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tidy arm64)
+[ $# -gt 0 ] || checks=(format shell asan tidy fuzz arm64)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tidy, arm64)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tidy, fuzz, arm64)" >&2
     exit 2
   fi
 done

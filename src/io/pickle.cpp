@@ -15,8 +15,8 @@ using Kind = PickleNode::Kind;
 constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
 // a file may unpack to so many times its size; motions of joblib are below 4
 constexpr std::size_t kMostRatio = 64;
-// or to so much in any case
-constexpr std::size_t kFreeUnpacked = std::size_t{32} << 20;
+// or to so much in any case, which as bytes that become doubles is eight times as much
+constexpr std::size_t kFreeUnpacked = std::size_t{8} << 20;
 
 bool is_zlib(std::string_view bytes) {
   return bytes.starts_with("\x78\x01") || bytes.starts_with("\x78\x5e") ||

@@ -1,6 +1,5 @@
 #include "robot/vet_model.h"
 
-#include <sys/stat.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -143,7 +142,8 @@ std::string text_of(const XMLElement& element, const char* attribute) {
 
 double ModelVetter::total() const {
   constexpr double kMostDoublings = 60.0;
-  return (elements_ + attached_ * largest_model_) * std::exp2(std::min(copied_, kMostDoublings));
+  return std::ldexp(elements_ + attached_ * largest_model_,
+                    static_cast<int>(std::min(copied_, kMostDoublings)));
 }
 
 Result<void> ModelVetter::check_total(const std::string& file) const {
@@ -210,7 +210,7 @@ Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place
       static_cast<char>(std::toupper(static_cast<unsigned char>(memory.back()))));
   if (power != std::string_view::npos) memory.pop_back();
   const double unit =
-      power == std::string_view::npos ? 1.0 : std::exp2(10.0 * static_cast<double>(power + 1));
+      power == std::string_view::npos ? 1.0 : std::ldexp(1.0, 10 * static_cast<int>(power + 1));
   const auto numbers = numbers_in(memory);
   if (numbers && numbers->size() == 1 && numbers->front() * unit <= kMostMemory) return {};
   return fault(element, place,
@@ -224,13 +224,13 @@ Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place&
   if (place.files > kMostFileDepth) return fault(element, place, "nests files too deeply");
   for (const fs::path& folder : {root_, place.folder}) {
     const fs::path file = folder / named;
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) continue;
     if (!lies_in(file, root_)) {
       return fault(element, place,
                    "names \"" + named.substr(0, 200) + "\", which lies outside the model's folder",
                    "copy the file beside the model");
     }
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) continue;
     if (auto good = vet_file(file.string(), place); !good) return good;
     if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) break;
   }

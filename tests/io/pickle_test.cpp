@@ -213,10 +213,10 @@ TEST(PickleTest, CompressedFilesOfJoblib) {
 }
 
 TEST(PickleTest, WhatUnpacksToMuchMoreThanItIsIsRefused) {
-  // 33 MiB of noughts in 33 kB; 31 MiB are let pass for what they are
-  EXPECT_THAT(error_of(compressed(std::string(std::size_t{33} << 20, '\0'))),
-              HasSubstr("unpacked, the file has more than 33554432 bytes"));
-  EXPECT_THAT(error_of(compressed(std::string(std::size_t{31} << 20, '\0'))),
+  // 9 MiB of noughts in 9 kB; 7 MiB are let pass for what they are
+  EXPECT_THAT(error_of(compressed(std::string(std::size_t{9} << 20, '\0'))),
+              HasSubstr("unpacked, the file has more than 8388608 bytes"));
+  EXPECT_THAT(error_of(compressed(std::string(std::size_t{7} << 20, '\0'))),
               HasSubstr("is no pickle"));
 }
 
