@@ -103,8 +103,8 @@ struct BatchOptions {
   std::string base;                  ///< Folder below which named files keep their tree.
   std::vector<std::string> exclude;  ///< Shell patterns.
   std::vector<std::string> robots;
-  std::string output;  ///< Folder.
-  int jobs = 0;        ///< Clips at a time; 0: as many as there are processors.
+  std::string output;           ///< Folder.
+  int jobs = 0;                 ///< Clips at a time; 0: as many as there are processors.
   double clip_timeout_s = 0.0;  ///< After which a clip has failed; 0: never.
   bool resume = false;
   bool redo = false;
