@@ -76,8 +76,8 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   if (clip.frame_count() - begin < kFewestAfter) return false;
   const double jump = positions.second_difference(begin);
   if (!(jump > kJump * positions.spread(begin))) return false;
-  // the second difference of the frame before is as large
-  if (positions.step(begin - 1) < positions.step(begin)) return false;
+  // the second difference of the frame before a jump is as large; a jump may take two frames
+  if (positions.step(begin - 1) < 0.5 * positions.step(begin)) return false;
   const int end = std::min(
       clip.frame_count() - 1,
       begin + 1 +
