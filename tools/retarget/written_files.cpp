@@ -6,10 +6,10 @@
 #include <optional>
 #include <system_error>
 
-#include "retarget/base/data_folder.h"
 #include "retarget/base/file.h"
 #include "retarget/robot/find_robot.h"
 #include "robot_mapping.h"
+#include "run_setup.h"
 
 namespace retarget::cli {
 
@@ -44,13 +44,6 @@ void append_folder(std::vector<std::string>& files, const fs::path& folder) {
        at.increment(error)) {
     files.push_back(at->path().string());
   }
-}
-
-std::optional<fs::path> data_folder_of(const CommonOptions& options) {
-  const std::string& chosen = options.data_dir;
-  const auto folder =
-      find_data_folder(chosen.empty() ? std::nullopt : std::optional<std::string>(chosen));
-  return folder ? std::optional(*folder) : std::nullopt;
 }
 
 // dialects and gates
