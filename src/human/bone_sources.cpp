@@ -151,20 +151,42 @@ std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes
   return Sources(body, axes, rest).take();
 }
 
-void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones) {
+namespace {
+
+void complete_lafan1_toe(const Body& body, const std::string& side,
+                         std::vector<BoneSource>& bones) {
+  const int foot = body.joint(side + "Foot"), turning = body.turning_joint(side + "Foot");
+  if (foot < 0 || body.turning_joint(side + "Toe") >= 0) return;
+  const Eigen::Quaterniond foot_from_toe(
+      Eigen::Matrix3d(canonical_t_pose(index_of(side + "Foot")).transpose() *
+                      canonical_t_pose(index_of(side + "Toe"))));
+  const Segment& end = body.segment(side + "Foot");
+  const double leg =
+      length_by_offsets(body, side + "UpLeg") + length_by_offsets(body, side + "Leg");
+  BoneSource& toe = bones[static_cast<std::size_t>(index_of(side + "Toe"))];
+  toe = {end.known() ? end.end_joint : turning, turning, foot_from_toe,
+         end.known() ? end.offset : Eigen::Vector3d(kFootPerLeg * leg, 0.0, 0.0)};
+  bones[static_cast<std::size_t>(index_of(side + "FootMod"))] = {foot, turning, foot_from_toe};
+}
+
+// hands have the axes of their forearms
+void complete_lafan1_hand(const Body& body, const std::string& side,
+                          std::vector<BoneSource>& bones) {
+  const int forearm = body.joint(side + "ForeArm"), turning = body.turning_joint(side + "ForeArm");
+  if (forearm < 0 || body.has(side + "Hand")) return;
+  const Segment& end = body.segment(side + "ForeArm");
+  const double length = kForearmPerUpperArm * length_by_offsets(body, side + "Arm");
+  bones[static_cast<std::size_t>(index_of(side + "Hand"))] = {
+      end.known() ? end.end_joint : turning, turning, std::nullopt,
+      end.known() ? end.offset : Eigen::Vector3d(length, 0.0, 0.0)};
+}
+
+}  // namespace
+
+void complete_lafan1_ends(const Body& body, std::vector<BoneSource>& bones) {
   for (const std::string side : {"Left", "Right"}) {
-    const int foot = body.joint(side + "Foot"), turning = body.turning_joint(side + "Foot");
-    if (foot < 0 || body.turning_joint(side + "Toe") >= 0) continue;
-    const Eigen::Quaterniond foot_from_toe(
-        Eigen::Matrix3d(canonical_t_pose(index_of(side + "Foot")).transpose() *
-                        canonical_t_pose(index_of(side + "Toe"))));
-    const Segment& end = body.segment(side + "Foot");
-    const double leg =
-        length_by_offsets(body, side + "UpLeg") + length_by_offsets(body, side + "Leg");
-    BoneSource& toe = bones[static_cast<std::size_t>(index_of(side + "Toe"))];
-    toe = {end.known() ? end.end_joint : turning, turning, foot_from_toe,
-           end.known() ? end.offset : Eigen::Vector3d(kFootPerLeg * leg, 0.0, 0.0)};
-    bones[static_cast<std::size_t>(index_of(side + "FootMod"))] = {foot, turning, foot_from_toe};
+    complete_lafan1_toe(body, side, bones);
+    complete_lafan1_hand(body, side, bones);
   }
 }
 

@@ -26,10 +26,10 @@ namespace retarget {
 [[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
                                                    const JointPoses& rest);
 
-/// The same for the toes and synthetic feet of a body with LAFAN1's axes, where the toes are
-/// missing or not believed.
+/// The same for toes, synthetic feet and hands of a body with LAFAN1's axes, where toes or hands are
+/// missing, or toes not believed.
 /// @param bones  all sources; changed.
-void complete_lafan1_toes(const Body& body, std::vector<BoneSource>& bones);
+void complete_lafan1_ends(const Body& body, std::vector<BoneSource>& bones);
 
 /// `1.75 m`.
 [[nodiscard]] std::string metres_text(double metres);

@@ -180,7 +180,7 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
       break;
     }
   }
-  complete_lafan1_toes(body_, result.mapping.bones);
+  complete_lafan1_ends(body_, result.mapping.bones);
   result.mapping.human_from_source = z_up_from_file(movement_.up);
   if (const auto best = rest_finder().best_frame()) {
     result.forward = nearest_axis(best->second.axes.row(0));

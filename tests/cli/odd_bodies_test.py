@@ -67,6 +67,20 @@ class MissingFeet(OddBody):
             self.assertLess(abs(rows[:, :3] - expected[:, :3]).max(), 0.05)
             self.assertLess(numpy.degrees(abs(rows[:, 7:] - expected[:, 7:]).mean()), 2.5)
 
+    def test_forearms_alone_have_hands(self):
+        for rename in (lambda clip: clip, with_other_names):
+            expected, _, _ = self.run_clip(rename(Bvh(sample("walk"))), name="expected")
+            clip = Bvh(sample("walk"))
+            for side in ("Left", "Right"):
+                hand = clip.joints[clip.index(f"{side}Hand")].offset
+                clip.joints[clip.index(f"{side}ForeArm")].ends = [hand]
+            clip.drop("LeftHand", "RightHand")
+            rows, _, _ = self.run_clip(rename(clip))
+            self.assertLess(abs(rows[:, :3] - expected[:, :3]).max(), 0.01)
+            # but for the wrists
+            joints = [7 + j for j in range(29) if j not in (19, 20, 21, 26, 27, 28)]
+            self.assertLess(numpy.degrees(abs(rows[:, joints] - expected[:, joints]).mean()), 2.0)
+
     def test_the_published_method_takes_them_too(self):
         clip = Bvh(sample("walk"))
         clip.drop(*TOES)
@@ -151,7 +165,17 @@ class FramesInFront(OddBody):
         done = self.run_tool("evaluate", "clip.csv", "--robot", "unitree_g1", "--bvh", "clip.bvh",
                              "--gate", "none")
         self.assert_done(done)
-        self.assertIn("taken with it", done.stderr)
+        self.assertIn("taken with them", done.stderr)
+
+    def test_parts_of_motions_with_many_frames_in_front(self):
+        clip = Bvh(sample("walk"))
+        clip.in_front([clip.zero_row()] * 60)
+        _, _, report = self.run_clip(clip, "--method", "gmr", "--end", "6")
+        self.run_tool("evaluate", "clip.csv", "--robot", "unitree_g1", "--bvh", "clip.bvh",
+                      "--gate", "none", "--json", "e.json")
+        told = json.loads((self.folder / "e.json").read_text())
+        self.assertAlmostEqual(told["motions"][0]["limb_angle_deg"][0],
+                               report["motions"][0]["limb_angle_deg"][0], 6)
 
 
 class ToesThatTurnAsNoneDo(OddBody):

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
 #include "commands.h"
@@ -159,13 +160,44 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   return measures;
 }
 
-// a motion that was made by other tools has the lead-in's frames too
-const HumanClip& human_beside(const RobotClip& motion, const Measures& measures,
-                              const std::string& file, Console& console) {
-  const auto& whole = measures.human_with_lead_in;
-  if (!whole || motion.frame_count() <= measures.human->frame_count) return *measures.human;
-  console.line("lead-in", file + " has as many frames as the source with it: taken with it");
-  return *whole;
+QualityReport measure_beside(const RobotClip& motion, const Measures& measures,
+                             const HumanClip& human) {
+  const QualitySource source{&human, &*measures.tables, measures.scale};
+  return measure_quality(motion, measures.limits, &source);
+}
+
+// how far the limbs are from the human's, degrees
+double limb_angle(const QualityReport& report) {
+  const MetricValue* found = report.find("limb_angle_deg");
+  return found == nullptr ? HUGE_VAL : found->value;
+}
+
+// A motion may have been made with the frames in front or without them, and be a part alone: it is
+// held against those that its limbs follow.
+QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
+                             const std::string& file, Console& console) {
+  if (!measures.human) return measure_quality(motion, measures.limits, nullptr);
+  const HumanClip* human = &*measures.human;
+  QualityReport report = measure_beside(motion, measures, *human);
+  if (const auto& whole = measures.human_with_lead_in) {
+    QualityReport with_lead_in = measure_beside(motion, measures, *whole);
+    const bool needs_it = motion.frame_count() > human->frame_count;
+    if (limb_angle(with_lead_in) < limb_angle(report) ||
+        (needs_it && limb_angle(with_lead_in) == limb_angle(report))) {
+      report = std::move(with_lead_in);
+      human = &*whole;
+      console.line("lead-in",
+                   file + " follows the source with the frames in front: taken with them");
+    }
+  }
+  if (human->frame_count < motion.frame_count()) {
+    console.warn({{0, 0,
+                   "the source has " + count_text(human->frame_count, "frame") +
+                       " from its start on for the " + count_text(motion.frame_count(), "frame") +
+                       " of the motion: contacts and tracking end with it"}},
+                 file);
+  }
+  return report;
 }
 
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
@@ -188,21 +220,8 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   Result<RobotClip> clip = std::move(motion->clip);
   if (measures.human) clip = resample_robot(*clip, measures.rate);
   if (!clip) return failure(clip.error());
-  QualitySource source;
-  if (measures.human) {
-    const HumanClip& human = human_beside(*clip, measures, file, console);
-    source = {&human, &*measures.tables, measures.scale};
-    if (human.frame_count < clip->frame_count()) {
-      console.warn({{0, 0,
-                     "the source has " + count_text(human.frame_count, "frame") +
-                         " from its start on for the " + count_text(clip->frame_count(), "frame") +
-                         " of the motion: contacts and tracking end with it"}},
-                   file);
-    }
-  }
   const auto start = std::chrono::steady_clock::now();
-  QualityReport report =
-      measure_quality(*clip, measures.limits, measures.human ? &source : nullptr);
+  QualityReport report = measure_motion(*clip, measures, file, console);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
   report.source = measures.source;
