@@ -179,6 +179,19 @@ class Edit(ToolTest):
         self.assertAlmostEqual(x, -60.0, 2)
         self.assertAlmostEqual(y, 80.0, 2)
 
+    def test_a_clip_is_lowered_or_raised_to_the_first_ones_floor(self):
+        walk = sample("walk")
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", ":160", "-o", "a.bvh"))
+        for height, said in ((31.0, "lowered by 0.31"), (-31.0, "raised by 0.31")):
+            hierarchy, motion = walk.read_text().split("MOTION")
+            _, time, *rows = motion.strip().splitlines()
+            words = [row.split() for row in rows[150:]]
+            rows = [" ".join([row[0], repr(float(row[1]) + height), *row[2:]]) for row in words]
+            b = self.write("b.bvh", hierarchy + "\n".join(
+                ["MOTION", f"Frames: {len(rows)}", time, *rows]) + "\n")
+            with self.subTest(height=height):
+                self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
+
     def test_a_refused_seam_still_has_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",
                               "--matrix", "d.pgm", "-o", "x.bvh")
