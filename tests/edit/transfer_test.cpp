@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "edit_sample.h"
+#include "human/twins.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/edit/put_on_floor.h"
 #include "retarget/human/calibrate.h"
@@ -169,6 +170,22 @@ TEST(Transfer, HelpersInAJointsPlaceTurnItsBone) {
   };
   is_same(human_of(transfer(helped, with.mapping, without), without), human_of(helped, with));
   is_same(human_of(transfer(plain, without.mapping, with), with), human_of(plain, without));
+}
+
+// on a skeleton that hangs from the head, the trunk's joints turn other parts than their own; the
+// pelvis between Hips and Spine, which is of no bone there, stays at rest
+TEST(Transfer, TrunksThatHangFromTheHeadAreTurned) {
+  const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
+  const TransferTarget source = understood(walk), target = understood(hanging);
+  const HumanClip was = human_of(walk, source),
+                  is = human_of(transfer(walk, source.mapping, target), target);
+  for (int frame = 0; frame < was.frame_count; frame += 25) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      ASSERT_LT((is.frame(frame)[bone].translation - was.frame(frame)[bone].translation).norm(),
+                0.002)
+          << kBoneNames[bone] << " " << frame;
+    }
+  }
 }
 
 TEST(Transfer, WhatIsNotCarriedIsNamed) {
