@@ -70,7 +70,7 @@ class Joiner {
     seam.a_frame = a_.frame_count();
     seam.overlap = 0;
     SeamRegion region;
-    region.begin = region.end = seam.a_frame;
+    region.begin = region.end = region.b_shift = seam.a_frame;
     SeamCheck check =
         check_motion(motion_a_.human, human_b_, to_human(whole, mapping_), region, options_.limits);
     return {std::move(whole), seam, std::move(map), 0.0, 0.0, std::move(check)};

@@ -31,12 +31,13 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
     const int ankle = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot"),
               toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");
     if (!human.has(ankle)) continue;
+    const bool has_toe = human.has(toe);
     std::vector<FootStance> stances(static_cast<std::size_t>(human.frame_count), FootStance::kSole);
     std::vector<ContactPhase> phases;
     for (int frame = 0; frame < human.frame_count; ++frame) {
       if (!soles.planted(foot, frame)) {
+        if (!has_toe) continue;
         const auto pose = human.frame(frame);
-        if (!human.has(toe)) continue;
         const double rise = pose[ankle].translation.z() - pose[toe].translation.z();
         if (heels.planted(foot, frame)) {
           stances[frame] = FootStance::kHeel;

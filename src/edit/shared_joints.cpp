@@ -53,11 +53,14 @@ Leaving leaving_of(const Skeleton& source, const Skeleton& target, const std::ve
 
 std::vector<int> bones_of_joints(const HumanMapping& source, const TransferTarget& target) {
   std::vector<int> bones(static_cast<std::size_t>(target.skeleton->joint_count()), -1);
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  // of bones that one joint turns the one nearest to the hips: the others hang from it
+  for (int bone = kMappedBoneCount - 1; bone >= 0; --bone) {
     const auto at = static_cast<std::size_t>(bone);
-    const int joint = target.map.joint_of_bone[at];
-    const BoneSource& from = source.bones[at];
-    if (joint >= 0 && from.position_joint >= 0 && from.rotation_joint >= 0) bones[joint] = bone;
+    const BoneSource &from = source.bones[at], &to = target.mapping.bones[at];
+    if (from.position_joint < 0 || from.rotation_joint < 0 || to.rotation_joint < 0) continue;
+    // a bone without a joint of its own is turned as its neighbour
+    if (to.position_joint != target.map.joint_of_bone[at]) continue;
+    bones[to.rotation_joint] = bone;
   }
   return bones;
 }

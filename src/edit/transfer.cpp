@@ -23,6 +23,15 @@ bool is_turned_or_moved(const Clip& clip, int joint) {
   return false;
 }
 
+// the joints that give a bone its pose, with the helpers between them
+void mark_joints(const BoneSource& bone, const Skeleton& skeleton, std::vector<bool>& marked) {
+  marked[bone.rotation_joint] = marked[bone.position_joint] = true;
+  for (int joint = bone.rotation_joint; joint > bone.position_joint;) {
+    marked[joint] = true;
+    joint = skeleton.joint(joint).parent;
+  }
+}
+
 Eigen::Vector3d mean_translation(const Clip& clip, int joint) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int frame = 0; frame < clip.frame_count(); ++frame) sum += clip.translation(frame, joint);
@@ -171,15 +180,17 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
     return hips == joint;
   };
   UncarriedJoints result;
-  std::vector<bool> carried(static_cast<std::size_t>(source.joint_count()), false);
+  std::vector<bool> carried(static_cast<std::size_t>(source.joint_count()), false),
+      turned(static_cast<std::size_t>(skeleton.joint_count()), false);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    if (twins[joint] >= 0) carried[twins[joint]] = true;
-    if (bones[joint] >= 0) {
-      const BoneSource& bone = mapping.bones[static_cast<std::size_t>(bones[joint])];
-      carried[bone.rotation_joint] = carried[bone.position_joint] = true;
-    } else if (twins[joint] < 0 &&
-               std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
-               !is_above_hips(skeleton, joint, target.map.joint("Hips"))) {
+    if (twins[joint] >= 0) carried[twins[joint]] = turned[joint] = true;
+    if (bones[joint] < 0) continue;
+    mark_joints(mapping.bones[static_cast<std::size_t>(bones[joint])], source, carried);
+    mark_joints(target.mapping.bones[static_cast<std::size_t>(bones[joint])], skeleton, turned);
+  }
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    if (!turned[joint] && std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
+        !is_above_hips(skeleton, joint, target.map.joint("Hips"))) {
       result.at_rest.push_back(skeleton.joint(joint).name);
     }
   }

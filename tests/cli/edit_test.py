@@ -139,6 +139,50 @@ class Edit(ToolTest):
         self.assert_fails(self.run_tool("edit", "loop", up, "-o", "x.bvh"), 1, "cm apart", "--force")
         self.said("loop", up, "--force", "-o", "x.bvh")
 
+    def with_zeros_in_front(self, bvh, name="zeros.bvh", held=1):
+        """The file with frames in front that have no rotation, from which the motion jumps."""
+        hierarchy, motion = pathlib.Path(bvh).read_text().split("MOTION")
+        _, time, *rows = motion.strip().splitlines()
+        first = rows[0].split()
+        front = " ".join(first[:3] + ["0"] * (len(first) - 3))
+        rows = held * [front] + rows
+        return self.write(name, hierarchy + "\n".join(
+            ["MOTION", f"Frames: {len(rows)}", time, *rows]) + "\n")
+
+    def test_what_is_none_of_the_motion_is_left_out(self):
+        up, walk = sample("get_up"), sample("walk")
+        zeros = self.with_zeros_in_front(up)
+        for arguments in (("path", "--rotate", "30"), ("loop", "--force"), ("ground",),
+                          ("path", "--rotate", "30", "--end", "3"),
+                          ("loop", "--end", "3", "--force")):
+            with self.subTest(edit=arguments):
+                words = self.said(arguments[0], zeros, *arguments[1:], "-o", "one.bvh")
+                self.assertRegex(words, r"lead-in +1 frame in front left out.*--start 0 takes it")
+                # times are the file's, which begins a frame earlier
+                plain = ["2.96667" if word == "3" else word for word in arguments]
+                self.said(plain[0], up, *plain[1:], "-o", "other.bvh")
+                self.assertIsNone(difference(self.frames(self.folder / "one.bvh"),
+                                             self.frames(self.folder / "other.bvh"), 1e-6))
+        # a path is not blamed for the jump, which is rare among many frames
+        self.assert_done(self.run_tool("edit", "resample", walk, "--fps", 150, "-o", "long.bvh"))
+        rare = self.with_zeros_in_front(self.folder / "long.bvh", "rare.bvh")
+        self.assertNotIn("warning", self.said("path", rare, "--to", "circle", "-o", "x.bvh"))
+        several = self.with_zeros_in_front(walk, "several.bvh", held=20)
+        self.assertRegex(self.said("ground", several, "-o", "x.bvh"),
+                         r"lead-in +20 frames in front left out.*--start 0 takes them")
+        words = self.said("concat", several, several, "-o", "x.bvh")
+        self.assertEqual(words.count("20 frames in front left out"), 2)
+        self.assertNotIn("--start", words)
+        # who says where to begin means it, and what changes every frame alike takes all of them
+        count = len(self.frames(zeros))
+        for arguments in (("ground", "--start", 0), ("ground", "--frames", "0:"), ("mirror",),
+                          ("resample", "--speed", 1), ("turn", "90"), ("move", "1,0"), ("lafan",),
+                          ("transfer", "--to", walk), ("rest", "--like", walk)):
+            with self.subTest(edit=arguments):
+                words = self.said(arguments[0], zeros, *arguments[1:], "-o", "all.bvh")
+                self.assertNotIn("lead-in", words)
+                self.assertEqual(len(self.frames(self.folder / "all.bvh")), count)
+
     def test_concat(self):
         walk = sample("walk")
         for name, part in (("a", ":160"), ("b", "150:")):
@@ -178,6 +222,19 @@ class Edit(ToolTest):
                 words.split("and moved by ")[1].split(" m")[0].split(", "))
         self.assertAlmostEqual(x, -60.0, 2)
         self.assertAlmostEqual(y, 80.0, 2)
+
+    def test_a_clip_is_lowered_or_raised_to_the_first_ones_floor(self):
+        walk = sample("walk")
+        self.assert_done(self.run_tool("edit", "trim", walk, "--frames", ":160", "-o", "a.bvh"))
+        for height, said in ((31.0, "lowered by 0.31"), (-31.0, "raised by 0.31")):
+            hierarchy, motion = walk.read_text().split("MOTION")
+            _, time, *rows = motion.strip().splitlines()
+            words = [row.split() for row in rows[150:]]
+            rows = [" ".join([row[0], repr(float(row[1]) + height), *row[2:]]) for row in words]
+            b = self.write("b.bvh", hierarchy + "\n".join(
+                ["MOTION", f"Frames: {len(rows)}", time, *rows]) + "\n")
+            with self.subTest(height=height):
+                self.assertIn(said, self.said("concat", "a.bvh", b, "-o", "ab.bvh"))
 
     def test_a_refused_seam_still_has_its_picture(self):
         fails = self.run_tool("edit", "concat", sample("walk"), sample("get_up"), "--search", "0.2",

@@ -65,6 +65,23 @@ TEST(Concatenation, PartsThatShareNoFrameArePutTogether) {
   EXPECT_GT(later->seam.overlap, 0);
 }
 
+// a hand that jerks in the recording is no fault of where it was cut
+TEST(Concatenation, AJoltOfTheRecordingIsNotThatOfTheParts) {
+  const EditSample& walk = data_sample("walk");
+  Clip whole = walk.clip;
+  const int arm = walk.map.joint("LeftForeArm");
+  constexpr int kJolt = 151;
+  whole.rotations(kJolt)[arm] =
+      whole.rotations(kJolt)[arm] * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  const auto joined =
+      concatenate(cut(whole, 0, kJolt - 1), cut(whole, kJolt - 1, 301), walk.mapping, {}, "a", "b");
+  ASSERT_TRUE(joined) << describe(joined.error());
+  EXPECT_EQ(joined->seam.overlap, 0);
+  EXPECT_THAT(joined->check.faults, testing::IsEmpty());
+  EXPECT_NE(joined->check.jolted_bone, "LeftHand");
+  EXPECT_LT(largest_distance(joined->clip, whole, 0.01), 1e-12);
+}
+
 // wherever recorded clips are cut, with and without frames in common
 TEST(Concatenation, RecordedClipsAreFoundWhereTheyWereCut) {
   const auto shared = shared_folder();

@@ -249,6 +249,44 @@ TEST(Rethreading, FeetStandAtAKeptSpeed) {
   EXPECT_GT(steps.mean_stride, 1.5);
 }
 
+// the walk with end sites in the place of its toe joints
+Clip walk_without_toe_joints() {
+  const Clip& walk = data_sample("walk").clip;
+  std::vector<Joint> joints;
+  std::vector<int> kept;
+  for (int i = 0; i < walk.skeleton().joint_count(); ++i) {
+    Joint joint = walk.skeleton().joint(i);
+    if (joint.name.ends_with("Toe")) {
+      joints.back().end_sites = {joint.offset};
+      continue;
+    }
+    // joints that are left out have no children
+    if (joint.parent >= 0) {
+      joint.parent = static_cast<int>(std::ranges::find(kept, joint.parent) - kept.begin());
+    }
+    joints.push_back(joint);
+    kept.push_back(i);
+  }
+  Clip clip(std::make_shared<const Skeleton>(joints), walk.rate(), walk.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      clip.rotations(frame)[i] = walk.rotations(frame)[kept[i]];
+    }
+    clip.translations(frame)[0] = walk.translations(frame)[0];
+  }
+  return clip;
+}
+
+// toes are where the End Site of a foot is: a foot on them turns about them, not about its ankle
+TEST(Rethreading, FeetWithoutToeJointsRiseOnTheirToes) {
+  const EditSample &walk = data_sample("walk"), bare(walk_without_toe_joints());
+  const PlantSummary with = follow(walk, path_of(walk).path.scaled(1.6)).feet,
+                     without = follow(bare, path_of(bare).path.scaled(1.6)).feet;
+  EXPECT_LT(with.largest_miss, 0.005);
+  EXPECT_LT(without.largest_miss, 0.005);
+  EXPECT_NEAR(without.largest_drop, with.largest_drop, 0.01);
+}
+
 TEST(Rethreading, AUTurnDoesNotSpin) {
   // a walk out and back by a hairpin, then all of it straight on
   const EditSample& sample = data_sample("walk");

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "edit_sample.h"
+#include "human/twins.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/edit/put_on_floor.h"
 #include "retarget/human/calibrate.h"
@@ -84,7 +85,8 @@ int index_of(const std::vector<Joint>& joints, const std::string& name) {
   return static_cast<int>(found - joints.begin());
 }
 
-// the walk on a skeleton with a finger, a second neck joint and a helper that moves; all of them do
+// the walk on a skeleton with a finger, a second neck joint, a helper that moves and one in the
+// place of a hip that has a part of its turn; all of them turn
 Clip walk_with_more_joints() {
   using enum Channel;
   const Clip walk = sample("walk");
@@ -97,6 +99,9 @@ Clip walk_with_more_joints() {
   insert_below(joints, neck, {"Neck2", -1, 0.5 * joints[head].offset, {}, turns});
   joints[head + 1].parent = neck + 1;
   joints[head + 1].offset *= 0.5;
+  const int hip = index_of(joints, "LeftUpLeg");
+  insert_below(joints, hip, {"LeftHip", -1, {0, 0, 0}, {}, turns});
+  joints[index_of(joints, "LeftLeg")].parent = hip + 1;
   insert_below(joints, index_of(joints, "Spine2"),
                {"Bag",
                 -1,
@@ -114,6 +119,7 @@ Clip walk_with_more_joints() {
             Eigen::AngleAxisd(0.01 * (frame % 90), Eigen::Vector3d(1, 2, 3).normalized());
       }
     }
+    rotations[hip] = rotations[hip] * rotations[hip + 1].conjugate();
     clip.translations(frame)[0] = walk.translations(frame)[0];
     clip.translations(frame)[1].x() += 0.02 * frame;
   }
@@ -146,6 +152,40 @@ TEST(Transfer, JointsThatBothHaveAreCarried) {
   }
   const UncarriedJoints none = uncarried_joints(clip, same.mapping, turned);
   EXPECT_TRUE(none.left_out.empty() && none.at_rest.empty());
+}
+
+// a bone is turned by the last of the helpers in its joint's place, on one side or the other
+TEST(Transfer, HelpersInAJointsPlaceTurnItsBone) {
+  const Clip helped = walk_with_more_joints(), plain = sample("walk");
+  const TransferTarget with = understood(helped), without = understood(plain);
+  const auto is_same = [](const HumanClip& a, const HumanClip& b) {
+    for (int frame = 0; frame < a.frame_count; frame += 25) {
+      for (const char* name : {"LeftLeg", "LeftFoot", "LeftToe", "RightToe"}) {
+        const int bone = *find_bone(name);
+        ASSERT_LT((a.frame(frame)[bone].translation - b.frame(frame)[bone].translation).norm(),
+                  0.001)
+            << name << " " << frame;
+      }
+    }
+  };
+  is_same(human_of(transfer(helped, with.mapping, without), without), human_of(helped, with));
+  is_same(human_of(transfer(plain, without.mapping, with), with), human_of(plain, without));
+}
+
+// on a skeleton that hangs from the head, the trunk's joints turn other parts than their own; the
+// pelvis between Hips and Spine, which is of no bone there, stays at rest
+TEST(Transfer, TrunksThatHangFromTheHeadAreTurned) {
+  const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
+  const TransferTarget source = understood(walk), target = understood(hanging);
+  const HumanClip was = human_of(walk, source),
+                  is = human_of(transfer(walk, source.mapping, target), target);
+  for (int frame = 0; frame < was.frame_count; frame += 25) {
+    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      ASSERT_LT((is.frame(frame)[bone].translation - was.frame(frame)[bone].translation).norm(),
+                0.002)
+          << kBoneNames[bone] << " " << frame;
+    }
+  }
 }
 
 TEST(Transfer, WhatIsNotCarriedIsNamed) {

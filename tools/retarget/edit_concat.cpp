@@ -106,7 +106,8 @@ void print_seam(const Concatenation& joined, const FrameRate& rate, Console& con
               ", " + number_text(seam.way.y(), 3) + " m" +
               (joined.lift == 0.0
                    ? std::string()
-                   : ", and raised by " + number_text(joined.lift, 3) + " m to the first's floor"));
+                   : (joined.lift < 0.0 ? ", and lowered by " : ", and raised by ") +
+                         number_text(std::abs(joined.lift), 3) + " m to the first's floor"));
   console.line("",
                number_text(100.0 * seam.distance, 2) + " cm apart, " +
                    (seam.same_support ? "the same feet on the floor" : "other feet on the floor"));

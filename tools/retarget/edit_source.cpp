@@ -1,10 +1,12 @@
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "edits.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/suggest.h"
 #include "retarget/motion/clip_range.h"
+#include "retarget/motion/lead_in.h"
 
 namespace retarget::cli {
 
@@ -77,6 +79,27 @@ bool needs_unit(const EditOptions& options) {
          (options.edit == Edit::kGround && !options.floor.empty());
 }
 
+// what looks at the motion as a whole must not take a T-pose in front for a part of it
+bool looks_at_motion(Edit edit) {
+  return edit == Edit::kPath || edit == Edit::kLoop || edit == Edit::kConcat ||
+         edit == Edit::kGround;
+}
+
+// frames in front of a part that are none of the motion, unless the user says where it begins
+Clip without_lead_in(Clip part, const EditOptions& options, Console& console) {
+  const bool begun = !options.part.frames.empty() || options.part.start_s >= 0.0;
+  if (begun || !looks_at_motion(options.edit)) return part;
+  const int count = count_lead_in_frames(part);
+  if (count == 0) return part;
+  // clips that are joined have no --start
+  const std::string take = options.edit == Edit::kConcat
+                               ? std::string()
+                               : std::string("; --start 0 takes ") + (count == 1 ? "it" : "them");
+  console.line("lead-in", count_text(count, "frame") +
+                              " in front left out, from which the motion jumps away" + take);
+  return cut(part, count, part.frame_count());
+}
+
 }  // namespace
 
 Result<EditSource> read_edit_source(const EditOptions& options, Console& console) {
@@ -88,7 +111,7 @@ Result<EditSource> read_edit_source(const EditOptions& options, Console& console
   if (!human) return failure(human.error());
   auto part = choose_part(std::move(motion->clip), options.part);
   if (!part) return failure(part.error());
-  return EditSource{std::move(*part), std::move(*human)};
+  return EditSource{without_lead_in(std::move(*part), options, console), std::move(*human)};
 }
 
 }  // namespace retarget::cli

@@ -29,6 +29,8 @@ struct EditSource {
 [[nodiscard]] Result<Clip> choose_part(Clip clip, const PartOptions& part);
 
 /// The file that is edited, cut to the part that was asked for after the human was recognised.
+/// Edits that look at the motion as a whole (path, loop, concat, ground) get it without frames in
+/// front that are none of it (count_lead_in_frames), unless the part's beginning was asked for.
 [[nodiscard]] Result<EditSource> read_edit_source(const EditOptions& options, Console& console);
 
 /// A clip on another skeleton, its feet planted; says what is not carried over.
