@@ -77,14 +77,28 @@ Result<LimbChoice> choose_parts(const BodySource& source, std::vector<LimbSlot> 
   return choose_limb(source, slots);
 }
 
+// the way down from a joint to another, 0 if it is no way down
+double length_down(const BodySource& source, int upper, int lower) {
+  double length = 0.0;
+  for (; lower >= 0 && lower != upper; lower = source.tree.parent(lower)) {
+    length += source.poses.lengths[lower];
+  }
+  return lower == upper ? length : 0.0;
+}
+
 // whether the whole limb is made of joints that mean its upper parts better: a clavicle and an
-// upper arm are no arm; where a hand follows, they are
-bool is_stretched(const LimbChoice& whole, const LimbChoice& parts) {
-  constexpr double kBetter = 1e-9;
-  if (whole.joints.back() >= 0 || parts.weight < whole.weight + kBetter) return false;
+// upper arm are no arm; with a hand they may be one, if they are as long as its parts
+bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbChoice& parts) {
+  constexpr double kBetter = 1e-9, kLeastUpperPerLower = 0.6;
+  if (parts.weight < whole.weight + kBetter) return false;
   const std::set<int> used(whole.joints.begin(), whole.joints.end());
-  return std::ranges::all_of(parts.joints,
-                             [&](int joint) { return joint < 0 || used.contains(joint); });
+  if (!std::ranges::all_of(parts.joints,
+                           [&](int joint) { return joint < 0 || used.contains(joint); })) {
+    return false;
+  }
+  if (whole.joints.back() < 0) return true;
+  return length_down(source, whole.joints[1], whole.joints[2]) <
+         kLeastUpperPerLower * length_down(source, whole.joints[2], whole.joints[3]);
 }
 
 Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbBone, 4>& limb,
@@ -100,10 +114,9 @@ Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbBone,
   if (!whole) return failure(whole.error());
   found.choice = *whole;
   found.whole = !whole->joints.empty();
-  if (found.whole && whole->joints.back() >= 0) return found;
   const Result<LimbChoice> parts = choose_parts(source, found.slots);
   if (!parts) return failure(parts.error());
-  if (found.whole && !is_stretched(*whole, *parts)) return found;
+  if (found.whole && !is_stretched(source, *whole, *parts)) return found;
   found.choice = *parts;
   found.whole = false;
   return found;

@@ -220,6 +220,17 @@ TEST(LimbSearch, AWordMeansOneBoneOnBothSides) {
                 "left arm", "Left");
 }
 
+TEST(LimbSearch, AForearmOfNoNameIsNotTheUpperArm) {
+  const std::string body = replaced(replaced(kBody, "LeftForeArm", "Kq1"), "RightForeArm", "Zw7");
+  const auto map = by_names(body);
+  ASSERT_TRUE(map) << describe(map.error());
+  const Skeleton skeleton = tiny_skeleton(body);
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftShoulder"), "LeftShoulder");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), "LeftArm");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftForeArm"), "Kq1");
+  EXPECT_EQ(joint_name(*map, skeleton, "RightForeArm"), "Zw7");
+}
+
 TEST(LimbSearch, ShoulderArmAndHandAreAWholeArm) {
   std::string body = replaced(replaced(kBody, "Shoulder", "Base"), "Arm ", "Shoulder ");
   body = replaced(body, "ForeShoulder", "Arm");
