@@ -17,6 +17,7 @@ constexpr std::array kLimbWords = {
     Word{"upleg", Role::kThigh, 1.0},
     Word{"upperleg", Role::kThigh, 1.0},
     Word{"thigh", Role::kThigh, 1.0},
+    Word{"thighbend", Role::kThigh, 1.0},
     Word{"femur", Role::kThigh, 1.0},
     Word{"hip", Role::kThigh, 0.9},
     Word{"leg", Role::kThigh, 0.6},
@@ -50,11 +51,13 @@ constexpr std::array kLimbWords = {
     Word{"uparm", Role::kUpperArm, 1.0},
     Word{"uarm", Role::kUpperArm, 1.0},
     Word{"shldr", Role::kUpperArm, 1.0},
+    Word{"shldrbend", Role::kUpperArm, 1.0},
     Word{"humerus", Role::kUpperArm, 1.0},
     Word{"arm", Role::kUpperArm, 0.9},
     Word{"\xE8\x85\x95", Role::kUpperArm, 1.0},  // arm
     Word{"arm", Role::kForearm, 0.3},
     Word{"forearm", Role::kForearm, 1.0},
+    Word{"forearmbend", Role::kForearm, 1.0},
     Word{"lowerarm", Role::kForearm, 1.0},
     Word{"lowarm", Role::kForearm, 1.0},
     Word{"loarm", Role::kForearm, 1.0},
@@ -68,21 +71,34 @@ constexpr std::array kLimbWords = {
 };
 
 constexpr std::array kTrunkWords = {
-    Word{"hips", Role::kHips, 1.0},         Word{"pelvis", Role::kHips, 1.0},
-    Word{"hip", Role::kHips, 0.9},          Word{"root", Role::kHips, 0.3},
-    Word{"spine", Role::kSpine, 1.0},       Word{"chest", Role::kSpine, 1.0},
-    Word{"upperchest", Role::kSpine, 1.0},  Word{"thorax", Role::kSpine, 1.0},
-    Word{"torso", Role::kSpine, 1.0},       Word{"abdomen", Role::kSpine, 1.0},
-    Word{"waist", Role::kSpine, 1.0},       Word{"lowerback", Role::kSpine, 1.0},
-    Word{"upperback", Role::kSpine, 1.0},   Word{"neck", Role::kNeck, 1.0},
-    Word{"lowerneck", Role::kNeck, 1.0},    Word{"upperneck", Role::kNeck, 1.0},
+    Word{"hips", Role::kHips, 1.0},
+    Word{"pelvis", Role::kHips, 1.0},
+    Word{"hip", Role::kHips, 0.9},
+    Word{"root", Role::kHips, 0.3},
+    Word{"spine", Role::kSpine, 1.0},
+    Word{"chest", Role::kSpine, 1.0},
+    Word{"upperchest", Role::kSpine, 1.0},
+    Word{"thorax", Role::kSpine, 1.0},
+    Word{"torso", Role::kSpine, 1.0},
+    Word{"abdomen", Role::kSpine, 1.0},
+    Word{"waist", Role::kSpine, 1.0},
+    Word{"lowerback", Role::kSpine, 1.0},
+    Word{"upperback", Role::kSpine, 1.0},
+    Word{"neck", Role::kNeck, 1.0},
+    Word{"lowerneck", Role::kNeck, 1.0},
+    Word{"upperneck", Role::kNeck, 1.0},
     Word{"\xE9\xA6\x96", Role::kNeck, 1.0},  // neck
-    Word{"head", Role::kHead, 1.0},         Word{"skull", Role::kHead, 1.0},
+    Word{"head", Role::kHead, 1.0},
+    Word{"skull", Role::kHead, 1.0},
     Word{"\xE9\xA0\xAD", Role::kHead, 1.0},  // head
+    Word{"rootjoint", Role::kHips, 0.3},
+    Word{"\xE4\xB8\x8B\xE5\x8D\x8A\xE8\xBA\xAB", Role::kHips, 1.0},  // lower body
 };
 
 // a numbered part of a limb may be a part of it only
 constexpr double kNumberedLimb = 0.5;
+// words of at least this weight leave no doubt where another part may be meant
+constexpr double kPlain = 0.8;
 
 }  // namespace
 
@@ -107,17 +123,32 @@ std::vector<RoleWeight> roles_of(const JointName& name) {
   return roles;
 }
 
-bool may_mean(const JointName& name, std::string_view bone) {
+namespace {
+
+double weight_of_bone(const JointName& name, std::string_view bone) {
   // the canonical names are words themselves; the spine's are all one
   const std::vector<JointName> canonical = normalise_joint_names({std::string(bone)});
-  if (name.side != canonical[0].side) return false;
+  if (name.side != canonical[0].side) return 0.0;
   // only in the canonical names is the leg the shin, and the shoulder the clavicle
   const std::string& base = canonical[0].base;
   const Role wanted = base == "leg"        ? Role::kShin
                       : base == "shoulder" ? Role::kClavicle
                                            : roles_of(canonical[0]).front().role;
-  return std::ranges::any_of(roles_of(name),
-                             [wanted](const RoleWeight& r) { return r.role == wanted; });
+  double weight = 0.0;
+  for (const RoleWeight& r : roles_of(name)) {
+    if (r.role == wanted) weight = std::max(weight, r.weight);
+  }
+  return weight;
+}
+
+}  // namespace
+
+bool may_mean(const JointName& name, std::string_view bone) {
+  return weight_of_bone(name, bone) > 0.0;
+}
+
+bool plainly_means(const JointName& name, std::string_view bone) {
+  return weight_of_bone(name, bone) >= kPlain;
 }
 
 bool is_limb_word(std::string_view base) {

@@ -36,6 +36,9 @@ struct RoleWeight {
 /// Whether a name may mean a canonical bone.
 [[nodiscard]] bool may_mean(const JointName& name, std::string_view bone);
 
+/// Whether a name means a canonical bone and hardly any other.
+[[nodiscard]] bool plainly_means(const JointName& name, std::string_view bone);
+
 /// Whether a word names a part of a limb when a side stands in front of it.
 [[nodiscard]] bool is_limb_word(std::string_view base);
 

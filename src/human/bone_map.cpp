@@ -1,8 +1,7 @@
 #include "retarget/human/bone_map.h"
 
 #include <algorithm>
-
-#include "human/skeleton_tree.h"
+#include <vector>
 
 namespace retarget {
 namespace {
@@ -10,73 +9,91 @@ namespace {
 // of the longest way between joints
 constexpr double kNoLength = 1e-4;
 
-double longest_offset(const Skeleton& skeleton) {
-  double longest = 0.0;
-  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
-    longest = std::max(longest, skeleton.joint(joint).offset.norm());
-  }
-  return longest;
-}
-
-// whether a joint carries anything that has a length
-bool has_extent(const Skeleton& skeleton, int joint) {
-  const auto& ends = skeleton.joint(joint).end_sites;
-  return std::ranges::any_of(ends, [](const Eigen::Vector3d& end) { return end.norm() > 0.0; }) ||
-         std::ranges::any_of(skeleton.joints(), [joint](const Joint& child) {
-           return child.parent == joint && child.offset.norm() > 0.0;
-         });
-}
-
-// the helper in a joint's place that turns all that the joint turns of the body; -1: there is none
-int helper_below(const BoneMap& map, const Skeleton& skeleton, const SkeletonTree& tree,
-                 int joint) {
-  const double least = kNoLength * longest_offset(skeleton);
-  const auto is_mapped = [&](int other) {
-    return std::ranges::find(map.joint_of_bone, other) != map.joint_of_bone.end();
-  };
-  const auto is_below = [&](int other, int upper) {
-    return other != upper && tree.between(upper, 0, other);
-  };
-  int children = 0, helper = -1;
-  for (int child = joint + 1; child < skeleton.joint_count(); ++child) {
-    const Joint& candidate = skeleton.joint(child);
-    if (candidate.parent != joint) continue;
-    ++children;
-    if (candidate.offset.norm() > least || candidate.has_position_channels() || is_mapped(child)) {
-      continue;
+// follows helpers; what it knows of all joints is found once, so that chains of any length cost but
+// one step a joint
+class HelperChain {
+ public:
+  HelperChain(const BoneMap& map, const Skeleton& skeleton)
+      : skeleton_(skeleton),
+        children_(static_cast<std::size_t>(skeleton.joint_count())),
+        carried_(children_.size()),
+        bones_at_(children_.size()),
+        has_extent_(children_.size()) {
+    for (const int joint : map.joint_of_bone) {
+      if (joint < 0) continue;
+      ++bones_at_[joint];
+      ++carried_[joint];
     }
-    int beyond = 0, beside = 0;
-    for (const int mapped : map.joint_of_bone) {
-      if (mapped < 0 || !is_below(mapped, joint)) continue;
-      ++(is_below(mapped, child) ? beyond : beside);
+    double longest = 0.0;
+    // parents come before their children
+    for (int joint = skeleton.joint_count() - 1; joint >= 0; --joint) {
+      const Joint& of = skeleton.joint(joint);
+      if (std::ranges::any_of(of.end_sites, has_length)) has_extent_[joint] = true;
+      if (of.parent < 0) continue;
+      carried_[of.parent] += carried_[joint];
+      children_[of.parent].push_back(joint);
+      longest = std::max(longest, of.offset.norm());
+      if (has_length(of.offset)) has_extent_[of.parent] = true;
     }
-    const bool is_last = beyond == 0 && has_extent(skeleton, child);
-    if (beside == 0 && (beyond > 0 || is_last)) helper = child;
+    least_ = kNoLength * longest;
   }
-  // what a bone at the end of a limb carries hangs from one joint alone
-  const bool carries_bones = helper >= 0 && std::ranges::any_of(map.joint_of_bone, [&](int mapped) {
-                               return mapped >= 0 && is_below(mapped, helper);
-                             });
-  if (!carries_bones && (children > 1 || !skeleton.joint(joint).end_sites.empty())) return -1;
-  return helper;
+
+  // the last helper in a joint's place that turns all that the joint turns of the body
+  int last_below(int joint) const {
+    for (int helper = joint; helper >= 0; helper = next_below(joint)) joint = helper;
+    return joint;
+  }
+
+ private:
+  static bool has_length(const Eigen::Vector3d& offset) { return offset.norm() > 0.0; }
+
+  // -1: there is none
+  int next_below(int joint) const {
+    const std::vector<int>& children = children_[joint];
+    const auto found = std::ranges::find_if(
+        children, [&](int child) { return stands_for(child, joint); });  // the last of the file
+    if (found == children.end()) return -1;
+    // what a bone at the end of a limb carries hangs from one joint alone
+    const bool is_alone = children.size() == 1 && skeleton_.joint(joint).end_sites.empty();
+    return carried_[*found] > 0 || is_alone ? *found : -1;
+  }
+
+  // whether a child in the place of a joint turns all bones below it
+  bool stands_for(int child, int joint) const {
+    const Joint& candidate = skeleton_.joint(child);
+    if (candidate.offset.norm() > least_ || candidate.has_position_channels() ||
+        bones_at_[child] > 0) {
+      return false;
+    }
+    const int below = carried_[joint] - bones_at_[joint];
+    return carried_[child] == below && (below > 0 || has_extent_[child]);
+  }
+
+  const Skeleton& skeleton_;
+  std::vector<std::vector<int>> children_;  // the last of the file first
+  std::vector<int> carried_;                // bones at a joint and below it
+  std::vector<int> bones_at_;
+  std::vector<bool> has_extent_;  // whether a joint carries anything that has a length
+  double least_ = 0.0;
+};
+
+bool is_above(const Skeleton& skeleton, int upper, int joint) {
+  while (joint >= 0 && joint != upper) joint = skeleton.joint(joint).parent;
+  return joint == upper;
 }
 
 }  // namespace
 
 int rotation_joint(const BoneMap& map, const Skeleton& skeleton, std::string_view bone) {
-  int joint = map.joint(bone);
+  const int joint = map.joint(bone);
   const int hips = map.joint("Hips");
   if (joint < 0 || hips < 0) return joint;
-  const SkeletonTree tree(skeleton);
   // joints above the hips carry the part of the body that lies nearer to the hips
-  if (joint != hips && tree.between(joint, 0, hips)) {
-    const int parent = tree.parent(joint);
+  if (joint != hips && is_above(skeleton, joint, hips)) {
+    const int parent = skeleton.joint(joint).parent;
     return parent >= 0 ? parent : joint;
   }
-  for (int helper = joint; helper >= 0; helper = helper_below(map, skeleton, tree, joint)) {
-    joint = helper;
-  }
-  return joint;
+  return HelperChain(map, skeleton).last_below(joint);
 }
 
 }  // namespace retarget

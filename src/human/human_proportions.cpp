@@ -11,8 +11,7 @@ namespace retarget {
 namespace {
 
 // means of both sides; people have legs of 1.3 to 1.9 trunks, arms of 0.53 to 0.75 legs, shoulders
-// of
-// 0.45 to 0.9 trunks, and feet (to the toes' joints) of 0.14 to 0.23 legs
+// of 0.45 to 0.9 trunks, and feet (to the toes' joints) of 0.14 to 0.23 legs
 constexpr double kLeastLegPerTrunk = 1.0;
 constexpr double kMostArmPerLeg = 0.8;
 constexpr double kLeastShouldersPerTrunk = 0.4;

@@ -23,7 +23,7 @@ class LimbSearch {
       return failure(
           ambiguous_bone(source_, slots_[slot].bone, best_.joints[slot], rival_->joints[slot]));
     }
-    for (std::size_t slot = 0; slot < slots_.size(); ++slot) settle(slot);
+    for (std::size_t slot = 0; slot < best_.joints.size(); ++slot) settle(slot);
     return best_;
   }
 

@@ -25,6 +25,10 @@ bool is_optional(std::string_view bone) {
   return bone.ends_with("Toe") || bone.ends_with("Shoulder") || bone.ends_with("Hand");
 }
 
+bool is_of_limb(std::string_view bone) {
+  return bone.starts_with("Left") || bone.starts_with("Right");
+}
+
 // joints that are mapped and share their name with another one: bones that a body does without are
 // left out, others are an error
 std::optional<Error> settle_doubled_names(const BodySource& source, BoneMap& map) {
@@ -69,6 +73,7 @@ class Recogniser {
     if (accepted_) return finish();
     // limbs that names left out or put wrongly
     const std::optional<Error> by_shape = consider_candidate(recognise_by_shape(source_));
+    if (accepted_ && overrules_names(*accepted_)) accepted_.reset();
     if (by_names && !(accepted_ && names_mean_nothing(*accepted_))) return failure(*by_names);
     if (accepted_) return finish();
     if (by_shape && incomplete_.empty()) return failure(*by_shape);
@@ -86,6 +91,26 @@ class Recogniser {
       fitting += may_mean(source_.names[joint], kBoneNames[bone]) ? 1 : 0;
     }
     return 2 * fitting < mapped;
+  }
+
+  // whether a shape shifts a limb: it takes a joint that plainly is one bone for another, where
+  // names that mean something are believed but leave bones out
+  bool overrules_names(const BoneMap& shape) const {
+    if (names_mean_nothing(shape)) return false;
+    return std::ranges::any_of(incomplete_, [&](const BoneMap& named) {
+      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+        const int joint = named.joint_of_bone[bone];
+        if (joint < 0 || !is_of_limb(kBoneNames[bone]) || shape.joint_of_bone[bone] == joint) {
+          continue;
+        }
+        const bool is_plain =
+            named.dialect != "names" || plainly_means(source_.names[joint], kBoneNames[bone]);
+        const bool is_other =
+            std::ranges::find(shape.joint_of_bone, joint) != shape.joint_of_bone.end();
+        if (is_plain && is_other) return true;
+      }
+      return false;
+    });
   }
 
   // an error to stop at, if there is one

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "human/body_words.h"
 #include "human/limb_search.h"
@@ -61,25 +62,106 @@ constexpr std::array<LimbBone, 4> kArm = {{{"Shoulder", Role::kClavicle, false},
                                            {"ForeArm", Role::kForearm, true},
                                            {"Hand", Role::kHand, false}}};
 
-// sets the bones of a limb where they are found; the weight of the names, at most 1
-Result<double> map_limb(const BodySource& source, const std::array<LimbBone, 4>& limb, Side side,
-                        BoneMap& map) {
-  const std::string side_name = side == Side::kLeft ? "Left" : "Right";
+// a limb of one side as its names tell it
+struct NamedLimb {
   std::vector<LimbSlot> slots;
-  slots.reserve(limb.size());
+  LimbChoice choice;
+  bool whole = false;  // no bone is missing that the limb needs
+};
+
+using LimbPair = std::array<NamedLimb, 2>;  // left, right
+
+// what the joints mean best by themselves, whatever the limb then lacks
+Result<LimbChoice> choose_parts(const BodySource& source, std::vector<LimbSlot> slots) {
+  for (LimbSlot& slot : slots) slot.required = false;
+  return choose_limb(source, slots);
+}
+
+// the way down from a joint to another, 0 if it is no way down
+double length_down(const BodySource& source, int upper, int lower) {
+  double length = 0.0;
+  for (; lower >= 0 && lower != upper; lower = source.tree.parent(lower)) {
+    length += source.poses.lengths[lower];
+  }
+  return lower == upper ? length : 0.0;
+}
+
+// whether the whole limb is made of joints that mean its upper parts better: a clavicle and an
+// upper arm are no arm; with a hand they may be one, if they are as long as its parts
+bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbChoice& parts) {
+  constexpr double kBetter = 1e-9, kLeastUpperPerLower = 0.6;
+  if (parts.weight < whole.weight + kBetter) return false;
+  const std::set<int> used(whole.joints.begin(), whole.joints.end());
+  if (!std::ranges::all_of(parts.joints,
+                           [&](int joint) { return joint < 0 || used.contains(joint); })) {
+    return false;
+  }
+  if (whole.joints.back() < 0) return true;
+  return length_down(source, whole.joints[1], whole.joints[2]) <
+         kLeastUpperPerLower * length_down(source, whole.joints[2], whole.joints[3]);
+}
+
+Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbBone, 4>& limb,
+                            Side side) {
+  const std::string side_name = side == Side::kLeft ? "Left" : "Right";
+  NamedLimb found;
+  found.slots.reserve(limb.size());
   for (const LimbBone& bone : limb) {
-    slots.push_back({side_name + std::string(bone.bone), bone.required,
-                     joints_of_role(source, bone.role, side)});
+    found.slots.push_back({side_name + std::string(bone.bone), bone.required,
+                           joints_of_role(source, bone.role, side)});
   }
-  const Result<LimbChoice> choice = choose_limb(source, slots);
-  if (!choice) return failure(choice.error());
-  map.notes.insert(map.notes.end(), choice->notes.begin(), choice->notes.end());
+  const Result<LimbChoice> whole = choose_limb(source, found.slots);
+  if (!whole) return failure(whole.error());
+  found.choice = *whole;
+  found.whole = !whole->joints.empty();
+  const Result<LimbChoice> parts = choose_parts(source, found.slots);
+  if (!parts) return failure(parts.error());
+  if (found.whole && !is_stretched(source, *whole, *parts)) return found;
+  found.choice = *parts;
+  found.whole = false;
+  return found;
+}
+
+// whether a word stands for one bone on the left and for another on the right
+bool contradict(const BodySource& source, const NamedLimb& left, const NamedLimb& right) {
+  for (std::size_t i = 0; i < left.choice.joints.size(); ++i) {
+    for (std::size_t j = 0; j < right.choice.joints.size(); ++j) {
+      const int a = left.choice.joints[i], b = right.choice.joints[j];
+      if (i != j && a >= 0 && b >= 0 && source.names[a].base == source.names[b].base) return true;
+    }
+  }
+  return false;
+}
+
+// the legs or the arms; a word means one thing on both sides, that of the side it fits better
+Result<LimbPair> find_limbs(const BodySource& source, const std::array<LimbBone, 4>& limb) {
+  LimbPair sides;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    Result<NamedLimb> found = find_limb(source, limb, side);
+    if (!found) return failure(found.error());
+    sides[side == Side::kLeft ? 0 : 1] = std::move(*found);
+  }
+  if (!sides[0].whole || !sides[1].whole || !contradict(source, sides[0], sides[1])) return sides;
+  NamedLimb& lesser = sides[sides[0].choice.weight < sides[1].choice.weight ? 0 : 1];
+  const Result<LimbChoice> parts = choose_parts(source, lesser.slots);
+  if (!parts) return failure(parts.error());
+  lesser.choice = *parts;
+  lesser.whole = std::ranges::none_of(lesser.slots, [&](const LimbSlot& slot) {
+    const auto index = static_cast<std::size_t>(&slot - lesser.slots.data());
+    return slot.required && parts->joints[index] < 0;
+  });
+  return sides;
+}
+
+// sets the bones of a limb; the mean weight of the names of a whole one, at most 1
+double map_limb(const NamedLimb& limb, BoneMap& map) {
+  map.notes.insert(map.notes.end(), limb.choice.notes.begin(), limb.choice.notes.end());
   int count = 0;
-  for (std::size_t i = 0; i < choice->joints.size(); ++i) {
-    joint_of(map, slots[i].bone) = choice->joints[i];
-    count += choice->joints[i] >= 0 ? 1 : 0;
+  for (std::size_t i = 0; i < limb.choice.joints.size(); ++i) {
+    joint_of(map, limb.slots[i].bone) = limb.choice.joints[i];
+    count += limb.choice.joints[i] >= 0 ? 1 : 0;
   }
-  return count == 0 ? 0.0 : choice->weight / count;
+  return limb.whole ? limb.choice.weight / count : 0.0;
 }
 
 // the best named joints of the trunk; of those in line the one nearest to the root
@@ -134,12 +216,15 @@ Candidate recognise_by_names(const BodySource& source) {
 
   double weight = 0.0;
   int limb_count = 0;
-  for (const Side side : {Side::kLeft, Side::kRight}) {
-    for (const auto* limb : {&kLeg, &kArm}) {
-      const Result<double> limb_weight = map_limb(source, *limb, side, map);
-      if (!limb_weight) return failure(limb_weight.error());
-      weight += *limb_weight;
-      limb_count += *limb_weight > 0.0 ? 1 : 0;
+  const Result<LimbPair> legs = find_limbs(source, kLeg);
+  if (!legs) return failure(legs.error());
+  const Result<LimbPair> arms = find_limbs(source, kArm);
+  if (!arms) return failure(arms.error());
+  for (const std::size_t side : {0, 1}) {
+    for (const LimbPair* limbs : {&*legs, &*arms}) {
+      const double limb_weight = map_limb((*limbs)[side], map);
+      weight += limb_weight;
+      limb_count += limb_weight > 0.0 ? 1 : 0;
     }
   }
   if (limb_count < 2) return std::nullopt;

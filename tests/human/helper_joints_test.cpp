@@ -143,5 +143,21 @@ TEST(HelperJoints, InABonesPlaceTurnItByShape) {
   expect_same(with_t_pose_as_zero(sample("walk")), Way::kShape);
 }
 
+// each step costs the same however long the chain is: where it looks at all joints, this runs into
+// the time limit of any test
+TEST(HelperJoints, ChainsOfAnyLengthAreFollowed) {
+  constexpr int kCount = 300000;
+  std::vector<Joint> joints(kCount + 3);
+  for (int i = 0; i < kCount + 3; ++i) joints[i].parent = i - 1;
+  joints[1].offset = joints[kCount + 2].offset = Eigen::Vector3d(0, -1, 0);
+  BoneMap map;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("Hips").value())] = 0;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftUpLeg").value())] = 1;
+  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftLeg").value())] = kCount + 2;
+  const Skeleton skeleton(std::move(joints));
+  EXPECT_EQ(rotation_joint(map, skeleton, "LeftUpLeg"), kCount + 1);
+  EXPECT_EQ(rotation_joint(map, skeleton, "LeftLeg"), kCount + 2);
+}
+
 }  // namespace
 }  // namespace retarget

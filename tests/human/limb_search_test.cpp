@@ -166,5 +166,79 @@ TEST(LimbSearch, OfASegmentInTwoJointsTheUpperOneIsTheBone) {
   ASSERT_TRUE(map) << describe(map.error());
 }
 
+// the body without a side's forearm and what hangs from it
+std::string without_forearm(const std::string& body, const std::string& side) {
+  bool gone = false;
+  return with_lines(body, [&](const std::string& line) {
+    const std::size_t depth = line.find_first_not_of(' ');
+    if (depth == std::string::npos) return line + "\n";
+    const std::size_t depth_of_forearm = std::string("            ").size();
+    gone = line.find(side + "ForeArm") != std::string::npos || (gone && depth > depth_of_forearm);
+    return gone ? std::string() : line + "\n";
+  });
+}
+
+void expect_no_arm(const std::string& body, const std::string& missing, const std::string& side) {
+  const Skeleton skeleton = tiny_skeleton(body);
+  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
+    SCOPED_TRACE(dialects.size());
+    const auto refused = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    ASSERT_FALSE(refused) << "LeftArm is " << joint_name(*refused, skeleton, "LeftArm");
+    EXPECT_EQ(refused.error().message, "no " + missing + " found in the skeleton");
+    EXPECT_THAT(refused.error().hint, HasSubstr("--partial"));
+    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh", {.partial = true});
+    ASSERT_TRUE(map) << describe(map.error());
+    for (const std::string part : {"Shoulder", "Arm"}) {
+      EXPECT_EQ(joint_name(*map, skeleton, (side + part).c_str()), side + part);
+    }
+    EXPECT_EQ(map->joint(side + "ForeArm"), -1);
+  }
+}
+
+TEST(LimbSearch, AClavicleAndAnUpperArmAreNoArm) {
+  for (const char* body : {kBody, kLafan1}) {
+    const std::string without_left = without_forearm(body, "Left");
+    expect_no_arm(without_left, "left arm", "Left");
+    expect_no_arm(without_forearm(body, "Right"), "right arm", "Right");
+    expect_no_arm(without_forearm(without_left, "Right"), "arms", "Left");
+  }
+}
+
+TEST(LimbSearch, TheShapeDoesNotShiftWhatNamesSayPlainly) {
+  // pads beyond the upper arms make chains of three joints of them
+  std::string body = without_forearm(without_forearm(kBody, "Left"), "Right");
+  body = replaced(body, "LeftArm 12 0 0\n", "LeftArm 12 0 0\n            Pad 12 0 0\n");
+  body = replaced(body, "RightArm -12 0 0\n", "RightArm -12 0 0\n            Pod -12 0 0\n");
+  expect_no_arm(body, "arms", "Left");
+}
+
+TEST(LimbSearch, AWordMeansOneBoneOnBothSides) {
+  // the left hand hangs from the upper arm
+  const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n", "");
+  expect_no_arm(replaced(replaced(body, "              LeftHand 25", "            LeftHand 54"),
+                         "                end 15", "              end 15"),
+                "left arm", "Left");
+}
+
+TEST(LimbSearch, AForearmOfNoNameIsNotTheUpperArm) {
+  const std::string body = replaced(replaced(kBody, "LeftForeArm", "Kq1"), "RightForeArm", "Zw7");
+  const auto map = by_names(body);
+  ASSERT_TRUE(map) << describe(map.error());
+  const Skeleton skeleton = tiny_skeleton(body);
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftShoulder"), "LeftShoulder");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), "LeftArm");
+  EXPECT_EQ(joint_name(*map, skeleton, "LeftForeArm"), "Kq1");
+  EXPECT_EQ(joint_name(*map, skeleton, "RightForeArm"), "Zw7");
+}
+
+TEST(LimbSearch, ShoulderArmAndHandAreAWholeArm) {
+  std::string body = replaced(replaced(kBody, "Shoulder", "Base"), "Arm ", "Shoulder ");
+  body = replaced(body, "ForeShoulder", "Arm");
+  const auto map = by_names(body);
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftArm"), "LeftShoulder");
+  EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "LeftForeArm"), "LeftArm");
+}
+
 }  // namespace
 }  // namespace retarget

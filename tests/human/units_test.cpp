@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "human/hand_made_maps.h"
+#include "human/tiny_skeleton.h"
 #include "human/twins.h"
 #include "retarget/bvh/read_bvh.h"
 
@@ -44,6 +45,15 @@ TEST(UnitOfBody, IsThatOfItsKindWhereThatIsAPersons) {
   EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0127, {}})->metres, 0.0127);
   EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0254, {}})->name, "cm");
   EXPECT_FALSE(unit_of_body({191.9, 360.0, 0.01, {}}));
+}
+
+// a character of 0.78 m in centimetres would be a tall adult in inches
+TEST(UnitOfBody, IsThatOfItsKindForSmallChildren) {
+  EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, {}})->name, "cm");
+  EXPECT_EQ(unit_of_body({37.4, 70.0, 0.01, {}})->name, "cm");
+  EXPECT_EQ(unit_of_body({41.7, 78.0, {}, {}})->name, "inch");
+  EXPECT_EQ(unit_of_body({35.0, 65.0, 0.01, {}})->name, "inch");
+  EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, 1.95})->name, "inch");
 }
 
 TEST(UnitOfBody, IsSettledByAToldHeight) {
@@ -106,6 +116,30 @@ TEST(CalibrateSize, WhatNeedsNoUnitTakesAnAveragePersons) {
     EXPECT_THAT(found->mapping.doubts[0].message, HasSubstr("no known unit"));
     EXPECT_EQ(calibrated(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
   }
+}
+
+TEST(CalibrateSize, ASmallCharacterOfMixamosNamesIsInCentimetres) {
+  const Clip small = sample_in(0.45, false);
+  std::vector<Joint> joints = small.skeleton().joints();
+  for (Joint& joint : joints) {
+    joint.name = "mixamorig:" + joint.name;
+    if (joint.name.ends_with("Toe")) joint.name += "Base";
+  }
+  Clip clip(std::make_shared<const Skeleton>(joints), small.rate(), small.frame_count());
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    std::ranges::copy(small.rotations(frame), clip.rotations(frame).begin());
+    std::ranges::copy(small.translations(frame), clip.translations(frame).begin());
+  }
+  const auto map = recognise_skeleton(clip, shipped_dialects(), "clip");
+  ASSERT_TRUE(map) << describe(map.error());
+  EXPECT_EQ(map->dialect, "mixamo");
+  const auto found = calibrate(clip, *map, {}, "clip");
+  ASSERT_TRUE(found) << describe(found.error());
+  EXPECT_EQ(found->unit, "cm");
+  EXPECT_NEAR(found->mapping.height, 1.72 * 0.45, 0.03);
+  // the size is odd, which is said
+  ASSERT_FALSE(found->mapping.doubts.empty());
+  EXPECT_THAT(found->mapping.doubts.back().message, HasSubstr("height"));
 }
 
 TEST(CalibrateSize, AChildWithLafan1sNamesAndAxesHasItsOwnHeight) {
