@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "io/floor_points.h"
+#include "io/touch_points.h"
 #include "retarget/base/number_text.h"
 
 namespace retarget {
@@ -32,7 +32,7 @@ Quaterniond rotation_of(const RawMotion& raw, std::size_t frame, QuaternionOrder
 
 OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw) {
   const Robot& robot = configurations.robot();
-  const std::vector<FloorPoint> points = floor_points(robot);
+  const std::vector<TouchPoint> points = touch_points(robot);
   std::vector<Pose> world_from_body(robot.bodies().size());
   OrderEvidence evidence;
   for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <string>
 
-#include "io/floor_points.h"
+#include "io/touch_points.h"
 #include "retarget/base/number_text.h"
 
 namespace retarget {
@@ -199,17 +198,19 @@ std::vector<UprightFrame> upright_frames(const RobotClip& clip) {
 // whether the soles are far below the floor in most of these frames
 bool has_sunk(const RobotClip& clip, const std::vector<UprightFrame>& frames, double reach) {
   constexpr std::size_t kTried = 200;
-  const std::vector<FloorPoint> points = floor_points(clip.robot());
+  const std::vector<TouchPoint> points = touch_points(clip.robot());
   std::vector<Pose> world_from_body(clip.robot().bodies().size());
   std::size_t tried = 0, sunk = 0;
   for (std::size_t i = 0; i < frames.size();
        i += std::max<std::size_t>(1, frames.size() / kTried)) {
     forward_kinematics(clip.robot(), clip.qpos(frames[i].frame), world_from_body);
-    const auto height = [&](const FloorPoint& point) {
-      return (world_from_body[static_cast<std::size_t>(point.body)] * point.place).z();
-    };
+    double lowest = INFINITY;
+    for (const TouchPoint& point : points) {
+      const Pose& body = world_from_body[static_cast<std::size_t>(point.body)];
+      lowest = std::min(lowest, (body * point.place).z());
+    }
     ++tried;
-    if (std::ranges::min(points | std::views::transform(height)) < -kSunkReaches * reach) ++sunk;
+    if (lowest < -kSunkReaches * reach) ++sunk;
   }
   return 2 * sunk > tried;
 }

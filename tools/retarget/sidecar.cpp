@@ -45,7 +45,7 @@ Result<std::string> hash_of_folder(const fs::path& folder) {
   if (!hasher) return failure(hasher.error());
   for (const fs::path& file : files) {
     const auto hash = hash_file(file.string(), ErrorKind::kConfig);
-    if (!hash) return hash;
+    if (!hash) return failure(hash.error());
     hasher->update(file.filename().string() + " " + *hash + "\n");
   }
   return hasher->finish();

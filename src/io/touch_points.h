@@ -8,12 +8,12 @@
 namespace retarget {
 
 /// A point of a robot that may touch the floor.
-struct FloorPoint {
+struct TouchPoint {
   int body;
   Eigen::Vector3d place;  ///< In the body's frame, metres.
 };
 
 /// The soles' points, else the origins of the bodies.
-[[nodiscard]] std::vector<FloorPoint> floor_points(const Robot& robot);
+[[nodiscard]] std::vector<TouchPoint> touch_points(const Robot& robot);
 
 }  // namespace retarget

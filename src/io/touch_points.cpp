@@ -1,9 +1,9 @@
-#include "io/floor_points.h"
+#include "io/touch_points.h"
 
 namespace retarget {
 
-std::vector<FloorPoint> floor_points(const Robot& robot) {
-  std::vector<FloorPoint> points;
+std::vector<TouchPoint> touch_points(const Robot& robot) {
+  std::vector<TouchPoint> points;
   for (const Sole& sole : robot.profile().soles) {
     for (const Eigen::Vector3d& point : sole.points) points.push_back({sole.body, point});
   }
