@@ -24,6 +24,7 @@ Failure read_failure(ErrorKind kind, const std::string& path, int error_number) 
   error.kind = kind;
   error.file = path == "-" ? "standard input" : path;
   error.message = "cannot read the file: " + system_message(error_number);
+  if (error_number == EISDIR) error.hint = "name a file in it";
   return failure(std::move(error));
 }
 

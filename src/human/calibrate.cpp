@@ -122,13 +122,14 @@ Result<Unit> Calibrator::find_unit(double hip_height, double height) {
     doubts_.push_back({0, 0, assumed_unit_text(hip_height)});
     return assumed;
   }
-  return input_failure(file_,
-                       hip_height > 0.0
-                           ? "hips " + std::to_string(hip_height) +
-                                 " units above the floor are a person's in no known unit"
-                           : "without a leg the unit cannot be told",
-                       "give the unit's length in metres with --unit" +
-                           std::string(height > 0.0 ? ", or the body's height with --height" : ""));
+  return input_failure(
+      file_,
+      hip_height > 0.0 ? "hips " + std::to_string(hip_height) +
+                             " units above the floor are a person's in no known unit"
+      : options_.height ? "without a leg the unit cannot be told, nor by the height that is given"
+                        : "without a leg the unit cannot be told",
+      "give the unit's length in metres with --unit" +
+          std::string(height > 0.0 ? ", or the body's height with --height" : ""));
 }
 
 bool Calibrator::has_lafan1_axes() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/touch_points.h"
 #include "retarget/base/number_text.h"
 
 namespace retarget {
@@ -21,24 +22,6 @@ constexpr double kSlips = 1e-4;
 // below this a robot hardly moves, metres a frame
 constexpr double kStandsStill = 2e-3;
 
-// points that may touch the floor: the soles', else the bodies' origins
-struct FloorPoint {
-  int body;
-  Vector3d place;
-};
-
-std::vector<FloorPoint> floor_points(const Robot& robot) {
-  std::vector<FloorPoint> points;
-  for (const Sole& sole : robot.profile().soles) {
-    for (const Vector3d& point : sole.points) points.push_back({sole.body, point});
-  }
-  if (!points.empty()) return points;
-  for (std::size_t b = 1; b < robot.bodies().size(); ++b) {
-    points.push_back({static_cast<int>(b), Vector3d::Zero()});
-  }
-  return points;
-}
-
 Quaterniond rotation_of(const RawMotion& raw, std::size_t frame, QuaternionOrder order) {
   const double* q = raw.rotation.data() + 4 * frame;
   return order == QuaternionOrder::kWxyz ? Quaterniond(q[0], q[1], q[2], q[3]).normalized()
@@ -49,7 +32,7 @@ Quaterniond rotation_of(const RawMotion& raw, std::size_t frame, QuaternionOrder
 
 OrderEvidence weigh_orders(const RobotClip& configurations, const RawMotion& raw) {
   const Robot& robot = configurations.robot();
-  const std::vector<FloorPoint> points = floor_points(robot);
+  const std::vector<TouchPoint> points = touch_points(robot);
   std::vector<Pose> world_from_body(robot.bodies().size());
   OrderEvidence evidence;
   for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {

@@ -35,7 +35,8 @@ class MotionInterpreter {
       raw_.joint_indices = std::move(*joints);
     }
     if (auto sound = check_numbers(); !sound) return failure(sound.error());
-    if (auto units = find_units(*robot_, rate(), file_, options_, raw_); !units) {
+    const bool assumes_metres = !options_.metres_per_unit && !raw_.metres_per_unit;
+    if (auto units = find_units(*robot_, file_, options_, raw_); !units) {
       return failure(units.error());
     }
     take_euler();
@@ -49,6 +50,10 @@ class MotionInterpreter {
     const auto order = find_order(motion.clip);
     if (!order) return failure(order.error());
     take_rotations(motion.clip, *order);
+    if (assumes_metres) {
+      auto sound = check_assumed_metres(motion.clip, file_, raw_.warnings);
+      if (!sound) return failure(sound.error());
+    }
     motion.notes = std::move(raw_.notes);
     motion.warnings = std::move(raw_.warnings);
     return motion;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "io/touch_points.h"
 #include "retarget/base/number_text.h"
 
 namespace retarget {
@@ -15,6 +16,16 @@ constexpr double kBeyondRange = 0.5;
 // the root's height over what the limbs reach: doubted when it is never lower, and refused
 constexpr double kOddReaches = 2.5;
 constexpr double kMostReaches = 5.0;
+// a root that is turned by less than this from upright (its z axis against the world's) in most
+// frames stands or walks on its legs: heights over what these reach
+constexpr double kUpright = 0.70710678118654752;
+constexpr double kLeastUprightReaches = 0.15;
+constexpr double kLowUprightReaches = 0.35;
+// and its soles are below the floor by as much, which those of a robot that sits are not
+constexpr double kSunkReaches = 0.2;
+constexpr double kHighUprightReaches = 1.6;
+// as many of the upright frames count; the others may be a fall or the start
+constexpr double kMostFrames = 0.95;
 // m/s on the mean: no runner keeps it up
 constexpr double kFastestMean = 10.0;
 
@@ -31,27 +42,40 @@ double widest_angle(const Robot& robot) {
   return widest;
 }
 
+// how far each body is from the root along the chain of bodies, metres
+std::vector<double> chain_lengths(const Robot& robot) {
+  std::vector<double> lengths(robot.bodies().size(), 0.0);
+  for (std::size_t b = 1; b < lengths.size(); ++b) {
+    const RobotBody& body = robot.bodies()[b];
+    if (static_cast<int>(b) == robot.root_body() || body.parent == 0) continue;
+    lengths[b] =
+        lengths[static_cast<std::size_t>(body.parent)] + body.parent_from_body.translation.norm();
+  }
+  return lengths;
+}
+
 // how far the robot reaches from its root: the longest chain of bodies, metres. Not how high it
 // stands in its zero configuration, which may lie folded.
 double reach_of(const Robot& robot) {
-  std::vector<double> reach(robot.bodies().size(), 0.0);
-  double longest = 0.0;
-  for (std::size_t b = 1; b < reach.size(); ++b) {
-    const RobotBody& body = robot.bodies()[b];
-    if (static_cast<int>(b) == robot.root_body() || body.parent == 0) continue;
-    reach[b] =
-        reach[static_cast<std::size_t>(body.parent)] + body.parent_from_body.translation.norm();
-    longest = std::max(longest, reach[b]);
-  }
   constexpr double kSmallest = 0.05;
-  return std::max(longest, kSmallest);
+  return std::max(std::ranges::max(chain_lengths(robot)), kSmallest);
+}
+
+// how far the soles are from the root with legs stretched; where none are known, as far as any limb
+double leg_reach_of(const Robot& robot) {
+  const std::vector<double> lengths = chain_lengths(robot);
+  double longest = 0.0;
+  for (const Sole& sole : robot.profile().soles) {
+    longest = std::max(longest, lengths[static_cast<std::size_t>(sole.body)]);
+  }
+  return longest > 0.0 ? longest : reach_of(robot);
 }
 
 class UnitFinder {
  public:
-  UnitFinder(const Robot& robot, const FrameRate& rate, const std::string& file,
-             const ReadMotionOptions& options, RawMotion& raw)
-      : robot_(robot), rate_(rate), file_(file), options_(options), raw_(raw) {}
+  UnitFinder(const Robot& robot, const std::string& file, const ReadMotionOptions& options,
+             RawMotion& raw)
+      : robot_(robot), file_(file), options_(options), raw_(raw) {}
 
   Result<void> find_angle_unit() {
     if (options_.degrees) {
@@ -90,11 +114,9 @@ class UnitFinder {
       return {};
     }
     if (raw_.metres_per_unit) return {};
-    double highest = 0.0, lowest = INFINITY;
+    double highest = 0.0;
     for (std::size_t frame = 0; frame < raw_.frames; ++frame) {
-      const double height = std::abs(raw_.position[3 * frame + 2]);
-      highest = std::max(highest, height);
-      lowest = std::min(lowest, height);
+      highest = std::max(highest, std::abs(raw_.position[3 * frame + 2]));
     }
     const double reach = reach_of(robot_);
     if (highest > kMostReaches * reach) {
@@ -106,11 +128,6 @@ class UnitFinder {
                            "say which with --source-unit m, cm or mm");
     }
     raw_.metres_per_unit = 1.0;
-    if (lowest > kOddReaches * reach) {
-      doubt_metres("the root is never lower than " + number_text(lowest, 2) + " m");
-    } else if (const double speed = mean_speed(); speed > kFastestMean) {
-      doubt_metres("the root moves at " + number_text(speed, 1) + " m/s on the mean");
-    }
     return {};
   }
 
@@ -144,25 +161,6 @@ class UnitFinder {
         "; the file names no unit and is taken as radians: --source-angles deg takes degrees");
   }
 
-  void doubt_metres(const std::string& what) {
-    raw_.warnings.push_back(what +
-                            "; the file names no unit and is taken as metres: --source-unit cm "
-                            "takes centimetres");
-  }
-
-  // of the root, in units of the file per second
-  [[nodiscard]] double mean_speed() const {
-    if (raw_.frames < 2) return 0.0;
-    double path = 0.0;
-    for (std::size_t frame = 1; frame < raw_.frames; ++frame) {
-      const double* now = raw_.position.data() + 3 * frame;
-      double square = 0.0;
-      for (int i = 0; i < 3; ++i) square += (now[i] - now[i - 3]) * (now[i] - now[i - 3]);
-      path += std::sqrt(square);
-    }
-    return path / static_cast<double>(raw_.frames - 1) * rate_.fps();
-  }
-
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
     raw_.warnings.push_back("by its format or header the file has " + what + " in " + own +
                             "; taken are the " + taken + " that were asked for");
@@ -174,19 +172,112 @@ class UnitFinder {
   }
 
   const Robot& robot_;
-  const FrameRate rate_;
   const std::string& file_;
   const ReadMotionOptions& options_;
   RawMotion& raw_;
 };
 
+// a frame in which the root is upright
+struct UprightFrame {
+  double height;  // of the root, whatever its sign
+  int frame;
+};
+
+// the lowest first
+std::vector<UprightFrame> upright_frames(const RobotClip& clip) {
+  std::vector<UprightFrame> frames;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    const double up = 1.0 - 2.0 * (qpos[4] * qpos[4] + qpos[5] * qpos[5]);
+    if (up > kUpright) frames.push_back({std::abs(qpos[2]), frame});
+  }
+  std::ranges::sort(frames, {}, &UprightFrame::height);
+  return frames;
+}
+
+// whether the soles are far below the floor in most of these frames
+bool has_sunk(const RobotClip& clip, const std::vector<UprightFrame>& frames, double reach) {
+  constexpr std::size_t kTried = 200;
+  const std::vector<TouchPoint> points = touch_points(clip.robot());
+  std::vector<Pose> world_from_body(clip.robot().bodies().size());
+  std::size_t tried = 0, sunk = 0;
+  for (std::size_t i = 0; i < frames.size();
+       i += std::max<std::size_t>(1, frames.size() / kTried)) {
+    forward_kinematics(clip.robot(), clip.qpos(frames[i].frame), world_from_body);
+    double lowest = INFINITY;
+    for (const TouchPoint& point : points) {
+      const Pose& body = world_from_body[static_cast<std::size_t>(point.body)];
+      lowest = std::min(lowest, (body * point.place).z());
+    }
+    ++tried;
+    if (lowest < -kSunkReaches * reach) ++sunk;
+  }
+  return 2 * sunk > tried;
+}
+
+double lowest_height(const RobotClip& clip) {
+  double lowest = INFINITY;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    lowest = std::min(lowest, std::abs(clip.qpos(frame)[2]));
+  }
+  return lowest;
+}
+
+// of the root, m/s
+double mean_speed(const RobotClip& clip) {
+  if (clip.frame_count() < 2) return 0.0;
+  double path = 0.0;
+  for (int frame = 1; frame < clip.frame_count(); ++frame) {
+    const auto now = clip.qpos(frame), before = clip.qpos(frame - 1);
+    double square = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) square += (now[i] - before[i]) * (now[i] - before[i]);
+    path += std::sqrt(square);
+  }
+  return path / (clip.frame_count() - 1) * clip.rate().fps();
+}
+
 }  // namespace
 
-Result<void> find_units(const Robot& robot, const FrameRate& rate, const std::string& file,
+Result<void> find_units(const Robot& robot, const std::string& file,
                         const ReadMotionOptions& options, RawMotion& raw) {
-  UnitFinder finder(robot, rate, file, options, raw);
+  UnitFinder finder(robot, file, options, raw);
   if (auto angles = finder.find_angle_unit(); !angles) return angles;
   return finder.find_length_unit();
+}
+
+Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file,
+                                  std::vector<std::string>& warnings) {
+  if (clip.frame_count() == 0) return {};
+  const auto doubt = [&](const std::string& what, const std::string& remedy) {
+    warnings.push_back(what + "; the file names no unit and is taken as metres: --source-unit " +
+                       remedy);
+  };
+  const double reach = leg_reach_of(clip.robot());
+  const std::vector<UprightFrame> frames = upright_frames(clip);
+  const bool upright = 2 * frames.size() > static_cast<std::size_t>(clip.frame_count());
+  if (upright) {
+    const auto most = static_cast<std::size_t>(kMostFrames * static_cast<double>(frames.size()));
+    const double height = frames[std::min(most, frames.size() - 1)].height;
+    const bool low = height < kLowUprightReaches * reach && has_sunk(clip, frames, reach);
+    const std::string what = "the root is upright and only " + number_text(height, 4) +
+                             " m high, where the robot's legs reach " + number_text(reach, 2) +
+                             " m";
+    if (low && height < kLeastUprightReaches * reach) {
+      return input_failure(file, what + "; lengths may be in another unit than metres",
+                           "if that is meant, say so with --source-unit m; else bring the "
+                           "positions to metres, centimetres or millimetres first");
+    }
+    if (low) doubt(what, "m says that it is meant");
+  }
+  const double lowest = lowest_height(clip);
+  const double odd = upright ? kHighUprightReaches * reach : kOddReaches * reach_of(clip.robot());
+  if (lowest > odd) {
+    doubt("the root is never lower than " + number_text(lowest, 2) + " m", "cm takes centimetres");
+  } else if (const double speed = mean_speed(clip); speed > kFastestMean) {
+    doubt("the root moves at " + number_text(speed, 1) + " m/s on the mean",
+          "cm takes centimetres");
+  }
+  return {};
 }
 
 }  // namespace retarget

@@ -271,6 +271,36 @@ class Resume(BatchTest):
         self.assertEqual(self.redone("--ik-config", "map.json"), ["a.csv"])
         self.assertEqual(len(self.manifest()), 1)
 
+    def test_meshes_that_shapes_are_made_from(self):
+        """The model as compiled has lost them, so its hash does not tell."""
+        self.clips("a.bvh")
+        robot = SOURCE / "robots/unitree_g1"
+        at = '<body name="left_elbow_link"'
+        before, behind = (robot / "model.xml").read_text().split(at)
+        tag, behind = behind.split(">", 1)
+        # the elbow's own shapes go before a mesh
+        elbow, behind = behind.split("<body", 1)
+        elbow = "\n".join(line for line in elbow.splitlines() if "<geom" not in line)
+        asset = '<asset><mesh name="arm" file="arm.obj"/></asset>'
+        self.write("bare.xml", before.replace("<worldbody>", asset + "<worldbody>") + at + tag +
+                   '><geom type="mesh" mesh="arm"/>' + elbow + "<body" + behind)
+
+        def arm(length):
+            corners = [(x, y, z) for x in (0, length) for y in (-.02, .02) for z in (-.02, .02)]
+            faces = ("1 2 4", "1 4 3", "5 8 6", "5 7 8", "1 6 2", "1 5 6", "3 4 8", "3 8 7",
+                     "1 3 7", "1 7 5", "2 8 4", "2 6 8")
+            self.write("arm.obj", "".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
+                       "".join(f"f {face}\n" for face in faces))
+
+        arm(0.1)
+        line = {"robot": None}
+        options = ("--robot-xml", "bare.xml", "--ik-config", robot / "ik.json")
+        self.assert_done(self.batch(*options, **line))
+        self.assertEqual(self.redone(*options, **line), [])
+        arm(0.2)
+        self.assertEqual(self.redone(*options, **line), ["a.csv"])
+        self.assertEqual(self.redone(*options, **line), [])
+
     def test_defaults_that_are_given_change_nothing(self):
         self.clips("a.bvh")
         self.assert_done(self.batch())

@@ -11,7 +11,7 @@ import sys
 import unittest
 
 import tool
-from tool import SOURCE, ToolTest, difference, read_rows
+from tool import SOURCE, ToolTest, difference, read_rows, sample
 
 try:
     import numpy as np
@@ -388,6 +388,30 @@ class Conversions(FormatsTest):
         self.assert_fails(self.convert("a.npz", "x.csv"), 3, "no array \"joint_pos\"")
         self.write("empty.csv", "")
         self.assert_fails(self.convert("empty.csv", "x.csv"), 3, "no frames")
+
+
+class Lengths(ToolTest):
+    def test_a_walk_on_the_ground_is_not_in_metres(self):
+        """A hundredth, a tenth and a thousandth of a walk were written without a word."""
+        self.assert_done(self.retarget("--frames", "0:90", bvh=sample("walk")))
+        rows = read_rows((self.folder / "out.csv").read_text())
+        for scale in (0.1, 0.01, 0.001):
+            small = [[scale * value for value in row[:3]] + row[3:] for row in rows]
+            self.write("small.csv", "".join(",".join(f"{v:.6f}" for v in row) + "\n"
+                                            for row in small))
+            for command in (("convert", "small.csv", "x.csv"), ("evaluate", "small.csv")):
+                line = (*command, "--robot", "g1", "--source-quat", "xyzw")
+                self.assert_fails(self.run_tool(*line), 3, "upright", "--source-unit m")
+        self.assertFalse((self.folder / "x.csv").exists())
+        self.assert_done(self.run_tool("convert", "small.csv", "x.csv", "--robot", "g1",
+                                       "--source-quat", "xyzw", "--source-unit", "m"))
+
+    def test_bodies_on_the_ground_are_in_metres(self):
+        for name in ("get_up", "squat"):
+            self.assert_done(self.retarget(bvh=sample(name), output="own.csv"))
+            result = self.run_tool("convert", "own.csv", "x.csv", "--robot", "g1")
+            self.assert_done(result)
+            self.assertNotIn("warning", result.stderr)
 
 
 class RealFiles(FormatsTest):

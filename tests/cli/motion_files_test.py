@@ -319,6 +319,38 @@ class EditedSidecars(ToolTest):
         self.assert_done(self.run_tool("verify", "out.csv.json"))
 
 
+class FramesInFront(ToolTest):
+    """A frame of zeros in front, from which the motion jumps away."""
+
+    def setUp(self):
+        super().setUp()
+        lines = short_clip("walk", 60).decode().splitlines()
+        count = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
+        zeros = " ".join("0" for _ in lines[count + 2].split())
+        self.write("in.bvh", "\n".join([*lines[:count], "Frames: 61", lines[count + 1], zeros,
+                                        *lines[count + 2:]]) + "\n")
+
+    def sidecar(self, *arguments):
+        self.assert_done(self.retarget("--sidecar", *arguments, bvh="in.bvh"))
+        return json.loads((self.folder / "out.csv.json").read_text())
+
+    def test_sidecars_tell_how_many(self):
+        self.assertEqual(self.sidecar()["found"]["lead_in_frames"], 1)
+        self.assertEqual(self.sidecar("--lead-in", "keep")["found"]["lead_in_frames"], 0)
+        self.assertEqual(self.sidecar("--frames", "0:9")["found"]["lead_in_frames"], 0)
+
+    def test_sidecars_of_before_took_every_frame(self):
+        kept = self.sidecar("--lead-in", "keep")
+        del kept["options"]["lead-in"]
+        self.write("out.csv.json", json.dumps(kept))
+        self.assert_done(self.run_tool("verify", "out.csv.json"))
+        dropped = self.sidecar()
+        self.assert_done(self.run_tool("verify", "out.csv.json"))
+        del dropped["options"]["lead-in"]
+        self.write("out.csv.json", json.dumps(dropped))
+        self.assert_fails(self.run_tool("verify", "out.csv.json"), 1, "other bytes")
+
+
 class Messages(ToolTest):
     def test_columns_that_do_not_fit(self):
         golden = SOURCE / "tests" / "golden" / "walk.csv"

@@ -94,6 +94,10 @@ class MissingFeet(OddBody):
         rows, said, _ = self.run_clip(clip, "--partial", "--unit", "cm", "--up", "y")
         self.assertIn("the source has no feet", said)
         self.assertEqual(len(rows), clip.frames)
+        # a height cannot be measured against, so it is not asked for either
+        told = self.retarget("--partial", "--height", "1.75", "--up", "y", bvh="clip.bvh")
+        self.assert_fails(told, 3, "nor by the height that is given", "--unit")
+        self.assertNotIn("--height", told.stderr)
 
     def test_one_leg(self):
         for side in ("Left", "Right"):

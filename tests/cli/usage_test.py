@@ -101,7 +101,9 @@ class Mistakes(ToolTest):
                 (("--robot-xml", "x.xml"), "no motion file, no output and no mapping are given"),
                 (("evaluate",), "no motions and no robot are given"),
                 (("convert",), "no input, no robot and no output are given"),
-                (("compare", "x.csv"), "no b is given"),
+                (("compare",), "no motion files are given"),
+                (("compare",), "the two motion files to compare"),
+                (("compare", "x.csv"), "no second motion file is given"),
                 (("batch",), "no motion files, no output and no robot are given"),
                 (("batch", "in", "--robot", "g1"), "no output is given"),
                 (("edit", "trim"), "no file and no output are given"),
@@ -122,6 +124,41 @@ class Mistakes(ToolTest):
                       ("compare", "clips", "clips")):
             self.assert_fails(self.run_tool(*words, "--robot", "g1"), 3, "clips", "directory",
                               "clips/*.csv", "retarget batch")
+
+    def test_files_in_folders(self):
+        (self.folder / "clips").mkdir()
+        self.write("x.csv", "1\n")
+        self.assert_fails(self.run_tool("verify", "clips"), 3, "found a directory", "walk.csv.json")
+        for words in (("compare", "x.csv", "clips"), ("compare", "clips", "x.csv")):
+            self.assert_fails(self.run_tool(*words), 3, "directory", "hint: name a file in it")
+        model = ("--ik-config", "derived", "--bvh", sample("wave"), "-o", "x.csv", "--robot-xml")
+        self.assert_fails(self.run_tool(*model, "clips"), 4, "clips", "found a directory", "MJCF")
+        robot = SOURCE / "robots" / "unitree_g1"
+        self.assert_fails(self.run_tool(*model, robot), 4, "found a directory", f"--robot {robot}",
+                          "model.xml")
+        self.assert_fails(self.run_tool("evaluate", "x.csv", "--robot-xml", "clips"), 4,
+                          "found a directory")
+
+    def test_a_robot_without_its_option(self):
+        self.write("g.csv", "1\n")
+        for words in (("evaluate", "g.csv", "g1"), ("convert", "g.csv", "y.csv", "g1"),
+                      ("convert", "g.csv", "g1"), ("compare", "g.csv", "y.csv", "g1"),
+                      ("convert", "g.csv", "y.csv", "g1", "--data-dir", SOURCE)):
+            self.assert_fails(self.run_tool(*words), 2, "did you mean --robot g1?")
+        for words in (("evaluate", "g.csv"), ("convert", "g.csv", "y.csv", "z.csv"),
+                      ("convert", "g.csv", "y.csv", "g1", "--robot", "t1"),
+                      ("evaluate", "g.csv", "nothing.csv")):
+            result = self.run_tool(*words)
+            self.assertEqual(result.returncode, 2)
+            self.assertNotIn("did you mean", result.stderr)
+
+    def test_hints_can_be_followed(self):
+        model = SOURCE / "robots" / "unitree_g1" / "model.xml"
+        line = ("--bvh", sample("wave"), "--robot-xml", model, "-o", "x.csv", "--frames", "0:3")
+        told = self.run_tool(*line, "--ik-config", "published")
+        self.assert_fails(told, 4, "--ik-config derived", "--ik-config FILE")
+        self.assertNotIn("leave out", told.stderr)
+        self.assert_done(self.run_tool(*line, "--ik-config", "derived"))
 
     def test_a_search_of_whole_clips_is_not_told_in_seconds(self):
         # who lies for a second and a third meets nobody who walks

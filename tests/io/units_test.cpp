@@ -25,6 +25,7 @@ class UnitsTest : public ::testing::Test {
     double swing = 0.3;    // of every joint, rad
     double scale = 1.0;    // of lengths as they are written
     double angles = 1.0;   // of angles as they are written
+    bool lying = false;    // on its back, else upright
   };
   [[nodiscard]] std::string csv(const Walk& walk) const {
     RobotClip clip(robot_, {30, 1}, 60);
@@ -33,7 +34,7 @@ class UnitsTest : public ::testing::Test {
       qpos[0] = walk.scale * walk.speed * frame / 30.0;
       qpos[2] = walk.scale * walk.height;
       qpos[3] = std::cos(0.6);
-      qpos[6] = std::sin(0.6);
+      qpos[walk.lying ? 5 : 6] = std::sin(0.6);
       for (std::size_t i = 7; i < qpos.size(); ++i) {
         qpos[i] = walk.angles * walk.swing * std::sin(0.2 * frame + static_cast<double>(i));
       }
@@ -67,14 +68,72 @@ class UnitsTest : public ::testing::Test {
 
 TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
   for (const double height : {0.02, 0.08, 0.76, 2.0, 3.5}) {
-    const auto motion = read(csv({.height = height}));
+    const auto motion = read(csv({.height = height, .lying = height < 0.1}));
     ASSERT_TRUE(motion) << height << ": " << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], height, 1e-9);
     EXPECT_NEAR(motion->clip.qpos(59)[0], 1.2 * 59 / 30.0, 1e-9);
-    if (height < 2.0) {
+    if (height < 1.0) {
       EXPECT_THAT(motion->warnings, IsEmpty()) << height;
     }
   }
+}
+
+// these were metres without a word: a hundredth and a tenth of a walk's heights
+TEST_F(UnitsTest, WhoStandsIsNoFootHigh) {
+  for (const double scale : {0.001, 0.01, 0.1, 0.0}) {
+    expect_refused(csv({.scale = scale}), "--source-unit m");
+    const auto motion = read(csv({.scale = scale}), metres(1.0));
+    ASSERT_TRUE(motion) << scale << ": " << describe(motion.error());
+    EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76 * scale, 1e-9);
+    EXPECT_THAT(motion->warnings, IsEmpty());
+    // who lies may be as low
+    EXPECT_TRUE(read(csv({.scale = scale, .lying = true})));
+  }
+}
+
+TEST_F(UnitsTest, WhoStandsLowOrHighIsDoubted) {
+  // as a kneeling robot that leans back on its heels, and as one in feet or on a roof
+  for (const double height : {0.2, 1.4, 2.2}) {
+    expect_doubted(csv({.height = height}), "--source-unit");
+    EXPECT_THAT(read(csv({.height = height}), metres(1.0))->warnings, IsEmpty());
+  }
+  for (const double height : {0.35, 0.5, 1.2}) {
+    EXPECT_THAT(read(csv({.height = height}))->warnings, IsEmpty()) << height;
+  }
+}
+
+// falls and get-ups: most upright frames are high, or few are upright
+TEST_F(UnitsTest, WhoGetsUpIsNotDoubted) {
+  for (const int upright_from : {10, 54}) {
+    RobotClip clip(robot_, {30, 1}, 60);
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      const bool upright = frame >= upright_from;
+      const bool low = !upright || upright_from > 30 || frame == upright_from;
+      const auto qpos = clip.qpos(frame);
+      qpos[2] = low ? 0.07 : 0.7;
+      qpos[3] = std::cos(upright ? 0.1 : 0.8);
+      qpos[5] = std::sin(upright ? 0.1 : 0.8);
+    }
+    const auto motion = read(format_robot_csv(clip, {.precision = 9}));
+    ASSERT_TRUE(motion) << upright_from << ": " << describe(motion.error());
+    EXPECT_THAT(motion->warnings, IsEmpty()) << upright_from;
+  }
+}
+
+TEST_F(UnitsTest, WhoSitsUprightIsNotDoubted) {
+  RobotClip clip(robot_, {30, 1}, 60);
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    qpos[2] = 0.12;
+    qpos[3] = 1.0;
+    for (const int joint : robot_->output_joints()) {
+      const RobotJoint& each = robot_->joints()[static_cast<std::size_t>(joint)];
+      if (each.name.find("hip_pitch") != std::string::npos) qpos[each.qpos_address] = -1.57;
+    }
+  }
+  const auto motion = read(format_robot_csv(clip, {.precision = 9}));
+  ASSERT_TRUE(motion) << describe(motion.error());
+  EXPECT_THAT(motion->warnings, IsEmpty());
 }
 
 // these were taken for centimetres and millimetres, a hundredth and a thousandth of what they are
@@ -98,9 +157,9 @@ TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
 }
 
 TEST_F(UnitsTest, LowCentimetresAreDoubted) {
-  // on the belly at 3 cm, and with heights counted from the first frame's
-  expect_doubted(csv({.height = 0.03, .scale = 100.0}), "--source-unit");
-  expect_doubted(csv({.height = 0.0, .scale = 100.0}), "--source-unit");
+  // on the back at 3 cm, and with heights counted from the first frame's
+  expect_doubted(csv({.height = 0.03, .scale = 100.0, .lying = true}), "--source-unit");
+  expect_doubted(csv({.height = 0.0, .scale = 100.0, .lying = true}), "--source-unit");
 }
 
 TEST_F(UnitsTest, DegreesMustBeSaid) {

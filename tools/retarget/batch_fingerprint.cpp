@@ -100,13 +100,23 @@ Result<void> resolve_options(const RunOptions& run, const RobotSetup& setup, Fin
   return {};
 }
 
-// soles, which may have been found in the model's meshes
+// soles, and shapes in the place of meshes: both may have been found in meshes, which the model as
+// compiled has lost. The model's own shapes are in its hash.
 Result<std::string> soles_hash(const Robot& robot) {
   Json json = Json::array();
   for (const Sole& sole : robot.profile().soles) {
     for (const Eigen::Vector3d& point : sole.points) {
       json.push_back({sole.body, point.x(), point.y(), point.z()});
     }
+  }
+  for (const CollisionShape& shape : robot.collision_shapes()) {
+    if (shape.geom >= 0) continue;
+    const Eigen::Vector3d& place = shape.body_from_shape.translation;
+    const Eigen::Quaterniond& turn = shape.body_from_shape.rotation;
+    const Eigen::Vector3d& size = shape.half_size;
+    json.push_back({static_cast<int>(shape.type), shape.body, place.x(), place.y(), place.z(),
+                    turn.w(), turn.x(), turn.y(), turn.z(), shape.radius, shape.half_length,
+                    size.x(), size.y(), size.z()});
   }
   return hash_bytes(json_text(json));
 }

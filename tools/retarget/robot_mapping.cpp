@@ -51,11 +51,14 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path&
     const fs::path& chosen = ik_config == kPublished ? published : own;
     const fs::path& other = ik_config == kPublished ? own : published;
     if (is_file(chosen)) return MappingFiles{chosen.string(), {}};
-    return config_failure(
-        "",
-        "there is no " + ik_config + " mapping for the robot \"" + robot + "\": no " +
-            chosen.string(),
-        is_file(other) ? "leave out --ik-config for the one that there is" : kMappingHint);
+    return config_failure("",
+                          "there is no " + ik_config + " mapping for the robot \"" + robot +
+                              "\": no " + chosen.string(),
+                          is_file(other)
+                              ? std::string("--ik-config ") +
+                                    (ik_config == kPublished ? kDerived : kPublished) +
+                                    " takes the one that there is, --ik-config FILE one of your own"
+                              : kMappingHint);
   }
   if (is_file(own) && is_file(published) && is_of_folder(robot_folder, data_folder / "robots")) {
     return MappingFiles{published.string(), own.string()};

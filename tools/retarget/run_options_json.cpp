@@ -125,6 +125,8 @@ Result<RunOptions> run_options_from_json(const nlohmann::ordered_json& json,
     return failure(sound.error());
   }
   RunOptions options;
+  // runs whose options were recorded before there was a choice took every frame
+  options.lead_in = "keep";
   each_option(options, [&](const char* name, auto& value) {
     using Value = std::remove_cvref_t<decltype(value)>;
     if (!json.contains(name)) return;

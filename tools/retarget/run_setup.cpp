@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <system_error>
 #include <utility>
 
 #include "read_source.h"
@@ -232,9 +233,25 @@ Result<void> check_robot_choice(const RunOptions& options) {
   return {};
 }
 
+namespace {
+
+Result<void> check_model_file(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {};
+  const fs::path model = fs::path(path) / "model.xml";
+  return config_failure(
+      path, "expected a robot's model, found a directory",
+      fs::is_regular_file(model, ignored)
+          ? "--robot " + path + " takes a robot's folder; its model is " + model.string()
+          : "name the MJCF or URDF in it");
+}
+
+}  // namespace
+
 Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path& data_folder,
                                       Console& console, Soles soles) {
   std::string model = options.robot_xml, profile = options.robot_profile;
+  if (auto file = check_model_file(model); !file) return failure(file.error());
   if (model.empty()) {
     const auto found = find_robot(options.robot, data_folder / "robots");
     if (!found) return failure(found.error());

@@ -45,7 +45,7 @@ Result<std::string> hash_of_folder(const fs::path& folder) {
   if (!hasher) return failure(hasher.error());
   for (const fs::path& file : files) {
     const auto hash = hash_file(file.string(), ErrorKind::kConfig);
-    if (!hash) return hash;
+    if (!hash) return failure(hash.error());
     hasher->update(file.filename().string() + " " + *hash + "\n");
   }
   return hasher->finish();
@@ -72,6 +72,7 @@ Json found_json(const RunOptions& options, const ClipSetup& setup, const Source&
   found["scale"] = scale_name(choose_scale(source.human, *setup.robot, setup.tables, options));
   found["limits"] = setup.limits.name;
   found["fps"] = source.clip.rate().fps();
+  found["lead_in_frames"] = source.lead_in;
   Json doubts = Json::array();
   for (const Warning& doubt : calibration.mapping.doubts) doubts.push_back(doubt.message);
   found["doubts"] = doubts;

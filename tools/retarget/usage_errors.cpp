@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "retarget/base/data_folder.h"
 #include "retarget/base/suggest.h"
+#include "retarget/robot/find_robot.h"
 
 namespace retarget::cli {
 namespace {
@@ -60,10 +63,47 @@ Need need_of(const CLI::Option& option) {
 // commands that do nothing without a robot; others ask for it where they need one
 constexpr std::array<std::string_view, 3> kOfARobot = {"batch", "convert", "evaluate"};
 
+// a word that is no file but names a robot, where the command takes one and has none: `g1`
+std::string robot_among(const CLI::App& command, const std::vector<std::string>& words) {
+  const CLI::Option* option = command.get_option_no_throw("--robot");
+  if (option == nullptr || option->count() > 0 || is_given(command, "--robot-xml")) return {};
+  const bool has_folder = is_given(command, "--data-dir");
+  const auto folder = find_data_folder(
+      has_folder ? std::optional(command.get_option("--data-dir")->results().front())
+                 : std::nullopt);
+  if (!folder) return {};
+  const auto names_robot = [&](const std::string& word) {
+    return !is_there(word) && find_robot(word, *folder / "robots").has_value();
+  };
+  const auto found = std::ranges::find_if(words, names_robot);
+  return found == words.end() ? std::string() : *found;
+}
+
+// the command's help, after the option that was meant by a word that was given without
+std::string robot_or_options_hint(const CLI::App& command, const std::vector<std::string>& words) {
+  const std::string robot = robot_among(command, words);
+  return (robot.empty() ? "" : "did you mean --robot " + robot + "? ") + options_hint(command);
+}
+
+// those that are no option and belong to none
+std::vector<std::string> words_of(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional()) continue;
+    words.insert(words.end(), option->results().begin(), option->results().end());
+  }
+  return words;
+}
+
 std::vector<Need> needs_of(const CLI::App& command) {
   const std::string& name = command.get_name();
   const bool merges = is_given(command, "--merge");
   std::vector<Need> needs;
+  // what it compares has no better name than first and second
+  if (name == "compare" && !is_given(command, "b")) {
+    if (is_given(command, "a")) return {{"second motion file", "B, the other of the two"}};
+    return {{"motion files", "A and B, the two motion files to compare"}};
+  }
   if (name == "batch" && !merges && !is_given(command, "inputs") && !is_given(command, "--list")) {
     needs.push_back({"motion files", "IN..."});
   }
@@ -131,7 +171,9 @@ Result<void> check_given(const CLI::App& app) {
         call_of(command) + " needs one of the commands " + list_names(names, names.size()),
         call_of(command) + " --help says what they do");
   }
-  return check_needs(needs_of(command), options_hint(command));
+  const std::vector<Need> needs = needs_of(command);
+  if (needs.empty()) return {};
+  return check_needs(needs, robot_or_options_hint(command, words_of(command)));
 }
 
 Failure unknown_words(const CLI::App& app) {
@@ -147,7 +189,7 @@ Failure unknown_words(const CLI::App& app) {
   return usage_failure("unexpected " + list_names(words),
                        &command == &app ? "a run takes one motion file and one robot; "
                                           "retarget batch takes many files"
-                                        : options_hint(command));
+                                        : robot_or_options_hint(command, words));
 }
 
 Failure wrong_words(const CLI::App& app, const CLI::ParseError& error) {

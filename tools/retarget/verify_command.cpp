@@ -34,6 +34,12 @@ std::string text_of(const Json& json, const char* key) {
 }
 
 Result<Sidecar> read_sidecar(const std::string& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    return input_failure(
+        file, "expected the sidecar of a run, found a directory",
+        "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
+  }
   const auto content = read_file(file);
   if (!content) return failure(content.error());
   const Json json = Json::parse(content->view(), nullptr, false);
