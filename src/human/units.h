@@ -35,8 +35,8 @@ struct BodySize {
   std::optional<double> told_height;      ///< Metres.
 };
 
-/// The unit of a file: that of its kind where the hips are then a person's, else the known one in
-/// which they are. Where a told height is far off, or neither is so, the known unit in which the
+/// The unit of a file: that of its kind where the hips are then a person's, or the body is of 0.7 m
+/// and more; else the known one in which they are. Where a told height is far off, or neither is so, the known unit in which the
 /// body has about that height; where there is none such and no other, the length in which it has
 /// just that (`scaled`). Nothing where nothing tells.
 [[nodiscard]] std::optional<Unit> unit_of_body(const BodySize& size);
