@@ -21,8 +21,8 @@ struct UnitRange {
   const char* name;
   double metres, low, high;
 };
-// the unit of a kind is believed of bodies down to such a height; an adult of 1.75 m in inches would
-// be one of 0.69 m in centimetres
+// the unit of a kind is believed of bodies down to such a height; an adult of 1.75 m in inches
+// would be one of 0.69 m in centimetres
 constexpr double kLeastOfKind = 0.7;
 // of 46 units, a child of two in centimetres and a man of 2.2 m in inches, more is hardly seen
 constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.46, 1.4},
