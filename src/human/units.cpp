@@ -21,8 +21,9 @@ struct UnitRange {
   const char* name;
   double metres, low, high;
 };
-// what a kind's unit says is believed of bodies down to a child of 0.7 m
-constexpr double kLeastHipsOfKind = 0.37, kMostHipsOfKind = 1.4;
+// the unit of a kind is believed of bodies down to such a height; an adult of 1.75 m in inches
+// would be one of 0.69 m in centimetres
+constexpr double kLeastOfKind = 0.7;
 // of 46 units, a child of two in centimetres and a man of 2.2 m in inches, more is hardly seen
 constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.46, 1.4},
                                                {"dm", 0.1, 4.6, 13.0},
@@ -89,7 +90,9 @@ std::optional<Unit> unit_of_body(const BodySize& size) {
   std::optional<Unit> unit = guess_unit(size.hip_height);
   if (size.metres_per_unit) {
     const double hips = size.hip_height * *size.metres_per_unit;
-    if (hips >= kLeastHipsOfKind && hips < kMostHipsOfKind) {
+    const bool is_tall_enough =
+        hips >= kRanges[0].low || size.height * *size.metres_per_unit >= kLeastOfKind;
+    if (is_tall_enough && hips < kRanges[0].high) {
       unit = unit_of_length(*size.metres_per_unit);
     }
   }

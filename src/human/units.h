@@ -35,10 +35,10 @@ struct BodySize {
   std::optional<double> told_height;      ///< Metres.
 };
 
-/// The unit of a file: that of its kind where the hips are then a person's, else the known one in
-/// which they are. Where a told height is far off, or neither is so, the known unit in which the
-/// body has about that height; where there is none such and no other, the length in which it has
-/// just that (`scaled`). Nothing where nothing tells.
+/// The unit of a file: that of its kind where the hips are then a person's or the body is at least
+/// 0.7 m tall, else the known one in which they are a person's. Where a told height is far off, or
+/// neither is so, the known unit in which the body has about that height; where there is none such
+/// and no other, the length in which it has just that (`scaled`). Nothing where nothing tells.
 [[nodiscard]] std::optional<Unit> unit_of_body(const BodySize& size);
 
 /// The unit in which a body of this height (file units) is an average person, for what needs none;

@@ -50,7 +50,9 @@ TEST(UnitOfBody, IsThatOfItsKindWhereThatIsAPersons) {
 // a character of 0.78 m in centimetres would be a tall adult in inches
 TEST(UnitOfBody, IsThatOfItsKindForSmallChildren) {
   EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, {}})->name, "cm");
-  EXPECT_EQ(unit_of_body({37.4, 70.0, 0.01, {}})->name, "cm");
+  EXPECT_EQ(unit_of_body({37.4, 71.0, 0.01, {}})->name, "cm");
+  // an adult of 1.75 m in inches
+  EXPECT_EQ(unit_of_body({37.4, 69.0, 0.01, {}})->name, "inch");
   EXPECT_EQ(unit_of_body({41.7, 78.0, {}, {}})->name, "inch");
   EXPECT_EQ(unit_of_body({35.0, 65.0, 0.01, {}})->name, "inch");
   EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, 1.95})->name, "inch");
