@@ -17,7 +17,7 @@ constexpr double kMostArmPerLeg = 0.8;
 constexpr double kLeastShouldersPerTrunk = 0.4;
 constexpr double kMostFootPerLeg = 0.35;
 // cosines of the angle between trunk and legs: standing or lying, across, and what is never upright
-constexpr double kStretched = 0.85, kAcross = 0.5, kUpright = 0.3;
+constexpr double kStretched = 0.85, kAcross = 0.5, kRisen = 0.3;
 constexpr double kParallel = 0.7;
 // signs that come of poses alone, which a broken motion or a crawling human's file may have
 constexpr const char* kNarrow = "the shoulders are narrow";
@@ -163,7 +163,7 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
   const Posture posture = posture_of(source, map);
   const bool stands = source.poses.from_motion && posture.highest > kStretched;
   if (source.poses.from_motion && posture.median < kAcross) {
-    doubts.signs.emplace_back(posture.highest > kUpright
+    doubts.signs.emplace_back(posture.highest > kRisen
                                   ? "the trunk lies across the legs most of the time"
                                   : "the trunk never rises over the legs");
     add_signs_of_animal(source, map, leg, trunk, doubts);

@@ -65,8 +65,11 @@ class BadInput(ToolTest):
             3, "no frames")
 
     def test_skeleton_without_a_mapped_bone(self):
-        clip = self.write("clip.bvh", sample("wave").read_text().replace("LeftHand", "Pincer"))
-        self.assert_refused(self.retarget(bvh=clip), 3, "LeftHand", "Pincer", "RightHand")
+        clip = self.write("clip.bvh", sample("wave").read_text().replace("JOINT Head", "JOINT Pincer"))
+        mapping = (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text()
+        mapping = self.write("mapping.json", mapping.replace('"LeftHand"', '"Head"'))
+        self.assert_refused(self.retarget("--ik-config", mapping, bvh=clip), 3, "Head", "Pincer",
+                            "RightHand")
 
     def test_unreadable_file(self):
         if os.geteuid() == 0:
