@@ -31,7 +31,9 @@ int frames_to_leave_out(const Clip& clip, const RunOptions& options, Console& co
       options.lead_in == "keep" || (options.lead_in == "auto" && options.method == "gmr");
   if (keep || !options.frames.empty() || options.start_s >= 0.0) return 0;
   const int count = count_lead_in_frames(clip);
-  if (count == 0) return 0;
+  // an end among them is meant
+  const bool ends_there = options.end_s >= 0.0 && options.end_s * clip.rate().fps() < count;
+  if (count == 0 || ends_there) return 0;
   console.line("lead-in", count_text(count, "frame") +
                               " in front left out, from which the motion jumps away; "
                               "--lead-in keep takes " +
@@ -51,9 +53,7 @@ Result<Clip> choose_frames(Clip clip, const RunOptions& options, int lead_in) {
                                                     clip.rate(), clip.frame_count())
                          : frame_range_from_text(options.frames, clip.frame_count());
   if (!range) return failure(range.error());
-  // an end in the lead-in is meant
-  const int begin = range->end > lead_in ? std::max(range->begin, lead_in) : range->begin;
-  return cut(clip, begin, range->end);
+  return cut(clip, std::max(range->begin, lead_in), range->end);
 }
 
 // A frame of the output needs about so many bytes until the motion is written and measured. A few
