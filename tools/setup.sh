@@ -218,8 +218,9 @@ install_mujoco() {
   }
   mkdir -p "$deps"
   temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
-  # shellcheck disable=SC2064  # the name as it is now
-  trap "rm -rf -- '$temporary'" EXIT
+  # by a name that lives as long as the script: a path with quotes in it is no code
+  fetch_folder=$temporary
+  trap 'rm -rf -- "$fetch_folder"' EXIT
   # pip makes an interrupt an error of its own: without this, the second wheel would be tried
   trap 'exit 130' INT TERM
   say "fetching MuJoCo $kMujocoVersion (a Python wheel, used as an SDK) into build/deps/mujoco"
