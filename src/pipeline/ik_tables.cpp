@@ -170,6 +170,19 @@ const double* IkTables::find_scale(std::string_view bone) const {
   return found == scales.end() ? nullptr : &found->second;
 }
 
+const IkRow* IkTables::find_row(std::string_view bone) const {
+  const auto wanted = find_bone(bone);
+  const IkRow* found = nullptr;
+  for (const IkTable& table : tables) {
+    for (const IkRow& row : table.rows) {
+      if (row.bone != bone && (!wanted || find_bone(row.bone) != wanted)) continue;
+      if (row.has_weight()) return &row;
+      if (found == nullptr) found = &row;
+    }
+  }
+  return found;
+}
+
 namespace {
 
 IkTables read_tables(const Json& json, const std::string& file, Faults& faults) {

@@ -50,9 +50,11 @@ class RobotMeasure {
     std::vector<int> path;
     std::size_t lower = 0;  // where the lower bone's body is on it
   };
-  // middle of both sides' first joints, and the mean length of both sides
+  // middle of both sides' first joints, the way from the right one to the left one, and the mean
+  // length of both sides
   struct Pair {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    Eigen::Vector3d across = Eigen::Vector3d::Zero();
     double length = 0.0;
   };
 
@@ -72,12 +74,8 @@ class RobotMeasure {
 };
 
 std::optional<int> RobotMeasure::body_of(const std::string& bone) const {
-  for (const IkTable& table : tables_.tables) {
-    for (const IkRow& row : table.rows) {
-      if (row.bone == bone) return robot_.find_body(row.body);
-    }
-  }
-  return std::nullopt;
+  const IkRow* const row = tables_.find_row(bone);
+  return row == nullptr ? std::nullopt : robot_.find_body(row->body);
 }
 
 // where the axes of the joints on a part of a path come nearest to each other; without joints the
@@ -165,6 +163,7 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones
       ankles_.push_back(end.z());
     }
     pair.middle += 0.5 * first;
+    pair.across += (side == 0 ? 1.0 : -1.0) * first;
     pair.length += 0.5 * ((middle - first).norm() + (end - middle).norm());
   }
   return pair;
@@ -190,6 +189,9 @@ Result<RobotLimbs> RobotMeasure::measure() {
   const auto arms = measure_pair({arm_bones(kSides[0]), arm_bones(kSides[1])});
   if (!arms) return failure(arms.error());
   note("Hips", legs->middle);
+  limbs_.hip_centre = legs->middle;
+  limbs_.shoulder_centre = arms->middle;
+  limbs_.shoulder_line = arms->across;
   limbs_.lengths = {legs->length, arms->length, (arms->middle - legs->middle).norm()};
   const auto& [leg, arm, trunk] = limbs_.lengths;
   if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {

@@ -1,4 +1,6 @@
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "retarget/base/suggest.h"
@@ -38,11 +40,20 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
   return input_failure(clip_name, "a limb of the body has no length", kOtherScaleHint);
 }
 
+std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
+                                       const Robot& robot, const IkTables& tables,
+                                       const RobotLimbs& limbs) {
+  auto trunk = robot_trunk(robot, tables, limbs);
+  const IkRow* const hips = tables.find_row("Hips");
+  if (!trunk || hips == nullptr) return std::nullopt;
+  return TrunkAim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
+}
+
 }  // namespace
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
                                    const std::string& clip_name, const Robot& robot,
-                                   const IkTables& tables, HeightScale scale) {
+                                   const IkTables& tables, HeightScale scale, TrunkRule trunk) {
   const double height = scale == HeightScale::kPublished ? human.height : human.size;
   TargetBuilder targets(tables, height, scale);
   if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
@@ -53,7 +64,10 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   if (!limbs) return failure(limbs.error());
   const auto body = measured_human(human, poses, clip_name);
   if (!body) return failure(body.error());
-  return TargetBuilder(tables, *limbs, *body);
+  return TargetBuilder(tables, *limbs, *body,
+                       trunk == TrunkRule::kLines
+                           ? make_trunk_aim(human, poses, robot, tables, *limbs)
+                           : std::nullopt);
 }
 
 }  // namespace retarget

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/strayed_arms.h"
 #include "pipeline/target_stream.h"
 #include "retarget/base/suggest.h"
 #include "retarget/math/trigonometry.h"
@@ -46,11 +47,15 @@ class ClipSolver {
                                  std::span<const Pose> world_from_target);
   Result<void> settle_from_starts(int frame, const TargetBuilder& targets,
                                   std::span<const Pose> world_from_target);
+  Result<bool> find_way(int frame, const TargetBuilder& targets,
+                        std::span<const Pose> world_from_target, RetargetResult& result);
   Result<double> settle(int frame, std::span<const Pose> world_from_target);
   [[nodiscard]] std::vector<std::vector<double>> starts() const;
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
+  Result<void> solve_backwards(int from, int to, const HumanPoseSource& poses,
+                               const TargetBuilder& targets, RetargetResult& result);
 
   const std::string& clip_name_;
   const std::shared_ptr<const Robot>& robot_;
@@ -59,7 +64,8 @@ class ClipSolver {
   const RetargetOptions& options_;
   std::unique_ptr<IkSolver> solver_;
   int passes_ = 0;
-  std::vector<double> qpos_;  // of the latest frame
+  std::vector<double> qpos_;    // of the latest frame
+  std::vector<double> errors_;  // by frame
   double frame_time_ = 0.0;
   Eigen::Quaterniond root_target_ = Eigen::Quaterniond::Identity();  // of the latest frame
 };
@@ -68,7 +74,8 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
     return failure(checked.error());
   }
-  const auto made = make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale);
+  const auto made = make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale,
+                                 options_.trunk);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto problem = make_problem(robot_, tables_, targets, limits_);
@@ -80,7 +87,10 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   RetargetResult result;
   frame_time_ = human.rate.frame_time();
   result.clip = RobotClip(robot_, human.rate, human.frame_count);
-  TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
+  errors_.reserve(static_cast<std::size_t>(human.frame_count));
+  StrayedArms strayed(*problem, targets);
+  std::vector<int> new_ways{0};  // frames with another configuration than the one before leads to
+  TargetStream stream(human.frame_count, poses, targets, options_.targets_ahead);
   for (int frame = 0; frame < human.frame_count; ++frame) {
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
     const std::span<const Pose> world_from_target = stream.next();
@@ -90,6 +100,16 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
       }
     }
     if (auto solved = solve_frame(frame, world_from_target, result); !solved) {
+      return failure(solved.error());
+    }
+    if (!options_.settle || !strayed.seen(qpos_, world_from_target)) continue;
+    const auto better = find_way(frame, targets, world_from_target, result);
+    if (!better) return failure(better.error());
+    if (*better) new_ways.push_back(frame);
+  }
+  for (std::size_t i = 1; i < new_ways.size(); ++i) {
+    if (auto solved = solve_backwards(new_ways[i], new_ways[i - 1], poses, targets, result);
+        !solved) {
       return failure(solved.error());
     }
   }
@@ -214,11 +234,61 @@ Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from
   const auto steps = solve_passes(frame, world_from_target, error);
   if (!steps) return failure(steps.error());
   result.mean_error += error;
+  errors_.push_back(error);
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
   if (options_.frame_solved) options_.frame_solved(frame, qpos_);
   result.steps += *steps;
   result.most_steps = std::max(result.most_steps, *steps);
+  return {};
+}
+
+constexpr double kBetterWay = 0.98;  // of the error that the other way leaves
+
+// Looks for another configuration for a frame that is solved; true: there is a better one, and the
+// frame has it.
+Result<bool> ClipSolver::find_way(int frame, const TargetBuilder& targets,
+                                  std::span<const Pose> world_from_target, RetargetResult& result) {
+  double& error = errors_[static_cast<std::size_t>(frame)];
+  const std::vector<double> before = qpos_;
+  if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
+    return failure(settled.error());
+  }
+  double now = 0.0;
+  if (const auto solved = solve_passes(frame, world_from_target, now); !solved) {
+    return failure(solved.error());
+  }
+  if (!(now < kBetterWay * error)) {
+    qpos_ = before;
+    return false;
+  }
+  result.mean_error += now - error;
+  error = now;
+  if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
+  std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
+  return true;
+}
+
+// From a frame with a better configuration back to where both ways meet.
+Result<void> ClipSolver::solve_backwards(int from, int to, const HumanPoseSource& poses,
+                                         const TargetBuilder& targets, RetargetResult& result) {
+  std::vector<Pose> bones(kBoneCount);
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
+  std::ranges::copy(result.clip.qpos(from), qpos_.begin());
+  for (int frame = from - 1; frame > to; --frame) {
+    poses(frame, bones);
+    targets.build(bones, world_from_target);
+    double error = 0.0;
+    const auto steps = solve_passes(frame, world_from_target, error);
+    if (!steps) return failure(steps.error());
+    double& known = errors_[static_cast<std::size_t>(frame)];
+    if (!(error < kBetterWay * known)) break;
+    result.mean_error += error - known;
+    result.steps += *steps;
+    known = error;
+    keep_quaternion_sign(result.clip.qpos(frame), qpos_);
+    std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
+  }
   return {};
 }
 

@@ -5,18 +5,10 @@
 #include <ranges>
 #include <utility>
 
+#include "pipeline/limb_aim.h"
+
 namespace retarget {
 namespace {
-
-// the row whose offsets count for a bone: table 1 first, in use or not
-const IkRow* offsets_of(const IkTables& tables, int bone) {
-  for (const IkTable& table : tables.tables) {
-    for (const IkRow& row : table.rows) {
-      if (row.has_weight() && find_bone(row.bone) == bone) return &row;
-    }
-  }
-  return nullptr;
-}
 
 bool is_of_leg(std::string_view bone) {
   return std::ranges::any_of(std::array{"Leg", "Foot", "Toe", "FootMod"},
@@ -36,10 +28,11 @@ TargetBuilder::TargetBuilder(const IkTables& tables, double height, HeightScale 
 }
 
 TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
-                             const LimbLengths& human)
+                             const LimbLengths& human, std::optional<TrunkAim> trunk)
     : by_limbs_(true),
       leg_scale_(robot.lengths.leg / human.leg),
-      trunk_scale_(robot.lengths.trunk / human.trunk) {
+      trunk_scale_(robot.lengths.trunk / human.trunk),
+      trunk_(std::move(trunk)) {
   constexpr double kAnkleHeightPerLeg = 0.039 / 0.491;
   const double human_ankle = kAnkleHeightPerLeg * human.leg * leg_scale_;
   lift_ = robot.ankle_height.value_or(human_ankle) - human_ankle;
@@ -58,6 +51,42 @@ TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
       rule.scale = trunk_scale_;
     }
   }
+  if (trunk_) find_parts();
+}
+
+// what each rule's body is of a body that is aimed by its lines
+void TargetBuilder::find_parts() {
+  for (Rule& rule : rules_) {
+    const std::string name(kBoneNames[rule.bone]);
+    rule.of_arm = name.ends_with("Arm") || name.ends_with("Hand");
+    if (name == "Hips") rule.part = Part::kPelvis;
+    if (name == "Spine2") rule.part = Part::kTorso;
+    const std::string side = name.starts_with("Left") ? "Left" : "Right";
+    for (const auto& limb :
+         {std::array{"Arm", "ForeArm", "Hand"}, std::array{"UpLeg", "Leg", "Foot"}}) {
+      const bool upper = name == side + limb[0];
+      if (!upper && name != side + limb[1]) continue;
+      rule.part = upper ? Part::kUpperLimb : Part::kLowerLimb;
+      for (std::size_t i = 0; i < limb.size(); ++i)
+        rule.limb[i] = find_bone(side + limb[i]).value();
+    }
+  }
+}
+
+Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule,
+                                              std::span<const Pose> world_from_bone,
+                                              const std::optional<TrunkAim::Aimed>& aimed) const {
+  if (aimed && rule.part == Part::kPelvis) return aimed->world_from_pelvis;
+  if (aimed && rule.part == Part::kTorso) return aimed->world_from_torso;
+  if (rule.part == Part::kUpperLimb || rule.part == Part::kLowerLimb) {
+    const auto& [upper, lower, end] = rule.limb;
+    if (const auto limb =
+            aim_limb(world_from_bone[upper], world_from_bone[lower], world_from_bone[end])) {
+      const bool is_upper = rule.part == Part::kUpperLimb;
+      return ((is_upper ? limb->upper : limb->lower) * rule.bone_from_target).normalized();
+    }
+  }
+  return (world_from_bone[rule.bone].rotation.normalized() * rule.bone_from_target).normalized();
 }
 
 void TargetBuilder::add_rules(const IkTables& tables) {
@@ -69,7 +98,8 @@ void TargetBuilder::add_rules(const IkTables& tables) {
               .scale = 1.0,
               .position_offset = -ground,
               .bone_from_target = Eigen::Quaterniond::Identity()};
-    if (const IkRow* row = offsets_of(tables, bone)) {
+    // table 1 first, in use or not
+    if (const IkRow* row = tables.find_row(name); row != nullptr && row->has_weight()) {
       rule.position_offset += row->position_offset;
       rule.bone_from_target = row->rotation_offset;
     }
@@ -113,6 +143,9 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
                           std::span<Pose> world_from_target) const {
   const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
   const Eigen::Vector3d scaled_root = rules_.front().scale * root;
+  const auto aimed = trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
+  Eigen::Vector3d shoulders_moved = Eigen::Vector3d::Zero();
+  if (aimed) shoulders_moved = aimed->chord - trunk_scale_ * trunk_lines(world_from_bone).chord;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     const Pose& bone = world_from_bone[rule.bone];
@@ -122,8 +155,8 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
     } else if (i > 0) {
       scaled = rule.scale * (bone.translation - root) + scaled_root;
     }
-    const Eigen::Quaterniond rotation =
-        (bone.rotation.normalized() * rule.bone_from_target).normalized();
+    const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
+    if (aimed && rule.of_arm) scaled += shoulders_moved;
     world_from_target[i] = {rotation, scaled + rotation * rule.position_offset};
   }
 }

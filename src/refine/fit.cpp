@@ -401,6 +401,7 @@ Result<FitResult> Fit::run() {
   // the first stage also finds every fault of mapping and source
   RetargetOptions first_options = run_.retarget;
   first_options.settle = true;
+  first_options.trunk = TrunkRule::kLines;
   auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
                         first_limits(*robot_, limits_), first_options);
   if (!first) return failure(first.error());
@@ -412,7 +413,8 @@ Result<FitResult> Fit::run() {
     poser.pose(frame, world_from_bone);
   };
   const auto made =
-      make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale);
+      make_targets(info, poses, clip_name_, *robot_, tables_, first_options.height_scale,
+                   first_options.trunk);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto limbs = robot_limbs(*robot_, tables_);

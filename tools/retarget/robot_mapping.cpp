@@ -39,8 +39,9 @@ bool is_mapping_kind(const std::string& ik_config) {
   return ik_config == kPublished || ik_config == kDerived;
 }
 
-Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path& robot_folder,
-                                   const fs::path& data_folder, const std::string& robot) {
+Result<MappingFiles> find_mappings(const std::string& ik_config, const std::string& method,
+                                   const fs::path& robot_folder, const fs::path& data_folder,
+                                   const std::string& robot) {
   if (!ik_config.empty() && !is_mapping_kind(ik_config)) return MappingFiles{ik_config, {}};
   const fs::path own = robot_folder / "ik.json";
   const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
@@ -60,7 +61,8 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, const fs::path&
                                     " takes the one that there is, --ik-config FILE one of your own"
                               : kMappingHint);
   }
-  if (is_file(own) && is_file(published) && is_of_folder(robot_folder, data_folder / "robots")) {
+  if (method == "gmr" && is_file(own) && is_file(published) &&
+      is_of_folder(robot_folder, data_folder / "robots")) {
     return MappingFiles{published.string(), own.string()};
   }
   for (const fs::path& path : {own, published}) {

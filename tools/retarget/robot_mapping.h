@@ -19,12 +19,14 @@ struct MappingFiles {
 /// The mappings that --ik-config chooses.
 ///
 /// A robot may have two: `lafan1_to_NAME.json` in configs/, the published method's, and `ik.json`
-/// in its folder, derived from its model. With no choice the robots of the data folder keep the
-/// published one for LAFAN1, where results are compared with published ones; for other skeletons,
-/// and for robots of other folders, theirs comes first. kConfig error: there is none.
+/// in its folder, derived from its model. With no choice the latter comes first; but the published
+/// method keeps the published one for LAFAN1 and the robots of the data folder, where results are
+/// compared with published ones. kConfig error: there is none.
 /// @param ik_config  `published`, `derived`, a file, or nothing.
+/// @param method     `fit` or `gmr`.
 /// @param robot      name of the robot.
 [[nodiscard]] Result<MappingFiles> find_mappings(const std::string& ik_config,
+                                                 const std::string& method,
                                                  const std::filesystem::path& robot_folder,
                                                  const std::filesystem::path& data_folder,
                                                  const std::string& robot);

@@ -277,8 +277,9 @@ const IkTables& RobotMappings::for_source(const HumanSource& human) const {
 
 Result<RobotMappings> load_mappings(const RunOptions& options, const ChosenRobot& robot,
                                     const fs::path& data_folder) {
-  const auto files = find_mappings(options.ik_config, fs::path(robot.model).parent_path(),
-                                   data_folder, fs::path(robot.robot->name()).filename().string());
+  const auto files =
+      find_mappings(options.ik_config, options.method, fs::path(robot.model).parent_path(),
+                    data_folder, fs::path(robot.robot->name()).filename().string());
   if (!files) return failure(files.error());
   auto of_lafan1 = load_ik_tables(files->of_lafan1, robot.robot.get());
   if (!of_lafan1) return failure(of_lafan1.error());
@@ -295,8 +296,10 @@ HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkT
   if (options.scale == "table") return HeightScale::kPublished;
   if (options.scale == "height") return HeightScale::kNormalised;
   if (options.scale == "limbs") return HeightScale::kLimbs;
-  // the published method takes every body of LAFAN1 for one
-  if (human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
+  // the published method takes every body of LAFAN1 for one, and the tables that are made for it do
+  const bool as_published =
+      options.method == "gmr" || (!options.ik_config.empty() && options.ik_config != "derived");
+  if (as_published && human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
   const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
     return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
   });

@@ -52,6 +52,9 @@ struct IkTables {
   std::array<IkTable, 2> tables;
 
   [[nodiscard]] const double* find_scale(std::string_view bone) const;
+  /// The first row of a bone that has a weight, else the first one; null: none. Tables that are not
+  /// used count too.
+  [[nodiscard]] const IkRow* find_row(std::string_view bone) const;
 };
 
 /// Reads a mapping. Syntax errors come with line and column; wrong types, missing keys and

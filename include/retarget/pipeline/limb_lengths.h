@@ -31,6 +31,11 @@ struct RobotLimbs {
   std::array<Eigen::Vector3d, kBoneCount> body_from_joint;
   /// Of the ankles over the soles in the zero configuration, metres; nothing without soles.
   std::optional<double> ankle_height;
+  /// In the zero configuration, metres, world: the middles of both hips and both shoulders, and the
+  /// way from the right shoulder to the left one.
+  Eigen::Vector3d hip_centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shoulder_centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shoulder_line = Eigen::Vector3d::Zero();
 };
 
 /// What a user can do whose human or robot has no limbs to measure.

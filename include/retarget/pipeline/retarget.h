@@ -22,6 +22,7 @@ enum class IkEngine { kFast, kReference };
 struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   HeightScale height_scale = HeightScale::kPublished;
+  TrunkRule trunk = TrunkRule::kBones;
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing
   /// of the way there is left in the motion, and again every frame into which the root's target

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <functional>
+#include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@
 #include "retarget/math/pose.h"
 #include "retarget/pipeline/ik_tables.h"
 #include "retarget/pipeline/limb_lengths.h"
+#include "retarget/pipeline/trunk_aim.h"
+#include "retarget/pipeline/trunk_lines.h"
 
 namespace retarget {
 
@@ -26,6 +29,12 @@ enum class HeightScale : unsigned char {
   /// Not at all: legs, trunk and arms take the robot's lengths each, the table's scales are not
   /// used.
   kLimbs,
+};
+
+/// How pelvis and torso turn where limbs are scaled one by one (kLimbs).
+enum class TrunkRule : unsigned char {
+  kBones,  ///< As the bones Hips and Spine2, as published.
+  kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's (TrunkAim).
 };
 
 /// Where the robot's bodies should be: human bones, scaled about the root and offset.
@@ -43,8 +52,11 @@ enum class HeightScale : unsigned char {
 ///   legs, trunk, neck, head:   p' = h' + s (p - h) - q' c
 ///   forearms and hands:        p' = h' + s_trunk (p_Arm - h) + s_arm (p - p_Arm) - q' c
 /// the human's ankles standing at 0.0794 leg lengths (Drillis and Contini 1966), and then as above
-/// but without o_b, which makes up for the table's scales,
-/// where r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
+/// but without o_b, which makes up for the table's scales.
+/// Limb by limb, Hips and Spine2 may turn as a TrunkAim says instead, so that the robot's trunk leans
+/// as the human's; arms are then moved along with its shoulders, by the way between where s_trunk has
+/// the middle of the shoulders and where the robot's is.
+/// Here r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
 /// not use has those of table 2.
 class TargetBuilder {
  public:
@@ -52,7 +64,9 @@ class TargetBuilder {
   /// @param height  of the human body, metres.
   TargetBuilder(const IkTables& tables, double height, HeightScale scale = HeightScale::kPublished);
   /// Limb by limb.
-  TargetBuilder(const IkTables& tables, const RobotLimbs& robot, const LimbLengths& human);
+  /// @param trunk  how pelvis and torso turn; without: as the bones that they follow.
+  TargetBuilder(const IkTables& tables, const RobotLimbs& robot, const LimbLengths& human,
+                std::optional<TrunkAim> trunk = std::nullopt);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
   /// Bone of each target, an index into kBoneNames; the root first.
@@ -65,15 +79,23 @@ class TargetBuilder {
   void build(std::span<const Pose> world_from_bone, std::span<Pose> world_from_target) const;
 
  private:
+  enum class Part : unsigned char { kOther, kPelvis, kTorso, kUpperLimb, kLowerLimb };
   struct Rule {
     int bone;
     double scale;
-    int pivot = -1;                   // limb by limb: the upper arm of a forearm or hand
+    int pivot = -1;  // limb by limb: the upper arm of a forearm or hand
+    Part part = Part::kOther;
+    std::array<int, 3> limb = {-1, -1, -1};  // of a limb's part: bones from its root on
+    bool of_arm = false;
     Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
     Eigen::Quaterniond bone_from_target;
   };
   void add_rules(const IkTables& tables);
 
+  void find_parts();
+  [[nodiscard]] Eigen::Quaterniond rotation_of(const Rule& rule,
+                                               std::span<const Pose> world_from_bone,
+                                               const std::optional<TrunkAim::Aimed>& aimed) const;
   [[nodiscard]] Eigen::Vector3d scaled_limb(const Rule& rule,
                                             std::span<const Pose> world_from_bone) const;
 
@@ -82,22 +104,21 @@ class TargetBuilder {
   bool by_limbs_ = false;
   double leg_scale_ = 1.0, trunk_scale_ = 1.0;
   double lift_ = 0.0;  // metres
+  std::optional<TrunkAim> trunk_;
 };
-
-/// Fills the human's kBoneCount world poses of a frame; most callers ask for 0, 1, 2, ...
-using HumanPoseSource = std::function<void(int frame, std::span<Pose> world_from_bone)>;
 
 /// The targets of a human's clip under a way of scaling.
 ///
 /// Errors: a mapped bone that the clip lacks, for kLimbs also bones without which its limbs cannot
 /// be measured (kInput); a robot whose limbs cannot be (kConfig).
-/// @param poses      asked for frame 0 when limbs are measured.
+/// @param poses      asked for single frames when limbs are measured.
 /// @param clip_name  the clip's file, for messages.
 /// @param tables     checked by check_ik_tables.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses,
                                                  const std::string& clip_name, const Robot& robot,
-                                                 const IkTables& tables, HeightScale scale);
+                                                 const IkTables& tables, HeightScale scale,
+                                                 TrunkRule trunk = TrunkRule::kBones);
 
 /// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
 /// tables that are not used are left out.

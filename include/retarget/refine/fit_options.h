@@ -65,8 +65,8 @@ struct FitOptions {
                                  ///< velocity: times smoothing_time, per rad/s^2.
   double smoothness_arm = 2.15;
   double smoothness_wrist = 1.65;
-  double smoothness_root_position = 3.9;  ///< Per m/s.
-  double smoothness_root_rotation = 1.25;
+  double smoothness_root_position = 20.0;  ///< Per m/s.
+  double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
 
   double speed_soft = 8.4;     ///< rad/s; faster joints are slowed down.

@@ -1,0 +1,46 @@
+#include "pipeline/strayed_arms.h"
+
+#include <algorithm>
+
+#include "retarget/human/bones.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kAstray = 1.0471975511965976;  // 60 degrees
+constexpr int kFirstWait = 4;                   // frames
+
+}  // namespace
+
+StrayedArms::StrayedArms(const IkProblem& problem, const TargetBuilder& targets)
+    : robot_(*problem.robot),
+      world_from_body_(problem.robot->bodies().size()),
+      next_wait_(kFirstWait) {
+  if (problem.passes.empty()) return;
+  for (const char* bone : {"LeftArm", "RightArm"}) {
+    const int target = targets.target_of(find_bone(bone).value());
+    for (const FrameTask& task : problem.passes.back()) {
+      if (target >= 0 && task.target == target && task.rotation_weight > 0.0) {
+        arms_.push_back(task);
+      }
+    }
+  }
+}
+
+bool StrayedArms::seen(std::span<const double> qpos, std::span<const Pose> world_from_target) {
+  if (arms_.empty() || wait_-- > 0) return false;
+  wait_ = 0;
+  forward_kinematics(robot_, qpos, world_from_body_);
+  const bool astray = std::ranges::any_of(arms_, [&](const FrameTask& task) {
+    const Eigen::Quaterniond& body = world_from_body_[static_cast<std::size_t>(task.body)].rotation;
+    const Eigen::Quaterniond& target =
+        world_from_target[static_cast<std::size_t>(task.target)].rotation;
+    return log_so3(body.conjugate() * target).norm() > kAstray;
+  });
+  wait_ = astray ? next_wait_ : 0;
+  next_wait_ = astray ? 2 * next_wait_ : kFirstWait;
+  return astray;
+}
+
+}  // namespace retarget

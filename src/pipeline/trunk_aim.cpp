@@ -1,0 +1,264 @@
+#include "retarget/pipeline/trunk_aim.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/se3.h"
+#include "retarget/math/so3.h"
+#include "retarget/robot/limits.h"
+#include "retarget/robot/variant.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kAcrossWeight = 0.5;  // of residuals; the chord's is 1
+constexpr double kPelvisWeight = 0.2;
+constexpr double kSpare = 0.05;  // of a joint's range, kept free on either side
+constexpr std::size_t kMostJoints = 6;
+
+std::vector<int> path_to_world(const Robot& robot, int body) {
+  std::vector<int> path;
+  for (int at = body; at > 0; at = robot.bodies()[static_cast<std::size_t>(at)].parent) {
+    path.push_back(at);
+  }
+  return path;
+}
+
+using Waist = RobotTrunk::Waist;
+constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMostJoints);
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
+
+// the search for one frame: pelvis rotation and waist positions
+class Search {
+ public:
+  Search(const RobotTrunk& robot, const Eigen::Matrix3d& turn, const Eigen::Quaterniond& hips)
+      : robot_(robot),
+        wanted_chord_((turn * robot.lines.chord).normalized()),
+        wanted_across_((turn * robot.lines.across).normalized()),
+        hips_(hips),
+        pelvis_(hips) {
+    for (std::size_t i = 0; i < robot.waist.size(); ++i) {
+      positions_[i] = std::clamp(0.0, robot.waist[i].lower, robot.waist[i].upper);
+    }
+  }
+
+  void run() {
+    constexpr int kSteps = 12;
+    constexpr double kDone = 1e-10;  // radians
+    for (int step = 0; step < kSteps; ++step) {
+      update();
+      if (!(take_step() > kDone)) break;
+    }
+    update();
+  }
+
+  [[nodiscard]] const Eigen::Quaterniond& pelvis() const { return pelvis_; }
+  [[nodiscard]] Eigen::Quaterniond torso() const { return pelvis_ * waist_; }
+  [[nodiscard]] const Eigen::Vector3d& chord() const { return chord_; }
+
+ private:
+  [[nodiscard]] Eigen::Index size() const {
+    return 3 + static_cast<Eigen::Index>(robot_.waist.size());
+  }
+  void update();
+  double take_step();
+  void add(double weight, const Eigen::Vector3d& residual,
+           const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kSize>& jacobian);
+
+  const RobotTrunk& robot_;
+  Eigen::Vector3d wanted_chord_, wanted_across_;
+  Eigen::Quaterniond hips_, pelvis_;
+  Eigen::Quaterniond waist_ = Eigen::Quaterniond::Identity();  // pelvis from torso
+  std::array<double, kMostJoints> positions_{};
+  Eigen::Vector3d chord_, across_;                                 // world
+  std::array<Eigen::Vector3d, kMostJoints> axes_, chord_changes_;  // world, by joint
+  Matrix normal_;
+  Vector right_;
+};
+
+void Search::update() {
+  const std::size_t count = robot_.waist.size();
+  // from the torso's end: what a joint turns is all that comes behind it
+  Eigen::Vector3d chord = robot_.lines.chord;
+  std::array<Eigen::Vector3d, kMostJoints> levers;
+  waist_ = Eigen::Quaterniond::Identity();
+  for (std::size_t i = count; i-- > 0;) {
+    const Waist& joint = robot_.waist[i];
+    const Eigen::Quaterniond turn = exp_so3(joint.axis * positions_[i]);
+    levers[i] = turn * (chord - joint.anchor);
+    chord = joint.anchor + levers[i];
+    waist_ = turn * waist_;
+  }
+  Eigen::Quaterniond carrier = pelvis_;
+  for (std::size_t i = 0; i < count; ++i) {
+    axes_[i] = carrier * robot_.waist[i].axis;
+    chord_changes_[i] = axes_[i].cross(carrier * levers[i]);
+    carrier = carrier * exp_so3(robot_.waist[i].axis * positions_[i]);
+  }
+  chord_ = pelvis_ * chord;
+  across_ = pelvis_ * (waist_ * robot_.lines.across);
+}
+
+void Search::add(double weight, const Eigen::Vector3d& residual,
+                 const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kSize>& jacobian) {
+  normal_.noalias() += weight * weight * jacobian.transpose() * jacobian;
+  right_.noalias() -= weight * weight * jacobian.transpose() * residual;
+}
+
+// One Gauss-Newton step over the pelvis's rotation vector (world axes) and the joints that are not
+// held at the ends of their ranges; its largest component.
+double Search::take_step() {
+  const Eigen::Index size = this->size();
+  normal_.setZero(size, size);
+  right_.setZero(size);
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kSize> jacobian(3, size);
+  const auto of_line = [&](const Eigen::Vector3d& line, const auto& change) {
+    const double length = line.norm();
+    const Eigen::Vector3d unit = line / length;
+    const Eigen::Matrix3d across = (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length;
+    jacobian.leftCols<3>() = -across * skew(line);
+    for (std::size_t i = 0; i < robot_.waist.size(); ++i) {
+      jacobian.col(3 + static_cast<Eigen::Index>(i)) = across * change(i);
+    }
+    return unit;
+  };
+  const Eigen::Vector3d chord = of_line(chord_, [&](std::size_t i) { return chord_changes_[i]; });
+  add(1.0, chord - wanted_chord_, jacobian);
+  const Eigen::Vector3d across =
+      of_line(across_, [&](std::size_t i) { return Eigen::Vector3d(axes_[i].cross(across_)); });
+  add(kAcrossWeight, across - wanted_across_, jacobian);
+  const Eigen::Vector3d pelvis = log_so3(pelvis_ * hips_.conjugate());
+  jacobian.setZero();
+  jacobian.leftCols<3>().setIdentity();
+  add(kPelvisWeight, pelvis, jacobian);
+
+  // joints that the step would take out of their ranges are held, one after the other
+  std::array<bool, kMostJoints> held{};
+  Vector step(size);
+  constexpr double kDamping = 1e-9;
+  normal_.diagonal().array() += kDamping;
+  for (std::size_t round = 0; round <= robot_.waist.size(); ++round) {
+    step = normal_.llt().solve(right_);
+    bool changed = false;
+    for (std::size_t i = 0; i < robot_.waist.size(); ++i) {
+      const auto row = 3 + static_cast<Eigen::Index>(i);
+      if (held[i]) continue;
+      const double to = positions_[i] + step[row];
+      if (to >= robot_.waist[i].lower && to <= robot_.waist[i].upper) continue;
+      // it goes to the end of its range, and the others make up for it
+      const double end = std::clamp(to, robot_.waist[i].lower, robot_.waist[i].upper);
+      const double way = end - positions_[i];
+      right_ -= normal_.col(row) * way;
+      normal_.col(row).setZero();
+      normal_.row(row).setZero();
+      normal_(row, row) = 1.0;
+      right_[row] = way;
+      held[i] = changed = true;
+      break;
+    }
+    if (!changed) break;
+  }
+  pelvis_ = (exp_so3(step.head<3>()) * pelvis_).normalized();
+  for (std::size_t i = 0; i < robot_.waist.size(); ++i) {
+    positions_[i] = std::clamp(positions_[i] + step[3 + static_cast<Eigen::Index>(i)],
+                               robot_.waist[i].lower, robot_.waist[i].upper);
+  }
+  return step.cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables,
+                                      const RobotLimbs& limbs) {
+  const IkRow* const hips = tables.find_row("Hips");
+  const auto pelvis = hips == nullptr ? std::nullopt : robot.find_body(hips->body);
+  if (!pelvis) return std::nullopt;
+  // without a torso of its own, pelvis and torso are one
+  const IkRow* const spine = tables.find_row("Spine2");
+  const int torso = spine == nullptr ? *pelvis : robot.find_body(spine->body).value_or(*pelvis);
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  RobotTrunk trunk;
+  trunk.lines = {limbs.shoulder_centre - limbs.hip_centre, limbs.shoulder_line};
+  trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(*pelvis)].rotation;
+  trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
+
+  // from the pelvis up to the body that carries both, where joints turn what is above them
+  // backwards, and down to the torso
+  std::vector<int> up = path_to_world(robot, *pelvis), down = path_to_world(robot, torso);
+  while (!up.empty() && !down.empty() && up.back() == down.back()) {
+    up.pop_back();
+    down.pop_back();
+  }
+  std::ranges::reverse(down);
+  LimitSet limits = robot.model_limits();
+  hold_locked_joints(robot, limits);
+  const auto add = [&](const std::vector<int>& path, double sign) {
+    for (const int body : path) {
+      // several joints of a body turn it one after the other
+      std::vector<Waist> of_body;
+      for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+        const RobotJoint& joint = robot.joints()[j];
+        if (joint.body != body || joint.type != RobotJoint::Type::kHinge) continue;
+        const Pose& pose = world_from_body[static_cast<std::size_t>(body)];
+        const double zero =
+            robot.zero_configuration()[static_cast<std::size_t>(joint.qpos_address)];
+        const double spare = kSpare * (limits.upper[j] - limits.lower[j]);
+        Waist waist;
+        waist.axis = sign * (pose.rotation * joint.axis);
+        waist.anchor = pose * joint.anchor - limbs.hip_centre;
+        waist.lower = limits.lower[j] - zero + spare;
+        waist.upper = limits.upper[j] - zero - spare;
+        if (!(waist.lower < waist.upper)) continue;
+        of_body.push_back(waist);
+      }
+      if (sign < 0.0) std::ranges::reverse(of_body);
+      trunk.waist.insert(trunk.waist.end(), of_body.begin(), of_body.end());
+    }
+  };
+  add(up, -1.0);
+  add(down, 1.0);
+  if (trunk.waist.size() > kMostJoints) return std::nullopt;
+  return trunk;
+}
+
+TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
+                   const Eigen::Quaterniond& hips_to_pelvis)
+    : robot_(std::move(robot)) {
+  // the robot's zero configuration, turned to where the mapping has it in the T-pose
+  const Eigen::Quaterniond t_pose(canonical_t_pose(find_bone("Hips").value()));
+  const Eigen::Quaterniond turn =
+      (t_pose * hips_to_pelvis * robot_.world_from_pelvis.conjugate()).normalized();
+  for (Eigen::Vector3d* line : {&robot_.lines.chord, &robot_.lines.across}) *line = turn * *line;
+  for (Waist& waist : robot_.waist) {
+    waist.axis = turn * waist.axis;
+    waist.anchor = turn * waist.anchor;
+  }
+  robot_.world_from_pelvis = turn * robot_.world_from_pelvis;
+  robot_.world_from_torso = turn * robot_.world_from_torso;
+  const auto frame = trunk_frame(standing);
+  usable_ = frame && trunk_frame(robot_.lines);
+  if (usable_) standing_from_world_ = frame->transpose();
+}
+
+std::optional<TrunkAim::Aimed> TrunkAim::aim(std::span<const Pose> world_from_bone) const {
+  if (!usable_) return std::nullopt;
+  const auto frame = trunk_frame(trunk_lines(world_from_bone));
+  if (!frame) return std::nullopt;
+  const auto hips = static_cast<std::size_t>(find_bone("Hips").value());
+  const Eigen::Quaterniond t_pose(canonical_t_pose(static_cast<int>(hips)));
+  Search search(robot_, *frame * standing_from_world_,
+                world_from_bone[hips].rotation.normalized() * t_pose.conjugate());
+  search.run();
+  return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,
+               search.chord()};
+}
+
+}  // namespace retarget

@@ -1,0 +1,143 @@
+#include "retarget/pipeline/trunk_lines.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/statistics.h"
+#include "retarget/math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kShortest = 1e-6;  // metres, and of a sine
+constexpr double kDegree = 0.017453292519943295;
+// bend of the spine from which on, and at which, a clip's spine is bent as people's are
+constexpr double kStraightSpine = 3.0 * kDegree;
+constexpr double kCurvedSpine = 10.0 * kDegree;
+
+std::size_t bone(const std::string& name) {
+  return static_cast<std::size_t>(find_bone(name).value());
+}
+
+// turns from the T-pose to the bone's pose
+Eigen::Quaterniond turn_from_t_pose(std::span<const Pose> world_from_bone, std::size_t bone) {
+  const Eigen::Quaterniond t_pose(canonical_t_pose(static_cast<int>(bone)));
+  return world_from_bone[bone].rotation.normalized() * t_pose.conjugate();
+}
+
+// A human's trunk as a chain of bones, each piece of which is as long in every frame.
+class TrunkChain {
+ public:
+  explicit TrunkChain(const HumanClipInfo& human) {
+    const auto has = [&](const std::string& name) { return human.has(find_bone(name).value()); };
+    for (const char* name : {"Hips", "Spine", "Spine1", "Spine2"}) {
+      if (has(name)) spine_.push_back(bone(name));
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::string name = side == 0 ? "Left" : "Right";
+      if (has(name + "Shoulder")) shoulders_[side].push_back(bone(name + "Shoulder"));
+      shoulders_[side].push_back(bone(name + "Arm"));
+    }
+  }
+
+  /// The lines that the bones have in the T-pose, from what they have in a frame.
+  [[nodiscard]] TrunkLines in_t_pose(std::span<const Pose> bones) const {
+    const Eigen::Vector3d hips =
+        0.5 * (bones[bone("LeftUpLeg")].translation + bones[bone("RightUpLeg")].translation);
+    Eigen::Vector3d spine = Eigen::Vector3d::Zero(), from = hips;
+    for (std::size_t i = 1; i < spine_.size(); ++i) {
+      const Eigen::Vector3d& to = bones[spine_[i]].translation;
+      spine += turn_from_t_pose(bones, spine_[i - 1]).conjugate() * (to - from);
+      from = to;
+    }
+    std::array<Eigen::Vector3d, 2> ends;
+    for (std::size_t side = 0; side < 2; ++side) {
+      ends[side] = spine;
+      Eigen::Vector3d start = from;
+      std::size_t carrier = spine_.back();
+      for (const std::size_t next : shoulders_[side]) {
+        const Eigen::Vector3d& to = bones[next].translation;
+        ends[side] += turn_from_t_pose(bones, carrier).conjugate() * (to - start);
+        start = to;
+        carrier = next;
+      }
+    }
+    return {0.5 * (ends[0] + ends[1]), ends[0] - ends[1]};
+  }
+
+  /// How far the upper end of the spine is bent forward against the lower one, radians.
+  [[nodiscard]] double bend(std::span<const Pose> bones) const {
+    const Eigen::Vector3d up = turn_from_t_pose(bones, spine_.front()).conjugate() *
+                               (turn_from_t_pose(bones, spine_.back()) * Eigen::Vector3d::UnitZ());
+    return portable::atan2(up.x(), up.z());
+  }
+
+ private:
+  std::vector<std::size_t> spine_;                     // Hips first
+  std::array<std::vector<std::size_t>, 2> shoulders_;  // left, right: clavicle, arm
+};
+
+// a T-pose in which the chord leans back is brought to the vertical, by a share of the way
+void straighten(TrunkLines& lines, double share) {
+  const double back = -portable::atan2(lines.chord.x(), lines.chord.z());
+  if (!(back > 0.0)) return;
+  const auto [sine, cosine] = portable::sin_cos(share * back);
+  for (Eigen::Vector3d* line : {&lines.chord, &lines.across}) {
+    *line = {cosine * line->x() + sine * line->z(), line->y(),
+             cosine * line->z() - sine * line->x()};
+  }
+}
+
+}  // namespace
+
+TrunkLines trunk_lines(std::span<const Pose> world_from_bone) {
+  const auto at = [&](const char* name) -> const Eigen::Vector3d& {
+    return world_from_bone[bone(name)].translation;
+  };
+  return {0.5 * (at("LeftArm") + at("RightArm") - at("LeftUpLeg") - at("RightUpLeg")),
+          at("LeftArm") - at("RightArm")};
+}
+
+std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
+  const double length = lines.chord.norm();
+  if (!(length > kShortest)) return std::nullopt;
+  const Eigen::Vector3d up = lines.chord / length;
+  const Eigen::Vector3d forward = lines.across.cross(up);
+  const double clear = forward.norm();
+  if (!(clear > kShortest)) return std::nullopt;
+  Eigen::Matrix3d frame;
+  frame.col(0) = forward / clear;
+  frame.col(1) = up.cross(frame.col(0));
+  frame.col(2) = up;
+  return frame;
+}
+
+TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSource& poses) {
+  constexpr int kMostFrames = 100;
+  const int step = std::max(1, (human.frame_count + kMostFrames - 1) / kMostFrames);
+  const TrunkChain chain(human);
+  std::vector<Pose> bones(kBoneCount);
+  TrunkLines sum;
+  std::vector<double> bends;
+  for (int frame = 0; frame < human.frame_count; frame += step) {
+    poses(frame, bones);
+    const TrunkLines lines = chain.in_t_pose(bones);
+    sum.chord += lines.chord;
+    sum.across += lines.across;
+    bends.push_back(chain.bend(bones));
+  }
+  if (bends.empty()) return sum;
+  sum.chord /= static_cast<double>(bends.size());
+  sum.across /= static_cast<double>(bends.size());
+  const double curved =
+      (median(std::move(bends)) - kStraightSpine) / (kCurvedSpine - kStraightSpine);
+  straighten(sum, std::clamp(curved, 0.0, 1.0));
+  return sum;
+}
+
+}  // namespace retarget
