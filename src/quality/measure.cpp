@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "quality/at_limit_metrics.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
 #include "quality/flight_metrics.h"
@@ -101,6 +102,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   report.limits = limits.name;
   const Draft draft{clip, options, report};
   measure_joints(draft, limits);
+  measure_at_limits(draft, limits);
 
   const bool tracked = source != nullptr && source->tables != nullptr;
   const BodyTracks tracks = track_bodies(
