@@ -12,6 +12,7 @@
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
+#include "quality/soles_down.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/human/foot_contacts.h"
 #include "retarget/pipeline/limit_diagnosis.h"
@@ -113,7 +114,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     const int frames = std::min(clip.frame_count(), source->human->frame_count);
     report.source_frames = frames;
     const FootContacts contacts = contacts_of(*source->human, frames);
-    measure_contacts(draft, tracks, contacts, frames);
+    measure_contacts(draft, tracks, contacts_of_soles(*source->human, contacts), frames);
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
     if (scale) {
       measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);

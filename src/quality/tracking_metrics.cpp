@@ -277,17 +277,18 @@ void TrackingMeasure::measure_limbs() const {
   draft_.set("limb_angle_deg", mean(all), percentile(all, 95.0));
 }
 
-// nothing where a hip or a shoulder follows no bone
+// nothing where a hip or a shoulder follows no bone; as limbs, between origins where the tree does
+// not tell where joints are
 std::optional<RobotTrunk> TrackingMeasure::robot_trunk() const {
   const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
-  if (!limbs) return std::nullopt;
   RobotTrunk trunk;
   std::size_t next = 0;
   for (const std::string_view bone : kTrunkBones) {
     const Row* row = row_of(bone);
     if (row == nullptr) return std::nullopt;
     trunk.bodies[next] = row->body;
-    trunk.body_from_joint[next++] = limbs->body_from_joint[row->bone];
+    trunk.body_from_joint[next++] =
+        limbs ? limbs->body_from_joint[row->bone] : Vector3d(Vector3d::Zero());
   }
   return trunk;
 }
