@@ -12,9 +12,10 @@
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
-#include "quality/soles_down.h"
+#include "quality/stances.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/human/foot_contacts.h"
+#include "retarget/pipeline/limb_lengths.h"
 #include "retarget/pipeline/limit_diagnosis.h"
 
 namespace retarget {
@@ -106,6 +107,9 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   measure_at_limits(draft, limits);
 
   const bool tracked = source != nullptr && source->tables != nullptr;
+  if (tracked) {
+    if (const auto leg = robot_leg_length(clip.robot(), *source->tables)) report.leg = *leg;
+  }
   const BodyTracks tracks = track_bodies(
       clip, tracked ? tracked_bodies(clip.robot(), *source->tables) : std::vector<int>(),
       options.self_collision_stride);
@@ -114,7 +118,8 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     const int frames = std::min(clip.frame_count(), source->human->frame_count);
     report.source_frames = frames;
     const FootContacts contacts = contacts_of(*source->human, frames);
-    measure_contacts(draft, tracks, contacts_of_soles(*source->human, contacts), frames);
+    measure_contacts(draft, tracks, contacts, frames);
+    measure_stances(draft, tracks, stances_of(*source->human, contacts));
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
     if (scale) {
       measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);

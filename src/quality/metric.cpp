@@ -89,6 +89,13 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "PHUMA and OmniRetarget, contact preservation"},
     {"contact_kept_pct", "%", "Of those in which the source foot is planted: the robot's stands.",
      "OmniRetarget, contact preservation"},
+    {"stance_pct", "%",
+     "Feet and frames in which the source foot is planted on its sole: the direction that is up "
+     "when it stands at most 41 degrees from the vertical.",
+     kContacts},
+    {"stance_slip_mean", "m/s", "contact_slip_mean of these.", kOwn},
+    {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm of these.", kOwn},
+    {"stance_height_p50_cm", "cm", "contact_height_p50_cm of these.", kOwn},
     {"flights", "count",
      "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
      "rise and fall as in free fall.",

@@ -132,6 +132,7 @@ Json json_of(const QualityReport& report) {
   json["source"] = report.source.empty() ? Json() : Json(report.source);
   json["source_frames"] = report.source_frames;
   json["mapping"] = report.mapping.empty() ? Json() : Json(report.mapping);
+  json["leg_m"] = json_of(report.leg);
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},
                           {"assumed_rad_s", report.assumed_speed_limit}};

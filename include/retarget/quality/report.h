@@ -107,6 +107,7 @@ struct QualityReport {
   std::string source;            ///< The source clip's file, without folder; empty: none was given.
   std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
   int source_frames = 0;         ///< Frames of the motion that the source covers.
+  std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
   int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
   int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s

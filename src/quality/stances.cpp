@@ -1,4 +1,4 @@
-#include "quality/soles_down.h"
+#include "quality/stances.h"
 
 #include <array>
 #include <utility>
@@ -31,8 +31,8 @@ class Sole {
 
 }  // namespace
 
-FootContacts contacts_of_soles(const HumanClip& human, FootContacts contacts,
-                               const ContactOptions& options) {
+FootContacts stances_of(const HumanClip& human, FootContacts contacts,
+                        const ContactOptions& options) {
   for (int foot = 0; foot < 2; ++foot) {
     const Sole sole(human, foot);
     std::vector<ContactPhase> kept;
