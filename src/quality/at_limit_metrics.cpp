@@ -22,6 +22,16 @@ struct JointLimit {
   }
 };
 
+// what bends nothing but itself
+bool is_of_the_head(const std::string& joint) {
+  std::string name;
+  for (const char letter : joint) {
+    const bool capital = letter >= 'A' && letter <= 'Z';
+    name += capital ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return name.find("head") != std::string::npos || name.find("neck") != std::string::npos;
+}
+
 // A limit at which the joint is in the zero configuration bends nothing: straight knees, open
 // hands. What has no room is held.
 std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& limits) {
@@ -34,7 +44,7 @@ std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& li
     const double range = limits.upper[j] - limits.lower[j];
     const double near = joint.type == RobotJoint::Type::kHinge ? kNear : HUGE_VAL;
     const double reach = std::min(near, kNearShare * range);
-    if (!(range > 0.0) || !std::isfinite(reach)) continue;
+    if (!(range > 0.0) || !std::isfinite(reach) || is_of_the_head(joint.name)) continue;
     for (const bool upper : {false, true}) {
       const JointLimit limit{j, upper, upper ? limits.upper[j] : limits.lower[j], reach};
       if (!limit.reached(zero[joint.qpos_address])) found.push_back(limit);

@@ -18,7 +18,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"at_limit_pct", "%",
      "Frames with a joint within 0.01 rad, or a hundredth of its range where that is less, of a "
-     "limit, or beyond it; limits that it is at in the zero configuration left out.",
+     "limit, or beyond it; heads, and limits that it is at in the zero configuration, left out.",
      kOwn},
     {"joint_at_limit_pct", "%",
      "The same of the joint and limit with the most frames; `at_limit` names them.", kOwn},

@@ -103,6 +103,22 @@ TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
   EXPECT_EQ(limbs->ankle_height, std::nullopt);
 }
 
+TEST(RobotLegLength, NeedsNoArms) {
+  const auto robot = robot_from_text(kLimbed);
+  IkTables tables = limbed_tables();
+  EXPECT_EQ(robot_leg_length(*robot, tables).value(),
+            robot_limbs(*robot, tables).value().lengths.leg);
+  const auto leave_out = [&](std::string_view ending) {
+    std::erase_if(tables.tables[0].rows,
+                  [&](const IkRow& row) { return row.bone.ends_with(ending); });
+  };
+  leave_out("Hand");
+  EXPECT_FALSE(robot_limbs(*robot, tables));
+  EXPECT_NEAR(robot_leg_length(*robot, tables).value(), 0.30 + 0.25, 2e-3);
+  leave_out("FootMod");
+  EXPECT_FALSE(robot_leg_length(*robot, tables));
+}
+
 TEST(RobotLimbs, OfTheG1) {
   const auto robot = load_g1();
   const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");

@@ -27,11 +27,12 @@ constexpr const char* kJointed = R"(
       <body name="c"><joint name="knee" axis="0 1 0" range="0 2"/><geom/></body>
       <body name="d"><joint name="lift" type="slide" axis="0 0 1" range="-0.1 0.1"/><geom/></body>
       <body name="e"><joint name="wheel" axis="0 1 0"/><geom/></body>
+      <body name="f"><joint name="J1_HEAD_PITCH" axis="0 1 0" range="-1 1"/><geom/></body>
     </body>
   </worldbody>
 </mujoco>)";
 
-constexpr int kWaist = 7, kAnkle = 8, kKnee = 9, kLift = 10, kWheel = 11;
+constexpr int kWaist = 7, kAnkle = 8, kKnee = 9, kLift = 10, kWheel = 11, kHead = 12;
 
 using Movement = std::function<void(int frame, std::span<double> qpos)>;
 
@@ -92,6 +93,11 @@ TEST(AtLimit, IsNearByAHundredthOfANarrowRange) {
   };
   EXPECT_EQ(lifted(0.0975), 0.0);
   EXPECT_EQ(lifted(0.0985), 100.0);
+}
+
+TEST(AtLimit, LeavesOutHeads) {
+  const QualityReport report = measure(4, [](int, auto qpos) { qpos[kHead] = 1.0; });
+  EXPECT_EQ(figure(report, "at_limit_pct"), 0.0);
 }
 
 TEST(AtLimit, TakesAStraightKneeForNoFaultAndABentOneForOne) {

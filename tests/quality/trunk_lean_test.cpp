@@ -227,6 +227,17 @@ TEST_F(TrunkLeanTest, IsAMeanOverFramesAndNamesThoseThatAreFarOff) {
   EXPECT_NEAR(fault->amount, 36.0, 1e-9);
 }
 
+TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
+  IkTables tables = tables_;
+  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
+  const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
+  const QualitySource source{&human, &tables, HeightScale::kPublished};
+  const RobotClip clip(robot_, {30, 1}, human.frame_count);
+  const QualityReport report = measure_quality(clip, robot_->model_limits(), &source);
+  EXPECT_NEAR(error_of(report).value, 30.0, 1e-9);
+  EXPECT_NEAR(report.leg.value_or(0.0), 0.6, 1e-9);
+}
+
 TEST_F(TrunkLeanTest, IsLeftOutOfBodiesWithoutShoulders) {
   HumanClip human = standing();
   human.sources[find_bone("LeftArm").value()].clear();
