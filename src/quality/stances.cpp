@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kSoleDown = 0.75;  // height of a foot's up vector
 
-class Sole {
+class FootSole {
  public:
-  Sole(const HumanClip& human, int foot)
+  FootSole(const HumanClip& human, int foot)
       : human_(human),
         bone_(*find_bone(foot == 0 ? "LeftFoot" : "RightFoot")),
         up_in_foot_(canonical_t_pose(bone_).transpose() * Eigen::Vector3d::UnitZ()) {}
@@ -34,7 +34,7 @@ class Sole {
 FootContacts stances_of(const HumanClip& human, FootContacts contacts,
                         const ContactOptions& options) {
   for (int foot = 0; foot < 2; ++foot) {
-    const Sole sole(human, foot);
+    const FootSole sole(human, foot);
     std::vector<ContactPhase> kept;
     for (const ContactPhase& phase : contacts.phases[foot]) {
       for (int begin = phase.begin; begin < phase.end;) {

@@ -6,8 +6,10 @@
 #include <array>
 #include <new>
 #include <random>
+#include <string_view>
 
 #include "retarget/pipeline/targets.h"
+#include "support/limbed_tables.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -47,33 +49,6 @@ constexpr const char* kLimbed = R"(
     </body>
   </worldbody>
 </mujoco>)";
-
-IkTables limbed_tables() {
-  IkTables tables;
-  tables.file = "ik.json";
-  tables.robot_root = "pelvis";
-  tables.human_root = "Hips";
-  const auto follow = [&](const std::string& body, const std::string& bone) {
-    IkRow row;
-    row.body = body;
-    row.bone = bone;
-    row.position_weight = row.rotation_weight = 1.0;
-    tables.tables[0].rows.push_back(row);
-    tables.scales.emplace_back(bone, 1.0);
-  };
-  follow("pelvis", "Hips");
-  follow("torso", "Spine2");
-  for (const auto& [letter, side] : {std::pair("l_", "Left"), std::pair("r_", "Right")}) {
-    const std::string l = letter, s = side;
-    follow(l + "thigh", s + "UpLeg");
-    follow(l + "shin", s + "Leg");
-    follow(l + "foot", s + "FootMod");
-    follow(l + "arm", s + "Arm");
-    follow(l + "elbow", s + "ForeArm");
-    follow(l + "hand", s + "Hand");
-  }
-  return tables;
-}
 
 // a target that stands on what lay in memory makes the same input give other bytes
 TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {

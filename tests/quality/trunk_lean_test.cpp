@@ -11,6 +11,7 @@
 
 #include "retarget/human/canonical_pose.h"
 #include "retarget/quality/measure.h"
+#include "support/limbed_tables.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -47,33 +48,6 @@ constexpr const char* kLeaning = R"(
     </body>
   </worldbody>
 </mujoco>)";
-
-IkTables leaning_tables() {
-  IkTables tables;
-  tables.file = "ik.json";
-  tables.robot_root = "pelvis";
-  tables.human_root = "Hips";
-  tables.tables[0].used = true;
-  const auto follow = [&](const std::string& body, const std::string& bone) {
-    IkRow row;
-    row.body = body;
-    row.bone = bone;
-    row.position_weight = row.rotation_weight = 1.0;
-    tables.tables[0].rows.push_back(row);
-    tables.scales.emplace_back(bone, 1.0);
-  };
-  follow("pelvis", "Hips");
-  for (const auto& [letter, side] : {std::pair("l_", "Left"), std::pair("r_", "Right")}) {
-    const std::string l = letter, s = side;
-    follow(l + "thigh", s + "UpLeg");
-    follow(l + "shin", s + "Leg");
-    follow(l + "foot", s + "Foot");
-    follow(l + "arm", s + "Arm");
-    follow(l + "elbow", s + "ForeArm");
-    follow(l + "hand", s + "Hand");
-  }
-  return tables;
-}
 
 // where the joints of a standing human are; the shoulders 6 cm behind the hips
 Vector3d standing_place_of(std::string_view bone) {
@@ -156,7 +130,7 @@ class TrunkLeanTest : public ::testing::Test {
   }
 
   const std::shared_ptr<const Robot> robot_ = robot_from_text(kLeaning);
-  const IkTables tables_ = leaning_tables();
+  const IkTables tables_ = limbed_tables();
 };
 
 const MetricValue& error_of(const QualityReport& report) {
