@@ -204,6 +204,10 @@ class Output(ToolTest):
         *_, missed, verdict = self.retarget("--method", "gmr").stderr.splitlines()
         self.assertRegex(missed, r"^missed   .*stance_height_p50_cm [\d.]+ \(at most 0.3\)")
         self.assertRegex(verdict, r"^verdict  \d+ of 16 gates kept")
+        # small robots have small bounds: 0.002 m/s of legs of 0.632 m are 0.00073 of 0.231
+        small = self.run_tool("--bvh", sample("squat"), "--robot", "stanford_toddy", "--method",
+                              "gmr", "-o", "small.csv")
+        self.assertRegex(small.stderr, r"stance_slip_mean [\d.]+ \(at most 0.00073\)")
         # as evaluate says of the file
         told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"))
         self.assertIn(verdict.replace("verdict  ", "verdict  out.csv: "), told.stderr)

@@ -21,6 +21,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // two feet on legs of hinges, and balls above them that hinges bring into each other
 constexpr const char* kWalker = R"(
@@ -390,6 +391,20 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndNamesWhatMissed) {
   EXPECT_THAT(text, HasSubstr("still.csv  jump.csv"));
   EXPECT_THAT(text, HasSubstr("2 *"));
   EXPECT_THAT(text, HasSubstr("jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
+}
+
+TEST_F(MeasureQuality, TextTellsBothLeansWhereTheirGateIsMissed) {
+  QualityReport report;
+  report.values = {{find_metric("trunk_lean_error_deg"), 22.0, 30.0}};
+  report.trunk_lean = TrunkLean{.human = 25.5, .robot = 3.5};
+  Gates gates;
+  gates.set({"trunk_lean_error_deg", std::nullopt, 25.0});
+  gates.judge(report);
+  EXPECT_THAT(report_text({&report, 1}), Not(HasSubstr("leans")));
+  gates.set({"trunk_lean_error_deg", std::nullopt, 10.0});
+  gates.judge(report);
+  EXPECT_THAT(report_text({&report, 1}),
+              HasSubstr("on the mean the robot leans by 3.5 degrees, the human by 25.5"));
 }
 
 TEST(Metrics, KeysAreDistinctAndFound) {
