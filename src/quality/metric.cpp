@@ -119,8 +119,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
-     "from "
-     "hips to shoulders, each from its own standing pose. Mean and 95th percentile.",
+     "from hips to shoulders, each from its own standing pose. Mean and 95th percentile.",
      kOwn},
 });
 

@@ -1,6 +1,5 @@
 #include "quality/stances.h"
 
-#include <array>
 #include <utility>
 #include <vector>
 

@@ -7,8 +7,8 @@
 
 namespace retarget {
 
-/// A mapping of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot, l_arm, l_elbow, l_hand
-/// and r_ likewise.
+/// A mapping of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot, l_arm, l_elbow,
+/// l_hand and r_ likewise.
 inline IkTables limbed_tables() {
   IkTables tables;
   tables.file = "ik.json";

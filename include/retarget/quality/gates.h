@@ -27,8 +27,9 @@ class Gates {
   void clear() { gates_.clear(); }
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
 
-  /// Sets every gate of a file: JSON `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m":
-  /// NUMBER}, ...}}`; a number is a maximum, `null` removes the gate. Other members of the file are for people.
+  /// Sets every gate of a file: JSON
+  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`; a number is a
+  /// maximum, `null` removes the gate. Other members of the file are for people.
   /// kConfig errors name all faults, unknown metrics with the nearest one.
   [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
   [[nodiscard]] Result<void> add_file(const std::string& path);
