@@ -43,6 +43,7 @@ class RobotMeasure {
   }
 
   Result<RobotLimbs> measure();
+  Result<double> measure_leg();
 
  private:
   // the way to a limb's end
@@ -182,6 +183,15 @@ void RobotMeasure::find_ankle_height() {
   limbs_.ankle_height = 0.5 * (ankles_[0] + ankles_[1]) - lowest;
 }
 
+Result<double> RobotMeasure::measure_leg() {
+  const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
+  if (!legs) return failure(legs.error());
+  if (!(legs->length > 0.0)) {
+    return config_failure(tables_.file, "a leg of the robot has no length", kOtherScaleHint);
+  }
+  return legs->length;
+}
+
 Result<RobotLimbs> RobotMeasure::measure() {
   const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
   if (!legs) return failure(legs.error());
@@ -238,6 +248,10 @@ LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone) {
 
 Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables) {
   return RobotMeasure(robot, tables).measure();
+}
+
+Result<double> robot_leg_length(const Robot& robot, const IkTables& tables) {
+  return RobotMeasure(robot, tables).measure_leg();
 }
 
 }  // namespace retarget

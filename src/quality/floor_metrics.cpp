@@ -107,6 +107,10 @@ void add_phase(const Draft& draft, const SoleTrack& track, const ContactPhase& p
   figures.drifts.push_back(std::sqrt(drift2));
 }
 
+const std::vector<ContactPhase>& phases_of(const FootContacts& contacts, const SoleTrack& track) {
+  return contacts.phases[track.sole->side == "left" ? 0 : 1];
+}
+
 // whether the robot's foot stands, by its sole alone
 bool stands(const SoleTrack& track, int frame, int frames, double fps) {
   constexpr double kStill = 0.25;  // m/s
@@ -166,8 +170,7 @@ void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootCo
   figures.floating.assign(frames, 0);
   FaultList slipping("contact_slip_mean", "m/s"), floating("float_planted_pct", "m");
   for (const SoleTrack& track : tracks.soles) {
-    const auto& phases = contacts.phases[track.sole->side == "left" ? 0 : 1];
-    add_foot(draft, tracks, track, phases, figures, slipping);
+    add_foot(draft, tracks, track, phases_of(contacts, track), figures, slipping);
   }
   if (figures.asked == 0) return;
   int afloat = 0;
@@ -186,6 +189,23 @@ void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootCo
   draft.set("contact_slip_p95", percentile(std::move(figures.slips), 95.0));
   draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
   draft.set("contact_height_p50_cm", kInCm * median(std::move(figures.heights)));
+  slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
+}
+
+void measure_stances(const Draft& draft, const BodyTracks& tracks, const FootContacts& stances) {
+  ContactFigures figures;
+  FaultList slipping("stance_slip_mean", "m/s");
+  for (const SoleTrack& track : tracks.soles) {
+    for (const ContactPhase& phase : phases_of(stances, track)) {
+      add_phase(draft, track, phase, figures, slipping);
+    }
+  }
+  if (figures.slips.empty()) return;
+  draft.set("stance_pct",
+            percent(static_cast<double>(figures.heights.size()), 2.0 * draft.clip.frame_count()));
+  draft.set("stance_slip_mean", mean(figures.slips));
+  draft.set("stance_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
+  draft.set("stance_height_p50_cm", kInCm * median(std::move(figures.heights)));
   slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 

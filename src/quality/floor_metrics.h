@@ -14,4 +14,7 @@ void measure_bodies(const Draft& draft, const BodyTracks& tracks);
 void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootContacts& contacts,
                       int frames);
 
+/// Slip, drift and height of the robot's soles while the source's feet are on theirs.
+void measure_stances(const Draft& draft, const BodyTracks& tracks, const FootContacts& stances);
+
 }  // namespace retarget

@@ -25,16 +25,23 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
     gate.most = json.get<double>();
     return gate;
   }
-  const bool bounds =
-      json.is_object() && !json.empty() &&
-      std::ranges::all_of(json.items(), [](const auto& member) {
-        return (member.key() == "min" || member.key() == "max") && member.value().is_number();
+  const bool known =
+      json.is_object() && std::ranges::all_of(json.items(), [](const auto& member) {
+        const std::string& name = member.key();
+        return (name == "min" || name == "max" || name == "leg_m") && member.value().is_number();
       });
-  if (!bounds) {
+  if (!known || !(json.contains("min") || json.contains("max"))) {
     return config_failure("", "the gate on " + key +
                                   " must be a number, null or {\"min\": number, \"max\": number}, "
-                                  "found " +
+                                  "with \"leg_m\" or without, found " +
                                   short_text(json));
+  }
+  if (json.contains("leg_m")) {
+    gate.leg = json["leg_m"].get<double>();
+    if (!(*gate.leg > 0.0)) {
+      return config_failure("", "leg_m of the gate on " + key + " must be above 0, found " +
+                                    short_text(json["leg_m"]));
+    }
   }
   if (json.contains("min")) gate.least = json["min"].get<double>();
   if (json.contains("max")) gate.most = json["max"].get<double>();
@@ -82,11 +89,16 @@ void Gates::judge(QualityReport& report) const {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
     GateResult result{gate->metric, gate->least, gate->most, std::nullopt, true};
+    if (gate->leg && report.leg) {
+      const double size = *report.leg / *gate->leg;
+      if (result.least) *result.least *= size;
+      if (result.most) *result.most *= size;
+    }
     if (const MetricValue* found = report.find(metric.key)) {
       result.value = found->value;
       // written so that a figure that is no number misses
-      result.passed = (!gate->least || found->value >= *gate->least) &&
-                      (!gate->most || found->value <= *gate->most);
+      result.passed = (!result.least || found->value >= *result.least) &&
+                      (!result.most || found->value <= *result.most);
     }
     report.gates.push_back(result);
   }

@@ -6,13 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include "quality/at_limit_metrics.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
+#include "quality/stances.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/human/foot_contacts.h"
+#include "retarget/pipeline/limb_lengths.h"
 #include "retarget/pipeline/limit_diagnosis.h"
 
 namespace retarget {
@@ -101,8 +104,12 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   report.limits = limits.name;
   const Draft draft{clip, options, report};
   measure_joints(draft, limits);
+  measure_at_limits(draft, limits);
 
   const bool tracked = source != nullptr && source->tables != nullptr;
+  if (tracked) {
+    if (const auto leg = robot_leg_length(clip.robot(), *source->tables)) report.leg = *leg;
+  }
   const BodyTracks tracks = track_bodies(
       clip, tracked ? tracked_bodies(clip.robot(), *source->tables) : std::vector<int>(),
       options.self_collision_stride);
@@ -112,6 +119,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     report.source_frames = frames;
     const FootContacts contacts = contacts_of(*source->human, frames);
     measure_contacts(draft, tracks, contacts, frames);
+    measure_stances(draft, tracks, stances_of(*source->human, contacts));
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
     if (scale) {
       measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);

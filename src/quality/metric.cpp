@@ -16,6 +16,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"limit_pct", "%", "Frames with a joint beyond its limits by more than 1e-6 rad or m.", kOwn},
     {"limit_max_rad", "rad", "Largest amount by which a joint is beyond its limits; 0 within.",
      kOwn},
+    {"at_limit_pct", "%",
+     "Frames with a joint within 0.01 rad, or a hundredth of its range where that is less, of a "
+     "limit, or beyond it; heads, and limits that it is at in the zero configuration, left out.",
+     kOwn},
+    {"joint_at_limit_pct", "%",
+     "The same of the joint and limit with the most frames; `at_limit` names them.", kOwn},
     {"speed_limit_pct", "%",
      "Steps in which a joint is faster than its speed limit (by more than 1e-6 rad a step).",
      kNotes},
@@ -83,6 +89,13 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "PHUMA and OmniRetarget, contact preservation"},
     {"contact_kept_pct", "%", "Of those in which the source foot is planted: the robot's stands.",
      "OmniRetarget, contact preservation"},
+    {"stance_pct", "%",
+     "Feet and frames in which the source foot is planted on its sole: the direction that is up "
+     "when it stands at most 41 degrees from the vertical.",
+     kContacts},
+    {"stance_slip_mean", "m/s", "contact_slip_mean of these.", kOwn},
+    {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm of these.", kOwn},
+    {"stance_height_p50_cm", "cm", "contact_height_p50_cm of these.", kOwn},
     {"flights", "count",
      "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
      "rise and fall as in free fall.",
@@ -103,6 +116,10 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Angle between the robot's limbs (from joint to joint, a constant yaw removed) and the "
      "human's: "
      "thighs, shins, upper arms, forearms, trunk, hip and shoulder line. Mean and 95th percentile.",
+     kOwn},
+    {"trunk_lean_error_deg", "deg",
+     "Difference between the robot's lean and the human's: angle from the vertical of the line "
+     "from hips to shoulders, each from its own standing pose. Mean and 95th percentile.",
      kOwn},
 });
 

@@ -26,6 +26,24 @@ Json json_of(const LimitedJoint& joint) {
   return json;
 }
 
+Json json_of(const std::optional<TrunkLean>& lean) {
+  if (!lean) return {};
+  return {{"human_deg", lean->human},
+          {"robot_deg", lean->robot},
+          {"human_line_deg", lean->human_line},
+          {"robot_line_deg", lean->robot_line},
+          {"between_deg", lean->between},
+          {"human_standing_deg", lean->human_standing},
+          {"robot_standing_deg", lean->robot_standing}};
+}
+
+Json json_of(const std::optional<JointMostAtLimit>& most) {
+  if (!most) return {};
+  return {{"joint", most->joint},
+          {"side", most->at_upper ? "upper" : "lower"},
+          {"frames_pct", most->frames_pct}};
+}
+
 void add_lists(Json& json, const QualityReport& report) {
   json["limit_sets"] = Json::object();
   for (const LimitSetResult& set : report.limit_sets) {
@@ -55,6 +73,8 @@ void add_lists(Json& json, const QualityReport& report) {
     json["segments"].push_back(
         {{"name", segment.name}, {"mean_deg", segment.mean_deg}, {"p95_deg", segment.p95_deg}});
   }
+  json["trunk_lean"] = json_of(report.trunk_lean);
+  json["at_limit"] = json_of(report.at_limit);
 }
 
 Json json_of(const FitReport& fit) {
@@ -112,6 +132,7 @@ Json json_of(const QualityReport& report) {
   json["source"] = report.source.empty() ? Json() : Json(report.source);
   json["source_frames"] = report.source_frames;
   json["mapping"] = report.mapping.empty() ? Json() : Json(report.mapping);
+  json["leg_m"] = json_of(report.leg);
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},
                           {"assumed_rad_s", report.assumed_speed_limit}};

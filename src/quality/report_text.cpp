@@ -67,6 +67,10 @@ std::string missed_text(const QualityReport& report) {
     if (gate.passed) continue;
     text += report.file + ": " + gate.metric + " is " + text_of(*gate.value) + ", wanted " +
             bounds_of(gate) + "\n";
+    if (gate.metric == "trunk_lean_error_deg" && report.trunk_lean) {
+      text += "  on the mean the robot leans by " + text_of(report.trunk_lean->robot) +
+              " degrees, the human by " + text_of(report.trunk_lean->human) + "\n";
+    }
     int shown = 0;
     for (const Fault& fault : report.faults) {
       // both measures of self-collision list the faults of every frame

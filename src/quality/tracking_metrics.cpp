@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "quality/trunk_lean.h"
 #include "retarget/math/so3.h"
 #include "retarget/math/statistics.h"
 #include "retarget/math/trigonometry.h"
@@ -85,6 +86,7 @@ class TrackingMeasure {
   [[nodiscard]] std::vector<double> position_errors(const Row& row) const;
   [[nodiscard]] std::vector<double> rotation_errors(const Row& row) const;
   [[nodiscard]] const Row* row_of(std::string_view bone) const;
+  [[nodiscard]] std::optional<RobotTrunk> robot_trunk() const;
 
   const Draft& draft_;
   const BodyTracks& tracks_;
@@ -275,9 +277,28 @@ void TrackingMeasure::measure_limbs() const {
   draft_.set("limb_angle_deg", mean(all), percentile(all, 95.0));
 }
 
+// nothing where a hip or a shoulder follows no bone; as limbs, between origins where the tree does
+// not tell where joints are
+std::optional<RobotTrunk> TrackingMeasure::robot_trunk() const {
+  const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
+  RobotTrunk trunk;
+  std::size_t next = 0;
+  for (const std::string_view bone : kTrunkBones) {
+    const Row* row = row_of(bone);
+    if (row == nullptr) return std::nullopt;
+    trunk.bodies[next] = row->body;
+    trunk.body_from_joint[next++] =
+        limbs ? limbs->body_from_joint[row->bone] : Vector3d(Vector3d::Zero());
+  }
+  return trunk;
+}
+
 void TrackingMeasure::measure() const {
   measure_rows();
   measure_limbs();
+  if (const auto trunk = robot_trunk()) {
+    measure_trunk_lean(draft_, tracks_, *trunk, human_, robot_from_human_, frames_);
+  }
 }
 
 }  // namespace

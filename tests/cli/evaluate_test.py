@@ -102,6 +102,23 @@ class AgainstTheJudge(ToolTest):
             self.assertEqual(reported[key], motion[key], key)
 
 
+class Crawling(ToolTest):
+    """Feet on the instep, whose joints are as high as those of feet that stand."""
+
+    def test_soles_of_feet_that_lie_are_not_judged(self):
+        if not (LAFAN1 / "ground1_subject1.bvh").exists():
+            self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
+        bvh = self.write("crawl.bvh", cut_bvh("ground1_subject1", 300, 600))
+        result = self.retarget("--report", "run.json", bvh=bvh)
+        self.assert_done(result)
+        self.assertNotIn("missed   ", result.stderr)
+        motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+        # by their heights the feet stand, and no sole is near the floor
+        self.assertGreater(motion["contact_pct"], 20)
+        self.assertGreater(motion["contact_height_p50_cm"], 2)
+        self.assertNotIn("stance_height_p50_cm", motion)
+
+
 class PublishedFigures(ToolTest):
     """Figures measured on the published G1 data by others (numpy, the reference MJCF)."""
 

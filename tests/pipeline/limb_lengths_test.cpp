@@ -6,8 +6,10 @@
 #include <array>
 #include <new>
 #include <random>
+#include <string_view>
 
 #include "retarget/pipeline/targets.h"
+#include "support/limbed_tables.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -48,33 +50,6 @@ constexpr const char* kLimbed = R"(
   </worldbody>
 </mujoco>)";
 
-IkTables limbed_tables() {
-  IkTables tables;
-  tables.file = "ik.json";
-  tables.robot_root = "pelvis";
-  tables.human_root = "Hips";
-  const auto follow = [&](const std::string& body, const std::string& bone) {
-    IkRow row;
-    row.body = body;
-    row.bone = bone;
-    row.position_weight = row.rotation_weight = 1.0;
-    tables.tables[0].rows.push_back(row);
-    tables.scales.emplace_back(bone, 1.0);
-  };
-  follow("pelvis", "Hips");
-  follow("torso", "Spine2");
-  for (const auto& [letter, side] : {std::pair("l_", "Left"), std::pair("r_", "Right")}) {
-    const std::string l = letter, s = side;
-    follow(l + "thigh", s + "UpLeg");
-    follow(l + "shin", s + "Leg");
-    follow(l + "foot", s + "FootMod");
-    follow(l + "arm", s + "Arm");
-    follow(l + "elbow", s + "ForeArm");
-    follow(l + "hand", s + "Hand");
-  }
-  return tables;
-}
-
 // a target that stands on what lay in memory makes the same input give other bytes
 TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {
   alignas(RobotLimbs) std::array<unsigned char, sizeof(RobotLimbs)> memory;
@@ -101,6 +76,22 @@ TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
   EXPECT_LT((centre("RightFootMod") - Eigen::Vector3d(-0.03, 0, 0)).norm(), 2e-2);
   EXPECT_LT((centre("Hips") - Eigen::Vector3d(0, 0, -0.1)).norm(), 2e-3);
   EXPECT_EQ(limbs->ankle_height, std::nullopt);
+}
+
+TEST(RobotLegLength, NeedsNoArms) {
+  const auto robot = robot_from_text(kLimbed);
+  IkTables tables = limbed_tables();
+  EXPECT_EQ(robot_leg_length(*robot, tables).value(),
+            robot_limbs(*robot, tables).value().lengths.leg);
+  const auto leave_out = [&](std::string_view ending) {
+    std::erase_if(tables.tables[0].rows,
+                  [&](const IkRow& row) { return row.bone.ends_with(ending); });
+  };
+  leave_out("Hand");
+  EXPECT_FALSE(robot_limbs(*robot, tables));
+  EXPECT_NEAR(robot_leg_length(*robot, tables).value(), 0.30 + 0.25, 2e-3);
+  leave_out("FootMod");
+  EXPECT_FALSE(robot_leg_length(*robot, tables));
 }
 
 TEST(RobotLimbs, OfTheG1) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "retarget/base/file.h"
+#include "retarget/human/canonical_pose.h"
 #include "retarget/quality/gates.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
@@ -20,6 +21,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // two feet on legs of hinges, and balls above them that hinges bring into each other
 constexpr const char* kWalker = R"(
@@ -158,6 +160,40 @@ TEST_F(MeasureQuality, AFootThatSlidesWithATenthOfAMetrePerSecondReadsIt) {
   // 10 cm in the second, half of it to each side of the middle
   EXPECT_NEAR(figure(report, "contact_drift_p95_cm"), 5.0, 1e-9);
   EXPECT_EQ(figure(report, "contact_agreement_pct"), 100.0);
+}
+
+// turns the feet of a human from the T-pose
+void turn_feet(HumanClip& human, double angle) {
+  for (const char* name : {"LeftFoot", "RightFoot"}) {
+    const int bone = find_bone(name).value();
+    for (int i = 0; i < human.frame_count; ++i) {
+      human.world_from_bone[static_cast<std::size_t>(i) * kBoneCount + bone].rotation =
+          Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) *
+          Eigen::Quaterniond(canonical_t_pose(bone));
+    }
+  }
+}
+
+TEST_F(MeasureQuality, SolesAreJudgedWhereTheFootIsOnItsSole) {
+  HumanClip human = standing_human(30);
+  const auto slide_in_the_air = [](int frame, auto qpos) {
+    qpos[kX] = 0.1 * frame / 30.0;
+    qpos[kZ] = 0.51;
+  };
+  turn_feet(human, 0.0);
+  const QualityReport standing = measure(30, slide_in_the_air, &human);
+  EXPECT_EQ(figure(standing, "stance_pct"), 100.0);
+  EXPECT_NEAR(figure(standing, "stance_slip_mean"), 0.1, 1e-12);
+  EXPECT_NEAR(figure(standing, "stance_height_p50_cm"), 1.0, 1e-9);
+  EXPECT_EQ(figure(standing, "stance_drift_p95_cm"), figure(standing, "contact_drift_p95_cm"));
+  // a foot on its instep, its joints where those of one that stands are: of somebody who crawls
+  turn_feet(human, 2.0);
+  const QualityReport lying = measure(30, slide_in_the_air, &human);
+  EXPECT_EQ(figure(lying, "contact_pct"), 100.0);
+  for (const char* key :
+       {"stance_pct", "stance_slip_mean", "stance_drift_p95_cm", "stance_height_p50_cm"}) {
+    EXPECT_EQ(lying.find(key), nullptr) << key;
+  }
 }
 
 TEST_F(MeasureQuality, AFootThatHoversFloats) {
@@ -357,6 +393,20 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndNamesWhatMissed) {
   EXPECT_THAT(text, HasSubstr("jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
 }
 
+TEST_F(MeasureQuality, TextTellsBothLeansWhereTheirGateIsMissed) {
+  QualityReport report;
+  report.values = {{find_metric("trunk_lean_error_deg"), 22.0, 30.0}};
+  report.trunk_lean = TrunkLean{.human = 25.5, .robot = 3.5};
+  Gates gates;
+  gates.set({"trunk_lean_error_deg", std::nullopt, 25.0});
+  gates.judge(report);
+  EXPECT_THAT(report_text({&report, 1}), Not(HasSubstr("leans")));
+  gates.set({"trunk_lean_error_deg", std::nullopt, 10.0});
+  gates.judge(report);
+  EXPECT_THAT(report_text({&report, 1}),
+              HasSubstr("on the mean the robot leans by 3.5 degrees, the human by 25.5"));
+}
+
 TEST(Metrics, KeysAreDistinctAndFound) {
   for (const Metric& metric : quality_metrics()) {
     EXPECT_EQ(find_metric(metric.key), &metric);
@@ -403,6 +453,49 @@ TEST(GatesTest, JudgeByInclusiveBounds) {
   gates.judge(report);
   EXPECT_FALSE(report.gates[0].passed);
   EXPECT_FALSE(report.gates[1].passed);
+}
+
+TEST(GatesTest, BoundsGrowWithTheLegsThatTheyAreFor) {
+  Gates gates;
+  ASSERT_TRUE(gates.add_json(
+      R"({"gates": {"stance_slip_mean": {"max": 0.002, "leg_m": 0.6}, "jumps": 2,
+                    "stance_height_p50_cm": {"min": -0.3, "max": 0.3, "leg_m": 0.6}}})",
+      "g.json"));
+  QualityReport report;
+  report.values = {{find_metric("jumps"), 2.0, std::nullopt},
+                   {find_metric("stance_slip_mean"), 0.0015, std::nullopt},
+                   {find_metric("stance_height_p50_cm"), -0.2, std::nullopt}};
+  const auto bounds = [&](std::optional<double> leg) {
+    report.leg = leg;
+    gates.judge(report);
+    std::vector<std::optional<double>> found;
+    for (const GateResult& gate : report.gates) {
+      found.push_back(gate.least);
+      found.push_back(gate.most);
+    }
+    return found;
+  };
+  using Bounds = std::vector<std::optional<double>>;
+  EXPECT_EQ(bounds(0.6), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
+  EXPECT_TRUE(report.passed());
+  // legs half as long: half as much slip and height
+  EXPECT_EQ(bounds(0.3), Bounds({std::nullopt, 2.0, std::nullopt, 0.001, -0.15, 0.15}));
+  EXPECT_TRUE(report.gates[0].passed);
+  EXPECT_FALSE(report.gates[1].passed);
+  EXPECT_FALSE(report.gates[2].passed);
+  // legs that nobody measured: as written
+  EXPECT_EQ(bounds(std::nullopt), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
+}
+
+TEST(GatesTest, LegsMustHaveALength) {
+  Gates gates;
+  for (const char* gate :
+       {R"({"max": 1, "leg_m": 0})", R"({"max": 1, "leg_m": "long"})", R"({"leg_m": 0.6})"}) {
+    const auto done =
+        gates.add_json(std::string(R"({"gates": {"jumps": )") + gate + "}}", "g.json");
+    EXPECT_FALSE(done) << gate;
+  }
+  EXPECT_TRUE(gates.all().empty());
 }
 
 TEST(GatesTest, FaultsAreNamedAllAtOnce) {

@@ -1,6 +1,7 @@
 #include "run_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "read_source.h"
@@ -22,9 +23,20 @@ Result<Gates> default_gates(const fs::path& data_folder) {
 
 namespace {
 
+constexpr int kDecimals = 3, kMostDecimals = 9;
+
+// two digits at least that say something
+std::string bound_text(double bound) {
+  int decimals = kDecimals;
+  for (double size = std::abs(bound) * 1000.0;
+       size > 0.0 && size < 10.0 && decimals < kMostDecimals; size *= 10.0) {
+    ++decimals;
+  }
+  return number_text(bound, decimals);
+}
+
 // `jumps 3 (at most 0)`
 std::string missed_text(const GateResult& gate) {
-  constexpr int kDecimals = 3, kMostDecimals = 9;
   // written so that NaN is below every bound
   const bool too_little = gate.least && !(*gate.value >= *gate.least);
   const double bound = too_little ? *gate.least : *gate.most;
@@ -35,7 +47,7 @@ std::string missed_text(const GateResult& gate) {
     ++decimals;
   }
   return gate.metric + " " + number_text(*gate.value, decimals) +
-         (too_little ? " (at least " : " (at most ") + number_text(bound, kDecimals) + ")";
+         (too_little ? " (at least " : " (at most ") + bound_text(bound) + ")";
 }
 
 // without the ending that many models' joints have

@@ -37,7 +37,7 @@ struct RunReportInputs {
 
 /// The end of a run's summary: gates that were missed, with their figures, and in one line whether
 /// the gates were kept and which joint is at its limit most:
-/// `11 of 11 gates kept; waist_pitch at its limit in 46 % of frames`.
+/// `16 of 16 gates kept; waist_pitch at its limit in 46 % of frames`.
 /// @param file  the motion that it is about, where there may be several.
 void print_verdict(const QualityReport& report, Console& console, const std::string& file = {});
 

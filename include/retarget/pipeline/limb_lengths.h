@@ -60,4 +60,7 @@ inline constexpr const char* kOtherScaleHint = "scale with --scale table or heig
 /// limb has no length.
 [[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables);
 
+/// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.
+[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const IkTables& tables);
+
 }  // namespace retarget

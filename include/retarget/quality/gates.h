@@ -14,6 +14,9 @@ namespace retarget {
 struct Gate {
   std::string metric;  ///< Key.
   std::optional<double> least, most;
+  /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; those of
+  /// others are larger or smaller as their legs are. Nothing: for every robot.
+  std::optional<double> leg = std::nullopt;
 };
 
 /// Gates, at most one for each metric.
@@ -24,8 +27,9 @@ class Gates {
   void clear() { gates_.clear(); }
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
 
-  /// Sets every gate of a file: JSON `{"gates": {KEY: {"min": NUMBER, "max": NUMBER}, ...}}`; a
-  /// number is a maximum, `null` removes the gate. Other members of the file are for people.
+  /// Sets every gate of a file: JSON
+  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`; a number is a
+  /// maximum, `null` removes the gate. Other members of the file are for people.
   /// kConfig errors name all faults, unknown metrics with the nearest one.
   [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
   [[nodiscard]] Result<void> add_file(const std::string& path);

@@ -45,6 +45,25 @@ struct SegmentAngle {
   double mean_deg = 0.0, p95_deg = 0.0;
 };
 
+/// How far trunks are from upright; means, degrees. The lean is the angle between the vertical and
+/// the direction that is vertical when the body stands, carried by its trunk.
+struct TrunkLean {
+  double human = 0.0, robot = 0.0;
+  /// Of the bare line from the middle of the hips to the middle of the shoulders,
+  double human_line = 0.0, robot_line = 0.0;
+  /// Between both directions, a constant yaw removed.
+  double between = 0.0;
+  /// Of the line when the body stands.
+  double human_standing = 0.0, robot_standing = 0.0;
+};
+
+/// The joint that is at a limit in the most frames.
+struct JointMostAtLimit {
+  std::string joint;
+  bool at_upper = false;
+  double frames_pct = 0.0;
+};
+
 /// A joint that stands at a limit in many frames, and what pushes it there.
 struct LimitedJoint {
   std::string joint;
@@ -88,6 +107,7 @@ struct QualityReport {
   std::string source;            ///< The source clip's file, without folder; empty: none was given.
   std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
   int source_frames = 0;         ///< Frames of the motion that the source covers.
+  std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
   int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
   int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s
@@ -95,6 +115,8 @@ struct QualityReport {
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
+  std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
+  std::optional<JointMostAtLimit> at_limit;  ///< Nothing: no joint ever is.
   /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
   std::vector<LimitedJoint> limited_joints;
   /// Of a motion that was fitted just now: what its terms cost, and what had to be bounded.

@@ -1,0 +1,106 @@
+#include "quality/at_limit_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+// one end of a joint's range
+struct JointLimit {
+  int joint = 0;  // of the robot's joints
+  bool upper = false;
+  double bound = 0.0;
+  double reach = 0.0;  // this near to it counts, rad or m
+
+  [[nodiscard]] bool reached(double position) const {
+    return (upper ? bound - position : position - bound) <= reach;
+  }
+};
+
+// what bends nothing but itself
+bool is_of_the_head(const std::string& joint) {
+  std::string name;
+  for (const char letter : joint) {
+    const bool capital = letter >= 'A' && letter <= 'Z';
+    name += capital ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return name.find("head") != std::string::npos || name.find("neck") != std::string::npos;
+}
+
+// A limit at which the joint is in the zero configuration bends nothing: straight knees, open
+// hands. What has no room is held.
+std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& limits) {
+  constexpr double kNear = 0.01;       // rad
+  constexpr double kNearShare = 0.01;  // of the range
+  const std::vector<double> zero = robot.zero_configuration();
+  std::vector<JointLimit> found;
+  for (const int j : robot.output_joints()) {
+    const RobotJoint& joint = robot.joints()[j];
+    const double range = limits.upper[j] - limits.lower[j];
+    const double near = joint.type == RobotJoint::Type::kHinge ? kNear : HUGE_VAL;
+    const double reach = std::min(near, kNearShare * range);
+    if (!(range > 0.0) || !std::isfinite(reach) || is_of_the_head(joint.name)) continue;
+    for (const bool upper : {false, true}) {
+      const JointLimit limit{j, upper, upper ? limits.upper[j] : limits.lower[j], reach};
+      if (!limit.reached(zero[joint.qpos_address])) found.push_back(limit);
+    }
+  }
+  return found;
+}
+
+// the frames that a joint is at a limit
+struct Stay {
+  int frames = 0;
+  int begin = 0, end = 0;  // the longest time on end
+};
+
+Stay stay_at(const JointLimit& limit, const RobotClip& clip, std::vector<char>& any) {
+  const int at = clip.robot().joints()[limit.joint].qpos_address;
+  Stay stay;
+  int begin = 0;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    if (!limit.reached(clip.qpos(frame)[at])) {
+      begin = frame + 1;
+      continue;
+    }
+    any[frame] = 1;
+    ++stay.frames;
+    if (frame + 1 - begin > stay.end - stay.begin) {
+      stay.begin = begin;
+      stay.end = frame + 1;
+    }
+  }
+  return stay;
+}
+
+}  // namespace
+
+void measure_at_limits(const Draft& draft, const LimitSet& limits) {
+  constexpr std::size_t kNamed = 3;
+  const RobotClip& clip = draft.clip;
+  std::vector<char> any(clip.frame_count(), 0);
+  std::vector<std::pair<Stay, JointLimit>> stays;
+  for (const JointLimit& limit : limits_that_count(clip.robot(), limits)) {
+    const Stay stay = stay_at(limit, clip, any);
+    if (stay.frames > 0) stays.emplace_back(stay, limit);
+  }
+  std::ranges::stable_sort(stays, std::greater(), [](const auto& s) { return s.first.frames; });
+  const auto share = [&clip](int frames) { return percent(frames, clip.frame_count()); };
+  for (std::size_t i = 0; i < std::min(kNamed, stays.size()); ++i) {
+    const auto& [stay, limit] = stays[i];
+    const std::string& name = clip.robot().joints()[limit.joint].name;
+    draft.report.faults.push_back({"joint_at_limit_pct", name, stay.begin, stay.end, stay.begin,
+                                   share(stay.frames), "% of frames"});
+    if (i == 0) draft.report.at_limit = {name, limit.upper, share(stay.frames)};
+  }
+  draft.set("at_limit_pct", percent(static_cast<double>(std::ranges::count(any, 1)),
+                                    static_cast<double>(any.size())));
+  draft.set("joint_at_limit_pct", stays.empty() ? 0.0 : share(stays.front().first.frames));
+}
+
+}  // namespace retarget

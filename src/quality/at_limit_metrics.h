@@ -1,0 +1,11 @@
+#pragma once
+
+#include "quality/draft.h"
+#include "retarget/robot/limits.h"
+
+namespace retarget {
+
+/// In how many frames joints stand at a limit, and which one most.
+void measure_at_limits(const Draft& draft, const LimitSet& limits);
+
+}  // namespace retarget

@@ -1,0 +1,112 @@
+// Joints at their limits, in motions that can be counted by hand.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <vector>
+
+#include "retarget/quality/measure.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+// a waist with a range of one radian to each side, an ankle with a narrow one, a knee that is at
+// its limit when the robot stands, a slide, a joint without limits
+constexpr const char* kJointed = R"(
+<mujoco>
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default><geom size="0.02" mass="1"/></default>
+  <worldbody>
+    <body name="base"><freejoint/><geom/>
+      <body name="a"><joint name="waist" axis="0 1 0" range="-1 1"/><geom/></body>
+      <body name="b"><joint name="ankle" axis="0 1 0" range="-0.2 0.2"/><geom/></body>
+      <body name="c"><joint name="knee" axis="0 1 0" range="0 2"/><geom/></body>
+      <body name="d"><joint name="lift" type="slide" axis="0 0 1" range="-0.1 0.1"/><geom/></body>
+      <body name="e"><joint name="wheel" axis="0 1 0"/><geom/></body>
+      <body name="f"><joint name="J1_HEAD_PITCH" axis="0 1 0" range="-1 1"/><geom/></body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+constexpr int kWaist = 7, kAnkle = 8, kKnee = 9, kLift = 10, kWheel = 11, kHead = 12;
+
+using Movement = std::function<void(int frame, std::span<double> qpos)>;
+
+QualityReport measure(int frames, const Movement& movement) {
+  const auto robot = robot_from_text(kJointed);
+  RobotClip clip(robot, {30, 1}, frames);
+  for (int frame = 0; frame < frames; ++frame) movement(frame, clip.qpos(frame));
+  return measure_quality(clip, robot->model_limits());
+}
+
+double figure(const QualityReport& report, std::string_view key) {
+  const MetricValue* found = report.find(key);
+  EXPECT_NE(found, nullptr) << key;
+  return found == nullptr ? -1.0 : found->value;
+}
+
+TEST(AtLimit, IsNoneOfARobotThatStands) {
+  const QualityReport report = measure(10, [](int, auto qpos) { qpos[kWheel] = 100.0; });
+  EXPECT_EQ(figure(report, "at_limit_pct"), 0.0);
+  EXPECT_EQ(figure(report, "joint_at_limit_pct"), 0.0);
+  EXPECT_FALSE(report.at_limit);
+}
+
+TEST(AtLimit, CountsFramesOfAnyJointAndOfTheWorst) {
+  // the waist in frames 0-3, 6 and 7, the ankle in 2-4
+  const QualityReport report = measure(10, [](int frame, auto qpos) {
+    qpos[kWaist] = frame < 4 || frame == 6 || frame == 7 ? 0.995 : 0.98;
+    qpos[kAnkle] = frame >= 2 && frame <= 4 ? -0.199 : -0.19;
+  });
+  EXPECT_DOUBLE_EQ(figure(report, "at_limit_pct"), 70.0);
+  EXPECT_DOUBLE_EQ(figure(report, "joint_at_limit_pct"), 60.0);
+  ASSERT_TRUE(report.at_limit);
+  EXPECT_EQ(report.at_limit->joint, "waist");
+  EXPECT_TRUE(report.at_limit->at_upper);
+  EXPECT_DOUBLE_EQ(report.at_limit->frames_pct, 60.0);
+  // the longest time on end, and the share of all
+  std::vector<Fault> faults;
+  std::ranges::copy_if(report.faults, std::back_inserter(faults),
+                       [](const Fault& fault) { return fault.metric == "joint_at_limit_pct"; });
+  ASSERT_EQ(faults.size(), 2U);
+  EXPECT_EQ(faults[0].where, "waist");
+  EXPECT_EQ(faults[0].begin, 0);
+  EXPECT_EQ(faults[0].end, 4);
+  EXPECT_DOUBLE_EQ(faults[0].amount, 60.0);
+  EXPECT_EQ(faults[1].where, "ankle");
+}
+
+TEST(AtLimit, IsNearByAHundredthOfANarrowRange) {
+  // 0.004 rad of 0.4, and not 0.01
+  const auto at = [](double ankle) {
+    return figure(measure(4, [&](int, auto qpos) { qpos[kAnkle] = ankle; }), "at_limit_pct");
+  };
+  EXPECT_EQ(at(0.1955), 0.0);
+  EXPECT_EQ(at(0.1965), 100.0);
+  EXPECT_EQ(at(0.3), 100.0);
+  const auto lifted = [](double lift) {
+    return figure(measure(4, [&](int, auto qpos) { qpos[kLift] = lift; }), "at_limit_pct");
+  };
+  EXPECT_EQ(lifted(0.0975), 0.0);
+  EXPECT_EQ(lifted(0.0985), 100.0);
+}
+
+TEST(AtLimit, LeavesOutHeads) {
+  const QualityReport report = measure(4, [](int, auto qpos) { qpos[kHead] = 1.0; });
+  EXPECT_EQ(figure(report, "at_limit_pct"), 0.0);
+}
+
+TEST(AtLimit, TakesAStraightKneeForNoFaultAndABentOneForOne) {
+  const auto at = [](double knee) {
+    return figure(measure(4, [&](int, auto qpos) { qpos[kKnee] = knee; }), "joint_at_limit_pct");
+  };
+  EXPECT_EQ(at(0.0), 0.0);
+  EXPECT_EQ(at(1.995), 100.0);
+}
+
+}  // namespace
+}  // namespace retarget

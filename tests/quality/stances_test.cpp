@@ -1,0 +1,88 @@
+// Feet that stand, and feet that lie where others stand.
+
+#include "quality/stances.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <numbers>
+
+#include "retarget/human/canonical_pose.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// degrees by which a foot is turned about an axis of the world
+using Turn = std::function<double(int frame)>;
+
+HumanClip human_with_left_foot(int frames, const Eigen::Vector3d& axis, const Turn& turn) {
+  HumanClip human;
+  human.rate = {30, 1};
+  human.frame_count = frames;
+  human.sources.assign(kBoneCount, "joint");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  for (int frame = 0; frame < frames; ++frame) {
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      Eigen::Quaterniond rotation(canonical_t_pose(bone));
+      if (kBoneNames[static_cast<std::size_t>(bone)] == "LeftFoot") {
+        const double angle = turn(frame) * std::numbers::pi / 180.0;
+        rotation = Eigen::AngleAxisd(angle, axis) * rotation;
+      }
+      human
+          .world_from_bone[static_cast<std::size_t>(frame) * kBoneCount +
+                           static_cast<std::size_t>(bone)]
+          .rotation = rotation;
+    }
+  }
+  return human;
+}
+
+FootContacts planted(int begin, int end) {
+  FootContacts contacts;
+  contacts.phases[0] = {{begin, end}};
+  contacts.phases[1] = {{begin, end}};
+  return contacts;
+}
+
+TEST(Stances, AreTheContactsOfFeetThatStand) {
+  const HumanClip human =
+      human_with_left_foot(30, Eigen::Vector3d::UnitY(), [](int) { return 40.0; });
+  const FootContacts found = stances_of(human, planted(3, 20));
+  EXPECT_THAT(found.phases[0], ElementsAre(ContactPhase{3, 20}));
+  EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
+}
+
+TEST(Stances, AreNoneOfFeetOnTheInstepOrTheEdge) {
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0)}) {
+    for (const double angle : {45.0, 90.0, 170.0}) {
+      const HumanClip human = human_with_left_foot(30, axis, [&](int) { return angle; });
+      const FootContacts found = stances_of(human, planted(3, 20));
+      EXPECT_THAT(found.phases[0], IsEmpty()) << axis.transpose() << ", " << angle;
+      EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
+    }
+  }
+  // however the body faces
+  const HumanClip turned =
+      human_with_left_foot(30, Eigen::Vector3d::UnitZ(), [](int frame) { return 12.0 * frame; });
+  EXPECT_THAT(stances_of(turned, planted(3, 20)).phases[0], ElementsAre(ContactPhase{3, 20}));
+}
+
+TEST(Stances, ArePartsOfContactsUnlessTheyAreTooShort) {
+  // on its edge in frames 8 and 18; 2 frames are left after the second
+  const HumanClip human = human_with_left_foot(30, Eigen::Vector3d::UnitX(), [](int frame) {
+    return frame == 8 || frame == 18 ? 80.0 : 0.0;
+  });
+  EXPECT_THAT(stances_of(human, planted(3, 21)).phases[0],
+              ElementsAre(ContactPhase{3, 8}, ContactPhase{9, 18}));
+  // one that was short before stays
+  EXPECT_THAT(stances_of(human, planted(3, 5)).phases[0], ElementsAre(ContactPhase{3, 5}));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,230 @@
+// The lean of trunks in poses whose lean is known.
+
+#include "quality/trunk_lean.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <numbers>
+
+#include "retarget/human/canonical_pose.h"
+#include "retarget/quality/measure.h"
+#include "support/limbed_tables.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// shoulders 6 cm in front of the hips and 40 cm above them: a line that leans by design; the torso
+// bends about the middle of the hips
+constexpr const char* kLeaning = R"(
+<mujoco>
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default><geom size="0.02" mass="1"/></default>
+  <worldbody>
+    <body name="pelvis" pos="0 0 0.6"><freejoint/><geom/>
+      <body name="l_thigh" pos="0 0.1 0"><joint axis="0 1 0"/><geom/>
+        <body name="l_shin" pos="0 0 -0.3"><joint axis="0 1 0"/><geom/>
+          <body name="l_foot" pos="0 0 -0.3"><joint axis="0 1 0"/><geom/></body></body></body>
+      <body name="r_thigh" pos="0 -0.1 0"><joint axis="0 1 0"/><geom/>
+        <body name="r_shin" pos="0 0 -0.3"><joint axis="0 1 0"/><geom/>
+          <body name="r_foot" pos="0 0 -0.3"><joint axis="0 1 0"/><geom/></body></body></body>
+      <body name="torso"><joint name="waist" axis="0 1 0"/><geom pos="0 0 0.2"/>
+        <body name="l_arm" pos="0.06 0.15 0.4"><joint axis="0 1 0"/><geom/>
+          <body name="l_elbow" pos="0 0.2 0"><joint axis="0 1 0"/><geom/>
+            <body name="l_hand" pos="0 0.2 0"><geom/></body></body></body>
+        <body name="r_arm" pos="0.06 -0.15 0.4"><joint axis="0 1 0"/><geom/>
+          <body name="r_elbow" pos="0 -0.2 0"><joint axis="0 1 0"/><geom/>
+            <body name="r_hand" pos="0 -0.2 0"><geom/></body></body></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+// where the joints of a standing human are; the shoulders 6 cm behind the hips
+Vector3d standing_place_of(std::string_view bone) {
+  const double side = bone.starts_with("Left") ? 1.0 : -1.0;
+  if (bone == "Hips") return {0.0, 0.0, 1.0};
+  if (bone.ends_with("UpLeg")) return {0.02, 0.1 * side, 1.0};
+  if (bone.ends_with("Leg")) return {0.02, 0.1 * side, 0.5};
+  if (bone.ends_with("Foot") || bone.ends_with("FootMod")) return {0.02, 0.1 * side, 0.1};
+  if (bone.ends_with("Toe")) return {0.2, 0.1 * side, 0.03};
+  if (bone == "Spine") return {-0.02, 0.0, 1.1};
+  if (bone == "Spine1") return {-0.02, 0.0, 1.2};
+  if (bone == "Spine2") return {-0.02, 0.0, 1.3};
+  if (bone == "Neck") return {-0.03, 0.0, 1.6};
+  if (bone == "Head") return {-0.03, 0.0, 1.7};
+  if (bone.ends_with("Shoulder")) return {-0.04, 0.05 * side, 1.5};
+  if (bone.ends_with("ForeArm")) return {-0.04, 0.5 * side, 1.5};
+  if (bone.ends_with("Arm")) return {-0.04, 0.2 * side, 1.5};
+  return {-0.04, 0.75 * side, 1.5};  // hands
+}
+
+bool of_the_trunk(std::string_view bone) {
+  return bone.ends_with("UpLeg") || !(bone.ends_with("Leg") || bone.ends_with("Foot") ||
+                                      bone.ends_with("FootMod") || bone.ends_with("Toe"));
+}
+
+// turned as a whole, and bent about the middle of the hip joints
+HumanClip human_in(int frames, const std::function<Quaterniond(int)>& turn,
+                   const std::function<Quaterniond(int)>& bend) {
+  HumanClip human;
+  human.frame_count = frames;
+  human.sources.assign(kBoneCount, "joint");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  const Vector3d hips(0.02, 0.0, 1.0);
+  for (int frame = 0; frame < frames; ++frame) {
+    for (int bone = 0; bone < kBoneCount; ++bone) {
+      Pose& pose = human.world_from_bone[static_cast<std::size_t>(frame) * kBoneCount +
+                                         static_cast<std::size_t>(bone)];
+      const std::string_view name = kBoneNames[static_cast<std::size_t>(bone)];
+      Quaterniond turned = turn(frame);
+      Vector3d place = standing_place_of(name) - hips;
+      if (of_the_trunk(name)) {
+        place = bend(frame) * place;
+        turned = turned * bend(frame);
+      }
+      pose.translation = turn(frame) * place + hips;
+      pose.rotation = turned * Quaterniond(canonical_t_pose(bone));
+    }
+  }
+  return human;
+}
+
+Quaterniond about(const Vector3d& axis, double degrees) {
+  return Quaterniond(AngleAxisd(degrees * kDegree, axis));
+}
+
+class TrunkLeanTest : public ::testing::Test {
+ protected:
+  // the root turned, the waist bent
+  QualityReport measure(const HumanClip& human, const Quaterniond& root, double waist = 0.0) const {
+    RobotClip clip(robot_, {30, 1}, human.frame_count);
+    const int at = robot_->joints()[robot_->find_joint("waist").value()].qpos_address;
+    for (int frame = 0; frame < human.frame_count; ++frame) {
+      const auto qpos = clip.qpos(frame);
+      qpos[3] = root.w();
+      qpos[4] = root.x();
+      qpos[5] = root.y();
+      qpos[6] = root.z();
+      qpos[at] = waist * kDegree;
+    }
+    const QualitySource source{&human, &tables_, HeightScale::kPublished};
+    return measure_quality(clip, robot_->model_limits(), &source);
+  }
+  static HumanClip standing() {
+    const auto still = [](int) { return Quaterniond::Identity(); };
+    return human_in(10, still, still);
+  }
+  static HumanClip bent(const Quaterniond& bend) {
+    return human_in(
+        10, [](int) { return Quaterniond::Identity(); }, [&](int) { return bend; });
+  }
+
+  const std::shared_ptr<const Robot> robot_ = robot_from_text(kLeaning);
+  const IkTables tables_ = limbed_tables();
+};
+
+const MetricValue& error_of(const QualityReport& report) {
+  const MetricValue* found = report.find("trunk_lean_error_deg");
+  EXPECT_NE(found, nullptr);
+  static const MetricValue kNone;
+  return found == nullptr ? kNone : *found;
+}
+
+TEST_F(TrunkLeanTest, BodiesThatStandDoNotLeanWhateverTheirLines) {
+  const QualityReport report = measure(standing(), Quaterniond::Identity());
+  EXPECT_NEAR(error_of(report).value, 0.0, 1e-9);
+  ASSERT_TRUE(report.trunk_lean);
+  EXPECT_NEAR(report.trunk_lean->human, 0.0, 1e-9);
+  EXPECT_NEAR(report.trunk_lean->robot, 0.0, 1e-9);
+  // shoulders 6 cm behind hips that are 50 cm below, and 6 cm in front of some 40 cm below
+  const double human_line = std::atan2(0.06, 0.5) / kDegree;
+  const double robot_line = std::atan2(0.06, 0.4) / kDegree;
+  EXPECT_NEAR(report.trunk_lean->human_line, human_line, 1e-9);
+  EXPECT_NEAR(report.trunk_lean->robot_line, robot_line, 1e-9);
+  EXPECT_NEAR(report.trunk_lean->human_standing, human_line, 1e-9);
+  EXPECT_NEAR(report.trunk_lean->robot_standing, robot_line, 1e-9);
+}
+
+TEST_F(TrunkLeanTest, IsThatOfTheBendInEveryDirection) {
+  for (const Vector3d& axis : {Vector3d(0, 1, 0), Vector3d(0, -1, 0), Vector3d(1, 0, 0),
+                               Vector3d(-1, 0, 0), Vector3d(0.6, 0.8, 0)}) {
+    const QualityReport report = measure(bent(about(axis, 25.0)), about(axis, 40.0));
+    ASSERT_TRUE(report.trunk_lean);
+    EXPECT_NEAR(report.trunk_lean->human, 25.0, 1e-9) << axis.transpose();
+    EXPECT_NEAR(report.trunk_lean->robot, 40.0, 1e-9) << axis.transpose();
+    EXPECT_NEAR(error_of(report).value, 15.0, 1e-9);
+    EXPECT_NEAR(error_of(report).p95.value_or(0.0), 15.0, 1e-9);
+  }
+}
+
+TEST_F(TrunkLeanTest, AddsUpOverPelvisAndWaist) {
+  // 10 degrees by the pelvis and 20 by the waist are the 30 of the human
+  const QualityReport report =
+      measure(bent(about(Vector3d::UnitY(), 30.0)), about(Vector3d::UnitY(), 10.0), 20.0);
+  ASSERT_TRUE(report.trunk_lean);
+  EXPECT_NEAR(report.trunk_lean->robot, 30.0, 1e-9);
+  EXPECT_NEAR(error_of(report).value, 0.0, 1e-9);
+}
+
+TEST_F(TrunkLeanTest, DoesNotCareWhereTheBodyFaces) {
+  const Quaterniond human_yaw = about(Vector3d::UnitZ(), 130.0);
+  const HumanClip human = human_in(
+      10, [&](int) { return human_yaw; }, [](int) { return about(Vector3d::UnitY(), 35.0); });
+  const QualityReport report =
+      measure(human, about(Vector3d::UnitZ(), -70.0) * about(Vector3d::UnitY(), 30.0));
+  EXPECT_NEAR(error_of(report).value, 5.0, 1e-9);
+}
+
+TEST_F(TrunkLeanTest, IsAMeanOverFramesAndNamesThoseThatAreFarOff) {
+  // the human bows by 0, 4, ... 36 degrees, the robot stands
+  const HumanClip human = human_in(
+      10, [](int) { return Quaterniond::Identity(); },
+      [](int frame) { return about(Vector3d::UnitY(), 4.0 * frame); });
+  const QualityReport report = measure(human, Quaterniond::Identity());
+  EXPECT_NEAR(error_of(report).value, 18.0, 1e-9);
+  EXPECT_NEAR(error_of(report).p95.value_or(0.0), 34.2, 1e-9);
+  const auto fault = std::ranges::find(report.faults, "trunk_lean_error_deg",
+                                       [](const Fault& f) { return f.metric; });
+  ASSERT_NE(fault, report.faults.end());
+  EXPECT_EQ(fault->begin, 4);  // the first over 15 degrees
+  EXPECT_EQ(fault->end, 10);
+  EXPECT_NEAR(fault->amount, 36.0, 1e-9);
+}
+
+TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
+  IkTables tables = tables_;
+  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
+  const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
+  const QualitySource source{&human, &tables, HeightScale::kPublished};
+  const RobotClip clip(robot_, {30, 1}, human.frame_count);
+  const QualityReport report = measure_quality(clip, robot_->model_limits(), &source);
+  EXPECT_NEAR(error_of(report).value, 30.0, 1e-9);
+  EXPECT_NEAR(report.leg.value_or(0.0), 0.6, 1e-9);
+}
+
+TEST_F(TrunkLeanTest, IsLeftOutOfBodiesWithoutShoulders) {
+  HumanClip human = standing();
+  human.sources[find_bone("LeftArm").value()].clear();
+  const QualityReport report = measure(human, Quaterniond::Identity());
+  EXPECT_EQ(report.find("trunk_lean_error_deg"), nullptr);
+  EXPECT_FALSE(report.trunk_lean);
+}
+
+TEST(TrunkAxes, AreNoneOfJointsInOnePlace) {
+  EXPECT_FALSE(trunk_axes({}));
+  const TrunkJoints flat{{0, 1, 0}, {0, -1, 0}, {0, 1, 0}, {0, -1, 0}};
+  EXPECT_FALSE(trunk_axes(flat));
+}
+
+}  // namespace
+}  // namespace retarget
