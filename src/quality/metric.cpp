@@ -109,8 +109,8 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "removed: rows of table 2 with position weight, the root left out. Mean and 95th percentile.",
      "MPJPE, root-relative"},
     {"track_rot_deg", "deg",
-     "Angle of mapped bodies from their bones' offset axes: rows of table 2 with rotation weight. "
-     "Mean and 95th percentile.",
+     "Angle of mapped bodies from their bones' offset axes (limb by limb: from the axes that a fit "
+     "aims them at): rows of table 2 with rotation weight. Mean and 95th percentile.",
      kOwn},
     {"limb_angle_deg", "deg",
      "Angle between the robot's limbs (from joint to joint, a constant yaw removed) and the "

@@ -68,11 +68,12 @@ class TrackingMeasure {
   [[nodiscard]] Vector3d have(int frame, const Row& row) const {
     return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
   }
+  [[nodiscard]] const Pose& limb_target(int frame, const Row& row) const {
+    return limb_targets_[static_cast<std::size_t>(frame) * kBoneCount +
+                         static_cast<std::size_t>(row.bone)];
+  }
   [[nodiscard]] Vector3d want(int frame, const Row& row) const {
-    if (!limb_targets_.empty()) {
-      return limb_targets_[static_cast<std::size_t>(frame) * kBoneCount +
-                           static_cast<std::size_t>(row.bone)];
-    }
+    if (!limb_targets_.empty()) return limb_target(frame, row).translation;
     return row.scale *
            (bone_pose(frame, row.bone).translation - bone_pose(frame, root_bone_).translation);
   }
@@ -86,7 +87,7 @@ class TrackingMeasure {
   [[nodiscard]] std::vector<double> position_errors(const Row& row) const;
   [[nodiscard]] std::vector<double> rotation_errors(const Row& row) const;
   [[nodiscard]] const Row* row_of(std::string_view bone) const;
-  [[nodiscard]] std::optional<RobotTrunk> robot_trunk() const;
+  [[nodiscard]] std::optional<TrunkBodies> trunk_bodies() const;
 
   const Draft& draft_;
   const BodyTracks& tracks_;
@@ -94,7 +95,7 @@ class TrackingMeasure {
   const IkTables& tables_;
   const int frames_;
   std::vector<Row> rows_;
-  std::vector<Vector3d> limb_targets_;  // kBoneCount a frame, from the root; empty: not by limbs
+  std::vector<Pose> limb_targets_;  // kBoneCount a frame, from the root; empty: not by limbs
   int root_bone_ = 0, root_body_ = 0;
   Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // a yaw
 };
@@ -128,11 +129,12 @@ void TrackingMeasure::collect_limb_targets() {
     std::ranges::copy(human_.frame(frame), world_from_bone.begin());
   };
   const auto targets =
-      make_targets(human_, poses, {}, draft_.clip.robot(), tables_, HeightScale::kLimbs);
+      make_targets(human_, poses, {}, draft_.clip.robot(), tables_, HeightScale::kLimbs,
+                   TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
-  limb_targets_.assign(static_cast<std::size_t>(frames_) * kBoneCount, Vector3d::Zero());
+  limb_targets_.assign(static_cast<std::size_t>(frames_) * kBoneCount, Pose());
   const int root = targets->target_of(root_bone_);
   if (root < 0) return limb_targets_.clear();
   for (int frame = 0; frame < frames_; ++frame) {
@@ -140,9 +142,10 @@ void TrackingMeasure::collect_limb_targets() {
     for (int bone = 0; bone < kBoneCount; ++bone) {
       const int target = targets->target_of(bone);
       if (target < 0) continue;
+      const Pose& pose = world_from_target[static_cast<std::size_t>(target)];
       limb_targets_[static_cast<std::size_t>(frame) * kBoneCount + static_cast<std::size_t>(bone)] =
-          world_from_target[static_cast<std::size_t>(target)].translation -
-          world_from_target[static_cast<std::size_t>(root)].translation;
+          {pose.rotation,
+           pose.translation - world_from_target[static_cast<std::size_t>(root)].translation};
     }
   }
 }
@@ -177,7 +180,9 @@ std::vector<double> TrackingMeasure::rotation_errors(const Row& row) const {
   errors.reserve(frames_);
   for (int frame = 0; frame < frames_; ++frame) {
     const Eigen::Quaterniond wanted =
-        robot_from_human_ * bone_pose(frame, row.bone).rotation * row.row->rotation_offset;
+        robot_from_human_ *
+        (limb_targets_.empty() ? bone_pose(frame, row.bone).rotation * row.row->rotation_offset
+                               : limb_target(frame, row).rotation);
     const Eigen::Quaterniond between = wanted.conjugate() * tracks_.kept(frame, row.body).rotation;
     errors.push_back(2.0 * kDegreesPerRadian *
                      portable::atan2(between.vec().norm(), std::abs(between.w())));
@@ -279,9 +284,9 @@ void TrackingMeasure::measure_limbs() const {
 
 // nothing where a hip or a shoulder follows no bone; as limbs, between origins where the tree does
 // not tell where joints are
-std::optional<RobotTrunk> TrackingMeasure::robot_trunk() const {
+std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
   const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
-  RobotTrunk trunk;
+  TrunkBodies trunk;
   std::size_t next = 0;
   for (const std::string_view bone : kTrunkBones) {
     const Row* row = row_of(bone);
@@ -296,7 +301,7 @@ std::optional<RobotTrunk> TrackingMeasure::robot_trunk() const {
 void TrackingMeasure::measure() const {
   measure_rows();
   measure_limbs();
-  if (const auto trunk = robot_trunk()) {
+  if (const auto trunk = trunk_bodies()) {
     measure_trunk_lean(draft_, tracks_, *trunk, human_, robot_from_human_, frames_);
   }
 }

@@ -38,32 +38,41 @@ class MappingChoice(ToolTest):
         motion = json.loads((self.folder / "report.json").read_text())["motions"][0]
         return (self.folder / output).read_bytes(), motion["mapping"], result.stderr
 
-    def test_lafan1_keeps_the_published_one(self):
-        found, mapping, summary = self.run_with(sample("wave"))
-        self.assertEqual(mapping, PUBLISHED)
-        self.assertIn(PUBLISHED, summary)
-        self.assertNotIn("derived", summary)
-        self.assertEqual(self.run_with(sample("wave"), "--ik-config", "published")[0], found)
-        other, mapping, summary = self.run_with(sample("wave"), "--ik-config", "derived")
-        self.assertEqual(mapping, DERIVED)
-        self.assertIn(DERIVED, summary)
-        self.assertNotEqual(other, found)
+    def test_every_skeleton_takes_the_derived_one(self):
+        for clip in (sample("wave"), self.other):
+            found, mapping, summary = self.run_with(clip, "--sidecar")
+            self.assertEqual(mapping, DERIVED)
+            self.assertIn(DERIVED, summary)
+            sidecar = json.loads((self.folder / "out.csv.json").read_text())
+            files = {each["role"]: each["file"] for each in sidecar["inputs"]}
+            self.assertEqual(files["mapping"], DERIVED)
+            self.assertEqual(sidecar["options"]["ik-config"], "")
+            self.assertEqual(sidecar["found"]["scale"], "limbs")
+            self.assert_done(self.run_tool("verify", "out.csv.json"))
+            self.assertEqual(self.run_with(clip, "--ik-config", "derived")[0], found)
+            other, mapping, _ = self.run_with(clip, "--ik-config", "published")
+            self.assertEqual(mapping, PUBLISHED)
+            self.assertNotEqual(other, found)
 
-    def test_other_skeletons_take_the_derived_one(self):
-        found, mapping, summary = self.run_with(self.other, "--sidecar")
-        self.assertEqual(mapping, DERIVED)
-        self.assertIn(DERIVED, summary)
-        self.assertIn("--ik-config published", summary)
+    def test_a_mapping_of_ones_own_keeps_its_scale_for_lafan1(self):
+        run = self.run_with(sample("wave"), "--ik-config", SOURCE / PUBLISHED, "--sidecar")
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
-        files = {each["role"]: each["file"] for each in sidecar["inputs"]}
-        self.assertEqual(files["mapping"], DERIVED)
-        self.assertEqual(sidecar["options"]["ik-config"], "")
-        self.assert_done(self.run_tool("verify", "out.csv.json"))
-        self.assertEqual(self.run_with(self.other, "--ik-config", "derived")[0], found)
-        self.assertEqual(self.run_with(self.other, "--ik-config", SOURCE / DERIVED)[0], found)
-        other, mapping, _ = self.run_with(self.other, "--ik-config", "published")
+        self.assertEqual(sidecar["found"]["scale"], "table")
+        self.assertEqual(self.run_with(sample("wave"), "--ik-config", "published")[0], run[0])
+
+    def test_the_published_method_keeps_the_published_one_for_lafan1(self):
+        gmr = ("--method", "gmr")
+        found, mapping, summary = self.run_with(sample("wave"), *gmr)
         self.assertEqual(mapping, PUBLISHED)
+        self.assertNotIn("derived", summary)
+        self.assertEqual(self.run_with(sample("wave"), *gmr, "--ik-config", "published")[0], found)
+        other, mapping, _ = self.run_with(sample("wave"), *gmr, "--ik-config", "derived")
+        self.assertEqual(mapping, DERIVED)
         self.assertNotEqual(other, found)
+        found, mapping, summary = self.run_with(self.other, *gmr)
+        self.assertEqual(mapping, DERIVED)
+        self.assertIn("--ik-config published", summary)
+        self.assertEqual(self.run_with(self.other, *gmr, "--ik-config", SOURCE / DERIVED)[0], found)
 
     def test_evaluate_tracks_what_a_run_tracks(self):
         self.run_with(self.other)
@@ -76,14 +85,15 @@ class MappingChoice(ToolTest):
     def test_in_a_batch_each_clip_has_its_own(self):
         self.write("in/other.bvh", self.other.read_bytes())
         self.write("in/wave.bvh", sample("wave").read_bytes())
-        result = self.run_tool("batch", "in", "-o", "out", "--robot", "unitree_g1")
+        gmr = ("--method", "gmr")
+        result = self.run_tool("batch", "in", "-o", "out", "--robot", "unitree_g1", *gmr)
         self.assert_done(result)
         lines = (self.folder / "out/manifest.jsonl").read_text().splitlines()
         found = {line["relative"]: line["mapping"] for line in map(json.loads, lines)}
         self.assertEqual(found, {"other.bvh": DERIVED, "wave.bvh": PUBLISHED})
         for name, clip in (("other", self.other), ("wave", sample("wave"))):
             self.assertEqual((self.folder / f"out/{name}.csv").read_bytes(),
-                             self.run_with(clip)[0], name)
+                             self.run_with(clip, *gmr)[0], name)
         hashed = json.loads((self.folder / "out/options.json").read_text())[0]["files"]
         self.assertTrue(hashed["mapping"] and hashed["mapping_of_others"])
         both = self.run_tool("batch", "in", "-o", "both", "--robot", "unitree_g1,booster_t1",

@@ -176,7 +176,7 @@ class FramesInFront(OddBody):
         clip.in_front([clip.zero_row()] * 60)
         _, _, report = self.run_clip(clip, "--method", "gmr", "--end", "6")
         self.run_tool("evaluate", "clip.csv", "--robot", "unitree_g1", "--bvh", "clip.bvh",
-                      "--gate", "none", "--json", "e.json")
+                      "--ik-config", "published", "--gate", "none", "--json", "e.json")
         told = json.loads((self.folder / "e.json").read_text())
         self.assertAlmostEqual(told["motions"][0]["limb_angle_deg"][0],
                                report["motions"][0]["limb_angle_deg"][0], 6)

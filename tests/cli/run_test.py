@@ -170,7 +170,8 @@ class Output(ToolTest):
         self.assertEqual(told.returncode, 0, told.stdout)
         words = ("--bvh", sample("wave"), *words[2:])
         profile = ("--robot-profile", SOURCE / "robots/unitree_g1/robot.json")
-        self.assertEqual(self.run_tool(*words, *profile).stdout, self.text())
+        self.assertEqual(self.run_tool(*words, *profile).stdout,
+                         self.text("--ik-config", "published"))
 
     def test_soles_that_nothing_tells_are_doubted(self):
         model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
@@ -209,7 +210,8 @@ class Output(ToolTest):
                               "gmr", "-o", "small.csv")
         self.assertRegex(small.stderr, r"stance_slip_mean [\d.]+ \(at most 0.00073\)")
         # as evaluate says of the file
-        told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"))
+        told = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh", sample("wave"),
+                             "--ik-config", "published")
         self.assertIn(verdict.replace("verdict  ", "verdict  out.csv: "), told.stderr)
         # digits that leave no quaternion spoil the verdict and not the run
         self.assertIn("wrote", self.retarget("--precision", "0", "--method", "gmr").stderr)

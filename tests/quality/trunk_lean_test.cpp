@@ -220,11 +220,5 @@ TEST_F(TrunkLeanTest, IsLeftOutOfBodiesWithoutShoulders) {
   EXPECT_FALSE(report.trunk_lean);
 }
 
-TEST(TrunkAxes, AreNoneOfJointsInOnePlace) {
-  EXPECT_FALSE(trunk_axes({}));
-  const TrunkJoints flat{{0, 1, 0}, {0, -1, 0}, {0, 1, 0}, {0, -1, 0}};
-  EXPECT_FALSE(trunk_axes(flat));
-}
-
 }  // namespace
 }  // namespace retarget

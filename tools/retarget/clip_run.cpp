@@ -107,7 +107,8 @@ void print_joints(const RobotClip& motion, const Source& source, const ClipSetup
                   const RunOptions& options, Console& console) {
   const auto at_limits = joints_at_limits(
       motion, source.clip, source.human.calibration.mapping, setup.tables,
-      choose_scale(source.human, *setup.robot, setup.tables, options), setup.limits, kNamedAtLimit);
+      choose_scale(source.human, *setup.robot, setup.tables, options),
+      options.method == "gmr" ? TrunkRule::kBones : TrunkRule::kLines, setup.limits, kNamedAtLimit);
   print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
 }
 

@@ -58,6 +58,7 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
 /// The same for a clip that was solved from a clip under a mapping.
 [[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
     const RobotClip& robot_clip, const Clip& clip, const HumanMapping& mapping,
-    const IkTables& tables, HeightScale scale, const LimitSet& limits, double least_share);
+    const IkTables& tables, HeightScale scale, TrunkRule trunk, const LimitSet& limits,
+    double least_share);
 
 }  // namespace retarget

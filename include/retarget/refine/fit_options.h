@@ -58,7 +58,7 @@ struct FitOptions {
   double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double self_collision_weight = 280.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_weight = 400.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.006;  ///< Metres; nearer counts as overlap.
 
   double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
