@@ -51,6 +51,7 @@ class RobotMeasure {
     std::vector<int> path;
     std::size_t lower = 0;  // where the lower bone's body is on it
   };
+  [[nodiscard]] bool has_forearms() const;
   // middle of both sides' first joints, the way from the right one to the left one, and the mean
   // length of both sides
   struct Pair {
@@ -60,8 +61,9 @@ class RobotMeasure {
   };
 
   [[nodiscard]] std::optional<int> body_of(const std::string& bone) const;
-  [[nodiscard]] Result<Chain> chain(const LimbBones& limb) const;
-  [[nodiscard]] Result<Pair> measure_pair(const std::array<LimbBones, 2>& limbs);
+  [[nodiscard]] Result<Chain> chain(const LimbBones& limb, std::size_t bones) const;
+  [[nodiscard]] Result<Pair> measure_pair(const std::array<LimbBones, 2>& limbs,
+                                          std::size_t bones = 3);
   [[nodiscard]] Eigen::Vector3d centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                  std::size_t end) const;
   void note(const std::string& bone, const Eigen::Vector3d& centre);
@@ -105,9 +107,16 @@ Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std
   return a.inverse() * b;
 }
 
-Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb) const {
+// robots without wrists often have no hand that follows anything
+bool RobotMeasure::has_forearms() const {
+  return std::ranges::any_of(
+      kSides, [&](const std::string& side) { return body_of(side + "Hand").has_value(); });
+}
+
+// @param bones  of the limb: three, or two where it ends with the lower bone's joint
+Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb, std::size_t bones) const {
   std::array<int, 3> bodies{};
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < bones; ++i) {
     auto body = body_of(limb.bones[i]);
     if (!body) body = body_of(limb.other[i]);
     if (!body) {
@@ -117,7 +126,7 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb) const {
     }
     bodies[i] = *body;
   }
-  Chain chain{path_to(robot_, bodies[2]), 0};
+  Chain chain{path_to(robot_, bodies[bones - 1]), 0};
   const auto lower = std::ranges::find(chain.path, bodies[1]);
   if (lower == chain.path.end() || std::find(chain.path.begin(), lower, bodies[0]) == lower) {
     return config_failure(tables_.file,
@@ -138,10 +147,11 @@ void RobotMeasure::note(const std::string& bone, const Eigen::Vector3d& centre) 
       world_from_body.rotation.conjugate() * (centre - world_from_body.translation);
 }
 
-Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones, 2>& limbs) {
+Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones, 2>& limbs,
+                                                      std::size_t bones) {
   std::array<Chain, 2> chains;
   for (std::size_t side = 0; side < 2; ++side) {
-    auto found = chain(limbs[side]);
+    auto found = chain(limbs[side], bones);
     if (!found) return failure(found.error());
     chains[side] = std::move(*found);
   }
@@ -155,7 +165,8 @@ Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones
     const auto& [path, lower] = chains[side];
     const Eigen::Vector3d first = centre_of_joints(path, common, lower);
     const Eigen::Vector3d middle = centre_of_joints(path, lower, lower + 1);
-    const Eigen::Vector3d end = centre_of_joints(path, lower + 1, path.size());
+    const Eigen::Vector3d end =
+        bones == 3 ? centre_of_joints(path, lower + 1, path.size()) : middle;
     note(limbs[side].bones[0], first);
     note(limbs[side].bones[1], middle);
     note(limbs[side].bones[2], end);
@@ -196,7 +207,9 @@ Result<RobotLimbs> RobotMeasure::measure() {
   const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
   if (!legs) return failure(legs.error());
   find_ankle_height();
-  const auto arms = measure_pair({arm_bones(kSides[0]), arm_bones(kSides[1])});
+  limbs_.forearms = has_forearms();
+  const auto arms =
+      measure_pair({arm_bones(kSides[0]), arm_bones(kSides[1])}, limbs_.forearms ? 3 : 2);
   if (!arms) return failure(arms.error());
   note("Hips", legs->middle);
   limbs_.hip_centre = legs->middle;
@@ -223,7 +236,7 @@ std::array<int, 13> limb_bones() {
   return bones;
 }
 
-LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone) {
+LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone, bool forearms) {
   const auto at = [&](const std::string& bone) -> const Eigen::Vector3d& {
     return world_from_bone[find_bone(bone).value()].translation;
   };
@@ -237,7 +250,8 @@ LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone) {
   LimbLengths lengths;
   for (const std::string side : kSides) {
     lengths.leg += 0.5 * way({side + "UpLeg", side + "Leg", side + "Foot"});
-    lengths.arm += 0.5 * way({side + "Arm", side + "ForeArm", side + "Hand"});
+    lengths.arm += 0.5 * (forearms ? way({side + "Arm", side + "ForeArm", side + "Hand"})
+                                   : way({side + "Arm", side + "ForeArm"}));
   }
   const Eigen::Vector3d hips = 0.5 * (at("LeftUpLeg") + at("RightUpLeg"));
   const Eigen::Vector3d shoulders = 0.5 * (at("LeftArm") + at("RightArm"));

@@ -26,7 +26,7 @@ Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& target
 }
 
 Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                   const std::string& clip_name) {
+                                   const std::string& clip_name, bool forearms) {
   for (const int bone : limb_bones()) {
     if (human.has(bone)) continue;
     return input_failure(
@@ -35,7 +35,7 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
   }
   std::vector<Pose> world_from_bone(kBoneCount);
   poses(0, world_from_bone);
-  const LimbLengths lengths = human_limb_lengths(world_from_bone);
+  const LimbLengths lengths = human_limb_lengths(world_from_bone, forearms);
   if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
   return input_failure(clip_name, "a limb of the body has no length", kOtherScaleHint);
 }
@@ -62,7 +62,7 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
   const auto limbs = robot_limbs(robot, tables);
   if (!limbs) return failure(limbs.error());
-  const auto body = measured_human(human, poses, clip_name);
+  const auto body = measured_human(human, poses, clip_name, limbs->forearms);
   if (!body) return failure(body.error());
   return TargetBuilder(tables, *limbs, *body,
                        trunk == TrunkRule::kLines

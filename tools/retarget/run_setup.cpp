@@ -303,7 +303,10 @@ HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkT
   const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
     return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
   });
-  const bool by_limbs = options.human.height <= 0.0 && measurable && robot_limbs(robot, tables);
+  if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
+  const auto limbs = robot_limbs(robot, tables);
+  // robots whose arms end at the elbow: a fit measures them as far as they go
+  const bool by_limbs = limbs && (limbs->forearms || options.method != "gmr");
   return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
 }
 

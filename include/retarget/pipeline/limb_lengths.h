@@ -16,7 +16,7 @@ namespace retarget {
 /// Lengths of a body's parts, metres; of legs and arms the mean of both sides.
 struct LimbLengths {
   double leg = 0.0;    ///< Hip to knee to ankle.
-  double arm = 0.0;    ///< Shoulder to elbow to wrist.
+  double arm = 0.0;    ///< Shoulder to elbow to wrist; of an arm that ends at the elbow, to there.
   double trunk = 0.0;  ///< Middle of the hips to the middle of the shoulders.
 };
 
@@ -26,6 +26,7 @@ struct RobotLimbs {
   RobotLimbs() { body_from_joint.fill(Eigen::Vector3d::Zero()); }
 
   LimbLengths lengths;
+  bool forearms = true;  ///< False: nothing follows the hands, lengths.arm ends at the elbows.
   /// Where the joint that a bone begins at lies in the frame of the body that follows the bone,
   /// metres; of Hips the middle of the hips. Zero for the bones outside legs and arms.
   std::array<Eigen::Vector3d, kBoneCount> body_from_joint;
@@ -46,7 +47,9 @@ inline constexpr const char* kOtherScaleHint = "scale with --scale table or heig
 
 /// Lengths of a human, from the bones of one frame; the trunk's is summed along the spine.
 /// @param world_from_bone  kBoneCount poses, metres; those of limb_bones() and the spine count.
-[[nodiscard]] LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone);
+/// @param forearms         whether arms go beyond the elbow, as RobotLimbs::forearms has it.
+[[nodiscard]] LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone,
+                                             bool forearms = true);
 
 /// Measures a robot in its zero configuration.
 ///
@@ -54,7 +57,8 @@ inline constexpr const char* kOtherScaleHint = "scale with --scale table or heig
 /// nearest to each other (least squares, drawn slightly towards the anchors where axes are
 /// parallel). Hips are the joints between the last body that both knees hang from and the knee;
 /// shoulders likewise; ankles and wrists those from there to the mapped foot and hand. Knees and
-/// elbows are the joints of the bodies that the mapping gives to `Leg` and `ForeArm`.
+/// elbows are the joints of the bodies that the mapping gives to `Leg` and `ForeArm`. Where neither hand
+/// has a body, arms are measured to the elbow.
 ///
 /// kConfig error: the mapping has no body for one of these, they do not follow each other, or a
 /// limb has no length.
