@@ -362,7 +362,7 @@ std::vector<TermCosts> frame_costs(const FitModel& model, const FitOptions& opti
   for (int frame = 0; frame < clip.frame_count; ++frame) {
     pose.update(model, clip.frame(frame, model.configuration_size));
     if (options.self_collision) {
-      terms.find_near_pairs(pose, options.self_collision_margin, pairs);
+      terms.find_near_pairs(pose, options.self_collision_margin + kOverlapBand, pairs);
     }
     terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
                    hessian.data(), dofs, costs[at(frame)]);
