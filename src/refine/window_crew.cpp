@@ -26,7 +26,8 @@ WindowCrew::WindowCrew(const FitModel& model, const FitOptions& options, const F
       clip_(clip),
       threads_(threads),
       costs_before_(at(clip.frame_count)),
-      all_(std::max(1, options.iterations) * (frames_of(plan.windows) + frames_of(plan.seams))),
+      all_(std::max<std::int64_t>(
+          1, options.iterations * (frames_of(plan.windows) + frames_of(plan.seams)))),
       crew_(tasks(), threads) {}
 
 std::vector<TaskCrew::Task> WindowCrew::tasks() {

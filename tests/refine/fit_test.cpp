@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "retarget/bvh/read_bvh.h"
@@ -322,6 +323,19 @@ TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
   ASSERT_TRUE(result.has_value());
   ASSERT_FALSE(result->report.notes.empty());
   EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
+}
+
+TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
+  Clip clip = cut(sample("walk.bvh"), 0, 20);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  for (const double x : {1e150, std::numeric_limits<double>::quiet_NaN()}) {
+    clip.translations(12)[0].x() = x;
+    const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_);
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().kind, ErrorKind::kInput);
+    EXPECT_THAT(result.error().message, HasSubstr("frame 12"));
+  }
 }
 
 TEST_F(FitTest, CanBeStopped) {
