@@ -47,15 +47,15 @@ class ClipSolver {
                                  std::span<const Pose> world_from_target);
   Result<void> settle_from_starts(int frame, const TargetBuilder& targets,
                                   std::span<const Pose> world_from_target);
-  Result<bool> find_way(int frame, const TargetBuilder& targets,
+  Result<void> find_way(int frame, const TargetBuilder& targets,
                         std::span<const Pose> world_from_target, RetargetResult& result);
   Result<double> settle(int frame, std::span<const Pose> world_from_target);
   [[nodiscard]] std::vector<std::vector<double>> starts() const;
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
-  Result<void> solve_backwards(int from, int to, const HumanPoseSource& poses,
-                               const TargetBuilder& targets, RetargetResult& result);
+  Result<void> solve_backwards(int from, RetargetResult& result);
+  void tell(int frame, const RetargetResult& result) const;
 
   const std::string& clip_name_;
   const std::shared_ptr<const Robot>& robot_;
@@ -64,8 +64,18 @@ class ClipSolver {
   const RetargetOptions& options_;
   std::unique_ptr<IkSolver> solver_;
   int passes_ = 0;
-  std::vector<double> qpos_;    // of the latest frame
-  std::vector<double> errors_;  // by frame
+  std::vector<double> qpos_;  // of the latest frame
+  // The latest frames may still change, and are not told until then.
+  struct Recent {
+    double error = 0.0;
+    std::vector<Pose> world_from_target;
+  };
+  [[nodiscard]] Recent& recent(int frame) {
+    return recent_[static_cast<std::size_t>(frame) % recent_.size()];
+  }
+  std::vector<Recent> recent_;
+  int kept_ = 1;     // how many frames that are
+  int new_way_ = 0;  // frame from which on another configuration than its predecessor's counts
   double frame_time_ = 0.0;
   Eigen::Quaterniond root_target_ = Eigen::Quaterniond::Identity();  // of the latest frame
 };
@@ -87,10 +97,14 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   RetargetResult result;
   frame_time_ = human.rate.frame_time();
   result.clip = RobotClip(robot_, human.rate, human.frame_count);
-  errors_.reserve(static_cast<std::size_t>(human.frame_count));
   StrayedArms strayed(*problem, targets);
-  std::vector<int> new_ways{0};  // frames with another configuration than the one before leads to
-  TargetStream stream(human.frame_count, poses, targets, options_.targets_ahead);
+  constexpr double kWayBack = 2.0;  // seconds
+  kept_ = 1;
+  if (options_.settle) {
+    kept_ = std::clamp(static_cast<int>(kWayBack / frame_time_), 1, 1000);
+  }
+  recent_.resize(static_cast<std::size_t>(kept_));
+  TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
   for (int frame = 0; frame < human.frame_count; ++frame) {
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
     const std::span<const Pose> world_from_target = stream.next();
@@ -102,16 +116,15 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
     if (auto solved = solve_frame(frame, world_from_target, result); !solved) {
       return failure(solved.error());
     }
-    if (!options_.settle || !strayed.seen(qpos_, world_from_target)) continue;
-    const auto better = find_way(frame, targets, world_from_target, result);
-    if (!better) return failure(better.error());
-    if (*better) new_ways.push_back(frame);
-  }
-  for (std::size_t i = 1; i < new_ways.size(); ++i) {
-    if (auto solved = solve_backwards(new_ways[i], new_ways[i - 1], poses, targets, result);
-        !solved) {
-      return failure(solved.error());
+    if (options_.settle && strayed.seen(qpos_, world_from_target)) {
+      if (auto found = find_way(frame, targets, world_from_target, result); !found) {
+        return failure(found.error());
+      }
     }
+    if (frame + 1 >= kept_) tell(frame + 1 - kept_, result);
+  }
+  for (int frame = std::max(0, human.frame_count + 1 - kept_); frame < human.frame_count; ++frame) {
+    tell(frame, result);
   }
   if (human.frame_count > 0) result.mean_error /= human.frame_count;
   return result;
@@ -234,10 +247,12 @@ Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from
   const auto steps = solve_passes(frame, world_from_target, error);
   if (!steps) return failure(steps.error());
   result.mean_error += error;
-  errors_.push_back(error);
+  if (options_.settle) {
+    recent(frame).error = error;
+    recent(frame).world_from_target.assign(world_from_target.begin(), world_from_target.end());
+  }
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
-  if (options_.frame_solved) options_.frame_solved(frame, qpos_);
   result.steps += *steps;
   result.most_steps = std::max(result.most_steps, *steps);
   return {};
@@ -245,51 +260,53 @@ Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from
 
 constexpr double kBetterWay = 0.98;  // of the error that the other way leaves
 
-// Looks for another configuration for a frame that is solved; true: there is a better one, and the
-// frame has it.
-Result<bool> ClipSolver::find_way(int frame, const TargetBuilder& targets,
+// Looks for another configuration for a frame that is solved. A better one counts, and for the frames
+// before as well, as far back as it is better.
+Result<void> ClipSolver::find_way(int frame, const TargetBuilder& targets,
                                   std::span<const Pose> world_from_target, RetargetResult& result) {
-  double& error = errors_[static_cast<std::size_t>(frame)];
   const std::vector<double> before = qpos_;
   if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
-    return failure(settled.error());
+    return settled;
   }
-  double now = 0.0;
-  if (const auto solved = solve_passes(frame, world_from_target, now); !solved) {
-    return failure(solved.error());
-  }
-  if (!(now < kBetterWay * error)) {
+  double error = 0.0;
+  const auto steps = solve_passes(frame, world_from_target, error);
+  if (!steps) return failure(steps.error());
+  double& known = recent(frame).error;
+  if (!(error < kBetterWay * known)) {
     qpos_ = before;
-    return false;
+    return {};
   }
-  result.mean_error += now - error;
-  error = now;
+  result.steps += *steps;
+  result.mean_error += error - known;
+  known = error;
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
-  return true;
+  const std::vector<double> now = qpos_;
+  if (auto solved = solve_backwards(frame, result); !solved) return solved;
+  qpos_ = now;
+  new_way_ = frame;
+  return {};
 }
 
 // From a frame with a better configuration back to where both ways meet.
-Result<void> ClipSolver::solve_backwards(int from, int to, const HumanPoseSource& poses,
-                                         const TargetBuilder& targets, RetargetResult& result) {
-  std::vector<Pose> bones(kBoneCount);
-  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
-  std::ranges::copy(result.clip.qpos(from), qpos_.begin());
-  for (int frame = from - 1; frame > to; --frame) {
-    poses(frame, bones);
-    targets.build(bones, world_from_target);
+Result<void> ClipSolver::solve_backwards(int from, RetargetResult& result) {
+  for (int frame = from - 1; frame > std::max(new_way_, from - kept_); --frame) {
     double error = 0.0;
-    const auto steps = solve_passes(frame, world_from_target, error);
+    const auto steps = solve_passes(frame, recent(frame).world_from_target, error);
     if (!steps) return failure(steps.error());
-    double& known = errors_[static_cast<std::size_t>(frame)];
+    double& known = recent(frame).error;
     if (!(error < kBetterWay * known)) break;
-    result.mean_error += error - known;
     result.steps += *steps;
+    result.mean_error += error - known;
     known = error;
     keep_quaternion_sign(result.clip.qpos(frame), qpos_);
     std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
   }
   return {};
+}
+
+void ClipSolver::tell(int frame, const RetargetResult& result) const {
+  if (options_.frame_solved) options_.frame_solved(frame, result.clip.qpos(frame));
 }
 
 }  // namespace

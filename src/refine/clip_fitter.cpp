@@ -329,49 +329,4 @@ bool fit_window(const FitModel& model, const FitOptions& options, const FitWindo
   return WindowFitter(model, options, window, clip).run(keep_going);
 }
 
-void place_anchors(const FitModel& model, FitClip& clip) {
-  std::vector<int> counts(clip.feet.phases.size(), 0);
-  clip.anchors.assign(counts.size(), Eigen::Vector2d::Zero());
-  FitPose pose(model);
-  for (int frame = 0; frame < clip.frame_count; ++frame) {
-    const auto ends = clip.feet.ends_of(frame);
-    if (std::ranges::all_of(ends, [](const FootEndGoal& end) { return end.phase < 0; })) continue;
-    pose.update(model, clip.frame(frame, model.configuration_size));
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      if (ends[i].phase < 0) continue;
-      const FitFoot& foot = model.feet[i / 2];
-      clip.anchors[at(ends[i].phase)] +=
-          (pose.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
-      ++counts[at(ends[i].phase)];
-    }
-  }
-  for (std::size_t i = 0; i < counts.size(); ++i) clip.anchors[i] /= std::max(counts[i], 1);
-}
-
-std::vector<TermCosts> frame_costs(const FitModel& model, const FitOptions& options,
-                                   const FitClip& clip) {
-  const int dofs = model.dof_count();
-  std::vector<TermCosts> costs(at(clip.frame_count), TermCosts{});
-  FrameTerms terms(model, options);
-  FitPose pose(model);
-  JointSpeeds speeds(model, options, clip.frame_time);
-  speeds.update(model, clip, 0, clip.frame_count);
-  std::vector<double> gradient(at(dofs)), hessian(at(dofs) * at(dofs));
-  std::vector<std::uint32_t> pairs;
-  std::vector<StepTerm> steps(at(dofs));
-  for (int frame = 0; frame < clip.frame_count; ++frame) {
-    pose.update(model, clip.frame(frame, model.configuration_size));
-    if (options.self_collision) {
-      terms.find_near_pairs(pose, options.self_collision_margin, pairs);
-    }
-    terms.assemble(pose, clip.goals(frame, model.tasks.size()), pairs, gradient.data(),
-                   hessian.data(), dofs, costs[at(frame)]);
-    if (frame + 1 < clip.frame_count) {
-      speeds.terms(frame, steps);
-      speeds.add_costs(frame, costs[at(frame)]);
-    }
-  }
-  return costs;
-}
-
 }  // namespace retarget

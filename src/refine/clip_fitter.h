@@ -54,17 +54,9 @@ struct FitWindow {
 bool fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
                 FitClip& clip, const std::function<bool()>& keep_going);
 
-/// Places of the contacts of a clip: the mean of the planted point over each phase.
-void place_anchors(const FitModel& model, FitClip& clip);
-
 /// The change from one configuration to the next by degree of freedom: metres, the rotation vector
 /// in the root's axes, joints.
 void configuration_step(const FitModel& model, std::span<const double> from,
                         std::span<const double> to, double* step);
-
-/// What each frame still costs, by term. The smoothness and speed of the step to the next frame
-/// count for the earlier one.
-[[nodiscard]] std::vector<TermCosts> frame_costs(const FitModel& model, const FitOptions& options,
-                                                 const FitClip& clip);
 
 }  // namespace retarget

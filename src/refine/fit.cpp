@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
-#include <system_error>
 #include <thread>
 
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
+#include "refine/fit_windows.h"
 #include "refine/foot_plan.h"
 #include "refine/shorthand.h"
 #include "refine/sized_options.h"
 #include "refine/speed_bounds.h"
+#include "refine/start_frames.h"
+#include "refine/window_crew.h"
 
 namespace retarget {
 namespace {
@@ -58,6 +57,22 @@ void keep_sign(std::span<const double> before, std::span<double> now) {
   for (std::size_t i = 3; i < 7; ++i) now[i] = -now[i];
 }
 
+// The limits of the first stage: where the robot has a narrower set for the published method,
+// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
+LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
+  LimitSet result = limits;
+  const auto own = load_limits(robot, robot.limits_for("gmr"));
+  if (!own) return result;
+  for (std::size_t i = 0; i < result.lower.size(); ++i) {
+    const double lower = std::max(limits.lower[i], own->lower[i]);
+    const double upper = std::min(limits.upper[i], own->upper[i]);
+    if (lower > upper) continue;
+    result.lower[i] = lower;
+    result.upper[i] = upper;
+  }
+  return result;
+}
+
 // one clip on its way through all stages
 class Fit {
  public:
@@ -76,13 +91,10 @@ class Fit {
   Result<FitResult> run();
 
  private:
-  void read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets);
+  bool read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets);
   void read_feet(std::span<const Pose> bones);
   double floor_height(const StandingHeights& standing, double scale) const;
-  void start_from(const RobotClip& first);
-  void lift_out_of_floor();
-  bool refine();
-  bool run_windows(const std::vector<FitWindow>& windows, double begin, double share);
+  Result<void> solve(FitResult& result);
   void keep_bounds(FitReport& report);
   void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                     FitReport& report) const;
@@ -110,29 +122,6 @@ double leg_length(std::span<const Pose> bones, const SourceSides& sides) {
     return bones[at(find_bone(name).value())].translation;
   };
   return (joint("UpLeg") - joint("Leg")).norm() + (joint("Leg") - joint("Foot")).norm();
-}
-
-// by frame: how many contacts begin before it and end after it
-std::vector<int> contacts_across(const std::vector<PlantedPhase>& phases, int frames) {
-  std::vector<int> counts(at(frames) + 1, 0);
-  for (const PlantedPhase& phase : phases) {
-    if (phase.begin + 1 >= phase.end) continue;
-    ++counts[at(phase.begin) + 1];
-    --counts[at(phase.end)];
-  }
-  std::partial_sum(counts.begin(), counts.end(), counts.begin());
-  return counts;
-}
-
-// the frame near another with the least count, of several the nearest one
-int best_cut(const std::vector<int>& counts, int frame, int most_away) {
-  int best = frame;
-  for (int away = 1; away <= most_away; ++away) {
-    for (const int cut : {frame - away, frame + away}) {
-      if (counts[at(cut)] < counts[at(best)]) best = cut;
-    }
-  }
-  return best;
 }
 
 // the sides on which the source has what foot contacts are found from
@@ -168,9 +157,12 @@ void Fit::read_feet(std::span<const Pose> bones) {
   }
 }
 
-void Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets) {
+// @return whether all targets are numbers that can be computed with
+bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets) {
+  constexpr double kTooLarge = 1e50;  // metres
   const int root = find_bone(tables_.human_root).value();
   const PathScales scales = path_scales(targets, root);
+  bool usable = true;
   std::vector<Pose> bones(kBoneCount), world_from_target(at(targets.target_count()));
   feet_.foot_count = static_cast<int>(model_.feet.size());
   feet_.frame_time = clip_.frame_time = info.rate.frame_time();
@@ -190,7 +182,12 @@ void Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const Target
       clip_.targets.push_back({pose.translation + path_.back(),
                                pose.rotation.normalized() * task.link_from_body.conjugate()});
     }
+    for (const Pose& pose : world_from_target) {
+      usable = usable && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
+               pose.translation.cwiseAbs().maxCoeff() < kTooLarge;
+    }
   }
+  return usable;
 }
 
 // where the sole of a standing foot's target lies
@@ -215,103 +212,32 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
   return count == 0 ? 0.0 : sum / count;
 }
 
-void Fit::start_from(const RobotClip& first) {
-  for (int frame = 0; frame < clip_.frame_count; ++frame) {
-    const auto qpos = first.qpos(frame);
-    clip_.qpos.insert(clip_.qpos.end(), qpos.begin(), qpos.end());
-    const auto now = clip_.frame(frame, model_.configuration_size);
-    for (std::size_t k = 0; k < 3; ++k) now[k] += path_[at(frame)][static_cast<int>(k)];
-  }
-}
-
-// raises the root of single frames until nothing is below the floor
-void Fit::lift_out_of_floor() {
-  FitPose pose(model_);
-  for (int frame = 0; frame < clip_.frame_count; ++frame) {
-    const auto qpos = clip_.frame(frame, model_.configuration_size);
-    pose.update(model_, qpos);
-    double lowest = 0.0;
-    for (std::size_t link = 0; link < model_.links.size(); ++link) {
-      const Frame& world = pose.world_from_link[link];
-      for (const FloorPoint& point : model_.floor_points[link]) {
-        lowest = std::min(lowest, (world * point.position).z() - point.radius);
-      }
-    }
-    for (const FitFoot& foot : model_.feet) {
-      for (const FitFoot::End& end : foot.ends) {
-        for (const auto& point : end.points) {
-          lowest = std::min(lowest, (pose.world_from_link[at(foot.link)] * point).z());
-        }
-      }
-    }
-    qpos[2] -= lowest;
-  }
-}
-
-// windows side by side, then those over their seams
-bool Fit::refine() {
-  // the place of a contact that a window cuts cannot move, so windows end where few are under way
-  constexpr double kMovable = 0.25;  // of a window
-  const int frames = clip_.frame_count;
-  const double per_window = std::max(2.0, options_.window / clip_.frame_time);
-  const int count = std::max(1, static_cast<int>(std::lround(frames / per_window)));
-  const std::vector<int> contacts = contacts_across(clip_.feet.phases, frames);
-  std::vector<FitWindow> windows, seams;
-  for (int i = 0, begin = 0; i < count; ++i) {
-    const auto nominal = static_cast<int>(static_cast<std::int64_t>(frames) * (i + 1) / count);
-    const int away = static_cast<int>(kMovable * frames / count);
-    const int end = i + 1 == count ? frames : best_cut(contacts, nominal, away);
-    windows.push_back({begin, end, false});
-    begin = end;
-  }
-  const int half =
-      std::min(static_cast<int>(std::lround(options_.seam / clip_.frame_time)), frames / count / 8);
-  // frames that count for a seam's smoothing must not be another seam's
-  constexpr double kContext = 0.3;  // seconds
-  const int context = std::clamp(static_cast<int>(std::ceil(kContext / clip_.frame_time)), 0,
-                                 std::max(0, (frames / count / 2 - 2 * half) / 2 - 1));
-  for (int i = 1; i < count && half > 0; ++i) {
-    const int border = windows[at(i)].begin;
-    seams.push_back({border - half, border + half, true, context});
-  }
-  const double total = static_cast<double>(frames) + 2.0 * half * static_cast<double>(seams.size());
-  return run_windows(windows, 0.0, frames / total) &&
-         run_windows(seams, frames / total, 1.0 - frames / total);
-}
-
-// windows do not touch each other's frames, so that it does not matter which thread takes which
-bool Fit::run_windows(const std::vector<FitWindow>& windows, double begin, double share) {
-  std::atomic<std::size_t> next = 0;
-  std::atomic<std::int64_t> done = 0;
-  std::atomic<bool> stopped = false;
-  const double rounds = static_cast<double>(windows.size()) * std::max(1, options_.iterations);
-  const auto work = [&](bool caller) {
-    while (!stopped) {
-      const std::size_t i = next++;
-      if (i >= windows.size()) return;
-      fit_window(model_, options_, windows[i], clip_, [&] {
-        const auto rounds_done = static_cast<double>(done++);
-        if (caller && run_.keep_going && !run_.keep_going(begin + share * rounds_done / rounds)) {
-          stopped = true;
-        }
-        return !stopped;
-      });
-    }
+// The first stage and the windows behind it, side by side: each window begins when the frames that
+// it looks at have their start.
+Result<void> Fit::solve(FitResult& result) {
+  const FitWindows plan = plan_windows(clip_, options_);
+  const int threads = options_.threads > 0 ? options_.threads
+                                           : static_cast<int>(std::thread::hardware_concurrency());
+  StartFrames starts(model_, path_, options_.floor, clip_);
+  WindowCrew crew(model_, options_, plan, clip_, threads);
+  RetargetOptions options = run_.retarget;
+  options.settle = true;
+  options.trunk = TrunkRule::kLines;
+  // windows keep the other threads busy
+  options.targets_ahead = options.targets_ahead && plan.windows.size() == 1;
+  options.frame_solved = [&](int frame, std::span<const double> qpos) {
+    starts.take(frame, qpos);
+    crew.starts_are_there(frame + 1);
   };
-  const unsigned wanted = options_.threads > 0 ? static_cast<unsigned>(options_.threads)
-                                               : std::thread::hardware_concurrency();
-  std::vector<std::thread> others;
-  while (others.size() + 1 < std::min<std::size_t>(wanted, windows.size())) {
-    try {
-      others.emplace_back(work, false);
-    } catch (const std::system_error&) {
-      // without further threads the caller's does it
-      break;
-    }
-  }
-  work(true);
-  for (std::thread& thread : others) thread.join();
-  return !stopped;
+  const auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
+                              first_limits(*robot_, limits_), options);
+  if (!first) return failure(first.error());
+  result.steps = first->steps;
+  crew.starts_are_there(clip_.frame_count);
+  if (!crew.finish(run_.keep_going)) return interrupted_failure();
+  keep_bounds(result.report);
+  report_terms(crew.costs_before(), crew.costs_now(), result.report);
+  return {};
 }
 
 void Fit::keep_bounds(FitReport& report) {
@@ -381,40 +307,16 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
   }
 }
 
-// The limits of the first stage: where the robot has a narrower set for the published method,
-// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
-LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
-  LimitSet result = limits;
-  const auto own = load_limits(robot, robot.limits_for("gmr"));
-  if (!own) return result;
-  for (std::size_t i = 0; i < result.lower.size(); ++i) {
-    const double lower = std::max(limits.lower[i], own->lower[i]);
-    const double upper = std::min(limits.upper[i], own->upper[i]);
-    if (lower > upper) continue;
-    result.lower[i] = lower;
-    result.upper[i] = upper;
-  }
-  return result;
-}
-
 Result<FitResult> Fit::run() {
-  // the first stage also finds every fault of mapping and source
-  RetargetOptions first_options = run_.retarget;
-  first_options.settle = true;
-  first_options.trunk = TrunkRule::kLines;
-  auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
-                        first_limits(*robot_, limits_), first_options);
-  if (!first) return failure(first.error());
+  if (auto checked = check_ik_tables(tables_, *robot_); !checked) return failure(checked.error());
   FitResult result;
-  result.steps = first->steps;
   HumanPoser poser(source_, mapping_);
   const HumanClipInfo info = poser.info();
   const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
     poser.pose(frame, world_from_bone);
   };
-  const auto made =
-      make_targets(info, poses, clip_name_, *robot_, tables_, first_options.height_scale,
-                   first_options.trunk);
+  const auto made = make_targets(info, poses, clip_name_, *robot_, tables_,
+                                 run_.retarget.height_scale, TrunkRule::kLines);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto limbs = robot_limbs(*robot_, tables_);
@@ -429,7 +331,12 @@ Result<FitResult> Fit::run() {
   if (model_.shapes.empty()) {
     report.notes.emplace_back("the robot has no collision shapes: no self-collision");
   }
-  read_source(info, poser, targets);
+  if (!read_source(info, poser, targets)) {
+    // the first stage tells what is wrong with it
+    const auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
+                                first_limits(*robot_, limits_), run_.retarget);
+    if (!first) return failure(first.error());
+  }
   if (!model_.feet.empty()) {
     const double scale = path_scales(targets, find_bone(tables_.human_root).value()).foot;
     const StandingHeights standing = find_standing_heights(feet_, options_);
@@ -440,13 +347,7 @@ Result<FitResult> Fit::run() {
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;
   report.contact_phases = static_cast<int>(clip_.feet.phases.size());
-  start_from(first->clip);
-  if (options_.floor) lift_out_of_floor();
-  place_anchors(model_, clip_);
-  const std::vector<TermCosts> before = frame_costs(model_, options_, clip_);
-  if (!refine()) return interrupted_failure();
-  keep_bounds(report);
-  report_terms(before, frame_costs(model_, options_, clip_), report);
+  if (auto solved = solve(result); !solved) return failure(solved.error());
   result.clip = RobotClip(robot_, info.rate, info.frame_count);
   for (int t = 0; t < clip_.frame_count; ++t) {
     const auto now = clip_.frame(t, model_.configuration_size);

@@ -13,7 +13,8 @@ constexpr double kTiny = 1e-12;     // square metres
 constexpr double kSettled = 1e-24;  // square metres
 constexpr double kMeeting = 1e-6;   // metres; cores this near have no normal
 constexpr double kPerhapsMeeting = 0.02;
-constexpr int kProjections = 24;  // of each of two cores on the other
+constexpr double kAlongside = 1e-4;  // square of the angle between lines, radians
+constexpr int kProjections = 24;     // of each of two cores on the other
 
 // the core of a shape in the world
 struct Core {
@@ -41,22 +42,18 @@ struct Core {
   int count;
 };
 
-// nearest points of two lines, each c + s u with s from -1 to 1
+// Nearest points of two lines, each c + s u with s from -1 to 1. Of lines that run alongside each
+// other every point is as near; those nearest to a's middle are taken, and what is almost so goes
+// over into it, or the last bits would choose.
 void nearest_on_lines(const Core& a, const Core& b, Vector3d& on_a, Vector3d& on_b) {
   const Vector3d &u = a.axes[0], &v = b.axes[0];
   const Vector3d between = a.centre - b.centre;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
   const double u_between = u.dot(between), v_between = v.dot(between);
-  const double denominator = uu * vv - uv * uv;
-  double s = 0.0;
-  if (denominator > kTiny * uu * vv) {
-    s = std::clamp((uv * v_between - vv * u_between) / denominator, -1.0, 1.0);
-  }
-  double t = (uv * s + v_between) / vv;
-  if (t < -1.0 || t > 1.0) {
-    t = std::clamp(t, -1.0, 1.0);
-    s = std::clamp((uv * t - u_between) / uu, -1.0, 1.0);
-  }
+  const double denominator = uu * vv - uv * uv + kAlongside * uu * vv;
+  double s = std::clamp((uv * v_between - vv * u_between) / denominator, -1.0, 1.0);
+  const double t = std::clamp((uv * s + v_between) / vv, -1.0, 1.0);
+  s = std::clamp((uv * t - u_between) / uu, -1.0, 1.0);
   on_a = a.centre + s * u;
   on_b = b.centre + t * v;
 }
@@ -107,15 +104,14 @@ class WayOut {
     return sum;
   }
 
-  // the point farthest along n, the middle of those that are equally far
+  // the point farthest along n, the middle of those that are equally far; in between where they
+  // almost are
   static Vector3d deepest(const Core& core, const Vector3d& n, int skipped) {
-    constexpr double kEqual = 1e-9;  // metres
+    constexpr double kEqual = 1e-4;  // metres
     Vector3d result = core.centre;
     for (int i = 0; i < core.count; ++i) {
-      const double along = n.dot(axis(core, i));
-      if (i != skipped && std::abs(along) > kEqual) {
-        result += std::copysign(1.0, along) * axis(core, i);
-      }
+      if (i == skipped) continue;
+      result += std::clamp(n.dot(axis(core, i)) / kEqual, -1.0, 1.0) * axis(core, i);
     }
     return result;
   }
@@ -126,8 +122,8 @@ class WayOut {
     const Vector3d n = way.normalized();
     const double apart = n.dot(a_.centre - b_.centre);
     const double depth = extent(a_, n) + extent(b_, n) - std::abs(apart);
-    // faces before edges where they are equal
-    if (side_ != 0 && depth >= depth_ - (side == 3 ? kMeeting : 0.0)) return;
+    // where they are equal a's faces, then b's, then edges: feet side by side have several
+    if (side_ != 0 && depth >= depth_ - kMeeting) return;
     depth_ = depth;
     normal_ = apart < 0.0 ? Vector3d(-n) : n;
     side_ = side;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "refine/fit_distance.h"
+#include "refine/one_sided.h"
 #include "refine/shorthand.h"
 #include "retarget/math/so3.h"
 
@@ -18,6 +19,8 @@ using Eigen::Vector3d;
 constexpr double kLevelLean = 0.1;
 // metres that a foot's shapes may stick out of its sole
 constexpr double kShapeBelowSole = 0.005;
+// metres around their margins over which points begin to stand on the floor
+constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
 
 }  // namespace
 
@@ -138,9 +141,10 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
   for (const Vector3d& point : end.points) {
     const Vector3d place = world * point;
     const double depth = place.z() - (level ? 0.0 : options_.sole_margin);
-    if (depth >= 0.0) continue;
-    add_row(foot.link, 2, place - origin, weight, depth);
-    costs[kTermFloor] += weight * square(depth);
+    const OneSidedRow row = one_sided(depth, kSoleBand);
+    if (row.weight <= 0.0) continue;
+    add_row(foot.link, 2, place - origin, weight * row.weight, row.residual);
+    costs[kTermFloor] += weight * row.cost;
   }
 }
 
@@ -161,15 +165,17 @@ void FrameTerms::add_floor(const FitPose& pose, TermCosts& costs) {
     const double margin = model_.is_foot[link] != 0 ? -options_.sole_margin : options_.body_margin;
     const Frame& world = pose.world_from_link[link];
     if (model_.floor_points[link].empty() ||
-        world.translation.z() > model_.floor_reach[link] + margin) {
+        world.translation.z() > model_.floor_reach[link] + margin + kBodyBand) {
       continue;
     }
     for (const FloorPoint& point : model_.floor_points[link]) {
       const double depth =
           world.translation.z() + world.rotation.row(2).dot(point.position) - point.radius - margin;
-      if (depth >= 0.0) continue;
-      add_row(static_cast<int>(link), 2, world * point.position - origin, weight, depth);
-      costs[kTermFloor] += weight * square(depth);
+      const OneSidedRow row = one_sided(depth, kBodyBand);
+      if (row.weight <= 0.0) continue;
+      add_row(static_cast<int>(link), 2, world * point.position - origin, weight * row.weight,
+              row.residual);
+      costs[kTermFloor] += weight * row.cost;
     }
   }
 }
@@ -211,13 +217,14 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   const RoundedShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
   const FitDistance found =
       fit_distance(a, pose.world_from_link[at(a.link)], b, pose.world_from_link[at(b.link)]);
-  const double residual = found.distance - options_.self_collision_margin;
-  if (residual >= 0.0) return;
-  const double weight = square(options_.self_collision_weight);
-  costs[kTermSelfCollision] += weight * square(residual);
+  const double apart = found.distance - options_.self_collision_margin;
+  const OneSidedRow row = one_sided(apart, kOverlapBand);
+  if (row.weight <= 0.0) return;
+  const double weight = square(options_.self_collision_weight) * row.weight;
+  costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
   const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
-  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -residual > foot_overlap_.depth) {
-    foot_overlap_ = {-residual, foot_a, foot_b, found.normal.head<2>()};
+  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
+    foot_overlap_ = {-apart, foot_a, foot_b, found.normal.head<2>()};
   }
   const Vector3d& origin = pose.world_from_link[0].translation;
   const Vector3d torque_a = (found.on_a - origin).cross(found.normal);
@@ -241,7 +248,7 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   }
   for (const int i : row_dofs_) {
     const double scaled = weight * row_[at(i)];
-    gradient[i] += scaled * residual;
+    gradient[i] += scaled * row.residual;
     double* const out = hessian + static_cast<std::ptrdiff_t>(i) * stride;
     for (const int j : row_dofs_) {
       if (j <= i) out[j] += scaled * row_[at(j)];

@@ -53,6 +53,9 @@ struct FrameGoals {
   double anchor_hold = 1.0;                  ///< Factor to the weight of these places.
 };
 
+/// Metres around the margin of self-collision over which shapes begin to push each other away.
+inline constexpr double kOverlapBand = 0.002;
+
 /// How deep one foot is in another.
 struct FootOverlap {
   double depth = 0.0;  ///< Metres; 0: feet are apart.

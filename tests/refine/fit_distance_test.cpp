@@ -69,6 +69,31 @@ TEST(FitDistance, ABoxInABoxGoesOutTheShortestWay) {
   EXPECT_TRUE(found.normal.isApprox(Vector3d(1, 0, 0)));
 }
 
+// how far the nearest points move from one small turn of a to another
+double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector3d& between,
+                      const Vector3d& from, const Vector3d& to) {
+  const auto distance = [&](const Vector3d& turn) {
+    const Frame at_a{exp_so3(turn).toRotationMatrix(), between};
+    return fit_distance(a, at_a, b, moved(Vector3d::Zero()));
+  };
+  const FitDistance one = distance(from), other = distance(to);
+  EXPECT_NEAR(one.distance, other.distance, 1e-6);
+  return std::max((one.on_a - other.on_a).norm(), (one.on_b - other.on_b).norm());
+}
+
+TEST(FitDistance, TheLastBitsOfShapesAlongsideDoNotChooseThePoints) {
+  // two feet in each other, one 2 cm ahead
+  const RoundedShape foot = shape({{0.1, 0, 0}, {0, 0.04, 0}, {0, 0, 0.02}}, 0.008);
+  const Vector3d bits(1e-9, 1.5e-9, 2e-9);
+  EXPECT_LT(move_of_points(foot, foot, {0.02, 0.075, 0.0}, bits, -bits), 1e-5);
+  // two shanks
+  const RoundedShape shank = shape({{0.15, 0, 0}}, 0.05);
+  for (const double turn : {0.0, 1e-7, 1e-6, 1e-5, 1e-4}) {
+    const Vector3d from(0.0, 0.0, 0.99 * turn), to(0.0, 0.0, 1.01 * turn + 1e-9);
+    EXPECT_LT(move_of_points(shank, shank, {0.02, 0.09, 0.0}, from, to), 1e-5 + 2e3 * turn * 0.02);
+  }
+}
+
 // boxes in each other: as the exact distance has it, and its change as the normal and point say
 TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
   std::mt19937 random(5);

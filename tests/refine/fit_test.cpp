@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "retarget/bvh/read_bvh.h"
@@ -248,17 +249,24 @@ TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
 }
 
 TEST_F(FitTest, ThreadsDoNotChangeABit) {
+  // 13 windows and their seams, and those in front are solved before the last have their start
   FitOptions options;
-  options.window = 0.5;
+  options.window = 0.8;
   options.seam = 0.1;
   options.iterations = 3;
   options.threads = 1;
-  const Clip clip = cut(sample("walk.bvh"), 0, 48);
-  const RobotClip one = fitted(clip, options).clip;
-  options.threads = 3;
-  const RobotClip three = fitted(clip, options).clip;
-  for (int t = 0; t < one.frame_count(); ++t) {
-    ASSERT_TRUE(std::ranges::equal(one.qpos(t), three.qpos(t))) << t;
+  const Clip clip = sample("walk.bvh");
+  const FitResult one = fitted(clip, options);
+  for (const int threads : {2, 3, 7}) {
+    options.threads = threads;
+    const FitResult many = fitted(clip, options);
+    for (int t = 0; t < one.clip.frame_count(); ++t) {
+      ASSERT_TRUE(std::ranges::equal(one.clip.qpos(t), many.clip.qpos(t))) << threads << " " << t;
+    }
+    for (std::size_t i = 0; i < one.report.terms.size(); ++i) {
+      EXPECT_EQ(one.report.terms[i].before, many.report.terms[i].before) << threads;
+      EXPECT_EQ(one.report.terms[i].after, many.report.terms[i].after) << threads;
+    }
   }
 }
 
@@ -317,6 +325,19 @@ TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
   EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
 }
 
+TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
+  Clip clip = cut(sample("walk.bvh"), 0, 20);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  for (const double x : {1e150, std::numeric_limits<double>::quiet_NaN()}) {
+    clip.translations(12)[0].x() = x;
+    const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_);
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().kind, ErrorKind::kInput);
+    EXPECT_THAT(result.error().message, HasSubstr("frame 12"));
+  }
+}
+
 TEST_F(FitTest, CanBeStopped) {
   const Clip clip = cut(sample("walk.bvh"), 0, 20);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
@@ -324,6 +345,20 @@ TEST_F(FitTest, CanBeStopped) {
   FitRun run;
   run.keep_going = [](double) { return false; };
   const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, {}, run);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+}
+
+TEST_F(FitTest, CanBeStoppedWhileTheFirstStageRuns) {
+  const Clip clip = cut(sample("walk.bvh"), 0, 100);
+  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+  ASSERT_TRUE(mapping.has_value());
+  FitOptions options;
+  options.window = 0.5;
+  options.threads = 3;
+  FitRun run;
+  run.retarget.keep_going = [](int frame) { return frame < 80; };
+  const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, options, run);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }

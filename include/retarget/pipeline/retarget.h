@@ -26,14 +26,16 @@ struct RetargetOptions {
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing
   /// of the way there is left in the motion, and again every frame into which the root's target
-  /// turns by more than 60 degrees; the published method solves each once, the first from the
-  /// model's zero configuration.
+  /// turns by more than 60 degrees. An upper arm that is more than 60 degrees off is looked for another
+  /// way, which then counts from where both ways meet, two seconds back at most. The published method
+  /// solves each frame once, the first from the model's zero configuration.
   bool settle = false;
   /// Make the targets ahead of the solver on a second thread; the result is the same.
   bool targets_ahead = false;
   /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.
   std::function<bool(int frame)> keep_going;
-  /// Told every frame's configuration as soon as it is solved, on the caller's thread.
+  /// Told every frame's configuration, in order, as soon as it does not change any more, on the
+  /// caller's thread.
   std::function<void(int frame, std::span<const double> qpos)> frame_solved;
 };
 

@@ -1,0 +1,59 @@
+// The whole-clip fit on one thread and on several: wall time, its first stage included. The published
+// method on the same clip, in the same run, is the yardstick.
+
+#include "bench_support.h"
+#include "retarget/refine/fit.h"
+
+namespace retarget {
+namespace {
+
+struct FitCase {
+  std::shared_ptr<const Robot> robot;
+  IkTables tables;
+  LimitSet limits;
+  Clip clip;
+  HumanMapping mapping;
+};
+
+FitCase load_fit_case(const char* clip) {
+  BenchCase bench = load_case(clip);
+  auto file = load_bvh(clip_path(clip).string()).value();
+  HumanMapping mapping = lafan1_mapping(file.clip.skeleton(), clip).value();
+  return {std::move(bench.robot), std::move(bench.tables), std::move(bench.limits),
+          std::move(file.clip), std::move(mapping)};
+}
+
+void fit_clip(benchmark::State& state, const char* clip) {
+  const FitCase bench = load_fit_case(clip);
+  FitOptions options;
+  options.threads = static_cast<int>(state.range(0));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        fit(bench.clip, bench.mapping, clip, bench.robot, bench.tables, bench.limits, options));
+  }
+  state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
+}
+
+void published_method(benchmark::State& state, const char* clip) {
+  const FitCase bench = load_fit_case(clip);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        retarget(bench.clip, bench.mapping, clip, bench.robot, bench.tables, bench.limits));
+  }
+  state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
+}
+
+BENCHMARK_CAPTURE(published_method, walk4, "walk4_subject1")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fit_clip, walk4, "walk4_subject1")
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace retarget
