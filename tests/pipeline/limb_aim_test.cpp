@@ -1,0 +1,95 @@
+// Limbs whose elbow or knee is a hinge.
+
+#include "pipeline/limb_aim.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// an arm of bones along X, bent about -Z of the upper one, its forearm turned about itself
+struct Arm {
+  Pose upper, lower, end;
+};
+Arm arm_with(const Quaterniond& upper, double bend, double twist) {
+  Arm arm;
+  arm.upper = {upper, {0.3, -0.2, 1.4}};
+  arm.lower.rotation = upper * exp_so3(Vector3d(0, 0, -bend)) * exp_so3(Vector3d(twist, 0, 0));
+  arm.lower.translation = arm.upper.translation + upper * Vector3d(0.3, 0, 0);
+  arm.end = {arm.lower.rotation, arm.lower.translation + arm.lower.rotation * Vector3d(0.25, 0, 0)};
+  return arm;
+}
+
+double between(const Quaterniond& a, const Quaterniond& b) {
+  return log_so3(a.conjugate() * b).norm();
+}
+
+const Quaterniond kUpper = exp_so3(Vector3d(0.4, -1.1, 0.7));
+
+TEST(LimbAim, OfAHingeIsWhatItsBonesSay) {
+  for (const double bend : {0.0, 0.1, 0.8, 2.0}) {
+    const Arm arm = arm_with(kUpper, bend, 0.0);
+    const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
+    ASSERT_TRUE(aimed);
+    EXPECT_LT(between(aimed->upper, arm.upper.rotation), 1e-9) << bend;
+    EXPECT_LT(between(aimed->lower, arm.lower.rotation), 1e-9) << bend;
+  }
+}
+
+TEST(LimbAim, PointsWhereTheBonesPointHoweverTheyAreTurned) {
+  // the upper bone turned about itself by 30 degrees, the forearm by 50: no robot's elbow does that
+  const Arm plain = arm_with(kUpper, 1.2, 0.0);
+  Arm arm = plain;
+  arm.upper.rotation = arm.upper.rotation * exp_so3(Vector3d(30 * kDegree, 0, 0));
+  arm.lower.rotation = arm.lower.rotation * exp_so3(Vector3d(50 * kDegree, 0, 0));
+  const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
+  ASSERT_TRUE(aimed);
+  const Vector3d first = (arm.lower.translation - arm.upper.translation).normalized();
+  const Vector3d second = (arm.end.translation - arm.lower.translation).normalized();
+  EXPECT_LT((aimed->upper * Vector3d::UnitX() - first).norm(), 1e-9);
+  EXPECT_LT((aimed->lower * Vector3d::UnitX() - second).norm(), 1e-9);
+  // the elbow that the upper bone then has lets the forearm point there but for the share of its own
+  // axis: atan(0.1 sin 30 / (sin(1.2 rad) + 0.1 cos 30)) of turn
+  EXPECT_LT(between(aimed->upper, plain.upper.rotation), 3.0 * kDegree);
+  EXPECT_GT(between(arm.upper.rotation, plain.upper.rotation), 29.0 * kDegree);
+}
+
+TEST(LimbAim, OfAStraightLimbIsTheUpperBonesOwn) {
+  Arm arm = arm_with(kUpper, 0.0, 0.9);
+  const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
+  ASSERT_TRUE(aimed);
+  EXPECT_LT(between(aimed->upper, kUpper), 1e-9);
+  EXPECT_LT(between(aimed->lower, kUpper), 1e-9);
+}
+
+TEST(LimbAim, KneesBendAsElbowsDo) {
+  // the shin goes back: about the left, which is -Z of a thigh
+  const int thigh = find_bone("LeftUpLeg").value(), shin = find_bone("LeftLeg").value();
+  const Quaterniond bent = exp_so3(Vector3d(0, 0.7, 0));
+  const Pose upper{Quaterniond(canonical_t_pose(thigh)), {0, 0.1, 0.9}};
+  const Pose lower{bent * Quaterniond(canonical_t_pose(shin)), {0, 0.1, 0.45}};
+  const Pose end{lower.rotation, lower.translation + bent * Vector3d(0, 0, -0.42)};
+  const auto aimed = aim_limb(upper, lower, end);
+  ASSERT_TRUE(aimed);
+  EXPECT_LT(between(aimed->upper, upper.rotation), 1e-9);
+  EXPECT_LT(between(aimed->lower, lower.rotation), 1e-9);
+}
+
+TEST(LimbAim, IsNoneOfALimbWithoutLength) {
+  EXPECT_FALSE(aim_limb({}, {}, {}));
+}
+
+}  // namespace
+}  // namespace retarget

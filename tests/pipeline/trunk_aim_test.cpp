@@ -1,0 +1,208 @@
+// How a human's trunk turns a robot's, held against the robot's own kinematics.
+
+#include "retarget/pipeline/trunk_aim.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/so3.h"
+#include "retarget/robot/load_robot.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+double between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+}
+
+// a human of straight lines whose pelvis and trunk are turned
+std::vector<Pose> human(const Quaterniond& pelvis, const Quaterniond& trunk) {
+  std::vector<Pose> bones(kBoneCount);
+  for (int bone = 0; bone < kBoneCount; ++bone) {
+    bones[static_cast<std::size_t>(bone)].rotation = Quaterniond(canonical_t_pose(bone));
+  }
+  const auto at = [&](const char* bone) -> Pose& {
+    return bones[static_cast<std::size_t>(find_bone(bone).value())];
+  };
+  at("Hips").rotation = pelvis * at("Hips").rotation;
+  at("LeftUpLeg").translation = pelvis * Vector3d(0, 0.09, 0);
+  at("RightUpLeg").translation = pelvis * Vector3d(0, -0.09, 0);
+  at("LeftArm").translation = trunk * Vector3d(-0.03, 0.17, 0.5);
+  at("RightArm").translation = trunk * Vector3d(-0.03, -0.17, 0.5);
+  return bones;
+}
+
+const Quaterniond kStill = Quaterniond::Identity();
+
+struct AimedRobot {
+  std::shared_ptr<const Robot> robot;
+  RobotLimbs limbs;
+  TrunkAim aim;
+  int pelvis = 0, torso = 0;
+  Quaterniond hips_to_pelvis;
+};
+
+AimedRobot aimed_robot(const std::string& name) {
+  const std::string folder = RETARGET_SOURCE_DIR "/robots/" + name;
+  auto robot = load_robot(folder + "/model.xml", folder + "/robot.json").value();
+  const IkTables tables = load_ik_tables(folder + "/ik.json").value();
+  const RobotLimbs limbs = robot_limbs(*robot, tables).value();
+  auto trunk = robot_trunk(*robot, tables, limbs).value();
+  const Quaterniond offset = tables.find_row("Hips")->rotation_offset;
+  const int pelvis = robot->find_body(tables.find_row("Hips")->body).value();
+  const IkRow* const spine = tables.find_row("Spine2");
+  const int torso = spine == nullptr ? pelvis : robot->find_body(spine->body).value();
+  TrunkAim aim(std::move(trunk), trunk_lines(human(kStill, kStill)), offset);
+  return {std::move(robot), limbs, std::move(aim), pelvis, torso, offset};
+}
+
+std::vector<std::string> robot_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(RETARGET_SOURCE_DIR "/robots")) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+class TrunkOf : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(ShippedRobots, TrunkOf, ::testing::ValuesIn(robot_names()),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(TrunkOf, StandsStraightWhenTheHumanDoes) {
+  const AimedRobot of = aimed_robot(GetParam());
+  std::vector<Pose> world_from_body(of.robot->bodies().size());
+  forward_kinematics(*of.robot, of.robot->zero_configuration(), world_from_body);
+  const auto pose = [&](int body) { return world_from_body[static_cast<std::size_t>(body)]; };
+  const auto aimed = of.aim.aim(human(kStill, kStill));
+  ASSERT_TRUE(aimed);
+  // pelvis against torso, and the line between hips and shoulders, as in the zero configuration
+  const Quaterniond waist = pose(of.pelvis).rotation.conjugate() * pose(of.torso).rotation;
+  EXPECT_LT(
+      log_so3(waist.conjugate() * aimed->world_from_pelvis.conjugate() * aimed->world_from_torso)
+          .norm(),
+      1e-6);
+  const Vector3d chord = of.limbs.shoulder_centre - of.limbs.hip_centre;
+  EXPECT_NEAR(aimed->chord.z(), chord.z(), 1e-6);
+  EXPECT_NEAR(aimed->chord.norm(), chord.norm(), 1e-6);
+  const Quaterniond hips(canonical_t_pose(find_bone("Hips").value()));
+  EXPECT_LT(log_so3((hips * of.hips_to_pelvis).conjugate() * aimed->world_from_pelvis).norm(),
+            1e-6);
+}
+
+TEST_P(TrunkOf, LeansAsTheHumanWhateverItsWaistCanDo) {
+  const AimedRobot of = aimed_robot(GetParam());
+  const auto upright = of.aim.aim(human(kStill, kStill));
+  for (const Vector3d& bend : {Vector3d(0, 0.5, 0), Vector3d(0.3, 0, 0), Vector3d(0.1, 0.8, 0.1)}) {
+    const auto aimed = of.aim.aim(human(kStill, exp_so3(bend)));
+    ASSERT_TRUE(aimed);
+    // a trunk in one piece gives a little to the pelvis, which did not move
+    EXPECT_LT(between(aimed->chord, exp_so3(bend) * upright->chord), 4.0) << bend.transpose();
+  }
+}
+
+// the G1's waist by its own kinematics: chord and shoulder line of a pelvis rotation and positions
+struct WaistPose {
+  Quaterniond pelvis;
+  Vector3d yaw_roll_pitch;
+};
+TrunkLines lines_of(const AimedRobot& of, const WaistPose& pose) {
+  std::vector<double> qpos = of.robot->zero_configuration();
+  qpos[3] = pose.pelvis.w();
+  qpos[4] = pose.pelvis.x();
+  qpos[5] = pose.pelvis.y();
+  qpos[6] = pose.pelvis.z();
+  const std::array names = {"waist_yaw_joint", "waist_roll_joint", "waist_pitch_joint"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const RobotJoint& joint = of.robot->joints()[of.robot->find_joint(names[i]).value()];
+    qpos[static_cast<std::size_t>(joint.qpos_address)] =
+        pose.yaw_roll_pitch[static_cast<Eigen::Index>(i)];
+  }
+  std::vector<Pose> zero(of.robot->bodies().size()), now = zero;
+  forward_kinematics(*of.robot, of.robot->zero_configuration(), zero);
+  forward_kinematics(*of.robot, qpos, now);
+  const auto moved = [&](int body, const Vector3d& point) {
+    const auto index = static_cast<std::size_t>(body);
+    return Vector3d(now[index] * (zero[index].inverse() * point));
+  };
+  const Vector3d half = 0.5 * of.limbs.shoulder_line;
+  const Vector3d left = moved(of.torso, of.limbs.shoulder_centre + half);
+  const Vector3d right = moved(of.torso, of.limbs.shoulder_centre - half);
+  return {0.5 * (left + right) - moved(of.pelvis, of.limbs.hip_centre), left - right};
+}
+
+WaistPose waist_pose(const TrunkAim::Aimed& aimed) {
+  // the torso turns about z, then x, then y against the pelvis
+  const Eigen::Matrix3d r = (aimed.world_from_pelvis.conjugate() * aimed.world_from_torso)
+                                .normalized()
+                                .toRotationMatrix();
+  return {aimed.world_from_pelvis,
+          {std::atan2(-r(0, 1), r(1, 1)), std::asin(r(2, 1)), std::atan2(-r(2, 0), r(2, 2))}};
+}
+
+TEST(TrunkAim, SaysWhereTheRobotsOwnKinematicsHaveTheShoulders) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  const auto aimed = of.aim.aim(human(exp_so3({0.1, 0.2, 0.5}), exp_so3({-0.1, 0.6, 0.9})));
+  ASSERT_TRUE(aimed);
+  EXPECT_LT((lines_of(of, waist_pose(*aimed)).chord - aimed->chord).norm(), 1e-9);
+}
+
+TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  const TrunkLines zero = {of.limbs.shoulder_centre - of.limbs.hip_centre, of.limbs.shoulder_line};
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](double size) {
+    return Vector3d(size * Vector3d(normal(random), normal(random), normal(random)));
+  };
+  const double pitch_range = 0.52 * 0.9;
+  int at_limit = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Quaterniond pelvis = exp_so3(noise(0.3)), trunk = exp_so3(noise(0.6));
+    const auto aimed = of.aim.aim(human(pelvis, trunk));
+    ASSERT_TRUE(aimed);
+    const auto cost = [&](const WaistPose& pose) {
+      const TrunkLines lines = lines_of(of, pose);
+      return (lines.chord.normalized() - trunk * zero.chord.normalized()).squaredNorm() +
+             0.25 * (lines.across.normalized() - trunk * zero.across.normalized()).squaredNorm() +
+             0.04 * log_so3(pose.pelvis * pelvis.conjugate()).squaredNorm();
+    };
+    const WaistPose best = waist_pose(*aimed);
+    EXPECT_LE(std::abs(best.yaw_roll_pitch.y()), pitch_range + 1e-9);
+    EXPECT_LE(std::abs(best.yaw_roll_pitch.z()), pitch_range + 1e-9);
+    at_limit += std::abs(best.yaw_roll_pitch.z()) > pitch_range - 1e-9 ? 1 : 0;
+    const double least = cost(best);
+    for (int other = 0; other < 60; ++other) {
+      WaistPose near{exp_so3(noise(0.01)) * best.pelvis, best.yaw_roll_pitch + noise(0.01)};
+      for (const int bounded : {1, 2}) {
+        near.yaw_roll_pitch[bounded] =
+            std::clamp(near.yaw_roll_pitch[bounded], -pitch_range, pitch_range);
+      }
+      EXPECT_GE(cost(near), least - 1e-9) << i;
+    }
+  }
+  // some of them need more than the waist has
+  EXPECT_GT(at_limit, 3);
+}
+
+TEST(TrunkAim, IsNoneWithoutATrunk) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  EXPECT_FALSE(of.aim.aim(std::vector<Pose>(kBoneCount)));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,125 @@
+#include "retarget/pipeline/trunk_lines.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "retarget/human/bones.h"
+#include "retarget/human/canonical_pose.h"
+#include "retarget/math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// a trunk of bones that are turned one after the other; shoulders 6 cm behind the hips in the T-pose
+std::vector<Pose> trunk(const std::array<Quaterniond, 4>& turns, const Quaterniond& clavicles) {
+  std::vector<Pose> bones(kBoneCount);
+  const auto put = [&](const char* bone, const Vector3d& place, const Quaterniond& turn) {
+    const int index = find_bone(bone).value();
+    bones[static_cast<std::size_t>(index)] = {turn * Quaterniond(canonical_t_pose(index)), place};
+  };
+  Quaterniond turn = turns[0];
+  Vector3d at(0.4, -0.3, 1.0);
+  put("Hips", at, turn);
+  put("LeftUpLeg", at + turn * Vector3d(0.02, 0.1, -0.01), turn);
+  put("RightUpLeg", at + turn * Vector3d(0.02, -0.1, -0.01), turn);
+  const std::array<const char*, 3> spine = {"Spine", "Spine1", "Spine2"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    at += turn * Vector3d(i == 0 ? -0.02 : 0.0, 0.0, 0.12);
+    turn = turn * turns[i + 1];
+    put(spine[i], at, turn);
+  }
+  for (const double side : {1.0, -1.0}) {
+    const std::string name = side > 0.0 ? "Left" : "Right";
+    const Vector3d clavicle = at + turn * Vector3d(-0.02, 0.05 * side, 0.14);
+    const Quaterniond raised = turn * clavicles;
+    put((name + "Shoulder").c_str(), clavicle, raised);
+    put((name + "Arm").c_str(), clavicle + raised * Vector3d(0.0, 0.12 * side, 0.0), raised);
+  }
+  return bones;
+}
+
+HumanClipInfo whole_body(int frames) {
+  HumanClipInfo info;
+  info.frame_count = frames;
+  info.sources.assign(kBoneCount, "joint");
+  return info;
+}
+
+TrunkLines standing(const HumanClipInfo& info, const std::vector<Pose>& bones) {
+  return standing_trunk_lines(info, [&](int, std::span<Pose> world_from_bone) {
+    std::ranges::copy(bones, world_from_bone.begin());
+  });
+}
+
+const std::array<Quaterniond, 4> kStraight = {Quaterniond::Identity(), Quaterniond::Identity(),
+                                              Quaterniond::Identity(), Quaterniond::Identity()};
+
+TEST(TrunkLines, RunFromTheHipsToTheShoulders) {
+  const TrunkLines lines = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
+  EXPECT_LT((lines.chord - Vector3d(-0.06, 0.0, 0.51)).norm(), 1e-12);
+  EXPECT_LT((lines.across - Vector3d(0.0, 0.34, 0.0)).norm(), 1e-12);
+}
+
+TEST(TrunkLines, OfAStandingHumanAreTheTPosesWhateverTheFrame) {
+  const auto expected = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
+  // bent to the side, turned and shrugged, but not forward
+  const std::array<Quaterniond, 4> posed = {exp_so3({0.3, 0.2, 1.9}), exp_so3({0.2, 0.0, 0.3}),
+                                            exp_so3({-0.1, 0.0, 0.2}), exp_so3({0.1, 0.0, -0.4})};
+  const TrunkLines lines = standing(whole_body(7), trunk(posed, exp_so3({0.3, 0.0, 0.0})));
+  EXPECT_LT((lines.chord - expected.chord).norm(), 1e-12);
+  EXPECT_LT((lines.across - expected.across).norm(), 1e-12);
+}
+
+TEST(TrunkLines, OfASpineThatIsBentAsPeoplesAreStandUpright) {
+  const auto bent = [](double degrees) {
+    const Quaterniond part = exp_so3({0.0, degrees * kDegree / 3.0, 0.0});
+    return trunk({Quaterniond::Identity(), part, part, part}, Quaterniond::Identity());
+  };
+  const double back = std::atan2(0.06, 0.51);
+  const auto lean = [&](double degrees) {
+    const Vector3d chord = standing(whole_body(3), bent(degrees)).chord;
+    EXPECT_NEAR(chord.norm(), std::hypot(0.06, 0.51), 1e-12);
+    return -std::atan2(chord.x(), chord.z());
+  };
+  EXPECT_NEAR(lean(0.0), back, 1e-12);
+  EXPECT_NEAR(lean(3.0), back, 1e-9);
+  EXPECT_NEAR(lean(6.5), 0.5 * back, 1e-9);
+  EXPECT_NEAR(lean(10.0), 0.0, 1e-9);
+  EXPECT_NEAR(lean(60.0), 0.0, 1e-9);
+  EXPECT_NEAR(lean(-20.0), back, 1e-12);
+}
+
+TEST(TrunkLines, DoWithoutClaviclesAndSpine) {
+  HumanClipInfo info = whole_body(2);
+  for (const char* bone : {"LeftShoulder", "RightShoulder", "Spine", "Spine1", "Spine2"}) {
+    info.sources[static_cast<std::size_t>(find_bone(bone).value())].clear();
+  }
+  const auto expected = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
+  const Quaterniond turn = exp_so3({0.4, 0.8, -2.0});
+  const auto bones = trunk({turn, kStraight[1], kStraight[2], kStraight[3]}, kStraight[0]);
+  EXPECT_LT((standing(info, bones).chord - expected.chord).norm(), 1e-12);
+}
+
+TEST(TrunkFrame, IsARotationAndNoneOfLinesAlongEachOther) {
+  const auto frame = trunk_frame({{0.1, 0.0, 0.5}, {0.05, 0.3, 0.1}});
+  ASSERT_TRUE(frame);
+  EXPECT_LT((*frame * frame->transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_NEAR(frame->determinant(), 1.0, 1e-12);
+  EXPECT_LT((frame->col(2) - Vector3d(0.1, 0.0, 0.5).normalized()).norm(), 1e-12);
+  EXPECT_GT(frame->col(1).y(), 0.9);
+  EXPECT_FALSE(trunk_frame({}));
+  EXPECT_FALSE(trunk_frame({{0.0, 0.0, 0.5}, {0.0, 0.0, 0.3}}));
+}
+
+}  // namespace
+}  // namespace retarget
