@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "format_losses.h"
+#include "memory_need.h"
 #include "outputs.h"
 #include "retarget/io/robot_motion.h"
 #include "retarget/robot/resample_robot.h"
@@ -39,7 +40,7 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
   if (auto usage = check_usage(options); !usage) return usage;
   const auto data_folder = data_folder_of(options.run.common);
   if (!data_folder) return failure(data_folder.error());
-  const auto read_options = read_motion_options(options.reading);
+  const auto read_options = read_motion_options(options.reading, options.run.source);
   if (!read_options) return failure(read_options.error());
   // the file may have joints that the variant holds: it is read as of the whole robot
   RunOptions whole = options.run;
@@ -60,6 +61,8 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
   }
   auto resampled = at_rate(std::move(clip), options);
   if (!resampled) return failure(resampled.error());
+  const MotionNeed need{resampled->frame_count(), resampled->rate(), motion->bytes, options.input};
+  if (auto fits = check_need(need, options.run); !fits) return fits;
   auto outputs = MotionOutputs::open(options.run, resampled->shared_robot(), resampled->rate());
   if (!outputs) return failure(outputs.error());
   for (int frame = 0; frame < resampled->frame_count(); ++frame) {
