@@ -19,8 +19,8 @@ import unittest
 
 from tool import TOOL, ToolTest, is_sanitized, sample, short_clip
 
-CLIPS = int(os.environ.get("RETARGET_DISTURBED_CLIPS", "40"))
-KILLS = int(os.environ.get("RETARGET_DISTURBED_KILLS", "10"))
+CLIPS = int(os.environ.get("RETARGET_DISTURBED_CLIPS", "30"))
+KILLS = int(os.environ.get("RETARGET_DISTURBED_KILLS", "6"))
 SEED = int(os.environ.get("RETARGET_DISTURBED_SEED", random.randrange(1 << 30)))
 CLONE_NEWNS, MS_REC, MS_PRIVATE = 0x20000, 0x4000, 0x40000
 # what says when a clip was done, not what came of it
