@@ -14,8 +14,12 @@ if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR MSVC)
 endif()
 set(retarget_is_hardened ON)
 
-foreach(flag IN ITEMS -fstack-protector-strong -fstack-clash-protection -fcf-protection
-    -mbranch-protection=standard)
+# jumps land where functions begin. Clang takes both everywhere, and warns of the one that is in vain
+set(landing -fcf-protection)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)")
+  set(landing -mbranch-protection=standard)
+endif()
+foreach(flag IN ITEMS -fstack-protector-strong -fstack-clash-protection ${landing})
   string(MAKE_C_IDENTIFIER "RETARGET_HAS${flag}" known)
   check_cxx_compiler_flag(${flag} ${known})
   if(${known})
