@@ -4,12 +4,13 @@
 
 include(CheckCXXCompilerFlag)
 include(CheckLinkerFlag)
+include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
 set(retarget_is_hardened OFF)  # for the tests
 
 # the sanitizers look at more, and get in the way of these
 string(FIND "${CMAKE_CXX_FLAGS}" "-fsanitize" sanitized)
-if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR MSVC)
+if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR MSVC)
   return()
 endif()
 set(retarget_is_hardened ON)
@@ -33,16 +34,14 @@ target_compile_options(retarget_hardening INTERFACE
   $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-D_FORTIFY_SOURCE=2>)
 target_compile_definitions(retarget_hardening INTERFACE _GLIBCXX_ASSERTIONS)
 
-# an executable that lies anywhere in memory; a library for shared ones does so anyway
+# the tool lies anywhere in memory (its own CMakeLists.txt), and so must what it links
 if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE)
   get_target_property(library_type retarget TYPE)
-  check_linker_flag(CXX -pie RETARGET_HAS_PIE)
-  if(RETARGET_HAS_PIE AND library_type STREQUAL STATIC_LIBRARY)
+  if(library_type STREQUAL STATIC_LIBRARY)
     target_compile_options(retarget_hardening INTERFACE -fPIE)
-    target_link_options(retarget_hardening INTERFACE
-      $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie>)
   endif()
 endif()
+check_pie_supported(LANGUAGES CXX)
 # tables of addresses are filled at the start and cannot be written to afterwards
 check_linker_flag(CXX "LINKER:-z,relro,-z,now" RETARGET_HAS_RELRO)
 if(RETARGET_HAS_RELRO)

@@ -9,7 +9,7 @@ import unittest
 import zipfile
 import zlib
 
-from tool import ToolTest, sample
+from tool import ToolTest, is_sanitized, sample
 
 try:
     import numpy
@@ -84,6 +84,7 @@ class SmallFiles(ToolTest):
             "slow.bvh": bvh(static, 10, rate="1e300"),
         }, ("inspect", "FILE"))
 
+    @unittest.skipIf(is_sanitized(), "a sanitizer takes minutes for long motions")
     def test_bvh_of_a_whole_body(self):
         # one number moves a body of 22 joints: the most frames that there can be
         lines = sample("wave").read_text().splitlines()
@@ -102,6 +103,7 @@ class SmallFiles(ToolTest):
                      (*run, "-o", "o.npz", "--format", "npz-mjlab"),
                      (*run, "-o", "o.npz", "--format", "npz-mjlab", "--fps", "source"))
 
+    @unittest.skipIf(is_sanitized(), "a sanitizer takes minutes for long motions")
     def test_npz_of_humans(self):
         run = ("--smpl", "FILE", "--robot", "unitree_g1", "--method", "gmr", "-o", "o.csv")
         files = {f"{frames}_{fps}.npz": npz(poses=npy((frames, 66)), trans=npy((frames, 3)),
