@@ -101,6 +101,7 @@ class SmallFiles(ToolTest):
                  for frames, step in ((48000, 0.0333), (500, 1), (20000, 0.1), (3, 300))}
         self.try_all(files, (*run, "-o", "o.csv", "--sidecar", "--report", "r.json"),
                      (*run, "-o", "o.npz", "--format", "npz-mjlab"),
+                     (*run, "-o", "o.pkl", "--format", "pkl-gmr"),
                      (*run, "-o", "o.npz", "--format", "npz-mjlab", "--fps", "source"))
 
     @unittest.skipIf(is_sanitized(), "a sanitizer takes minutes for long motions")
@@ -156,10 +157,12 @@ class SmallFiles(ToolTest):
 
         of_robot = ("--robot", "unitree_g1")
         self.try_all({"30000.pkl": motion(30000, 30.0), "100000.pkl": motion(100000, 30.0),
+                      "230000.pkl": motion(230000, 30.0), "102000.pkl": motion(102000, 30.0),
                       "slow.pkl": motion(1000, 0.1), "slower.pkl": motion(300, 1.0)},
                      ("evaluate", "FILE", *of_robot),
                      ("convert", "FILE", "o.npz", *of_robot, "--format", "npz-mjlab"),
-                     ("convert", "FILE", "o.csv", *of_robot, "--fps", "50"))
+                     ("convert", "FILE", "o.pkl", *of_robot, "--format", "pkl-gmr"),
+                     ("convert", "FILE", "o.csv", *of_robot, "--fps", "60"))
         self.try_all({"lists.pkl": opcodes(b"]", 9000000), "marks.pkl": opcodes(b"(", 3000000),
                       "memo.pkl": opcodes(b"]\x94", 1900000), "same.pkl": opcodes(b"]2", 3000000),
                       "none.pkl": opcodes(b"N", 9000000), "numbers.pkl": opcodes(b"K\x01", 3000000),

@@ -23,9 +23,13 @@ Result<void> check_usage(const ConvertOptions& options) {
   return check_outputs(options.run, inputs, {});
 }
 
-Result<RobotClip> at_rate(RobotClip clip, const ConvertOptions& options) {
+Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes, const ConvertOptions& options) {
   const auto rate = output_rate(options.run.fps);
   if (!rate) return failure(rate.error());
+  const FrameRate output = rate->value_or(clip.rate());
+  const MotionNeed need{resampled_frame_count(clip.frame_count(), clip.rate(), output), output,
+                        file_bytes, options.input, false};
+  if (auto fits = check_need(need, options.run); !fits) return failure(fits.error());
   if (!*rate) return clip;
   ResampleOptions resample_options;
   resample_options.interpolation =
@@ -59,10 +63,8 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
     }
     clip = with_robot(clip, std::move(*variant));
   }
-  auto resampled = at_rate(std::move(clip), options);
+  auto resampled = at_rate(std::move(clip), motion->bytes, options);
   if (!resampled) return failure(resampled.error());
-  const MotionNeed need{resampled->frame_count(), resampled->rate(), motion->bytes, options.input};
-  if (auto fits = check_need(need, options.run); !fits) return fits;
   auto outputs = MotionOutputs::open(options.run, resampled->shared_robot(), resampled->rate());
   if (!outputs) return failure(outputs.error());
   for (int frame = 0; frame < resampled->frame_count(); ++frame) {

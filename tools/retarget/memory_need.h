@@ -15,6 +15,7 @@ struct MotionNeed {
   FrameRate rate;
   std::uint64_t file_bytes = 0;  ///< Of what it is made of.
   std::string file;              ///< The same, for messages.
+  bool is_solved = true;         ///< From a human's, and measured; false: as it was read.
 };
 
 /// Whether the motion, and the files that the options make of it, can be held in memory: within what
