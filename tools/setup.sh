@@ -1,24 +1,25 @@
 #!/usr/bin/env bash
 # Installs what retarget needs to be built and tested.
 #
-#   tools/setup.sh [--dev] [--check]
+#   tools/setup.sh [--dev] [--check] [--older-mujoco]
 #
-#   --dev    also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
-#   --check  install nothing; say what is missing and exit with 1 when something is
+#   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
+#   --check         install nothing; say what is missing and exit with 1 when something is
+#   --older-mujoco  MuJoCo 3.3.7 in place of 4.0.0, for package indexes that lack the latter
 #
 # Debian and Ubuntu: packages by apt-get, as root or through sudo. Elsewhere: says which packages
-# are missing. MuJoCo comes as a pinned wheel into build/deps/mujoco, unless MuJoCo_ROOT (or
-# MUJOCO_DIR, mujoco_DIR) names one that is there already. Safe to repeat: what is there is left alone.
+# are missing. MuJoCo comes as a wheel into build/deps/mujoco, checked by the SHA-256 of tools/mujoco.txt,
+# unless MuJoCo_ROOT (or MUJOCO_DIR, mujoco_DIR) names one that is there already. Where that very wheel
+# cannot be had nothing is installed. Safe to repeat: what is there is left alone.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 
 # the wheel is the SDK: shared library and headers. Only these are used, and no Python is tied to
-# them, so one Python's wheel serves beside any; the second is for where pip does not get the first
+# them, so one Python's wheel serves beside any
 readonly kMujocoVersion=4.0.0
-readonly kMujocoWheel=(--python-version 3.11 --ignore-requires-python "mujoco-core==$kMujocoVersion")
 readonly kOlderMujocoVersion=3.3.7
-readonly kOlderMujocoWheel=("mujoco==$kOlderMujocoVersion")
+readonly kMujocoPython=3.11
 
 # Debian package | Fedora | Arch | Homebrew | how to see that it is there
 readonly kPackages='
@@ -210,8 +211,10 @@ install_packages() {
 
 # --- MuJoCo ----------------------------------------------------------------------------------
 
+# install_mujoco VERSION, pinned by a file of hashes
 install_mujoco() {
-  local python deps=$root/build/deps temporary
+  local version=$1 python deps=$root/build/deps temporary pinned=$root/tools/mujoco.txt
+  [ "$version" = "$kMujocoVersion" ] || pinned=$root/tools/mujoco_older.txt
   python=$(python_that_can 'import pip') || {
     say "cannot fetch MuJoCo: no Python with pip (Debian: python3-pip)"
     exit 1
@@ -221,13 +224,14 @@ install_mujoco() {
   # by a name that lives as long as the script: a path with quotes in it is no code
   fetch_folder=$temporary
   trap 'rm -rf -- "$fetch_folder"' EXIT
-  # pip makes an interrupt an error of its own: without this, the second wheel would be tried
+  # pip makes an interrupt an error of its own
   trap 'exit 130' INT TERM
-  say "fetching MuJoCo $kMujocoVersion (a Python wheel, used as an SDK) into build/deps/mujoco"
-  fetch_wheel "$python" "$temporary/wheel" "${kMujocoWheel[@]}" ||
-    fetch_wheel "$python" "$temporary/wheel" "${kOlderMujocoWheel[@]}" || {
-    say "cannot fetch MuJoCo: pip's messages are above. With a MuJoCo >= 3.3 of your own:" \
-      "export MuJoCo_ROOT=DIR"
+  say "fetching MuJoCo $version (a Python wheel, used as an SDK) into build/deps/mujoco"
+  fetch_wheel "$python" "$temporary/wheel" "$pinned" || {
+    say "cannot fetch MuJoCo $version as $pinned pins it: pip's messages are above. Nothing was installed." \
+      "With a MuJoCo >= 3.3 of your own: export MuJoCo_ROOT=DIR"
+    [ "$version" = "$kOlderMujocoVersion" ] ||
+      say "If the package index lacks it: tools/setup.sh --older-mujoco takes $kOlderMujocoVersion"
     exit 1
   }
   # its licences go where the library goes
@@ -236,28 +240,29 @@ install_mujoco() {
   mv -T -- "$temporary/wheel/mujoco" "$deps/mujoco"
 }
 
+# fetch_wheel PYTHON FOLDER REQUIREMENTS: pip takes nothing whose hash the requirements do not have
 fetch_wheel() {
-  local python=$1 folder=$2
-  shift 2
-  rm -rf -- "$folder"
-  PIP_ROOT_USER_ACTION=ignore "$python" -m pip install --quiet --disable-pip-version-check --no-deps --no-compile \
-    --only-binary=:all: --target "$folder" "$@" >&2 && [ -e "$folder/mujoco/include/mujoco/mujoco.h" ]
+  PIP_ROOT_USER_ACTION=ignore "$1" -m pip install --quiet --disable-pip-version-check --no-deps --no-compile \
+    --only-binary=:all: --python-version "$kMujocoPython" --ignore-requires-python \
+    --require-hashes --requirement "$3" --target "$2" >&2 &&
+    [ -e "$2/mujoco/include/mujoco/mujoco.h" ]
 }
 
 # --- main ------------------------------------------------------------------------------------
 
 main() {
-  local wanted=$kPackages only_check=false missing own
+  local wanted=$kPackages only_check=false version=$kMujocoVersion missing own
   while [ $# -gt 0 ]; do
     case $1 in
       --dev) wanted+=$kDeveloperPackages ;;
       --check) only_check=true ;;
+      --older-mujoco) version=$kOlderMujocoVersion ;;
       -h | --help)
         sed -n '2,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
         exit 0
         ;;
       *)
-        say "unknown option $1 (known: --dev, --check)"
+        say "unknown option $1 (known: --dev, --check, --older-mujoco)"
         exit 2
         ;;
     esac
@@ -278,7 +283,7 @@ main() {
     exit 0
   fi
   [ -z "$missing" ] || install_packages "$missing"
-  has_mujoco || install_mujoco
+  has_mujoco || install_mujoco "$version"
 }
 
 main "$@"

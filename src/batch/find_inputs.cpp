@@ -23,6 +23,8 @@ namespace fs = std::filesystem;
 using FolderId = std::pair<dev_t, ino_t>;
 
 constexpr std::string_view kPatternLetters = "*?[";
+// millions of names; a pipe without an end has more
+constexpr std::size_t kMostListBytes = std::size_t{256} << 20U;
 
 // .bvh or .npz in any letter case
 bool has_motion_ending(const std::string& name) {
@@ -205,7 +207,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
-  const auto content = read_file(file);
+  const auto content = read_file(file, ErrorKind::kInput, kMostListBytes);
   if (!content) return failure(content.error());
   std::string_view text = content->view();
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';

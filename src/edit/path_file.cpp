@@ -5,6 +5,7 @@
 
 #include "base/json.h"
 #include "retarget/base/file.h"
+#include "retarget/base/text_size.h"
 #include "retarget/edit/ground_path.h"
 
 namespace retarget {
@@ -70,7 +71,7 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
 }
 
 Result<GroundPath> load_path(const std::string& path) {
-  const auto content = read_file(path, ErrorKind::kConfig);
+  const auto content = read_file(path, ErrorKind::kConfig, kMostTextBytes);
   if (!content) return failure(content.error());
   return parse_path(content->view(), path);
 }

@@ -10,6 +10,7 @@
 #include "human/verify_bone_map.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 
 namespace retarget {
 namespace {
@@ -110,7 +111,7 @@ Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
 }
 
 Result<BoneMap> read_bone_map(const std::string& path, const Skeleton& skeleton) {
-  const auto text = read_file(path, ErrorKind::kConfig);
+  const auto text = read_file(path, ErrorKind::kConfig, kMostTextBytes);
   if (!text) return failure(text.error());
   return parse_bone_map(text->view(), path, skeleton);
 }

@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 
 namespace retarget {
 namespace {
@@ -189,7 +190,7 @@ Result<std::vector<Dialect>> load_dialects(const std::filesystem::path& folder) 
 
   std::vector<Dialect> dialects;
   for (const std::filesystem::path& path : files) {
-    const auto text = read_file(path.string(), ErrorKind::kConfig);
+    const auto text = read_file(path.string(), ErrorKind::kConfig, kMostTextBytes);
     if (!text) return failure(text.error());
     auto dialect = parse_dialect(text->view(), path.stem().string(), path.string());
     if (!dialect) return failure(dialect.error());

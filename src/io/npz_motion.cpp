@@ -140,7 +140,9 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
 
 Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
                                   const std::string& file, const ReadMotionOptions& options) {
-  const auto npz = NpzFile::open(bytes, file);
+  NpzReadOptions npz_options;
+  npz_options.max_number_bytes = options.most_bytes;
+  const auto npz = NpzFile::open(bytes, file, npz_options);
   if (!npz) return failure(npz.error());
   for (const char* name : {"joint_pos", "body_pos_w", "body_quat_w"}) {
     if (npz->has(name)) continue;

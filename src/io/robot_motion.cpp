@@ -272,13 +272,15 @@ Result<RobotMotion> parse_robot_motion(std::string_view bytes,
   }
   auto raw = read_raw(bytes, robot, file, options);
   if (!raw) return failure(raw.error());
-  return MotionInterpreter(*raw, robot, file, options).interpret();
+  auto motion = MotionInterpreter(*raw, robot, file, options).interpret();
+  if (motion) motion->bytes = bytes.size();
+  return motion;
 }
 
 Result<RobotMotion> load_robot_motion(const std::string& path,
                                       const std::shared_ptr<const Robot>& robot,
                                       const ReadMotionOptions& options) {
-  const auto content = read_file(path);
+  const auto content = read_file(path, ErrorKind::kInput, options.most_bytes);
   if (!content) return failure(content.error());
   return parse_robot_motion(content->view(), robot, path == "-" ? "standard input" : path, options);
 }

@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 #include "retarget/human/bones.h"
 
 namespace retarget {
@@ -252,7 +253,7 @@ Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file)
 }
 
 Result<IkTables> load_ik_tables(const std::string& path, const Robot* robot) {
-  const auto text = read_file(path, ErrorKind::kConfig);
+  const auto text = read_file(path, ErrorKind::kConfig, kMostTextBytes);
   if (!text) return failure(text.error());
   return tables_from(text->view(), path, robot);
 }

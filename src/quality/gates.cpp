@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 
 namespace retarget {
 namespace {
@@ -78,7 +79,7 @@ Result<void> Gates::add_json(std::string_view text, const std::string& file) {
 }
 
 Result<void> Gates::add_file(const std::string& path) {
-  const auto content = read_file(path, ErrorKind::kConfig);
+  const auto content = read_file(path, ErrorKind::kConfig, kMostTextBytes);
   if (!content) return failure(content.error());
   return add_json(content->view(), path);
 }

@@ -33,8 +33,10 @@ constexpr int kMostDepth = 300;
 // MuJoCo's time grows with their squares
 constexpr double kMostBodies = 2000;
 constexpr double kMostJoints = 1000;
+constexpr double kMostSensors = 2000;
 constexpr double kMostCells = 16e6;
 constexpr double kMostNumbers = 1e6;
+constexpr double kMostKeyNumbers = 8e6;
 constexpr double kMostPoints = 1000;
 constexpr double kMostDetail = 10'000;
 
@@ -49,13 +51,12 @@ struct SizeBound {
   double most;
 };
 constexpr std::array kSizes = {
-    SizeBound{"njmax", 1e6},        SizeBound{"nconmax", 1e6},
-    SizeBound{"nstack", 1e8},       SizeBound{"nuserdata", 1e6},
-    SizeBound{"nkey", 1e4},         SizeBound{"nuser_body", 100},
-    SizeBound{"nuser_jnt", 100},    SizeBound{"nuser_geom", 100},
-    SizeBound{"nuser_site", 100},   SizeBound{"nuser_cam", 100},
-    SizeBound{"nuser_tendon", 100}, SizeBound{"nuser_actuator", 100},
-    SizeBound{"nuser_sensor", 100},
+    SizeBound{"njmax", 1e6},          SizeBound{"nconmax", 1e6},
+    SizeBound{"nstack", 1e8},         SizeBound{"nuserdata", 1e6},
+    SizeBound{"nuser_body", 100},     SizeBound{"nuser_jnt", 100},
+    SizeBound{"nuser_geom", 100},     SizeBound{"nuser_site", 100},
+    SizeBound{"nuser_cam", 100},      SizeBound{"nuser_tendon", 100},
+    SizeBound{"nuser_actuator", 100}, SizeBound{"nuser_sensor", 100},
 };
 constexpr double kMostMemory = 4e9;
 
@@ -109,6 +110,7 @@ class ModelVetter {
   const bool meshes_;
   std::size_t bytes_ = 0;
   double elements_ = 0.0, bodies_ = 0.0, joints_ = 0.0, cells_ = 0.0, numbers_ = 0.0;
+  double keys_ = 0.0, sensors_ = 0.0;
   double attached_ = 0.0, copied_ = 0.0;  // <attach>es of other models, and of the model itself
   double largest_model_ = 0.0;            // elements of a model that may be attached
   std::vector<std::string> mesh_folders_{""};
@@ -155,8 +157,14 @@ Result<void> ModelVetter::check_total(const std::string& file) const {
   if (total() > kMostElements) return most("elements", kMostElements);
   if (bodies_ > kMostBodies) return most("bodies", kMostBodies);
   if (joints_ > kMostJoints) return most("joints", kMostJoints);
+  if (sensors_ > kMostSensors) return most("sensors", kMostSensors);
   if (cells_ > kMostCells) return most("cells of height fields", kMostCells);
   if (numbers_ > kMostNumbers) return most("custom numbers", kMostNumbers);
+  // each has positions and speeds of joints, places of bodies, controls: most of a free joint
+  constexpr double kMostOfElement = 13.0;
+  if (keys_ * kMostOfElement * total() > kMostKeyNumbers) {
+    return most("numbers in its keyframes", kMostKeyNumbers);
+  }
   return {};
 }
 
@@ -204,6 +212,10 @@ Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place
     const auto value = product(element, bound.attribute.data(), place, bound.most);
     if (!value) return failure(value.error());
   }
+  // MuJoCo's bound, which <key>s may raise
+  const auto keys = product(element, "nkey", place, kMostKeyNumbers);
+  if (!keys) return failure(keys.error());
+  keys_ += *keys;
   std::string memory = text_of(element, "memory");
   if (memory.empty()) return {};
   const auto power = std::string_view("KMGTPE").find(
@@ -246,6 +258,8 @@ Result<void> ModelVetter::vet_attached(const XMLElement& element, const Place& p
   bytes_ = other.bytes_;
   largest_model_ = std::max(largest_model_, other.total());
   cells_ += other.cells_;
+  keys_ += other.keys_;
+  sensors_ += other.sensors_;
   numbers_ += other.numbers_;
   return {};
 }
@@ -320,6 +334,13 @@ Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
     const auto columns = product(element, "ncol", place, kMostCells);
     if (!columns) return failure(columns.error());
     cells_ += *rows * *columns;
+  } else if (is("sensor")) {
+    for (const XMLElement* each = element.FirstChildElement(); each != nullptr;
+         each = each->NextSiblingElement()) {
+      sensors_ += place.copies;
+    }
+  } else if (is("key")) {
+    keys_ += place.copies;
   } else if (is("numeric")) {
     const auto count = product(element, "size", place, kMostNumbers);
     if (!count) return failure(count.error());

@@ -19,6 +19,8 @@ constexpr std::string_view kSaveHint =
     "save v_template, shapedirs, J_regressor (as a dense array) and kintree_table of the model "
     "with numpy.savez; docs/smpl.md has the lines";
 
+// a few times the largest there is
+constexpr std::size_t kMostFileBytes = std::size_t{1} << 30U;
 constexpr int kSmplxJointCount = 55;
 constexpr int kSole = kSmplTipCount;  // after the tips: the lowest vertex
 constexpr int kPointCount = kSmplJointCount + kSmplTipCount + 1;
@@ -220,7 +222,7 @@ Result<SmplBody> read_smpl_body(std::string_view bytes, const std::string& file_
 }
 
 Result<SmplBody> load_smpl_body(const std::string& path) {
-  const Result<FileContent> bytes = read_file(path, ErrorKind::kConfig);
+  const Result<FileContent> bytes = read_file(path, ErrorKind::kConfig, kMostFileBytes);
   if (!bytes) return failure(bytes.error());
   return read_smpl_body(bytes->view(), path);
 }

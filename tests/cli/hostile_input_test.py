@@ -3,14 +3,10 @@
 import io
 import os
 import subprocess
-import threading
-import time
 import unittest
 import zipfile
 
-from tool import TOOL, ToolTest, sample
-
-MEGABYTE = 1 << 20
+from tool import ToolTest, sample
 
 
 def joints_without_channels(joints, frames):
@@ -43,29 +39,6 @@ def packed_motion(frames, fps):
 
 
 class HostileInput(ToolTest):
-    def run_measured(self, *arguments, seconds=60, **options):
-        """The tool's result with `peak`, the most memory that it had, in bytes."""
-        started = time.monotonic()
-        with open(self.folder / "messages", "w+") as messages:
-            options.setdefault("stdin", subprocess.DEVNULL)
-            process = subprocess.Popen([TOOL, *map(str, arguments)], cwd=self.folder,
-                                       stdout=subprocess.DEVNULL, stderr=messages, **options)
-            # what never ends is killed, and then fails by its exit code
-            watchdog = threading.Timer(seconds, process.kill)
-            watchdog.start()
-            _, status, usage = os.wait4(process.pid, 0)
-            watchdog.cancel()
-            process.returncode = os.waitstatus_to_exitcode(status)
-            messages.seek(0)
-            process.stderr = messages.read()
-        process.peak = usage.ru_maxrss * 1024
-        self.assertLess(time.monotonic() - started, seconds)
-        return process
-
-    def assert_small(self, result):
-        self.assertGreaterEqual(result.returncode, 0, result.stderr)
-        self.assertLess(result.peak, 300 * MEGABYTE, result.stderr)
-
     def test_joints_without_channels(self):
         text = joints_without_channels(2000, 40000)
         self.assertLess(len(text), 135000)

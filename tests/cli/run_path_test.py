@@ -40,5 +40,39 @@ __attribute__((constructor)) static void run(void) { fputs("loaded", stderr); }
         self.assert_done(result)
 
 
+@unittest.skipUnless(sys.platform == "linux", "ELF files")
+class Hardening(ToolTest):
+    """What RETARGET_HARDENING asks of compiler and linker is in the built tool."""
+
+    def read(self, *options):
+        program = shutil.which("readelf")
+        if program is None:
+            self.skipTest("there is no readelf")
+        return subprocess.run([program, "-W", *options, TOOL], check=True, text=True,
+                              stdout=subprocess.PIPE).stdout
+
+    def setUp(self):
+        super().setUp()
+        if os.environ.get("RETARGET_HARDENED") != "ON":
+            self.skipTest("built without RETARGET_HARDENING")
+
+    def test_it_lies_anywhere_in_memory(self):
+        self.assertRegex(self.read("-h"), r"Type:\s+DYN")
+        self.assertRegex(self.read("-d"), r"FLAGS_1.*\bPIE\b")
+
+    def test_its_tables_are_read_only_and_its_stack_is_no_code(self):
+        segments = self.read("-l")
+        self.assertIn("GNU_RELRO", segments)
+        stack = next(line for line in segments.splitlines() if "GNU_STACK" in line)
+        self.assertNotRegex(stack, r"\bRWE\b")
+        dynamic = self.read("-d")
+        self.assertRegex(dynamic, r"BIND_NOW|FLAGS_1.*\bNOW\b")
+
+    def test_its_stacks_and_its_library_calls_are_checked(self):
+        symbols = self.read("--dyn-syms")
+        self.assertIn("__stack_chk_fail", symbols)
+        self.assertRegex(symbols, r"__\w+_chk\b")
+
+
 if __name__ == "__main__":
     unittest.main()

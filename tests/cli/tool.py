@@ -1,16 +1,26 @@
 """What the tests of the command line share: running the tool, sample clips, comparing tables."""
 
+import functools
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import tempfile
+import threading
+import time
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOOL = os.environ.get("RETARGET_TOOL", "")
+MEGABYTE = 1 << 20
 SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
+
+
+@functools.cache
+def is_sanitized():
+    """Whether the tool was built with a sanitizer, which takes memory and time of its own."""
+    return bool(TOOL) and b"__asan_init" in pathlib.Path(TOOL).read_bytes()
 
 
 def sample(name):
@@ -69,6 +79,32 @@ class ToolTest(unittest.TestCase):
         result.printed = result.stderr
         result.stderr = unwrapped(result.stderr)
         return result
+
+    def run_measured(self, *arguments, seconds=60, **options):
+        """The tool's result with `peak`, the most memory that it had, in bytes."""
+        started = time.monotonic()
+        with open(self.folder / "messages", "w+") as messages:
+            options.setdefault("stdin", subprocess.DEVNULL)
+            process = subprocess.Popen([TOOL, *map(str, arguments)], cwd=self.folder,
+                                       stdout=subprocess.DEVNULL, stderr=messages, **options)
+            # what never ends is killed, and then fails by its exit code
+            watchdog = threading.Timer(seconds, process.kill)
+            watchdog.start()
+            _, status, usage = os.wait4(process.pid, 0)
+            watchdog.cancel()
+            process.returncode = os.waitstatus_to_exitcode(status)
+            messages.seek(0)
+            process.stderr = messages.read()
+        process.peak = usage.ru_maxrss * 1024
+        self.assertLess(time.monotonic() - started, seconds)
+        return process
+
+    def assert_small(self, result):
+        """No end by a signal, and no more than 300 MB."""
+        self.assertGreaterEqual(result.returncode, 0, result.stderr)
+        if is_sanitized():
+            return
+        self.assertLess(result.peak, 300 * MEGABYTE, result.stderr)
 
     def retarget(self, *arguments, bvh=None, robot="unitree_g1", output="out.csv", **options):
         return self.run_tool("--bvh", bvh or sample("wave"), "--robot", robot, "-o", output,

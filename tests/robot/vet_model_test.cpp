@@ -84,6 +84,25 @@ TEST(VetModel, CountsThatNoMemoryHolds) {
               HasSubstr("<mesh> params"));
 }
 
+TEST(VetModel, MoreSensorsThanRobotsHave) {
+  std::string sensors;
+  for (int i = 0; i < 2001; ++i) sensors += "<clock/>";
+  EXPECT_THAT(message_of_text(model("<sensor>" + sensors + "</sensor>")),
+              HasSubstr("more than 2000 sensors"));
+}
+
+TEST(VetModel, KeyframesThatNoMemoryHolds) {
+  std::string mocaps, keys;
+  for (int i = 0; i < 1000; ++i) mocaps += R"(<body mocap="true"/>)";
+  for (int i = 0; i < 1000; ++i) keys += "<key/>";
+  EXPECT_THAT(message_of_text(model(R"(<size nkey="10000"/>)", mocaps + kBall)),
+              HasSubstr("numbers in its keyframes"));
+  EXPECT_THAT(message_of_text(model("<keyframe>" + keys + "</keyframe>", mocaps + kBall)),
+              HasSubstr("numbers in its keyframes"));
+  // as robots have them
+  EXPECT_EQ(message_of_text(model(R"(<size nkey="100"/>)")), "it loads");
+}
+
 TEST(VetModel, TreesTooLargeOrTooDeep) {
   std::string many;
   for (int i = 0; i < 30'000; ++i) many += R"(<geom size="1"/>)";

@@ -401,15 +401,17 @@ Result<ExitCode> run_batch(const BatchOptions& options, Console& console) {
   const FinishedClips finished(std::move(known), *folder);
   auto manifest = begin_manifest(*manifests, finished, *plan, console);
   if (!manifest) return failure(manifest.error());
-  if (shard->count == 1 && locks->folder.is_held()) {
-    remove_unfinished(*folder, output_folders(*folder, plan->tasks));
-  }
+  const bool alone = shard->count == 1 && locks->folder.is_held();
+  const std::set<fs::path> folders = output_folders(*folder, plan->tasks);
+  if (alone) remove_unfinished(*folder, folders);
   warn_of_earlier_files(*folder, *plan, finished, console);
   if (auto written = write_options_file(*folder, plan->robots); !written) {
     return failure(written.error());
   }
   const auto failed =
       work_through(*plan, options, *folder, *data_folder, finished, **manifest, console);
+  // a clip whose process was ended could not take back what it had begun
+  if (alone) remove_unfinished(*folder, folders);
   if (!failed) return failure(failed.error());
   if (auto ended = finish_manifests(*folder, *shard, plan->known, console); !ended) {
     return failure(ended.error());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "commands.h"
+#include "read_source.h"
 #include "retarget/base/file.h"
 #include "retarget/io/compare_motions.h"
 #include "retarget/io/robot_motion.h"
@@ -55,7 +56,7 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
   if (!has_robot) {
     if (auto sound = check_no_reading(options.reading); !sound) return failure(sound.error());
   }
-  const auto read_options = read_motion_options(options.reading);
+  const auto read_options = read_motion_options(options.reading, options.run.source);
   if (!read_options) return failure(read_options.error());
   const std::array<std::string, 2> files = {options.a, options.b};
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -67,8 +68,11 @@ Result<std::array<MotionTable, 2>> load_tables(const CompareOptions& options, Co
       if (motion->rate_known) tables[i].others = {{"fps", {motion->clip.rate().fps()}}};
       continue;
     }
-    const auto content = read_file(files[i]);
-    if (!content) return failure(content.error());
+    auto content = read_file(files[i], ErrorKind::kInput, memory_share(options.run.source));
+    if (!content) {
+      add_memory_hint(content.error());
+      return failure(content.error());
+    }
     auto table = parse_motion_table(content->view(), files[i]);
     if (!table) return failure(table.error());
     tables[i] = std::move(*table);

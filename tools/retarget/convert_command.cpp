@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "format_losses.h"
+#include "memory_need.h"
 #include "outputs.h"
 #include "retarget/io/robot_motion.h"
 #include "retarget/robot/resample_robot.h"
@@ -22,9 +23,13 @@ Result<void> check_usage(const ConvertOptions& options) {
   return check_outputs(options.run, inputs, {});
 }
 
-Result<RobotClip> at_rate(RobotClip clip, const ConvertOptions& options) {
+Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes, const ConvertOptions& options) {
   const auto rate = output_rate(options.run.fps);
   if (!rate) return failure(rate.error());
+  const FrameRate output = rate->value_or(clip.rate());
+  const MotionNeed need{resampled_frame_count(clip.frame_count(), clip.rate(), output), output,
+                        file_bytes, options.input, false};
+  if (auto fits = check_need(need, options.run); !fits) return failure(fits.error());
   if (!*rate) return clip;
   ResampleOptions resample_options;
   resample_options.interpolation =
@@ -39,7 +44,7 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
   if (auto usage = check_usage(options); !usage) return usage;
   const auto data_folder = data_folder_of(options.run.common);
   if (!data_folder) return failure(data_folder.error());
-  const auto read_options = read_motion_options(options.reading);
+  const auto read_options = read_motion_options(options.reading, options.run.source);
   if (!read_options) return failure(read_options.error());
   // the file may have joints that the variant holds: it is read as of the whole robot
   RunOptions whole = options.run;
@@ -58,7 +63,7 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
     }
     clip = with_robot(clip, std::move(*variant));
   }
-  auto resampled = at_rate(std::move(clip), options);
+  auto resampled = at_rate(std::move(clip), motion->bytes, options);
   if (!resampled) return failure(resampled.error());
   auto outputs = MotionOutputs::open(options.run, resampled->shared_robot(), resampled->rate());
   if (!outputs) return failure(outputs.error());

@@ -133,6 +133,7 @@ CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
       ->required()
       ->type_name("IN");
   command->add_option("out", options.run.output, "File to write, as -o")->type_name("OUT");
+  add_memory_option(*command, options.run.source);
   add_reading_options(*command, options.reading);
   add_robot_choice(*command, options.run);
   options.run.fps = "source";
@@ -166,6 +167,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
       ->check(number_from(0.0, 1e6))
       ->capture_default_str()
       ->group(kGeneral);
+  add_memory_option(*command, options.run.source);
   add_robot_choice(*command, options.run);
   add_reading_options(*command, options.reading);
   add_common_options(*command, options.run.common);

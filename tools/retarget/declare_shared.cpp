@@ -56,6 +56,10 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->type_name("N")
       ->check(number_from(kSlowestRate, kFastestRate))
       ->group(kInput);
+  add_memory_option(app, options);
+}
+
+void add_memory_option(CLI::App& app, SourceOptions& options) {
   app.add_option("--memory", options.memory_gb,
                  "Take no motion that would need more memory than this, GB\n(default: three "
                  "quarters of what there is)")

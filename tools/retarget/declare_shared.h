@@ -32,6 +32,7 @@ void refuse_empty_values(CLI::App& app);
 /// Options that several commands have.
 void add_common_options(CLI::App& app, CommonOptions& options);
 void add_source_options(CLI::App& app, SourceOptions& options);
+void add_memory_option(CLI::App& app, SourceOptions& options);
 void add_lead_in_option(CLI::App& app, RunOptions& run);
 void add_human_options(CLI::App& app, HumanOptions& options);
 void add_output_options(CLI::App& app, OutputOptions& options);

@@ -146,7 +146,7 @@ Result<Measures> load_measures(const EvaluateOptions& options, Console& console)
   const auto rate = output_rate(run.fps);
   if (!rate) return failure(rate.error());
   if (*rate) measures.rate = **rate;
-  auto reading = read_motion_options(options.reading);
+  auto reading = read_motion_options(options.reading, run.source);
   if (!reading) return failure(reading.error());
   measures.reading = std::move(*reading);
   if (run.source.file.empty()) {

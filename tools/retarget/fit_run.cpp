@@ -6,6 +6,7 @@
 #include "interrupt.h"
 #include "read_source.h"
 #include "retarget/base/file.h"
+#include "retarget/base/text_size.h"
 #include "retarget/batch/worker_pool.h"
 
 namespace retarget::cli {
@@ -47,7 +48,7 @@ Result<FitOptions> fit_options(const RunOptions& options) {
   constexpr int kFewestDecimals = 3;
   fit.decimals = std::max(kFewestDecimals, options.precision);
   if (!options.fit_config.empty()) {
-    const auto file = read_file(options.fit_config, ErrorKind::kConfig);
+    const auto file = read_file(options.fit_config, ErrorKind::kConfig, kMostTextBytes);
     if (!file) return failure(file.error());
     auto read = parse_fit_options(file->view(), options.fit_config, fit);
     if (!read) return failure(read.error());

@@ -6,6 +6,7 @@
 
 #include "retarget/base/file.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/human/bone_map_file.h"
 #include "retarget/human/limb_directions.h"
@@ -131,7 +132,8 @@ Result<void> check_human_options(const HumanOptions& options) {
   if (auto rest = rest_from(options); !rest) return failure(rest.error());
   for (const std::string* file : {&options.map, &options.tpose_file}) {
     if (file->empty()) continue;
-    if (auto there = read_file(*file, ErrorKind::kConfig); !there) return failure(there.error());
+    if (auto there = read_file(*file, ErrorKind::kConfig, kMostTextBytes); !there)
+      return failure(there.error());
   }
   return {};
 }

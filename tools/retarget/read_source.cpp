@@ -16,11 +16,6 @@ namespace {
 // a motion's text, its clip, the same at another rate, and what is made of it share the memory
 constexpr std::uint64_t kShares = 4;
 
-std::size_t share_of(const SourceOptions& options) {
-  const std::uint64_t bound = memory_bound(options);
-  return bound == 0 ? std::numeric_limits<std::size_t>::max() : bound / kShares;
-}
-
 std::optional<double> given_rate(const SourceOptions& options) {
   return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
 }
@@ -32,7 +27,7 @@ Result<SourceMotion> read_bvh_source(std::string_view bytes, const SourceOptions
   read_options.motion_optional = skeleton_only;
   read_options.root = options.root;
   read_options.source_fps = given_rate(options);
-  read_options.most_clip_bytes = share_of(options);
+  read_options.most_clip_bytes = memory_share(options);
   auto file = read_bvh(bytes, source_name(options), read_options);
   if (!file) return failure(file.error());
   return SourceMotion{std::move(file->clip), std::move(file->warnings), std::nullopt};
@@ -41,7 +36,7 @@ Result<SourceMotion> read_bvh_source(std::string_view bytes, const SourceOptions
 Result<SourceMotion> read_smpl_source(std::string_view bytes, const SourceOptions& options) {
   SmplReadOptions read_options;
   read_options.source_fps = given_rate(options);
-  read_options.most_clip_bytes = share_of(options);
+  read_options.most_clip_bytes = memory_share(options);
   std::optional<SmplBody> body;
   if (!options.smpl_model.empty()) {
     auto loaded = load_smpl_body(options.smpl_model);
@@ -67,6 +62,16 @@ std::uint64_t memory_bound(const SourceOptions& options) {
   return usable_memory() / 4 * 3;
 }
 
+std::size_t memory_share(const SourceOptions& options) {
+  const std::uint64_t bound = memory_bound(options);
+  return bound == 0 ? std::numeric_limits<std::size_t>::max() : bound / kShares;
+}
+
+void add_memory_hint(Error& error) {
+  const bool too_large = error.message.starts_with("expected at most ") && error.hint.empty();
+  if (too_large) error.hint = "--memory gives more; or split the motion";
+}
+
 Result<void> check_no_folder(const std::string& path) {
   std::error_code ignored;
   if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
@@ -77,10 +82,9 @@ Result<void> check_no_folder(const std::string& path) {
 Result<SourceMotion> read_source(const SourceOptions& options, bool skeleton_only,
                                  Console& console) {
   if (auto file = check_no_folder(options.file); !file) return failure(file.error());
-  auto bytes = read_file(options.file, ErrorKind::kInput, share_of(options));
+  auto bytes = read_file(options.file, ErrorKind::kInput, memory_share(options));
   if (!bytes) {
-    const bool too_large = bytes.error().message.starts_with("expected at most ");
-    if (too_large) bytes.error().hint = "--memory gives more; or split the motion";
+    add_memory_hint(bytes.error());
     return failure(bytes.error());
   }
   // archives hold NPZ, and no BVH file begins like one

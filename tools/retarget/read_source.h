@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,6 +23,13 @@ struct SourceMotion {
 /// The memory that may be taken, bytes: what the user allows, else three quarters of what there is.
 /// 0: not known.
 [[nodiscard]] std::uint64_t memory_bound(const SourceOptions& options);
+
+/// The part of it that a motion's file may take; a clip, or an array, as well. No bound where none
+/// is known.
+[[nodiscard]] std::size_t memory_share(const SourceOptions& options);
+
+/// Where a file was larger than its part: how it may have more.
+void add_memory_hint(Error& error);
 
 /// Error (kInput): the path is a folder; the hint names the command that takes folders.
 [[nodiscard]] Result<void> check_no_folder(const std::string& path);

@@ -3,10 +3,14 @@
 #include <filesystem>
 #include <system_error>
 
+#include "read_source.h"
+
 namespace retarget::cli {
 
-Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options) {
+Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options,
+                                              const SourceOptions& source) {
   ReadMotionOptions read;
+  read.most_bytes = memory_share(source);
   if (!options.from.empty()) {
     const auto format = format_from_name(options.from);
     if (!format) return failure(format.error());
@@ -34,7 +38,9 @@ Result<RobotMotion> read_motion(const std::string& file, const std::shared_ptr<c
                              (std::filesystem::path(file) / "*.csv").string() +
                              "; folders of human motions are for retarget batch");
   }
-  return load_robot_motion(file, robot, options);
+  auto motion = load_robot_motion(file, robot, options);
+  if (!motion) add_memory_hint(motion.error());
+  return motion;
 }
 
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,

@@ -10,7 +10,9 @@
 namespace retarget::cli {
 
 /// The reader's options as the command line has them.
-[[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options);
+/// @param source  says how much memory a motion may take.
+[[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options,
+                                                            const SourceOptions& source);
 
 /// load_robot_motion; of a folder it says what is wanted in its place.
 [[nodiscard]] Result<RobotMotion> read_motion(const std::string& file,

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "memory_need.h"
 #include "read_source.h"
 #include "retarget/base/data_folder.h"
 #include "retarget/base/suggest.h"
@@ -56,30 +57,6 @@ Result<Clip> choose_frames(Clip clip, const RunOptions& options, int lead_in) {
   return cut(clip, std::max(range->begin, lead_in), range->end);
 }
 
-// A frame of the output needs about so many bytes until the motion is written and measured. A few
-// bytes of text must not stand for much more: no motion has fewer than a fortieth of this a frame.
-constexpr std::uint64_t kBytesOfFrame = 5000;
-constexpr std::uint64_t kMostOfFile = 200;
-constexpr std::uint64_t kFreeBytes = 256'000'000;
-
-Result<void> check_need(std::int64_t frames, std::uint64_t file_bytes, const RunOptions& options) {
-  const std::uint64_t by_file = std::max(kFreeBytes, kMostOfFile * file_bytes);
-  const std::uint64_t given = memory_bound(options.source);
-  const std::uint64_t most = given == 0 ? by_file : std::min(given, by_file);
-  const auto needed = static_cast<std::uint64_t>(frames) * kBytesOfFrame;
-  if (needed <= most) return {};
-  const auto megabytes = [](std::uint64_t bytes) {
-    return number_text(static_cast<double>(bytes) / 1e6, 1) + " MB";
-  };
-  return input_failure(source_name(options.source),
-                       std::to_string(frames) + " frames of output need about " +
-                           megabytes(needed) + " of memory, at most " + megabytes(most) +
-                           " are taken" + (most == given ? "" : " for a file of this size"),
-                       most == given ? "--memory gives more; or take parts of it with --frames"
-                                     : "is the source's frame rate the true one? --source-fps "
-                                       "gives another; --frames takes a part");
-}
-
 // the clip, cut and at the output rate
 Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in,
                           std::uint64_t file_bytes) {
@@ -89,7 +66,9 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in,
   if (!chosen) return chosen;
   const std::int64_t frames =
       resampled_frame_count(chosen->frame_count(), chosen->rate(), rate->value_or(chosen->rate()));
-  if (auto need = check_need(frames, file_bytes, options); !need) return failure(need.error());
+  const MotionNeed need{frames, rate->value_or(chosen->rate()), file_bytes,
+                        source_name(options.source)};
+  if (auto fits = check_need(need, options); !fits) return failure(fits.error());
   if (!*rate) return chosen;
   ResampleOptions resample_options;
   resample_options.interpolation =

@@ -10,6 +10,7 @@
 #include "retarget/base/hash.h"
 #include "retarget/base/plain_name.h"
 #include "retarget/base/suggest.h"
+#include "retarget/base/text_size.h"
 #include "retarget/version.h"
 #include "run_options_json.h"
 #include "run_setup.h"
@@ -40,7 +41,7 @@ Result<Sidecar> read_sidecar(const std::string& file) {
         file, "expected the sidecar of a run, found a directory",
         "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
   }
-  const auto content = read_file(file);
+  const auto content = read_file(file, ErrorKind::kInput, kMostTextBytes);
   if (!content) return failure(content.error());
   const Json json = Json::parse(content->view(), nullptr, false);
   const bool sound = json.is_object() && json.contains("output") && json["output"].is_object() &&

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +27,8 @@ struct ReadMotionOptions {
   bool ignore_header = false;             ///< Columns of a CSV by their number, whatever it has.
   std::string variant;                    ///< Of the robot: whose joints the columns are.
   std::string motion;                     ///< One of several in a kPklPbhc file.
+  /// Of the file, and of the numbers of an NPZ's array: more are refused.
+  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 /// A motion file as it was read.
@@ -34,6 +38,7 @@ struct RobotMotion {
   bool rate_known = false;            ///< The file has a rate, or one was given.
   std::vector<std::string> notes;     ///< What was found or guessed, for people; one line each.
   std::vector<std::string> warnings;  ///< What is odd, for people; one line each.
+  std::size_t bytes = 0;              ///< Of the file.
 };
 
 /// Reads a robot's motion from any file that docs/formats.md names; the kind is found by content.

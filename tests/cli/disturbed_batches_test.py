@@ -1,0 +1,359 @@
+"""Whatever happens to a batch on its way, `--resume` ends where an undisturbed one ends.
+
+RETARGET_DISTURBED_CLIPS and RETARGET_DISTURBED_KILLS set how much (300 and 50 take minutes),
+RETARGET_DISTURBED_SEED repeats a round; a failure names its seed.
+"""
+
+import ctypes
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import time
+import unittest
+
+from tool import TOOL, ToolTest, is_sanitized, sample, short_clip
+
+CLIPS = int(os.environ.get("RETARGET_DISTURBED_CLIPS", "30"))
+KILLS = int(os.environ.get("RETARGET_DISTURBED_KILLS", "6"))
+SEED = int(os.environ.get("RETARGET_DISTURBED_SEED", random.randrange(1 << 30)))
+CLONE_NEWNS, MS_REC, MS_PRIVATE = 0x20000, 0x4000, 0x40000
+# what says when a clip was done, not what came of it
+TIMES = ("finished", "seconds", "modified_ns")
+OPTIONS = ("--sidecar", "--format", "csv,npz-mjlab")
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {k: without_times(v) for k, v in value.items() if k not in TIMES}
+    return [without_times(v) for v in value] if isinstance(value, list) else value
+
+
+def files_below(root, leave_out=()):
+    """Every file below a folder with its bytes, links as what they say."""
+    found = {}
+    for path in root.rglob("*"):
+        name = str(path.relative_to(root))
+        if name.split("/")[0] in leave_out or path.is_dir():
+            continue
+        found[name] = os.readlink(path) if path.is_symlink() else path.read_bytes()
+    return found
+
+
+def own_mounts():
+    """Whether this process may mount what no other process sees."""
+    if os.geteuid() != 0 or not sys.platform.startswith("linux"):
+        return False
+    libc = ctypes.CDLL(None, use_errno=True)
+    return (libc.unshare(CLONE_NEWNS) == 0 and
+            libc.mount(b"none", b"/", None, MS_REC | MS_PRIVATE, None) == 0)
+
+
+def mount(*arguments):
+    return subprocess.run(["mount", *map(str, arguments)], stderr=subprocess.PIPE).returncode == 0
+
+
+def children_of(process):
+    try:
+        return [int(child) for child in
+                pathlib.Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+class Disturbed(ToolTest):
+    def setUp(self):
+        super().setUp()
+        if is_sanitized():
+            self.skipTest("many runs, and a sanitizer makes them slow")
+        self.chance = random.Random(f"{SEED} {self.id()}")
+        names = ("wave", "walk", "squat", "turn_in_place", "get_up")
+        for i in range(CLIPS):
+            name = f"in/{i % 7:02}/clip {i:03}.bvh"
+            self.write(name, short_clip(names[i % 5], self.chance.randint(30, 60)))
+        # failures are results as well
+        self.write("in/03/bad.bvh", sample("wave").read_bytes()[:-400])
+        self.write("beside/summary.csv", "not the batch's\n")
+        self.before = files_below(self.folder)
+        started = time.monotonic()
+        self.whole = self.undisturbed()
+        self.seconds = time.monotonic() - started
+
+    def command(self, *arguments):
+        return [TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", *OPTIONS, *arguments]
+
+    def start(self, *arguments, **options):
+        options.setdefault("stderr", subprocess.DEVNULL)
+        return subprocess.Popen(self.command("--resume", *arguments), cwd=self.folder, text=True,
+                                start_new_session=True, stdin=subprocess.DEVNULL, **options)
+
+    @staticmethod
+    def state_of(folder):
+        """All that a batch left, apart from times."""
+        found = files_below(folder)
+        lines = found.pop("manifest.jsonl").decode().splitlines()
+        found["manifest"] = [without_times(json.loads(line)) for line in lines]
+        for name in [name for name in found if name.endswith((".csv.json", ".npz.json"))]:
+            found[name] = without_times(json.loads(found[name]))
+        return found
+
+    def undisturbed(self):
+        """The same call in a folder of its own, which sees the same clips."""
+        calm = self.folder / "calm"
+        shutil.rmtree(calm, ignore_errors=True)
+        calm.mkdir()
+        (calm / "in").symlink_to("../in")
+        result = subprocess.run(self.command(), cwd=calm, text=True, stdin=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        return self.state_of(calm / "out")
+
+    def motions_in(self, output="out"):
+        return {name: content for name, content in files_below(self.folder / output).items()
+                if "/" in name and name.endswith((".csv", ".npz"))}
+
+    def assert_whole_so_far(self, *states):
+        """No motion is half a one: each is as one of the undisturbed runs made it."""
+        for name, content in self.motions_in().items():
+            self.assertIn(content, [state.get(name) for state in states], f"{name}, seed {SEED}")
+
+    def assert_ends_as(self, expected):
+        result = self.run_tool(*self.command("--resume")[1:])
+        self.assertEqual(result.returncode, 1, result.stderr)
+        found = self.state_of(self.folder / "out")
+        self.assertEqual(sorted(found), sorted(expected), f"seed {SEED}")
+        for name, content in expected.items():
+            self.assertEqual(found[name], content, f"{name}, seed {SEED}")
+        left = [str(f) for f in (self.folder / "out").rglob(".*")]
+        self.assertEqual(left, [], f"seed {SEED}")
+
+    def assert_nothing_else_touched(self, before):
+        self.assertEqual(files_below(self.folder, ("out", "calm")), before, f"seed {SEED}")
+
+    def pause(self, longest=None):
+        time.sleep(self.chance.uniform(0.0, longest or max(0.3, 8 * self.seconds / KILLS)))
+
+
+class Killed(Disturbed):
+    """kill -9 of everything, of the batch alone, of a worker; a second batch at times."""
+
+    def kill_something(self, batch):
+        how = self.chance.choice(("group", "batch", "worker", "worker, then batch"))
+        if "worker" in how:
+            workers = children_of(batch.pid)
+            if workers:
+                try:
+                    os.kill(self.chance.choice(workers), signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+        if how == "worker":
+            # what is left does the rest of the clips
+            batch.wait(timeout=300)
+            return how
+        if how == "worker, then batch":
+            self.pause(0.2)
+        if how == "group":
+            os.killpg(batch.pid, signal.SIGKILL)
+        else:
+            batch.kill()
+        batch.wait(timeout=60)
+        return how
+
+    def change_some_inputs(self, versions):
+        """Other bytes under the same name, at times the same number of them."""
+        for _ in range(2):
+            name = f"in/{self.chance.randrange(CLIPS) % 7:02}"
+            clip = self.chance.choice(sorted((self.folder / name).glob("clip*.bvh")))
+            key = str(clip.relative_to(self.folder))
+            clip.write_bytes(self.chance.choice(versions[key]))
+
+    def test_it_ends_as_if_nothing_had_happened(self):
+        first = {name: content for name, content in self.before.items() if "clip" in name}
+        second = {name: short_clip("wave", 30 + i % 20) for i, name in enumerate(sorted(first))}
+        for name, content in second.items():
+            self.write(name, content)
+        other = self.undisturbed()
+        for name, content in first.items():
+            self.write(name, content)
+        versions = {name: (first[name], second[name]) for name in first}
+        kinds = {}
+        for _ in range(KILLS):
+            batch = self.start()
+            self.pause()
+            if self.chance.random() < 0.3:
+                # it is refused, or does what is left when the first is through by then
+                with self.start() as beside:
+                    self.assertEqual(beside.wait(timeout=300), 1)
+            kind = self.kill_something(batch)
+            kinds[kind] = kinds.get(kind, 0) + 1
+            self.assert_whole_so_far(self.whole, other)
+            if self.chance.random() < 0.3:
+                self.change_some_inputs(versions)
+        before = files_below(self.folder, ("out", "calm"))
+        print(f"seed {SEED}: {len(first)} clips, killed: {kinds}", file=sys.stderr)
+        self.assert_ends_as(self.undisturbed())
+        self.assert_nothing_else_touched(before)
+
+
+class TwoAtOnce(Disturbed):
+    def test_two_on_one_folder(self):
+        for _ in range(max(2, KILLS // 5)):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
+            texts = [batch.communicate(timeout=300)[1] for batch in both]
+            # one is refused, or comes after the other and finds it all done
+            told = sum("another batch is writing" in text or "are done and have not changed" in text
+                       for text in texts)
+            self.assertEqual(told, 1, texts)
+            self.assertEqual([batch.returncode for batch in both], [1, 1])
+            self.assert_ends_as(self.whole)
+        self.assert_nothing_else_touched(self.before)
+
+
+class NoRoom(Disturbed):
+    def fill(self, folder, leave):
+        """Takes the room of a file system but for some bytes."""
+        there = os.statvfs(folder)
+        with open(folder / "filler", "wb") as file:
+            room = there.f_bavail * there.f_frsize - leave
+            try:
+                file.write(bytes(max(0, room)))
+            except OSError:
+                pass
+        return folder / "filler"
+
+    def test_disk_that_fills_up_in_the_middle(self):
+        if not own_mounts():
+            self.skipTest("only root may mount a small disk")
+        disk = self.folder / "out"
+        disk.mkdir()
+        if not mount("-t", "tmpfs", "-o", "size=64m", "tmpfs", disk):
+            self.skipTest("a small disk cannot be mounted here")
+        self.addCleanup(subprocess.run, ["umount", "-l", disk])
+        for _ in range(max(3, KILLS // 5)):
+            batch = self.start()
+            self.pause(self.seconds / 4)
+            filler = self.fill(disk, self.chance.choice((0, 4096, 65536)))
+            batch.wait(timeout=300)
+            self.assertEqual(batch.returncode, 1)
+            self.assert_whole_so_far(self.whole)
+            filler.unlink()
+        self.assert_ends_as(self.whole)
+        self.assert_nothing_else_touched(self.before)
+
+    def test_files_that_may_not_grow(self):
+        # 512 bytes each: from nothing at all to room for the most
+        for blocks in self.chance.sample((0, 1, 2, 8, 20, 30, 40, 60, 100), 5):
+            script = f'ulimit -f {blocks}; exec "$0" "$@"'
+            result = subprocess.run(["bash", "-c", script, *self.command("--resume")],
+                                    cwd=self.folder, text=True, stderr=subprocess.PIPE)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertNotIn("signal", result.stderr)
+            self.assert_whole_so_far(self.whole)
+        self.assert_ends_as(self.whole)
+        self.assert_nothing_else_touched(self.before)
+
+
+class ReadOnly(Disturbed):
+    def forbid(self, folder):
+        """Makes a folder read-only; gives what undoes it."""
+        if os.geteuid() != 0:
+            folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
+            return lambda: folder.chmod(0o700)
+        if not (mount("--bind", folder, folder) and
+                mount("-o", "remount,bind,ro", folder, folder)):
+            self.skipTest("folders cannot be made read-only for root here")
+        return lambda: subprocess.run(["umount", "-l", folder], check=True)
+
+    def test_folder_that_becomes_read_only_in_the_middle(self):
+        if os.geteuid() == 0 and not own_mounts():
+            self.skipTest("folders cannot be made read-only for root here")
+        for turn in range(max(3, KILLS // 5)):
+            place = "" if turn % 3 == 2 else f"{self.chance.randrange(7):02}"
+            folder = self.folder / "out" / place
+            folder.mkdir(parents=True, exist_ok=True)
+            # one that is there from the first turn on is of no use: make some of it again
+            for motion in self.chance.sample(sorted(folder.glob("*.csv")),
+                                             min(3, len(list(folder.glob("*.csv"))))):
+                motion.unlink()
+            batch = self.start()
+            self.pause(self.seconds / 4)
+            allow = self.forbid(folder)
+            try:
+                batch.wait(timeout=300)
+                self.assertEqual(batch.returncode, 1)
+                self.assert_whole_so_far(self.whole)
+            finally:
+                allow()
+        self.assert_ends_as(self.whole)
+        self.assert_nothing_else_touched(self.before)
+
+
+NO_NAMELESS_FILES = """#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+int open(const char *path, int flags, ...) {
+  va_list more;
+  va_start(more, flags);
+  mode_t mode = va_arg(more, mode_t);
+  va_end(more);
+  if ((flags & O_TMPFILE) == O_TMPFILE) return errno = EOPNOTSUPP, -1;
+  return syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+}
+int open64(const char *path, int flags, ...) {
+  va_list more;
+  va_start(more, flags);
+  mode_t mode = va_arg(more, mode_t);
+  va_end(more);
+  return open(path, flags, mode);
+}
+"""
+
+
+class NamedFiles(Disturbed):
+    """On file systems without nameless files, such as those of networks."""
+
+    def setUp(self):
+        super().setUp()
+        compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+        if compiler is None or not sys.platform.startswith("linux"):
+            self.skipTest("no C compiler to make such a file system with")
+        library = self.folder / "named.so"
+        source = self.write("named.c", NO_NAMELESS_FILES)
+        subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source], check=True)
+        # the loader takes a blank for the end of a name, and the tool runs in this folder
+        self.environment = {**os.environ, "LD_PRELOAD": "./" + library.name}
+
+    def unfinished(self):
+        return [str(path) for path in (self.folder / "out").rglob(".retarget-*.tmp")]
+
+    def test_a_clip_that_is_ended_leaves_nothing(self):
+        lines = sample("walk").read_text().splitlines(keepends=True)
+        motion = next(i for i, line in enumerate(lines) if line.startswith("Frames:"))
+        rows = lines[motion + 2:] * 100
+        self.write("in/05/long.bvh", "".join([*lines[:motion], f"Frames: {len(rows)}\n",
+                                              lines[motion + 1], *rows]))
+        batch = self.start("--jobs", "1", env=self.environment)
+        seen = False
+        deadline = time.monotonic() + 60
+        # the longest comes first
+        while not seen and batch.poll() is None and time.monotonic() < deadline:
+            seen = bool(self.unfinished()) and bool(children_of(batch.pid))
+            time.sleep(0.005)
+        self.assertTrue(seen, "no named file was made")
+        for worker in children_of(batch.pid):
+            os.kill(worker, signal.SIGKILL)
+        self.assertEqual(batch.wait(timeout=300), 1)
+        self.assertEqual(self.unfinished(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,92 @@
+"""tools/setup.sh takes the MuJoCo wheel whose hash it knows, and no other."""
+
+import hashlib
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+import zipfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Wheel(unittest.TestCase):
+    def setUp(self):
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="it's a test "))
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        self.tree = folder / "tree"
+        shutil.copytree(SOURCE / "tools", self.tree / "tools",
+                        ignore=shutil.ignore_patterns("retarget", "samples"))
+        # pip takes a blank for the end of a folder's name
+        self.index = pathlib.Path(tempfile.mkdtemp(prefix="retarget_wheels_"))
+        self.addCleanup(shutil.rmtree, self.index, ignore_errors=True)
+        self.environment = {k: v for k, v in os.environ.items()
+                            if k not in ("MuJoCo_ROOT", "MUJOCO_DIR", "mujoco_DIR")}
+        self.environment.update(PIP_NO_INDEX="1", PIP_FIND_LINKS=str(self.index),
+                                PIP_CONFIG_FILE=os.devnull)
+        # with a MuJoCo of one's own: whether anything else is missing
+        rest = self.setup("--check", MuJoCo_ROOT=str(folder))
+        if rest.returncode != 0:
+            self.skipTest("not all that setup.sh would install is there: " + rest.stderr)
+
+    def setup(self, *arguments, **variables):
+        return subprocess.run(["bash", self.tree / "tools/setup.sh", *arguments], text=True,
+                              stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, timeout=300,
+                              env={**self.environment, **variables})
+
+    def add_wheel(self, package, version):
+        """A wheel that looks like MuJoCo's; gives its hash."""
+        name = f"{package}-{version}"
+        path = self.index / f"{name}-py3-none-any.whl"
+        files = {"mujoco/include/mujoco/mujoco.h": "", f"mujoco/libmujoco.so.{version}": "",
+                 f"{name}.dist-info/WHEEL": "Wheel-Version: 1.0\nGenerator: test\n"
+                                            "Root-Is-Purelib: true\nTag: py3-none-any\n",
+                 f"{name}.dist-info/METADATA": f"Metadata-Version: 2.1\nName: {package}\n"
+                                               f"Version: {version}\n"}
+        record = f"{name}.dist-info/RECORD"
+        files[record] = "".join(f"{file},,\n" for file in [*files, record])
+        with zipfile.ZipFile(path, "w") as archive:
+            for file, text in files.items():
+                archive.writestr(file, text)
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+
+    def pin(self, file, requirement, digest):
+        (self.tree / "tools" / file).write_text(f"{requirement} --hash=sha256:{digest}\n")
+
+    def assert_nothing_installed(self, result):
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("Nothing was installed", result.stderr)
+        deps = self.tree / "build/deps"
+        self.assertEqual(list(deps.iterdir()) if deps.is_dir() else [], [])
+
+    def test_another_wheel_of_the_same_version_is_refused(self):
+        digest = self.add_wheel("mujoco_core", "4.0.0")
+        result = self.setup()
+        self.assert_nothing_installed(result)
+        self.assertIn(digest, result.stderr)
+        # the same call takes it once its hash is the pinned one
+        self.pin("mujoco.txt", "mujoco-core==4.0.0", digest)
+        result = self.setup()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.tree / "build/deps/mujoco/libmujoco.so.4.0.0").exists())
+        self.assertEqual([f.name for f in (self.tree / "build/deps").iterdir()], ["mujoco"])
+
+    def test_no_other_version_without_being_asked_for(self):
+        self.pin("mujoco_older.txt", "mujoco==3.3.7", self.add_wheel("mujoco", "3.3.7"))
+        result = self.setup()
+        self.assert_nothing_installed(result)
+        self.assertIn("--older-mujoco", result.stderr)
+        result = self.setup("--older-mujoco")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.tree / "build/deps/mujoco/libmujoco.so.3.3.7").exists())
+
+    def test_every_pin_has_hashes_for_the_platforms_of_the_readme(self):
+        for file in ("mujoco.txt", "mujoco_older.txt"):
+            text = (SOURCE / "tools" / file).read_text()
+            self.assertGreaterEqual(text.count("--hash=sha256:"), 2, file)
+
+
+if __name__ == "__main__":
+    unittest.main()
