@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # The checks beyond the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tidy] [fuzz] [arm64]      (default: all six)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64]      (default: all seven)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck finds nothing in the scripts
 #   asan    all tests pass under the address and undefined behaviour sanitizers
-#   asan-input   the same for the modules that read what users bring, and the command line
+#   asan-input   the same for the modules that read what users bring, and the command line, on the
+#           library that fuzz is linked with
+#   tsan    the tests of batches, fit and pipeline pass under the thread sanitizer
 #   tidy    clang-tidy finds nothing in the library and the tool
 #   fuzz    every reader is fuzzed for ten seconds (tools/fuzz.sh) and nothing breaks
 #   arm64   the library and the tool compile for ARM64, where its cross compiler is there
@@ -44,14 +46,20 @@ check_asan() {
   ctest --preset asan --parallel "$jobs"
 }
 
-# CI's share of asan: compiling the numerical modules' tests with it takes longer than all else
+# CI's share of asan: compiling the numerical modules' tests with it takes longer than all else. With
+# clang, so that one library serves these tests and the fuzzing.
 check_asan-input() {
-  local modules=(base batch bvh edit human io motion robot smpl)
-  cmake --preset asan
-  cmake --build --preset asan --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
+  local modules=(base batch bvh edit fuzz human io motion robot smpl) compiler
+  compiler=$(tools/find_clang.sh)
+  cmake --preset fuzz -DCMAKE_CXX_COMPILER="$compiler"
+  cmake --build --preset fuzz --parallel "$jobs" --target retarget_cli "${modules[@]/%/_test}"
   # of the command line what brings odd input; the rest solves ordinary clips, slowly
-  ctest --preset asan --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
+  ctest --preset fuzz --parallel "$jobs" -R "^($(IFS='|'; echo "${modules[*]}")|cli)\\." \
     -E '^cli\.(human|run|determinism|fit_odd_sources|compare_peers)$'
+}
+
+check_tsan() {
+  JOBS=$jobs "$root/tools/fuzz.sh" threads
 }
 
 check_tidy() {
@@ -68,16 +76,16 @@ check_arm64() {
 }
 
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tidy fuzz arm64)
+[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tidy, fuzz, arm64)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64)" >&2
     exit 2
   fi
 done
 
 # the sanitizers come with the compiler
-case "${checks[*]}" in asan | asan-input) developer=() ;; *) developer=(--dev) ;; esac
+case "${checks[*]}" in asan | tsan) developer=() ;; *) developer=(--dev) ;; esac
 "$root/tools/setup.sh" "${developer[@]}"
 cd -- "$root"
 for check in "${checks[@]}"; do

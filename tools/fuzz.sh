@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
-# Fuzzing of every reader under the address and undefined behaviour sanitizers.
+# Fuzzing of every reader, and of the way from a BVH to a robot's CSV, under the address and undefined
+# behaviour sanitizers. docs/security.md says what is fuzzed.
 #
 #   tools/fuzz.sh MINUTES [TARGET...]        MINUTES of all targets together; bvh, npz, csv, ...
-#   FUZZ_SECONDS=10 tools/fuzz.sh            so many seconds of each
+#   FUZZ_SECONDS=10 tools/fuzz.sh            so many seconds of each, from the kept inputs alone
+#   tools/fuzz.sh threads                    no fuzzing: the thread sanitizer on batch, fit and pipeline
 #
 # Builds with clang into build/fuzz. What was found interesting is kept in build/fuzz/corpus and goes on
 # from there the next time; what breaks a reader is written to build/fuzz/findings, and the exit code is 1.
-# Needs what tools/setup.sh --dev installs. JOBS: how many processes. CXX: another clang++.
+# Runs of FUZZ_SECONDS begin from tests/fuzz/seeds and tests/fuzz/regressions every time, with the same seed
+# of randomness. Needs what tools/setup.sh --dev installs. JOBS: how many processes. CXX: another clang++.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -19,46 +22,31 @@ fail() {
   exit 2
 }
 
-clang() {
-  local name
-  for name in "${CXX:-}" clang++-14 clang++ /usr/lib/llvm-*/bin/clang++; do
-    if [[ $name == *clang* ]] && command -v "$name"; then return 0; fi
-  done
-  fail "there is no clang++: run tools/setup.sh --dev"
+# batches fork, and a clip's run has up to three threads; the fit divides its windows among several
+check_threads() {
+  local rooms=(batch pipeline refine)
+  cmake --preset tsan
+  cmake --build --preset tsan --parallel "$jobs" --target retarget_cli "${rooms[@]/%/_test}"
+  ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch$"
 }
 
-all=(bvh npz pickle npy csv motion mapping dialect bone_map path fit_options manifest profile model)
-minutes=${1:-}
-[ $# -eq 0 ] || shift
-targets=("$@")
-[ $# -gt 0 ] || targets=("${all[@]}")
-for target in "${targets[@]}"; do
-  [[ " ${all[*]} " == *" $target "* ]] || fail "unknown target \"$target\" (known: ${all[*]})"
-done
-if [ -n "${FUZZ_SECONDS:-}" ]; then
-  seconds=$FUZZ_SECONDS
-elif [[ $minutes =~ ^[1-9][0-9]*$ ]]; then
-  seconds=$((60 * minutes / ${#targets[@]}))
-else
-  fail "usage: tools/fuzz.sh MINUTES [TARGET...]"
-fi
-
-# what the repository has of a kind of file; several readers share them
-seeds() {
+# what the repository has of a kind of file beside tests/fuzz/seeds and tests/fuzz/regressions
+other_seeds() {
   case $1 in
     bvh) find tests/bvh/conformance -name '*.bvh' ;;
-    csv | motion) find tests/golden -name '*.csv' ;;
+    csv | motion | motion_table) find tests/golden -name '*.csv' ;;
     mapping) find configs -maxdepth 1 -name '*.json' ;;
     dialect) find configs/skeletons -name '*.json' ;;
+    gates) find configs/quality -name '*.json' ;;
     profile) find robots -name robot.json ;;
     model) find robots -name model.xml ;;
   esac
-  if [ -d "tests/fuzz/seeds/$1" ]; then find "tests/fuzz/seeds/$1" -type f; fi
 }
 
 # the beginnings are enough: a fuzzer is slow with large files
-take_seeds() {
+take_other_seeds() {
   local folder=$build/seeds/$1 file number=0
+  rm -rf -- "$folder"
   mkdir -p "$folder"
   while IFS= read -r file; do
     number=$((number + 1))
@@ -66,29 +54,89 @@ take_seeds() {
       *.csv) head -n 3 "$file" >"$folder/$number" ;;
       *) cp "$file" "$folder/$number" ;;
     esac
-  done < <(seeds "$1" | sort)
+  done < <(other_seeds "$1" | sort)
 }
 
-cmake -S . -B "$build" -G Ninja -DCMAKE_CXX_COMPILER="$(clang)" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-  -DRETARGET_BUILD_TESTS=ON -DRETARGET_BUILD_FUZZERS=ON -DRETARGET_BUILD_TOOLS=OFF \
-  -DRETARGET_INSTALL=OFF -DRETARGET_CHECK_HEADERS=OFF
-cmake --build "$build" --parallel "$jobs" --target "${targets[@]/%/_reader_fuzz}"
+# fuzz TARGET SECONDS: whether nothing broke; its messages are in a log
+fuzz() {
+  local target=$1 folder=$build/corpus/$1 options
+  options=(-max_total_time="$2" -timeout=20 -rss_limit_mb=2048 -max_len=65536 -verbosity=1
+    -print_final_stats=1 -artifact_prefix="$build/findings/$target-")
+  if [ -e "tests/fuzz/dictionaries/$target.dict" ]; then
+    options+=(-dict="tests/fuzz/dictionaries/$target.dict")
+  fi
+  if $from_kept; then
+    folder=$build/fresh/$target
+    rm -rf -- "$folder"
+    options+=(-seed=1)
+  fi
+  local folders=("$folder" "$build/seeds/$target" "tests/fuzz/seeds/$target")
+  if [ -d "tests/fuzz/regressions/$target" ]; then folders+=("tests/fuzz/regressions/$target"); fi
+  mkdir -p "$folder"
+  take_other_seeds "$target"
+  "$build/tests/fuzz/retarget_fuzz" --target="$target" "${options[@]}" "${folders[@]}" \
+    >"$build/$target.log" 2>&1
+}
+
+# TARGET: what its log says, on one line
+report() {
+  awk -v target="$1" '
+    /^#[0-9]/ { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "ft:") ft = $(i + 1) } }
+    /^stat::number_of_executed_units/ { runs = $2 }
+    /^stat::peak_rss_mb/ { memory = $2 }
+    END { printf "fuzz: %-13s %9d executions, %5d edges, %6d features, %4d MB\n", target, runs, cov, ft, memory }
+  ' "$build/$1.log"
+}
+
+# fuzz, and what came of it; `passed` is a file that others see
+run() {
+  rm -f -- "$build/$1.passed"
+  if fuzz "$1" "$2"; then : >"$build/$1.passed"; fi
+  report "$1"
+}
+
+minutes=${1:-}
+[ $# -eq 0 ] || shift
+if [ "$minutes" = threads ]; then
+  check_threads
+  exit
+fi
+from_kept=false
+if [ -n "${FUZZ_SECONDS:-}" ]; then
+  from_kept=true
+  if [ -n "$minutes" ]; then set -- "$minutes" "$@"; fi
+elif ! [[ $minutes =~ ^[1-9][0-9]*$ ]]; then
+  fail "usage: tools/fuzz.sh MINUTES [TARGET...]"
+fi
+
+compiler=$(tools/find_clang.sh)
+cmake --preset fuzz -DCMAKE_CXX_COMPILER="$compiler"
+cmake --build --preset fuzz --parallel "$jobs" --target retarget_fuzz
+read -ra all < <({ "$build/tests/fuzz/retarget_fuzz" 2>&1 || true; } | sed -n 's/^give --target=NAME of one of these: //p')
+[ ${#all[@]} -gt 0 ] || fail "the program does not run: $build/tests/fuzz/retarget_fuzz"
+
+targets=("$@")
+[ $# -gt 0 ] || targets=("${all[@]}")
+for target in "${targets[@]}"; do
+  [[ " ${all[*]} " == *" $target "* ]] || fail "unknown target \"$target\" (known: ${all[*]})"
+done
+seconds=${FUZZ_SECONDS:-$((60 * minutes / ${#targets[@]}))}
 
 mkdir -p "$build/findings"
+echo "fuzz: ${#targets[@]} targets, $seconds seconds each, $jobs at a time"
+for target in "${targets[@]}"; do
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n || true; done
+  run "$target" "$seconds" &
+done
+wait
 broken=()
 for target in "${targets[@]}"; do
-  take_seeds "$target"
-  mkdir -p "$build/corpus/$target"
-  options=(-max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -max_len=65536 -verbosity=0
-    -print_final_stats=1 -artifact_prefix="$build/findings/$target-")
-  if [ -e "tests/fuzz/$target.dict" ]; then options+=(-dict="tests/fuzz/$target.dict"); fi
-  echo "fuzz: $target, $seconds seconds"
-  "$(find "$build" -name "${target}_reader_fuzz" -type f)" "${options[@]}" "$build/corpus/$target" \
-    "$build/seeds/$target" >"$build/$target.log" 2>&1 || broken+=("$target")
-  grep -E '^stat::(number_of_executed_units|peak_rss_mb)' "$build/$target.log" || true
+  if ! [ -e "$build/$target.passed" ]; then broken+=("$target"); fi
 done
 if [ ${#broken[@]} -gt 0 ]; then
-  for target in "${broken[@]}"; do grep -E 'ERROR|runtime error|not true|SUMMARY' "$build/$target.log" >&2 || true; done
-  echo "fuzz: broken: ${broken[*]}; see $build/findings and $build/*.log" >&2
+  for target in "${broken[@]}"; do
+    echo "fuzz: $target is broken; the input is in $build/findings, all messages in $build/$target.log:" >&2
+    grep -E 'ERROR|runtime error|not true|SUMMARY|Test unit' "$build/$target.log" >&2 || true
+  done
   exit 1
 fi

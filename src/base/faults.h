@@ -1,30 +1,56 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "retarget/base/result.h"
+#include "retarget/base/suggest.h"
 
 namespace retarget {
 
-/// Collects what is wrong with a configuration file, so that a user mends it once.
+/// Collects what is wrong with a configuration file, so that a user mends it once. A file may hold
+/// more faults than anybody reads, and names as long as itself: of both only the beginning is kept.
 class Faults {
  public:
-  void add(std::string fault) { faults_.push_back(std::move(fault)); }
-  [[nodiscard]] bool empty() const { return faults_.empty(); }
+  void add(std::string fault) {
+    if (++count_ > kMostListed) return;
+    if (fault.size() > kLongest) {
+      std::size_t end = kLongest;
+      // not within a character of several bytes
+      while (end > 0 && (static_cast<unsigned char>(fault[end]) & 0xC0) == 0x80) --end;
+      fault = fault.substr(0, end) + "...";
+    }
+    faults_.push_back(std::move(fault));
+  }
+  /// did_you_mean() for a fault that is added next; nothing where it will not be listed.
+  [[nodiscard]] std::string suggestion(std::string_view name,
+                                       std::span<const std::string> candidates) const {
+    return count_ < kMostListed ? did_you_mean(name, candidates) : std::string();
+  }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
 
-  /// One fault as it is; several as a list under a line that counts them.
+  /// One fault as it is; several as a list under a line that counts them, the first 100 of them.
   /// @param what  what is at fault, such as `the mapping`.
   [[nodiscard]] Failure failure_in(const std::string& file, const std::string& what) const {
-    if (faults_.size() == 1) return config_failure(file, faults_.front());
-    std::string text = std::to_string(faults_.size()) + " faults in " + what;
+    if (count_ == 1) return config_failure(file, faults_.front());
+    std::string text = std::to_string(count_) + " faults in " + what;
     for (const std::string& fault : faults_) text += "\n  - " + fault;
+    if (count_ > faults_.size()) {
+      text += "\n  - and " + std::to_string(count_ - faults_.size()) + " more";
+    }
     return config_failure(file, text);
   }
 
  private:
+  static constexpr std::size_t kMostListed = 100;
+  static constexpr std::size_t kLongest = 4000;
+
   std::vector<std::string> faults_;
+  std::size_t count_ = 0;  // those that are not kept included
 };
 
 }  // namespace retarget

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "retarget/base/file.h"
+#include "retarget/base/json_bounds.h"
 
 namespace retarget {
 namespace {
@@ -102,10 +103,13 @@ std::size_t offset_of_quoted(std::string_view text, const std::string& reason) {
 
 }  // namespace
 
+Result<void> check_json_bounds(std::string_view text, const std::string& file) {
+  const auto excess = excess_of(text);
+  return excess ? json_failure(text, file, excess->offset, excess->what) : Result<void>();
+}
+
 Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::string& file) {
-  if (const auto excess = excess_of(text)) {
-    return json_failure(text, file, excess->offset, excess->what);
-  }
+  if (auto bounds = check_json_bounds(text, file); !bounds) return failure(bounds.error());
   try {
     return nlohmann::ordered_json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {

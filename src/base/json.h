@@ -10,9 +10,8 @@ namespace retarget {
 
 /// Parses JSON; members keep their order, and of members by the same name the last one counts.
 ///
-/// Syntax errors, numbers beyond the range of double, lists or objects nested more than 100 deep,
-/// objects of more than 2,000 members, more than 200,000 members in all, and texts of more than
-/// 16 MiB are kConfig errors with line and column.
+/// Syntax errors, numbers beyond the range of double, and what check_json_bounds refuses are kConfig
+/// errors with line and column.
 [[nodiscard]] Result<nlohmann::ordered_json> parse_json(std::string_view text,
                                                         const std::string& file);
 

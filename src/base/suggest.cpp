@@ -9,6 +9,8 @@ namespace {
 
 // half steps, so that a wrong case costs less than a wrong letter
 constexpr int kLetterCost = 2;
+// what is longer is no slip of the keyboard, and comparing it would take the square of its length
+constexpr std::size_t kLongestName = 100;
 
 int substitution_cost(char a, char b) {
   if (a == b) return 0;
@@ -16,7 +18,8 @@ int substitution_cost(char a, char b) {
   return lower(a) == lower(b) ? kLetterCost / 2 : kLetterCost;
 }
 
-int edit_distance(std::string_view a, std::string_view b) {
+// the distance, or some number that is no less than `most` where it is no less
+int edit_distance(std::string_view a, std::string_view b, int most) {
   const std::size_t width = b.size() + 1;
   std::vector<int> before(width), last(width), row(width);
   for (std::size_t j = 0; j < width; ++j) last[j] = kLetterCost * static_cast<int>(j);
@@ -28,6 +31,10 @@ int edit_distance(std::string_view a, std::string_view b) {
       const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
       if (swapped) row[j] = std::min(row[j], before[j - 2] + kLetterCost);
     }
+    // from two rows that are as far nothing nearer follows
+    if (*std::ranges::min_element(row) >= most && *std::ranges::min_element(last) >= most) {
+      return most;
+    }
     std::swap(before, last);
     std::swap(last, row);
   }
@@ -38,10 +45,14 @@ int edit_distance(std::string_view a, std::string_view b) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
   std::string nearest;
+  if (name.size() > kLongestName) return nearest;
   // a third of the letters wrong is no typing mistake any more
   int best = kLetterCost * std::max<int>(1, static_cast<int>(name.size()) / 3) + 1;
   for (const std::string& candidate : candidates) {
-    const int distance = edit_distance(name, candidate);
+    const std::size_t longer = std::max(name.size(), candidate.size());
+    const std::size_t missing = longer - std::min(name.size(), candidate.size());
+    if (kLetterCost * missing >= static_cast<std::size_t>(best)) continue;
+    const int distance = edit_distance(name, candidate, best);
     if (distance < best) {
       best = distance;
       nearest = candidate;

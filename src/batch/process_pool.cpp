@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/sanitizer.h"
 #include "batch/worker_process.h"
 
 namespace retarget {
@@ -21,12 +22,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kPauseMs = 100;
 
 // the sanitizers take address space beyond any bound
-constexpr bool kBoundsMemory =
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    false;
-#else
-    true;
-#endif
+constexpr bool kBoundsMemory = !kUnderSanitizer;
 
 void bound_memory(std::uint64_t most) {
   if (!kBoundsMemory || most == 0) return;

@@ -36,7 +36,7 @@ std::optional<int> read_joint(const std::string& bone, const Json& value, const 
   if (count == 1) return skeleton.find(name);
   if (count == 0) {
     faults.add(in_quotes(bone) + ": the skeleton has no joint " + in_quotes(name) +
-               did_you_mean(name, names));
+               faults.suggestion(name, names));
   } else {
     faults.add(in_quotes(bone) + ": " + std::to_string(count) + " joints are called " +
                in_quotes(name) + "; rename all but one of them");
@@ -51,7 +51,7 @@ void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faul
   for (const auto& [key, value] : json.items()) {
     const std::optional<int> bone = find_bone(key);
     if (!bone || *bone >= kMappedBoneCount) {
-      faults.add("no bone " + in_quotes(key) + did_you_mean(key, kBones));
+      faults.add("no bone " + in_quotes(key) + faults.suggestion(key, kBones));
       continue;
     }
     const std::optional<int> joint = read_joint(key, value, skeleton, faults);

@@ -38,7 +38,7 @@ class DialectReader {
   Dialect read(const std::string& name) {
     for (const auto& [key, value] : json_.items()) {
       if (std::ranges::find(kKeys, key) == kKeys.end()) {
-        faults_.add("unknown key " + in_quotes(key) + did_you_mean(key, kKeys));
+        faults_.add("unknown key " + in_quotes(key) + faults_.suggestion(key, kKeys));
       }
     }
     dialect_.name = name;
@@ -129,7 +129,7 @@ class DialectReader {
       const auto& known = mapped_bone_names();
       const auto found = std::ranges::find(known, bone);
       if (found == known.end()) {
-        faults_.add("\"joints\": no bone " + in_quotes(bone) + did_you_mean(bone, known));
+        faults_.add("\"joints\": no bone " + in_quotes(bone) + faults_.suggestion(bone, known));
       } else {
         dialect_.names[static_cast<std::size_t>(found - known.begin())] =
             texts(value, "\"joints\", " + in_quotes(bone));

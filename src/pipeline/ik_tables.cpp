@@ -138,12 +138,12 @@ void check_row(const IkRow& row, const std::string& table, const IkTables& table
                const std::vector<std::string>& bodies, Faults& faults) {
   if (std::ranges::find(bodies, row.body) == bodies.end()) {
     faults.add(table + ": the robot has no body \"" + row.body + "\"" +
-               did_you_mean(row.body, bodies));
+               faults.suggestion(row.body, bodies));
   }
   if (row.bone.empty()) return;  // a row that could not be read was named already
   if (!find_bone(row.bone)) {
     faults.add(table + " of \"" + row.body + "\": no bone \"" + row.bone + "\"" +
-               did_you_mean(row.bone, bone_names()));
+               faults.suggestion(row.bone, bone_names()));
   } else if (tables.find_scale(row.bone) == nullptr) {
     faults.add(table + " of \"" + row.body + "\": the bone \"" + row.bone +
                "\" has no entry in \"human_scale_table\"");

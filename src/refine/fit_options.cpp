@@ -156,7 +156,7 @@ void read_member(const std::string& name, const Json& json, FitOptions& options,
   } else if (const auto count = find(kCounts, name); count != kCounts.end()) {
     read_count(json, *count, options, faults);
   } else {
-    faults.add("there is no option \"" + name + "\"" + did_you_mean(name, option_names()));
+    faults.add("there is no option \"" + name + "\"" + faults.suggestion(name, option_names()));
   }
 }
 

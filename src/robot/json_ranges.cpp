@@ -26,7 +26,7 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
     const auto joint = robot.find_joint(name);
     if (!joint) {
       faults.add(what + ": the model has no joint \"" + name + "\"" +
-                 did_you_mean(name, robot.joint_names()));
+                 faults.suggestion(name, robot.joint_names()));
     } else if (!is_range(range)) {
       faults.add(what + " of \"" + name + "\" must be [lower, upper], found " + short_text(range));
     } else if (range[0].get<double>() > range[1].get<double>()) {

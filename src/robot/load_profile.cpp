@@ -109,7 +109,7 @@ class ProfileReader {
                   const std::string& what) {
     for (const auto& [key, value] : json.items()) {
       if (std::ranges::find(known, key) == known.end()) {
-        faults_.add(what + "unknown key " + quoted(key) + did_you_mean(key, known));
+        faults_.add(what + "unknown key " + quoted(key) + faults_.suggestion(key, known));
       }
     }
   }
@@ -123,7 +123,7 @@ class ProfileReader {
     const auto found = bare_.find_body(name);
     if (!found) {
       faults_.add(what + ": the model has no body " + quoted(name) +
-                  did_you_mean(name, body_names_));
+                  faults_.suggestion(name, body_names_));
     }
     return found.value_or(0);
   }
@@ -131,7 +131,7 @@ class ProfileReader {
   bool is_joint(const std::string& name, const std::string& what) {
     if (bare_.find_joint(name)) return true;
     faults_.add(what + ": the model has no joint " + quoted(name) +
-                did_you_mean(name, joint_names_));
+                faults_.suggestion(name, joint_names_));
     return false;
   }
 
@@ -174,7 +174,7 @@ class ProfileReader {
     std::vector<std::string> names = {bare_.model_limits().name};
     for (const LimitSet& set : profile_.limit_sets) names.push_back(set.name);
     if (std::ranges::find(names, name) == names.end()) {
-      faults_.add(what + ": no limit set " + quoted(name) + did_you_mean(name, names));
+      faults_.add(what + ": no limit set " + quoted(name) + faults_.suggestion(name, names));
     }
   }
 
@@ -246,7 +246,7 @@ class ProfileReader {
     for (const auto& [side, entry] : soles->items()) {
       const std::string what = "sole " + quoted(side);
       if (std::ranges::find(kSides, side) == kSides.end()) {
-        faults_.add(what + ": expected \"left\" or \"right\"" + did_you_mean(side, kSides));
+        faults_.add(what + ": expected \"left\" or \"right\"" + faults_.suggestion(side, kSides));
       }
       if (!entry.is_object() || !entry.contains("body") || !entry.contains("points")) {
         faults_.add(what + " must be {\"body\": name, \"points\": [[x, y, z], ...]}");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retarget {
@@ -20,6 +21,28 @@ TEST(NearestName, KeepsSilentWhenNothingIsNear) {
   EXPECT_EQ(nearest_name("atlas", kRobots), "");
   EXPECT_EQ(nearest_name("", kRobots), "");
   EXPECT_EQ(did_you_mean("atlas", kRobots), "");
+}
+
+// a file may hold a name of megabytes
+TEST(NearestName, IsNotLookedForForWhatNobodyTypes) {
+  const std::vector<std::string> candidates = {std::string(100, 'a')};
+  EXPECT_EQ(nearest_name(std::string(99, 'a'), candidates), candidates[0]);
+  EXPECT_EQ(nearest_name(std::string(101, 'a'), candidates), "");
+}
+
+TEST(NearestName, IsTheNearestWhateverTheOrder) {
+  const std::vector<std::string> names = {"left_hip", "left_hip_roll", "left_hip_yaw", "left_knee"};
+  const std::vector<std::string> reversed(names.rbegin(), names.rend());
+  for (const auto& [name, nearest] :
+       std::vector<std::pair<std::string, std::string>>{{"left_hip_rol", "left_hip_roll"},
+                                                        {"left_hpi", "left_hip"},
+                                                        {"Left_Knee", "left_knee"},
+                                                        {"eft_hip_yaws", "left_hip_yaw"},
+                                                        {"right_hip", ""},
+                                                        {"left_hip_wya", "left_hip_yaw"}}) {
+    EXPECT_EQ(nearest_name(name, names), nearest);
+    EXPECT_EQ(nearest_name(name, reversed), nearest);
+  }
 }
 
 TEST(ListNames, CountsTheRest) {

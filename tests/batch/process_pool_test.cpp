@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/sanitizer.h"
+
 namespace retarget {
 namespace {
 
@@ -147,9 +149,7 @@ TEST(ProcessPool, ATaskThatHangsIsEnded) {
 }
 
 TEST(ProcessPool, ATaskThatTakesTooMuchMemoryIsRefusedIt) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take address space beyond any bound";
-#endif
+  if (kUnderSanitizer) GTEST_SKIP() << "sanitizers take address space beyond any bound";
   ProcessPoolOptions options = with_exit();
   options.most_memory = std::uint64_t{256} << 20U;
   const auto ends = ends_of({1, 1}, options, [](std::size_t task) -> std::string {

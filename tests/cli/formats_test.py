@@ -574,6 +574,12 @@ class Provenance(FormatsTest):
             self.write("odd.json", json.dumps(sidecar))
             self.assert_fails(self.verify("odd.json"), 3, "not the name of a file beside it")
 
+    def test_a_sidecar_of_many_members_is_refused_at_once(self):
+        sidecar = {"output": {"file": "a.csv"}, "options": {}, "inputs": []}
+        sidecar.update({f"key{i}": 1 for i in range(200_000)})
+        self.write("many.json", json.dumps(sidecar))
+        self.assert_fails(self.verify("many.json"), 3, "an object of more than 2000 members")
+
     def test_standard_output_has_no_sidecar(self):
         self.assert_fails(self.retarget("--sidecar", output="-"), 2, "--sidecar needs a file")
 

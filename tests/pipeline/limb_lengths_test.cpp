@@ -87,11 +87,31 @@ TEST(RobotLegLength, NeedsNoArms) {
     std::erase_if(tables.tables[0].rows,
                   [&](const IkRow& row) { return row.bone.ends_with(ending); });
   };
-  leave_out("Hand");
+  leave_out("Arm");
   EXPECT_FALSE(robot_limbs(*robot, tables));
   EXPECT_NEAR(robot_leg_length(*robot, tables).value(), 0.30 + 0.25, 2e-3);
   leave_out("FootMod");
   EXPECT_FALSE(robot_leg_length(*robot, tables));
+}
+
+TEST(RobotLimbs, EndAtTheElbowsWhereNothingFollowsTheHands) {
+  const auto robot = robot_from_text(kLimbed);
+  IkTables tables = limbed_tables();
+  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
+  const auto limbs = robot_limbs(*robot, tables);
+  ASSERT_TRUE(limbs) << describe(limbs.error());
+  EXPECT_FALSE(limbs->forearms);
+  EXPECT_NEAR(limbs->lengths.arm, 0.20, 2e-3);
+  EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
+  EXPECT_TRUE(robot_limbs(*robot, limbed_tables())->forearms);
+  // the human's arms are then measured as far
+  std::vector<Pose> bones(kBoneCount);
+  bones[find_bone("LeftForeArm").value()].translation = {0, 0.3, 0};
+  bones[find_bone("RightForeArm").value()].translation = {0, -0.3, 0};
+  bones[find_bone("LeftHand").value()].translation = {0, 0.5, 0};
+  bones[find_bone("RightHand").value()].translation = {0, -0.5, 0};
+  EXPECT_NEAR(human_limb_lengths(bones, false).arm, 0.3, 1e-12);
+  EXPECT_NEAR(human_limb_lengths(bones).arm, 0.5, 1e-12);
 }
 
 TEST(RobotLimbs, OfTheG1) {

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "clip_run.h"
 #include "commands.h"
+#include "read_sidecar.h"
 #include "retarget/base/file.h"
 #include "retarget/base/hash.h"
-#include "retarget/base/plain_name.h"
 #include "retarget/base/suggest.h"
 #include "retarget/base/text_size.h"
 #include "retarget/version.h"
-#include "run_options_json.h"
 #include "run_setup.h"
 #include "sidecar.h"
 
@@ -20,57 +18,6 @@ namespace retarget::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-// what a sidecar says
-struct Sidecar {
-  std::string version, output, format, hash;
-  RunOptions options;
-  std::vector<ReadFile> files;
-};
-
-std::string text_of(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-Result<Sidecar> read_sidecar(const std::string& file) {
-  std::error_code ignored;
-  if (fs::is_directory(file, ignored)) {
-    return input_failure(
-        file, "expected the sidecar of a run, found a directory",
-        "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
-  }
-  const auto content = read_file(file, ErrorKind::kInput, kMostTextBytes);
-  if (!content) return failure(content.error());
-  const Json json = Json::parse(content->view(), nullptr, false);
-  const bool sound = json.is_object() && json.contains("output") && json["output"].is_object() &&
-                     json.contains("options") && json.contains("inputs") &&
-                     json["inputs"].is_array();
-  if (!sound) {
-    return input_failure(file, "the file is no sidecar of a run",
-                         "retarget ... -o walk.csv --sidecar writes walk.csv.json");
-  }
-  Sidecar sidecar;
-  sidecar.version = text_of(json, "retarget");
-  sidecar.output = name_from(json["output"], "file");
-  // it lies beside the sidecar
-  if (!is_plain_name(sidecar.output)) {
-    return input_failure(file, "the sidecar's output \"" + sidecar.output +
-                                   "\" is not the name of a file beside it");
-  }
-  sidecar.format = text_of(json["output"], "format");
-  sidecar.hash = text_of(json["output"], "hash");
-  auto options = run_options_from_json(json["options"], file);
-  if (!options) return failure(options.error());
-  sidecar.options = std::move(*options);
-  for (const Json& each : json["inputs"]) {
-    if (!each.is_object()) continue;
-    sidecar.files.push_back(
-        {text_of(each, "role"), name_from(each, "file"), {}, text_of(each, "hash")});
-  }
-  return sidecar;
-}
 
 // a file that lies no longer where the run found it may lie beside the sidecar
 void find_moved(std::string& file, const fs::path& beside) {
@@ -83,6 +30,18 @@ void find_moved(std::string& file, const fs::path& beside) {
   } else if (fs::exists(near, ignored)) {
     file = near.string();
   }
+}
+
+Result<Sidecar> load_sidecar(const std::string& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    return input_failure(
+        file, "expected the sidecar of a run, found a directory",
+        "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
+  }
+  const auto content = read_file(file, ErrorKind::kInput, kMostTextBytes);
+  if (!content) return failure(content.error());
+  return read_sidecar(content->view(), file);
 }
 
 // the inputs whose content is another one, one line each
@@ -104,7 +63,7 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
 }
 
 Result<void> verify_checked(const VerifyOptions& options, Console& console) {
-  auto sidecar = read_sidecar(options.file);
+  auto sidecar = load_sidecar(options.file);
   if (!sidecar) return failure(sidecar.error());
   RunOptions& run = sidecar->options;
   run.common = options.common;

@@ -1,32 +1,18 @@
 // Any bytes as a BVH file, read in every way; what is accepted must be sound and must come back
 // from what the writer makes of it.
-//
-//   bvh_reader_fuzz -dict=tests/fuzz/bvh.dict CORPUS tests/bvh/conformance
 
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
+#include "fuzz/fuzz_target.h"
 #include "retarget/bvh/read_bvh.h"
 #include "retarget/bvh/write_bvh.h"
 
+namespace retarget::fuzz {
 namespace {
 
-using retarget::BvhFile;
-using retarget::Clip;
-using retarget::Result;
-
-void require(bool condition, const char* what) {
-  if (condition) return;
-  std::fprintf(stderr, "not true: %s\n", what);
-  std::abort();
-}
-
-void check_error(const retarget::Error& error, bool has_place) {
+void check_error(const Error& error, bool has_place) {
   require(!error.message.empty(), "errors say something");
   require(!has_place || (error.line > 0 && error.column > 0), "errors have a place");
 }
@@ -43,9 +29,9 @@ void check_clip(const Clip& clip) {
 }
 
 void check_round_trip(const Clip& clip) {
-  const Result<std::string> text = retarget::format_bvh(clip);
+  const Result<std::string> text = format_bvh(clip);
   require(text.has_value(), "what was read can be written");
-  const Result<BvhFile> again = retarget::read_bvh(*text, "written.bvh");
+  const Result<BvhFile> again = read_bvh(*text, "written.bvh");
   require(again.has_value(), "what was written can be read");
   const Clip& back = again->clip;
   require(back.frame_count() == clip.frame_count(), "frames come back");
@@ -62,15 +48,14 @@ void check_round_trip(const Clip& clip) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+void fuzz_bvh(std::string_view bytes) {
   for (int way = 0; way < 5; ++way) {
-    retarget::BvhReadOptions options;
+    BvhReadOptions options;
     options.lenient = way == 1;
     options.motion_optional = way == 2;
     if (way == 3) options.source_fps = 30.0;
     if (way == 4) options.root = "Two";
-    const Result<BvhFile> file = retarget::read_bvh(bytes, "fuzz.bvh", options);
+    const Result<BvhFile> file = read_bvh(bytes, "fuzz.bvh", options);
     if (!file) {
       check_error(file.error(), options.root.empty());
       continue;
@@ -78,5 +63,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_clip(file->clip);
     check_round_trip(file->clip);
   }
-  return 0;
 }
+
+}  // namespace retarget::fuzz

@@ -1,0 +1,106 @@
+// Any bytes as a file of arrays: NPY, NPZ, an SMPL motion or model, a pickle.
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fuzz/fuzz_target.h"
+#include "retarget/base/npz.h"
+#include "retarget/io/pickle.h"
+#include "retarget/smpl/read_smpl.h"
+#include "support/npz_builder.h"
+
+namespace retarget::fuzz {
+namespace {
+
+void check_array(const Result<NpyArray>& array) {
+  if (!good(array)) return;
+  const std::size_t count = array->element_count();
+  require(array->data.size() == count * array->item_size, "the shape explains the bytes");
+  const std::size_t found = array->is_number() ? array->numbers().size() : array->texts().size();
+  require(found == count, "every element is given");
+}
+
+void check_motion(std::string_view bytes) {
+  const auto motion = read_smpl(bytes, "fuzz.npz");
+  if (!good(motion)) return;
+  const Clip& clip = motion->clip;
+  require(clip.frame_count() > 0 && clip.rate().fps() > 0.0, "motions have frames and a rate");
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (const auto& rotation : clip.rotations(frame)) {
+      require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
+    }
+    require(clip.translation(frame, 0).allFinite(), "translations are finite");
+  }
+}
+
+// the arrays of a sound motion, one of them given
+std::string motion_with(const std::string& name, const std::string& array) {
+  NpzBuilder builder;
+  const auto add = [&](const std::string& own_name, const std::string& own) {
+    builder.add(own_name, own_name == name ? array : own);
+  };
+  add("poses", npy_doubles({2, 66}, std::vector<double>(2 * 66)));
+  add("trans", npy_doubles({2, 3}, std::vector<double>(6)));
+  add("betas", npy_doubles({1}, {0.5}));
+  add("gender", npy_text("male"));
+  add("fps", npy_doubles({}, {30}));
+  return builder.build();
+}
+
+void check_pickle(std::string_view bytes) {
+  const auto document = read_pickle(bytes, "fuzz.pkl");
+  if (!good(document)) return;
+  const auto& root = document->root();
+  (void)document->number(root);
+  for (const std::string& key : document->keys(root)) {
+    const auto* member = document->find(root, key);
+    require(member != nullptr, "keys are found");
+    if (member->kind != PickleNode::Kind::kArray) continue;
+    const auto& array = document->array(*member);
+    require(array.data.size() == array.element_count() * array.item_size,
+            "the shape explains the bytes");
+  }
+}
+
+}  // namespace
+
+void fuzz_npy(std::string_view bytes) {
+  check_array(read_npy(bytes, "fuzz.npy"));
+}
+
+void fuzz_npz(std::string_view bytes) {
+  const Result<NpzFile> file = NpzFile::open(bytes, "fuzz.npz");
+  if (!good(file)) return;
+  for (const std::string& name : file->names()) {
+    (void)file->type_of(name);
+    check_array(file->read(name));
+  }
+}
+
+void fuzz_smpl(std::string_view bytes) {
+  check_motion(bytes);
+}
+
+// checksums keep most changes of a whole file away, so each array of a sound one is taken in turn
+void fuzz_smpl_arrays(std::string_view bytes) {
+  for (const char* name : {"poses", "trans", "betas", "gender", "fps"}) {
+    check_motion(motion_with(name, std::string(bytes)));
+  }
+}
+
+void fuzz_smpl_body(std::string_view bytes) {
+  const auto body = read_smpl_body(bytes, "fuzz.npz");
+  if (!good(body)) return;
+  const SmplRestBody rest = smpl_rest_body(*body, {});
+  require(std::isfinite(rest.height), "bodies have a height");
+}
+
+void fuzz_pickle(std::string_view bytes) {
+  check_pickle(bytes);
+  check_pickle("\x80\x04" + std::string(bytes));
+}
+
+}  // namespace retarget::fuzz

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "retarget/base/result.h"
+#include "retarget/robot/robot.h"
+
+namespace retarget::fuzz {
+
+/// A reader that is given any bytes: what it accepts must be sound, what it refuses says why.
+struct FuzzTarget {
+  std::string_view name;
+  /// Ends the process where the reader breaks a promise.
+  void (*run)(std::string_view bytes);
+};
+
+/// All targets; docs/security.md lists them.
+[[nodiscard]] std::span<const FuzzTarget> fuzz_targets();
+
+/// The target of a name; nullptr: there is none.
+[[nodiscard]] const FuzzTarget* find_fuzz_target(std::string_view name);
+
+/// Says what is not true and ends the process, so that a fuzzer keeps the input.
+void require(bool condition, const char* what);
+
+/// Whether it was read; if not, the error must say something.
+template <typename Value>
+bool good(const Result<Value>& result) {
+  if (!result) require(!result.error().message.empty(), "errors say something");
+  return result.has_value();
+}
+
+/// A path at which these bytes are a file, for readers of files alone; the next call overwrites it.
+[[nodiscard]] std::string file_of(std::string_view bytes, const char* name);
+
+/// The Unitree G1 of the repository, which motions and settings are read for.
+[[nodiscard]] const std::shared_ptr<const Robot>& fuzz_robot();
+
+void fuzz_bvh(std::string_view bytes);
+void fuzz_npy(std::string_view bytes);
+void fuzz_npz(std::string_view bytes);
+void fuzz_smpl(std::string_view bytes);
+void fuzz_smpl_arrays(std::string_view bytes);
+void fuzz_smpl_body(std::string_view bytes);
+void fuzz_pickle(std::string_view bytes);
+void fuzz_csv(std::string_view bytes);
+void fuzz_motion(std::string_view bytes);
+void fuzz_motion_table(std::string_view bytes);
+void fuzz_mapping(std::string_view bytes);
+void fuzz_dialect(std::string_view bytes);
+void fuzz_bone_map(std::string_view bytes);
+void fuzz_path(std::string_view bytes);
+void fuzz_fit_options(std::string_view bytes);
+void fuzz_gates(std::string_view bytes);
+void fuzz_limits(std::string_view bytes);
+void fuzz_profile(std::string_view bytes);
+void fuzz_model(std::string_view bytes);
+void fuzz_urdf(std::string_view bytes);
+void fuzz_manifest(std::string_view bytes);
+void fuzz_sidecar(std::string_view bytes);
+void fuzz_line(std::string_view bytes);
+
+}  // namespace retarget::fuzz

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "fuzz/fuzz_target.h"
+#include "retarget/robot/load_robot.h"
+#include "support/temporary_folder.h"
+
+namespace retarget::fuzz {
+namespace {
+
+constexpr auto kTargets = std::to_array<FuzzTarget>({
+    {"bvh", fuzz_bvh},
+    {"npy", fuzz_npy},
+    {"npz", fuzz_npz},
+    {"smpl", fuzz_smpl},
+    {"smpl_arrays", fuzz_smpl_arrays},
+    {"smpl_body", fuzz_smpl_body},
+    {"pickle", fuzz_pickle},
+    {"csv", fuzz_csv},
+    {"motion", fuzz_motion},
+    {"motion_table", fuzz_motion_table},
+    {"mapping", fuzz_mapping},
+    {"dialect", fuzz_dialect},
+    {"bone_map", fuzz_bone_map},
+    {"path", fuzz_path},
+    {"fit_options", fuzz_fit_options},
+    {"gates", fuzz_gates},
+    {"limits", fuzz_limits},
+    {"profile", fuzz_profile},
+    {"model", fuzz_model},
+    {"urdf", fuzz_urdf},
+    {"manifest", fuzz_manifest},
+    {"sidecar", fuzz_sidecar},
+    {"line", fuzz_line},
+});
+
+}  // namespace
+
+std::span<const FuzzTarget> fuzz_targets() {
+  return kTargets;
+}
+
+const FuzzTarget* find_fuzz_target(std::string_view name) {
+  const auto* found = std::ranges::find(kTargets, name, &FuzzTarget::name);
+  return found == kTargets.end() ? nullptr : found;
+}
+
+void require(bool condition, const char* what) {
+  if (condition) return;
+  std::fprintf(stderr, "not true: %s\n", what);
+  std::abort();
+}
+
+std::string file_of(std::string_view bytes, const char* name) {
+  static const TemporaryFolder folder;
+  return folder.write(name, std::string(bytes));
+}
+
+const std::shared_ptr<const Robot>& fuzz_robot() {
+  static const std::shared_ptr<const Robot> g1 = [] {
+    const std::string folder = std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_g1/";
+    auto loaded = load_robot(folder + "model.xml", folder + "robot.json");
+    require(loaded.has_value(), "the robot is there");
+    return *loaded;
+  }();
+  return g1;
+}
+
+}  // namespace retarget::fuzz

@@ -1,0 +1,130 @@
+// Any bytes as a BVH file, and what it holds all the way to a robot's CSV and back.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "fuzz/fuzz_target.h"
+#include "retarget/bvh/read_bvh.h"
+#include "retarget/human/calibrate.h"
+#include "retarget/human/dialect.h"
+#include "retarget/human/limb_directions.h"
+#include "retarget/human/recognise.h"
+#include "retarget/io/robot_csv.h"
+#include "retarget/io/robot_motion.h"
+#include "retarget/motion/clip_range.h"
+#include "retarget/motion/lead_in.h"
+#include "retarget/motion/resample.h"
+#include "retarget/pipeline/ik_tables.h"
+#include "retarget/pipeline/retarget.h"
+#include "retarget/refine/fit.h"
+
+namespace retarget::fuzz {
+namespace {
+
+// so small that a run stays far below a second under sanitizers
+constexpr int kMostJoints = 48;
+constexpr int kMostFrames = 6;
+
+// what a run needs beside the motion
+struct Setup {
+  std::vector<Dialect> dialects;
+  IkTables of_lafan1, of_others;
+  LimitSet limits;
+  FitOptions fit;
+};
+
+template <typename Value>
+Value take(Result<Value> result) {
+  require(result.has_value(), "the repository's own files are there");
+  return std::move(*result);
+}
+
+const Setup& setup() {
+  static const Setup made = [] {
+    const std::string root(RETARGET_SOURCE_DIR);
+    Setup setup;
+    setup.dialects = take(load_dialects(root + "/configs/skeletons"));
+    setup.of_lafan1 = take(load_ik_tables(root + "/configs/lafan1_to_unitree_g1.json"));
+    setup.of_others = take(load_ik_tables(root + "/robots/unitree_g1/ik.json"));
+    setup.limits = take(load_limits(*fuzz_robot(), "official"));
+    setup.fit.iterations = 2;
+    setup.fit.anchor_iterations = 1;
+    setup.fit.threads = 1;
+    return setup;
+  }();
+  return made;
+}
+
+// the motion as the tool takes it, or nothing where it refuses it
+std::optional<Clip> short_clip(std::string_view bytes) {
+  auto file = read_bvh(bytes, "fuzz.bvh");
+  if (!good(file)) return std::nullopt;
+  Clip clip = std::move(file->clip);
+  const int frames = clip.frame_count();
+  if (frames == 0 || clip.skeleton().joint_count() > kMostJoints) return std::nullopt;
+  const int first = count_lead_in_frames(clip);
+  require(first >= 0 && first < frames, "a motion is left");
+  return cut(std::move(clip), first, std::min(frames, first + kMostFrames));
+}
+
+// what must hold of every motion that is written
+void check_motion(const RobotClip& clip) {
+  const Robot& robot = *fuzz_robot();
+  constexpr double kSlack = 1e-6;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    for (const double value : qpos) require(std::isfinite(value), "numbers are finite");
+    for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+      const double value = qpos[static_cast<std::size_t>(robot.joints()[j].qpos_address)];
+      require(
+          value >= setup().limits.lower[j] - kSlack && value <= setup().limits.upper[j] + kSlack,
+          "joints are inside their limits");
+    }
+  }
+}
+
+// what is written is read again, as it was printed
+void check_round_trip(const RobotClip& clip) {
+  ReadMotionOptions options;
+  options.rate = clip.rate();
+  options.quaternion = QuaternionOrder::kXyzw;
+  options.degrees = false;
+  options.metres_per_unit = 1.0;
+  const auto back = parse_robot_motion(format_robot_csv(clip), fuzz_robot(), "out.csv", options);
+  require(back.has_value(), "what is written is read again");
+  require(back->clip.frame_count() == clip.frame_count(), "frames come back");
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    for (std::size_t i = 7; i < clip.qpos(frame).size(); ++i) {
+      require(std::abs(clip.qpos(frame)[i] - back->clip.qpos(frame)[i]) < 1e-5, "joints come back");
+    }
+  }
+}
+
+}  // namespace
+
+void fuzz_line(std::string_view bytes) {
+  auto clip = short_clip(bytes);
+  if (!clip) return;
+  auto map = recognise_skeleton(*clip, setup().dialects, "fuzz.bvh");
+  if (!good(map)) return;
+  (void)let_directions_win(*clip, *map);
+  const auto calibration = calibrate(*clip, *map, {}, "fuzz.bvh");
+  if (!good(calibration)) return;
+  const auto resampled = resample(*clip, FrameRate{30, 1});
+  if (!good(resampled) || resampled->frame_count() > kMostFrames) return;
+  const bool is_lafan1 = calibration->rest_pose == "lafan1";
+  const IkTables& tables = is_lafan1 ? setup().of_lafan1 : setup().of_others;
+  FitRun run;
+  run.retarget.height_scale = is_lafan1 ? HeightScale::kPublished : HeightScale::kLimbs;
+  const auto fitted = fit(*resampled, calibration->mapping, "fuzz.bvh", fuzz_robot(), tables,
+                          setup().limits, setup().fit, run);
+  if (!good(fitted)) return;
+  check_motion(fitted->clip);
+  check_round_trip(fitted->clip);
+}
+
+}  // namespace retarget::fuzz

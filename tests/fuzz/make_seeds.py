@@ -1,0 +1,175 @@
+"""Makes the seeds of tests/fuzz/seeds that are no settings: motions of two or three frames.
+
+    RETARGET_TOOL=build/release/tools/retarget/retarget python3 tests/fuzz/make_seeds.py
+"""
+
+import gzip
+import io
+import json
+import os
+import pathlib
+import pickle
+import subprocess
+import tempfile
+import zipfile
+import zlib
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SEEDS = ROOT / "tests" / "fuzz" / "seeds"
+TOOL = pathlib.Path(os.environ["RETARGET_TOOL"]).resolve()
+
+
+def write(target, name, content):
+    """Writes a seed, text or bytes."""
+    folder = SEEDS / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def npz(arrays, compress=False):
+    """An NPZ file with the same bytes in every run."""
+    out = io.BytesIO()
+    kind = zipfile.ZIP_DEFLATED if compress else zipfile.ZIP_STORED
+    with zipfile.ZipFile(out, "w", kind) as archive:
+        for name, array in arrays.items():
+            archive.writestr(zipfile.ZipInfo(name + ".npy"), npy(array), kind)
+    return out.getvalue()
+
+
+def npy(array):
+    """An NPY file."""
+    out = io.BytesIO()
+    np.save(out, np.asarray(array))
+    return out.getvalue()
+
+
+def short_bvh(name, frames):
+    """A sample of the repository, cut."""
+    head, motion = (ROOT / "data" / name).read_text().split("MOTION\n")
+    lines = motion.splitlines()
+    rows = lines[2:2 + frames]
+    return f"{head}MOTION\nFrames: {len(rows)}\nFrame Time: 0.033333\n" + "\n".join(rows) + "\n"
+
+
+def renamed(text):
+    """The same body by the names of another kind of skeleton."""
+    for old, new in (("LeftUpLeg", "lThigh"), ("LeftLeg", "lShin"), ("LeftFoot", "lFoot"), ("LeftToe", "lToe"),
+                     ("RightUpLeg", "rThigh"), ("RightLeg", "rShin"), ("RightFoot", "rFoot"), ("RightToe", "rToe"),
+                     ("LeftShoulder", "lCollar"), ("LeftArm", "lShldr"), ("LeftForeArm", "lForeArm"),
+                     ("LeftHand", "lHand"), ("RightShoulder", "rCollar"), ("RightArm", "rShldr"),
+                     ("RightForeArm", "rForeArm"), ("RightHand", "rHand"), ("Hips", "hip"), ("Spine2", "chest"),
+                     ("Spine1", "abdomen2"), ("Spine", "abdomen"), ("Neck", "neck"), ("Head", "head")):
+        text = text.replace(old, new)
+    return text
+
+
+def lines_of_bvh():
+    """Whole bodies, for the way to a robot."""
+    write("line", "walk.bvh", short_bvh("walk.bvh", 3))
+    write("line", "one_frame.bvh", short_bvh("squat.bvh", 1))
+    write("line", "other_names.bvh", renamed(short_bvh("wave.bvh", 2)))
+    nameless = short_bvh("turn_in_place.bvh", 2)
+    for number, word in enumerate(sorted({line.split()[-1] for line in nameless.splitlines()
+                                          if line.strip().startswith(("ROOT", "JOINT"))}, key=lambda word: (-len(word), word))):
+        nameless = nameless.replace(f" {word}\n", f" j{number}\n")
+    write("line", "no_names.bvh", nameless)
+    write("bvh", "walk.bvh", short_bvh("walk.bvh", 2))
+
+
+def arrays():
+    """NPY, NPZ and SMPL."""
+    kinds = {"doubles": np.arange(6.0).reshape(2, 3), "floats": np.float32([[1.5], [2.5]]), "bytes": np.uint8([1, 2]),
+             "big_endian": np.array([1.0, -2.0], ">f8"), "columns": np.asfortranarray(np.arange(6).reshape(3, 2)),
+             "text": np.array(["male", "b"]), "letters": np.array([b"abc"]), "truth": np.array([True, False]),
+             "scalar": np.array(30.0), "nothing": np.zeros((0, 3)), "halves": np.float16([0.5, -1.0])}
+    for name, array in kinds.items():
+        write("npy", name + ".npy", npy(array))
+    write("npz", "stored.npz", npz(kinds))
+    write("npz", "packed.npz", npz({name: kinds[name] for name in ("doubles", "text")}, compress=True))
+    motion = {"poses": np.zeros((2, 66)), "trans": np.zeros((2, 3)), "betas": np.zeros(10), "gender": np.array("male"),
+              "mocap_framerate": np.array(30.0)}
+    motion["poses"][:, 0] = np.pi / 2
+    write("smpl", "amass.npz", npz(motion, compress=True))
+    parts = {"root_orient": motion["poses"][:, :3], "pose_body": motion["poses"][:, 3:], "trans": motion["trans"],
+             "fps": np.array([30])}
+    write("smpl", "parts.npz", npz(parts, compress=True))
+    for name in ("poses", "trans", "betas", "gender"):
+        write("smpl_arrays", name + ".npy", npy(motion[name]))
+    write("smpl_arrays", "fps.npy", npy(30.0))
+
+
+def body_model():
+    """A body model in miniature: a vertex a joint, and one above and one below."""
+    parents = [-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19]
+    heights = [0, -.1, -.1, .1, -.5, -.5, .25, -.9, -.9, .3, -.95, -.95, .5, .45, .45, .6, .45, .45, .45, .45, .45, .45]
+    sides = [0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .1, -.1, 0, .2, -.2, .45, -.45, .7, -.7]
+    joints = np.stack([np.array(sides), np.array(heights), np.zeros(22)], axis=1)
+    vertices = np.concatenate([joints, [[0, .75, 0], [.1, -1.0, .1], [-.1, -1.0, .1], [.85, .45, 0], [-.85, .45, 0]]])
+    regressor = np.concatenate([np.eye(22), np.zeros((22, 5))], axis=1)
+    for count, kind in ((22, "body"), (52, "hands")):
+        more = count - 22
+        tree = np.array([[*[max(p, -1) for p in parents], *[20] * more], np.arange(count)])
+        write("smpl_body", kind + ".npz", npz({
+            "v_template": np.float32(vertices), "shapedirs": np.zeros((27, 3, 2), np.float32),
+            "J_regressor": np.float32(np.concatenate([regressor, np.tile(regressor[20], (more, 1))])),
+            "kintree_table": tree}, compress=True))
+
+
+def pickles():
+    """Of every protocol, of NumPy, and such as are refused."""
+    values = {"fps": 30, "doubles": np.arange(6.0).reshape(2, 3), "names": ["a", "b"], "none": None, "true": True,
+              "far": -5_000_000_000, "huge": 1 << 70, "tuple": (1.5, b"bytes"), "scalar": np.float64(2.5)}
+    for protocol in range(6):
+        write("pickle", f"protocol_{protocol}.pkl", pickle.dumps(values, protocol))
+    tensor = (b"\x80\x02}X\x08\x00\x00\x00root_posctorch._utils\n_rebuild_tensor_v2\n"
+              b"((X\x07\x00\x00\x00storagectorch\nFloatStorage\nX\x01\x00\x00\x000X\x03\x00\x00\x00cpuK\x06tQ"
+              b"K\x00K\x02K\x03\x86K\x03K\x01\x86\x89ccollections\nOrderedDict\n)RtRs.")
+    write("pickle", "torch_tensor.pkl", tensor)
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as out:
+        out.writestr(zipfile.ZipInfo("motion/data.pkl"), tensor)
+        out.writestr(zipfile.ZipInfo("motion/data/0"), np.float32(np.arange(6)).tobytes())
+        out.writestr(zipfile.ZipInfo("motion/version"), "3\n")
+    write("motion", "torch.pt", archive.getvalue())
+    write("pickle", "zlib.joblib", zlib.compress(pickle.dumps(values, 4)))
+    write("pickle", "gzip.joblib", gzip.compress(pickle.dumps(values, 4), mtime=0))
+
+
+def robot_motions():
+    """A few frames in every format that the tool writes, and a sidecar."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for each in ("in", "out"):
+            (folder / each).mkdir()
+        (folder / "in" / "walk.bvh").write_text(short_bvh("walk.bvh", 4))
+        formats = "csv,csv-soma,npz-mjlab,npz-beyondmimic,pkl-gmr,pkl-pbhc"
+        run = [str(TOOL), "--method", "gmr", "--frames", "0:3", "--sidecar", "in/walk.bvh", "g1"]
+        subprocess.run([*run, "-o", "out/walk", "--format", formats], cwd=folder, check=True, capture_output=True)
+        for file in sorted((folder / "out").iterdir()):
+            if file.suffix == ".json":
+                continue
+            write("motion", file.name, file.read_bytes())
+            if file.suffix != ".npz":
+                write("motion_table", file.name, file.read_bytes())
+        sidecar = json.loads((folder / "out" / "walk.csv.json").read_text())
+        kept = ("retarget", "output", "options", "inputs")
+        write("sidecar", "walk.csv.json", json.dumps({key: sidecar[key] for key in kept}))
+        for name, words in (("header", ["--csv-header"]), ("blanks", ["--csv-delimiter", "space"]),
+                            ("degrees", ["--csv-header", "--csv-degrees", "--csv-centimetres", "--csv-frame-column",
+                                         "--csv-quat", "wxyz"])):
+            subprocess.run([*run, *words, "-o", name + ".csv"], cwd=folder, check=True, capture_output=True)
+            write("motion", name + ".csv", (folder / (name + ".csv")).read_bytes())
+    write("csv", "numbers.csv", "1,2.5,-3e-2\n4,5,6\n")
+    write("csv", "header.csv", "# made by hand\ntime,root_x,\"a b\"\r\n0.5,1,2\r\n1,2,3\r\n")
+    write("csv", "comment.txt", "# x y z\n1 2 3\n\n4\t5\t6")
+    write("csv", "decimal_commas.csv", "\ufeff1,5;2,5\n3;4\n")
+
+
+if __name__ == "__main__":
+    lines_of_bvh()
+    arrays()
+    body_model()
+    pickles()
+    robot_motions()

@@ -1,0 +1,24 @@
+// Any bytes as what the tool wrote of a run: a line of a manifest, a sidecar.
+
+#include <string_view>
+
+#include "fuzz/fuzz_target.h"
+#include "retarget/base/plain_name.h"
+#include "retarget/batch/manifest.h"
+#include "tools/retarget/read_sidecar.h"
+
+namespace retarget::fuzz {
+
+void fuzz_manifest(std::string_view bytes) {
+  const auto entry = parse_manifest_line(bytes);
+  if (!entry) return;
+  require(parse_manifest_line(manifest_line(*entry)).has_value(), "what is written is read again");
+}
+
+void fuzz_sidecar(std::string_view bytes) {
+  const auto sidecar = cli::read_sidecar(bytes, "fuzz.csv.json");
+  if (!good(sidecar)) return;
+  require(is_plain_name(sidecar->output), "outputs lie beside their sidecar");
+}
+
+}  // namespace retarget::fuzz
