@@ -40,8 +40,8 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->group(kRobot);
   app.add_option("--ik-config", options.ik_config,
                  "Mapping from human bones to robot bodies: that of the\npublished method, the one "
-                 "derived from the robot's model, or\na JSON file (default: published for LAFAN1 "
-                 "where there is\none, else derived)")
+                 "derived from the robot's model, or\na JSON file (default: derived; with "
+                 "--method gmr published\nfor LAFAN1 where there is one)")
       ->type_name("published|derived|FILE")
       ->group(kRobot);
   app.add_option("--limits", options.limits,
@@ -71,10 +71,12 @@ void add_run_options(CLI::App& app, RunOptions& options) {
       ->delimiter(',')
       ->group(kRobot);
 
-  app.add_option("--scale", options.scale,
-                 "How the body's size scales the motion: table as published\n(default of LAFAN1); "
-                 "limbs gives legs, trunk and arms the\nrobot's lengths (default of all others); "
-                 "height brings every\nbody to one size first (default with --height)")
+  app.add_option(
+         "--scale", options.scale,
+         "How the body's size scales the motion: limbs gives legs,\ntrunk and arms the robot's "
+         "lengths; table as published (default\nof LAFAN1 with --method gmr or a mapping "
+         "that is not the\nderived one); height brings every body to one size first\n"
+         "(default with --height)")
       ->type_name("auto|table|height|limbs")
       ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))
       ->capture_default_str()

@@ -50,7 +50,7 @@ struct FitOptions {
   double foot_height_far = 40.0;    ///< The same `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight = 600.0;         ///< Planted heel or toe to its place, per metre.
+  double contact_weight = 900.0;         ///< Planted heel or toe to its place, per metre.
   double contact_height_weight = 400.0;  ///< The same to the floor.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
