@@ -206,13 +206,14 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
 
 std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
                                            const HumanMapping& mapping, const IkTables& tables,
-                                           HeightScale scale, TrunkRule trunk, const LimitSet& limits,
-                                           double least_share) {
+                                           HeightScale scale, TrunkRule trunk,
+                                           const LimitSet& limits, double least_share) {
   HumanPoser poser(clip, mapping);
   const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
     poser.pose(frame, world_from_bone);
   };
-  const auto targets = make_targets(poser.info(), poses, {}, robot_clip.robot(), tables, scale, trunk);
+  const auto targets =
+      make_targets(poser.info(), poses, {}, robot_clip.robot(), tables, scale, trunk);
   // the clip was solved with these targets: they can be made
   if (!targets) return {};
   return joints_at_limits(robot_clip, tables, *targets, poses, limits, least_share);

@@ -82,9 +82,8 @@ void find_limited_joints(const Draft& draft, const LimitSet& limits, const Quali
   const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
     std::ranges::copy(human.frame(frame), world_from_bone.begin());
   };
-  const auto targets =
-      make_targets(human, poses, {}, draft.clip.robot(), *source.tables, source.scale,
-                   TrunkRule::kLines);
+  const auto targets = make_targets(human, poses, {}, draft.clip.robot(), *source.tables,
+                                    source.scale, TrunkRule::kLines);
   // a body that lacks what the mapping needs has no targets
   if (!targets) return;
   for (const JointAtLimit& found :

@@ -128,9 +128,8 @@ void TrackingMeasure::collect_limb_targets() {
   const HumanPoseSource poses = [this](int frame, std::span<Pose> world_from_bone) {
     std::ranges::copy(human_.frame(frame), world_from_bone.begin());
   };
-  const auto targets =
-      make_targets(human_, poses, {}, draft_.clip.robot(), tables_, HeightScale::kLimbs,
-                   TrunkRule::kLines);
+  const auto targets = make_targets(human_, poses, {}, draft_.clip.robot(), tables_,
+                                    HeightScale::kLimbs, TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
@@ -180,9 +179,9 @@ std::vector<double> TrackingMeasure::rotation_errors(const Row& row) const {
   errors.reserve(frames_);
   for (int frame = 0; frame < frames_; ++frame) {
     const Eigen::Quaterniond wanted =
-        robot_from_human_ *
-        (limb_targets_.empty() ? bone_pose(frame, row.bone).rotation * row.row->rotation_offset
-                               : limb_target(frame, row).rotation);
+        robot_from_human_ * (limb_targets_.empty()
+                                 ? bone_pose(frame, row.bone).rotation * row.row->rotation_offset
+                                 : limb_target(frame, row).rotation);
     const Eigen::Quaterniond between = wanted.conjugate() * tracks_.kept(frame, row.body).rotation;
     errors.push_back(2.0 * kDegreesPerRadian *
                      portable::atan2(between.vec().norm(), std::abs(between.w())));

@@ -53,10 +53,9 @@ namespace {
 
 std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human) {
   if (!has_trunk(human)) return std::nullopt;
-  return trunk_frame(
-      standing_trunk_lines(human, [&](int frame, std::span<Pose> world_from_bone) {
-        std::ranges::copy(human.frame(frame), world_from_bone.begin());
-      }));
+  return trunk_frame(standing_trunk_lines(human, [&](int frame, std::span<Pose> world_from_bone) {
+    std::ranges::copy(human.frame(frame), world_from_bone.begin());
+  }));
 }
 
 }  // namespace

@@ -37,7 +37,8 @@ struct RobotPlace {
 RobotPlace place_of(const RobotFiles& files, const fs::path& data_folder) {
   const fs::path named = files.model.parent_path();
   const fs::path folder = named.empty() ? fs::path(".") : named;
-  auto found = find_mappings({}, "gmr", folder, data_folder, fs::absolute(folder).filename().string());
+  auto found =
+      find_mappings({}, "gmr", folder, data_folder, fs::absolute(folder).filename().string());
   return {files, found ? std::optional<MappingFiles>(std::move(*found)) : std::nullopt};
 }
 

@@ -64,7 +64,8 @@ std::vector<std::string> robot_files(const RunOptions& options) {
   if (!robot) return {};
   std::vector<std::string> files = {robot->model.string(), robot->profile.string()};
   const fs::path place = robot->model.parent_path();
-  const auto mappings = find_mappings({}, "gmr", place, *folder, fs::absolute(place).filename().string());
+  const auto mappings =
+      find_mappings({}, "gmr", place, *folder, fs::absolute(place).filename().string());
   if (mappings) append(files, {mappings->of_lafan1, mappings->of_others});
   return files;
 }

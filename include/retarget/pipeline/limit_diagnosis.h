@@ -56,9 +56,11 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
     const HumanPoseSource& poses, const LimitSet& limits, double least_share);
 
 /// The same for a clip that was solved from a clip under a mapping.
-[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
-    const RobotClip& robot_clip, const Clip& clip, const HumanMapping& mapping,
-    const IkTables& tables, HeightScale scale, TrunkRule trunk, const LimitSet& limits,
-    double least_share);
+[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip,
+                                                         const Clip& clip,
+                                                         const HumanMapping& mapping,
+                                                         const IkTables& tables, HeightScale scale,
+                                                         TrunkRule trunk, const LimitSet& limits,
+                                                         double least_share);
 
 }  // namespace retarget
