@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""The tables of docs/quality.md, measured anew.
+
+    tools/quality_tables.py --tool build/release/tools/retarget/retarget --data FOLDER [--robots A,B]
+
+FOLDER has lafan1/, lafan1_cuts/, dialects/ with BVH files and unitree_g1_csv/ with published motions. Prints
+Markdown: the G1's tables, then means by robot and kind of source, `--ik-config published --scale table`
+-> default where the robot has a published mapping.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
+FIGURES = {"jumps": 0, "joint_at_limit_pct": 1, "fast_3pi_pct": 1, "speed_limit_pct": 2, "acc_p99": 0,
+           "root_jerk_mean": 0, "foot_pen_1cm_pct": 1, "body_pen_1cm_pct": 1, "float_planted_pct": 1,
+           "contact_slip_mean": 4, "contact_drift_p95_cm": 2, "contact_height_p50_cm": 2,
+           "contact_agreement_pct": 1, "self_1cm_pct": 1, "flights": 0, "flight_peak_max_cm": 1,
+           "track_pos_cm": 1, "track_rot_deg": 1, "limb_angle_deg": 1, "trunk_lean_error_deg": 1}
+MEANS = ["limb_angle_deg", "trunk_lean_error_deg", "root_jerk_mean", "acc_p99", "contact_slip_mean",
+         "self_all_1cm_pct", "body_pen_1cm_pct", "flight_peak_max_cm", "jumps"]
+SAMPLES = ["walk", "turn_in_place", "squat", "wave", "get_up"]
+NO_HUMANS = {"nonhuman_dog", "full_precision_frame_time", "rotation_first_root", "slimevr_hmd_root",
+             "geno_stance", "soma_zero_frame0"}
+AS_PUBLISHED = ("--ik-config", "published", "--scale", "table")
+
+
+def figures(tool, clip, robot, options=(), motion=None):
+    """The report of a run, or of a motion that is there; None where the tool fails."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = os.path.join(folder, "report.json")
+        command = [tool, "--bvh", clip, "--robot", robot, "-o", os.path.join(folder, "out.csv"),
+                   "--report", report, "-q", *options]
+        if motion:
+            command = [tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json", report,
+                       "--gate", "none", *options]
+        subprocess.run(command, capture_output=True, check=False)
+        if not os.path.exists(report):
+            return None
+        with open(report, encoding="utf-8") as file:
+            return json.load(file)["motions"][0]
+
+
+def value(report, name):
+    """The mean of a figure."""
+    found = None if report is None else report.get(name)
+    return found[0] if isinstance(found, list) else found
+
+
+def print_table(title, names, reports):
+    """A column a clip, a row a figure."""
+    print(f"\n{title}\n\n| figure | " + " | ".join(names) + " |")
+    print("| --- |" + " --- |" * len(names))
+    for name, digits in FIGURES.items():
+        cells = [value(report, name) for report in reports]
+        if any(cell is not None for cell in cells):
+            texts = ["-" if cell is None else f"{cell:.{digits}f}" for cell in cells]
+            print(f"| `{name}` | " + " | ".join(texts) + " |")
+
+
+def short(clip):
+    """walk4_subject1 as walk4_s1."""
+    return clip.stem.replace("subject", "s")
+
+
+def print_means(tool, pool, robot, clips):
+    """Before -> after, a column a kind of source."""
+    rows = {}
+    for kind, files in clips.items():
+        after = list(pool.map(lambda clip: figures(tool, clip, robot), files))
+        before = list(pool.map(lambda clip: figures(tool, clip, robot, AS_PUBLISHED), files))
+        for name in MEANS:
+            pairs = [(value(a, name), value(b, name)) for a, b in zip(before, after)]
+            both = [pair for pair in pairs if None not in pair]
+            alone = [b for _, b in pairs if b is not None]
+            if both:
+                cell = " -> ".join(f"{sum(part) / len(both):.3g}" for part in zip(*both))
+            else:
+                cell = f"{sum(alone) / len(alone):.3g}" if alone else "-"
+            rows.setdefault(name, []).append(cell)
+    print(f"\n`{robot}`:\n\n| mean of | " + " | ".join(clips) + " |\n| --- |" + " --- |" * len(clips))
+    for name, cells in rows.items():
+        print(f"| `{name}` | " + " | ".join(cells) + " |")
+
+
+def main():
+    """Everything, in the order of the page."""
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tool", required=True)
+    parser.add_argument("--data", required=True, type=pathlib.Path)
+    parser.add_argument("--robots", default="unitree_g1")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    args = parser.parse_args()
+    lafan1 = sorted((args.data / "lafan1").glob("*.bvh"))
+    samples = [DATA / f"{name}.bvh" for name in SAMPLES]
+    clips = {"LAFAN1": lafan1, "cuts": sorted((args.data / "lafan1_cuts").glob("*.bvh")),
+             "other skeletons": [clip for clip in sorted((args.data / "dialects").glob("*.bvh"))
+                                 if clip.stem not in NO_HUMANS],
+             "samples": samples}
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        for files in (lafan1, samples):
+            for title, options in (("Published method, `--method gmr`:", ("--method", "gmr")),
+                                   ("Ours, `--method fit`:", ())):
+                found = list(pool.map(lambda clip: figures(args.tool, clip, "unitree_g1", options),
+                                      files))
+                print_table(title, [short(clip) for clip in files], found)
+        motions = [clip for clip in lafan1
+                   if (args.data / "unitree_g1_csv" / f"{clip.stem}.csv").exists()]
+        found = [figures(args.tool, clip, "unitree_g1",
+                         motion=args.data / "unitree_g1_csv" / f"{clip.stem}.csv")
+                 for clip in motions]
+        print_table("Unitree's published motions:", [short(clip) for clip in motions], found)
+        for robot in args.robots.split(","):
+            print_means(args.tool, pool, robot, clips)
+
+
+if __name__ == "__main__":
+    main()
