@@ -214,6 +214,7 @@ Result<RobotLimbs> RobotMeasure::measure() {
   note("Hips", legs->middle);
   limbs_.hip_centre = legs->middle;
   limbs_.shoulder_centre = arms->middle;
+  limbs_.hip_line = legs->across;
   limbs_.shoulder_line = arms->across;
   limbs_.lengths = {legs->length, arms->length, (arms->middle - legs->middle).norm()};
   const auto& [leg, arm, trunk] = limbs_.lengths;

@@ -10,6 +10,14 @@
 namespace retarget {
 namespace {
 
+constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5;
+static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
+
+// from the right hip to the left one
+Eigen::Vector3d hip_line(std::span<const Pose> world_from_bone) {
+  return world_from_bone[kLeftUpLeg].translation - world_from_bone[kRightUpLeg].translation;
+}
+
 bool is_of_leg(std::string_view bone) {
   return std::ranges::any_of(std::array{"Leg", "Foot", "Toe", "FootMod"},
                              [&](const char* end) { return bone.ends_with(end); });
@@ -59,6 +67,7 @@ void TargetBuilder::find_parts() {
   for (Rule& rule : rules_) {
     const std::string name(kBoneNames[rule.bone]);
     rule.of_arm = name.ends_with("Arm") || name.ends_with("Hand");
+    if (is_of_leg(name)) rule.leg_side = name.starts_with("Left") ? 1.0 : -1.0;
     if (name == "Hips") rule.part = Part::kPelvis;
     if (name == "Spine2") rule.part = Part::kTorso;
     const std::string side = name.starts_with("Left") ? "Left" : "Right";
@@ -127,8 +136,6 @@ int TargetBuilder::target_of(int bone) const {
 
 Eigen::Vector3d TargetBuilder::scaled_limb(const Rule& rule,
                                            std::span<const Pose> world_from_bone) const {
-  constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5;
-  static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
   const Eigen::Vector3d hips =
       0.5 * (world_from_bone[kLeftUpLeg].translation + world_from_bone[kRightUpLeg].translation);
   const Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
@@ -144,8 +151,11 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
   const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
   const Eigen::Vector3d scaled_root = rules_.front().scale * root;
   const auto aimed = trunk_ ? trunk_->aim(world_from_bone) : std::nullopt;
-  Eigen::Vector3d shoulders_moved = Eigen::Vector3d::Zero();
-  if (aimed) shoulders_moved = aimed->chord - trunk_scale_ * trunk_lines(world_from_bone).chord;
+  Eigen::Vector3d shoulders_moved = Eigen::Vector3d::Zero(), left_hip_moved = shoulders_moved;
+  if (aimed) {
+    shoulders_moved = aimed->chord - trunk_scale_ * trunk_lines(world_from_bone).chord;
+    left_hip_moved = 0.5 * (aimed->hip_line - leg_scale_ * hip_line(world_from_bone));
+  }
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     const Pose& bone = world_from_bone[rule.bone];
@@ -156,7 +166,8 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
       scaled = rule.scale * (bone.translation - root) + scaled_root;
     }
     const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
-    if (aimed && rule.of_arm) scaled += shoulders_moved;
+    if (rule.of_arm) scaled += shoulders_moved;
+    scaled += rule.leg_side * left_hip_moved;
     world_from_target[i] = {rotation, scaled + rotation * rule.position_offset};
   }
 }

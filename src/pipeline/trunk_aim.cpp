@@ -187,6 +187,7 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables
   forward_kinematics(robot, robot.zero_configuration(), world_from_body);
   RobotTrunk trunk;
   trunk.lines = {limbs.shoulder_centre - limbs.hip_centre, limbs.shoulder_line};
+  trunk.hip_line = limbs.hip_line;
   trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(*pelvis)].rotation;
   trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
 
@@ -236,7 +237,9 @@ TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
   const Eigen::Quaterniond t_pose(canonical_t_pose(find_bone("Hips").value()));
   const Eigen::Quaterniond turn =
       (t_pose * hips_to_pelvis * robot_.world_from_pelvis.conjugate()).normalized();
-  for (Eigen::Vector3d* line : {&robot_.lines.chord, &robot_.lines.across}) *line = turn * *line;
+  for (Eigen::Vector3d* line : {&robot_.lines.chord, &robot_.lines.across, &robot_.hip_line}) {
+    *line = turn * *line;
+  }
   for (Waist& waist : robot_.waist) {
     waist.axis = turn * waist.axis;
     waist.anchor = turn * waist.anchor;
@@ -258,7 +261,7 @@ std::optional<TrunkAim::Aimed> TrunkAim::aim(std::span<const Pose> world_from_bo
                 world_from_bone[hips].rotation.normalized() * t_pose.conjugate());
   search.run();
   return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,
-               search.chord()};
+               search.chord(), search.pelvis() * robot_.hip_line};
 }
 
 }  // namespace retarget

@@ -14,6 +14,7 @@
 #include "retarget/human/bones.h"
 #include "retarget/human/canonical_pose.h"
 #include "retarget/math/so3.h"
+#include "retarget/pipeline/targets.h"
 #include "retarget/robot/load_robot.h"
 #include "support/test_robots.h"
 
@@ -197,6 +198,36 @@ TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
   }
   // some of them need more than the waist has
   EXPECT_GT(at_limit, 3);
+}
+
+TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  const IkTables tables = load_ik_tables(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json").value();
+  // hips 18 cm apart, legs straight down
+  std::vector<Pose> bones = human(kStill, kStill);
+  for (const std::string side : {"Left", "Right"}) {
+    const double y = side == "Left" ? 0.09 : -0.09;
+    const auto put = [&](const char* part, double z) {
+      bones[static_cast<std::size_t>(find_bone(side + part).value())].translation = {0.0, y, z};
+    };
+    put("Leg", -0.45);
+    put("Foot", -0.9);
+    put("FootMod", -0.9);
+  }
+  const LimbLengths lengths{0.9, 0.5, 0.5};
+  const TargetBuilder targets(tables, of.limbs, lengths, of.aim);
+  std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
+  targets.build(bones, world_from_target);
+  for (const std::string side : {"Left", "Right"}) {
+    const int bone = find_bone(side + "FootMod").value();
+    const Pose& foot = world_from_target[static_cast<std::size_t>(targets.target_of(bone))];
+    const Vector3d ankle = foot * of.limbs.body_from_joint[static_cast<std::size_t>(bone)];
+    const double sign = side == "Left" ? 1.0 : -1.0;
+    EXPECT_NEAR(ankle.y(), sign * 0.5 * of.limbs.hip_line.norm(), 1e-6);
+    EXPECT_NEAR(ankle.x(), 0.0, 1e-6);
+  }
+  // 4 cm farther out than the scaled human's
+  EXPECT_GT(of.limbs.hip_line.norm(), 0.18 * of.limbs.lengths.leg / 0.9 + 0.07);
 }
 
 TEST(TrunkAim, IsNoneWithoutATrunk) {

@@ -33,9 +33,10 @@ struct RobotLimbs {
   /// Of the ankles over the soles in the zero configuration, metres; nothing without soles.
   std::optional<double> ankle_height;
   /// In the zero configuration, metres, world: the middles of both hips and both shoulders, and the
-  /// way from the right shoulder to the left one.
+  /// ways from the right hip and shoulder to the left ones.
   Eigen::Vector3d hip_centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d shoulder_centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hip_line = Eigen::Vector3d::Zero();
   Eigen::Vector3d shoulder_line = Eigen::Vector3d::Zero();
 };
 

@@ -55,7 +55,8 @@ enum class TrunkRule : unsigned char {
 /// but without o_b, which makes up for the table's scales.
 /// Limb by limb, Hips and Spine2 may turn as a TrunkAim says instead, so that the robot's trunk leans
 /// as the human's; arms are then moved along with its shoulders, by the way between where s_trunk has
-/// the middle of the shoulders and where the robot's is.
+/// the middle of the shoulders and where the robot's is, and each leg with its hip, by the way between
+/// where s_leg has the hip and where the robot's is: hips are not as wide as legs are long.
 /// Here r_b and o_b are the offsets of table 1 also for the second pass; a bone that table 1 does
 /// not use has those of table 2.
 class TargetBuilder {
@@ -87,6 +88,7 @@ class TargetBuilder {
     Part part = Part::kOther;
     std::array<int, 3> limb = {-1, -1, -1};  // of a limb's part: bones from its root on
     bool of_arm = false;
+    double leg_side = 0.0;            // of a leg's part: +1 left, -1 right
     Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
     Eigen::Quaterniond bone_from_target;
   };

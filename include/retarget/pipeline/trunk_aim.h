@@ -24,6 +24,7 @@ struct RobotTrunk {
   };
   std::vector<Waist> waist;  ///< Hinges alone, from the pelvis on.
   TrunkLines lines;
+  Eigen::Vector3d hip_line = Eigen::Vector3d::Zero();  ///< From the right hip to the left one.
   Eigen::Quaterniond world_from_pelvis = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond world_from_torso = Eigen::Quaterniond::Identity();
 };
@@ -52,8 +53,8 @@ class TrunkAim {
 
   struct Aimed {
     Eigen::Quaterniond world_from_pelvis, world_from_torso;
-    Eigen::Vector3d
-        chord;  ///< Of the robot: middle of the hips to middle of the shoulders, metres.
+    /// Of the robot, metres: middle of the hips to middle of the shoulders, right hip to left hip.
+    Eigen::Vector3d chord, hip_line;
   };
   /// Nothing for a human without a trunk: all bones in one place, say.
   /// @param world_from_bone  kBoneCount poses.

@@ -59,7 +59,7 @@ struct FitOptions {
   double body_margin = 0.006;        ///< Metres.
 
   double self_collision_weight = 400.0;  ///< Overlap of two shapes, per metre.
-  double self_collision_margin = 0.006;  ///< Metres; nearer counts as overlap.
+  double self_collision_margin = 0.008;  ///< Metres; nearer counts as overlap.
 
   double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
                                  ///< velocity: times smoothing_time, per rad/s^2.

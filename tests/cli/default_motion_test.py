@@ -1,0 +1,79 @@
+"""What the default promises of the motion: an upright trunk, likeness, a calm root, feet that stand."""
+
+import json
+import os
+import pathlib
+import unittest
+
+from tool import SOURCE, ToolTest, sample
+
+SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
+ROBOTS = sorted(path.name for path in (SOURCE / "robots").iterdir() if path.is_dir())
+
+
+class DefaultMotion(ToolTest):
+    def report_of_run(self, clip, robot="unitree_g1", *arguments):
+        self.assert_done(self.run_tool("--bvh", clip, "--robot", robot, "-o", "out.csv", "-q",
+                                       "--report", "report.json", *arguments))
+        return json.loads((self.folder / "report.json").read_text())["motions"][0]
+
+    def report_of_file(self, motion, clip):
+        self.run_tool("evaluate", motion, "--robot", "unitree_g1", "--bvh", clip, "--gate", "none",
+                      "--json", "report.json")
+        return json.loads((self.folder / "report.json").read_text())["motions"][0]
+
+
+class StandingStraight(DefaultMotion):
+    def test_a_human_who_stands_straight_gives_a_robot_that_does(self):
+        # the person turns on the spot, upright within two degrees of the skeleton's T-pose
+        for robot in ROBOTS:
+            with self.subTest(robot):
+                lean = self.report_of_run(sample("turn_in_place"), robot)["trunk_lean"]
+                self.assertLess(lean["human_deg"], 2.0)
+                # Talos' thighs are thicker than the space between them and push its pelvis aside
+                allowed = 5.0 if robot == "pal_talos" else 2.0
+                self.assertLess(abs(lean["robot_deg"] - lean["human_deg"]), allowed)
+
+    def test_a_robot_without_a_waist_bends_as_the_human_does(self):
+        report = self.report_of_run(sample("squat"), "booster_k1")
+        self.assertGreater(report["trunk_lean"]["human_deg"], 18.0)
+        self.assertLess(report["trunk_lean_error_deg"][0], 2.5)
+
+
+class LikeThePublishedData(DefaultMotion):
+    def setUp(self):
+        super().setUp()
+        if not SHARED.is_dir():
+            self.skipTest("no folder of shared data: set RETARGET_SHARED to run this test")
+
+    def test_it_is_as_like_the_human_and_calmer(self):
+        for name in ("walk4_subject1", "dance1_subject2", "fallAndGetUp2_subject2"):
+            with self.subTest(name):
+                clip = SHARED / f"data/lafan1/{name}.bvh"
+                ours = self.report_of_run(clip)
+                theirs = self.report_of_file(SHARED / f"data/unitree_g1_csv/{name}.csv", clip)
+                for figure in ("limb_angle_deg", "trunk_lean_error_deg"):
+                    self.assertLess(ours[figure][0], theirs[figure][0], figure)
+                self.assertLess(ours["root_jerk_mean"], theirs["root_jerk_mean"])
+                self.assertLess(ours["trunk_lean_error_deg"][0], 2.0)
+                self.assertEqual(ours["jumps"], 0)
+                self.assertLess(ours["contact_slip_mean"], 0.001)
+                self.assertLess(ours["self_all_1cm_pct"], 0.1)
+                self.assertLess(ours["body_pen_1cm_pct"], 0.1)
+                self.assertLess(ours.get("flight_peak_max_cm", 0.0), 2.0)
+
+    def test_the_waist_is_not_at_its_limit_in_dances(self):
+        for name in ("lafan1/dance1_subject2",
+                     "lafan1_cuts/dance1_subject1_stumbling_filtered_60fps"):
+            found = self.report_of_run(SHARED / f"data/{name}.bvh")
+            waist = [joint["frames_pct"] for joint in found["limited_joints"]
+                     if joint["joint"].startswith("waist_pitch")]
+            self.assertLess(sum(waist), 5.0, name)
+
+    def test_arms_overhead_do_not_stray(self):
+        found = self.report_of_run(SHARED / "data/dialects/cmu_3dsmax_jumping_jacks.bvh")
+        self.assertLess(found["limb_angle_deg"][0], 6.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
