@@ -68,7 +68,11 @@ std::shared_ptr<const Skeleton> with_other_rest(const Skeleton& skeleton, bool r
     for (Eigen::Vector3d& site : joint.end_sites) site = turns[self] * site;
   }
   // bones that leave one joint at other angles cannot be brought to each other
-  if (!rigid) joints[2].offset = Eigen::Vector3d(0, 0, joints[2].offset.norm());
+  if (!rigid) {
+    Eigen::Vector3d& arm = joints[2].offset;
+    const Eigen::Vector3d axis = arm.cross(joints[5].offset).normalized();
+    arm = Eigen::AngleAxisd(1.0, axis) * arm;
+  }
   return std::make_shared<const Skeleton>(joints);
 }
 

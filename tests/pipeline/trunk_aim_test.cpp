@@ -82,7 +82,7 @@ std::vector<std::string> robot_names() {
 
 class TrunkOf : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(ShippedRobots, TrunkOf, ::testing::ValuesIn(robot_names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& named) { return named.param; });
 
 TEST_P(TrunkOf, StandsStraightWhenTheHumanDoes) {
   const AimedRobot of = aimed_robot(GetParam());
