@@ -1,5 +1,7 @@
 #include "pipeline/limb_aim.h"
 
+#include <algorithm>
+
 namespace retarget {
 namespace {
 
@@ -28,7 +30,10 @@ std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower, const Pose
   if (!(first_length > kShortest && second_length > kShortest)) return std::nullopt;
   const Eigen::Vector3d u = first / first_length, f = second / second_length;
   const Eigen::Vector3d own = upper.rotation.normalized() * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d hinge = kOwnShare * own - u.cross(f);
+  const Eigen::Vector3d plane = -u.cross(f);
+  // a limb that is bent the wrong way is straight as far as a hinge can tell
+  const double back = std::min(0.0, plane.dot(own));
+  const Eigen::Vector3d hinge = (kOwnShare - back) * own + plane;
   const auto first_turn = bone_along(u, hinge), second_turn = bone_along(f, hinge);
   if (!first_turn || !second_turn) return std::nullopt;
   return LimbAim{*first_turn, *second_turn};

@@ -18,7 +18,7 @@ struct LimbAim {
 /// a robot that follows these turns has to point its limbs elsewhere. The straighter the limb, the
 /// less its plane says and the more the upper bone's own Z counts: the hinge is along
 ///
-///     -(u x f) + 0.1 z,    u, f: directions of both bones, z: the upper bone's Z
+///     n + (0.1 - min(0, n z)) z,    n = -(u x f), u, f: directions of both bones, z: the upper bone's Z
 ///
 /// Nothing for a limb without length.
 /// @param upper, lower, end  poses of the bones that begin at shoulder, elbow, wrist (hip, knee,

@@ -213,7 +213,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Cl
     poser.pose(frame, world_from_bone);
   };
   const auto targets =
-      make_targets(poser.info(), poses, {}, robot_clip.robot(), tables, scale, trunk);
+      make_targets(poser.info(), poses, {}, robot_clip.robot(), tables, scale, trunk, &limits);
   // the clip was solved with these targets: they can be made
   if (!targets) return {};
   return joints_at_limits(robot_clip, tables, *targets, poses, limits, least_share);

@@ -42,8 +42,8 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
 
 std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
                                        const Robot& robot, const IkTables& tables,
-                                       const RobotLimbs& limbs) {
-  auto trunk = robot_trunk(robot, tables, limbs);
+                                       const RobotLimbs& limbs, const LimitSet& limits) {
+  auto trunk = robot_trunk(robot, tables, limbs, limits);
   const IkRow* const hips = tables.find_row("Hips");
   if (!trunk || hips == nullptr) return std::nullopt;
   return TrunkAim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
@@ -53,7 +53,8 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
                                    const std::string& clip_name, const Robot& robot,
-                                   const IkTables& tables, HeightScale scale, TrunkRule trunk) {
+                                   const IkTables& tables, HeightScale scale, TrunkRule trunk,
+                                   const LimitSet* limits) {
   const double height = scale == HeightScale::kPublished ? human.height : human.size;
   TargetBuilder targets(tables, height, scale);
   if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
@@ -66,7 +67,8 @@ Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSo
   if (!body) return failure(body.error());
   return TargetBuilder(tables, *limbs, *body,
                        trunk == TrunkRule::kLines
-                           ? make_trunk_aim(human, poses, robot, tables, *limbs)
+                           ? make_trunk_aim(human, poses, robot, tables, *limbs,
+                                            limits == nullptr ? robot.model_limits() : *limits)
                            : std::nullopt);
 }
 

@@ -45,7 +45,7 @@ class ClipSolver {
   void place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target);
   [[nodiscard]] bool starts_anew(int frame, const TargetBuilder& targets,
                                  std::span<const Pose> world_from_target);
-  Result<void> settle_from_starts(int frame, const TargetBuilder& targets,
+  Result<bool> settle_from_starts(int frame, const TargetBuilder& targets,
                                   std::span<const Pose> world_from_target);
   Result<void> find_way(int frame, const TargetBuilder& targets,
                         std::span<const Pose> world_from_target, RetargetResult& result);
@@ -54,7 +54,7 @@ class ClipSolver {
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
                            RetargetResult& result);
-  Result<void> solve_backwards(int from, RetargetResult& result);
+  Result<int> solve_backwards(int from, RetargetResult& result);
   void tell(int frame, const RetargetResult& result) const;
 
   const std::string& clip_name_;
@@ -85,7 +85,7 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
     return failure(checked.error());
   }
   const auto made = make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale,
-                                 options_.trunk);
+                                 options_.trunk, options_.waist_limits);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto problem = make_problem(robot_, tables_, targets, limits_);
@@ -109,6 +109,7 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
     const std::span<const Pose> world_from_target = stream.next();
     if (options_.settle && starts_anew(frame, targets, world_from_target)) {
+      new_way_ = frame;
       if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
         return failure(settled.error());
       }
@@ -180,26 +181,28 @@ bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
 
 // Solves a frame from several configurations and takes the best: on the way from a single one a
 // limb may run into its limits and stay there. After the first frame the one before is the first of
-// them.
-Result<void> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targets,
+// them. True: another one was clearly better.
+Result<bool> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targets,
                                             std::span<const Pose> world_from_target) {
   constexpr double kClearlyBetter = 0.95;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> best;
+  bool other = false;
   std::vector<std::vector<double>> all = starts();
   if (frame > 0) all.insert(all.begin(), qpos_);
-  for (std::vector<double>& start : all) {
-    qpos_ = std::move(start);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    qpos_ = std::move(all[i]);
     place_root(targets, world_from_target);
     const auto error = settle(frame, world_from_target);
     if (!error) return failure(error.error());
     if (*error < kClearlyBetter * least) {
       least = *error;
       best = qpos_;
+      other = i > 0;
     }
   }
   qpos_ = best;
-  return {};
+  return other;
 }
 
 // @return the error that is left
@@ -265,8 +268,11 @@ constexpr double kBetterWay = 0.98;  // of the error that the other way leaves
 Result<void> ClipSolver::find_way(int frame, const TargetBuilder& targets,
                                   std::span<const Pose> world_from_target, RetargetResult& result) {
   const std::vector<double> before = qpos_;
-  if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
-    return settled;
+  const auto other = settle_from_starts(frame, targets, world_from_target);
+  if (!other) return failure(other.error());
+  if (!*other) {
+    qpos_ = before;
+    return {};
   }
   double error = 0.0;
   const auto steps = solve_passes(frame, world_from_target, error);
@@ -281,16 +287,20 @@ Result<void> ClipSolver::find_way(int frame, const TargetBuilder& targets,
   known = error;
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
-  const std::vector<double> now = qpos_;
-  if (auto solved = solve_backwards(frame, result); !solved) return solved;
-  qpos_ = now;
+  const auto from = solve_backwards(frame, result);
+  if (!from) return failure(from.error());
+  for (int changed = std::max(1, *from); changed <= frame; ++changed) {
+    keep_quaternion_sign(result.clip.qpos(changed - 1), result.clip.qpos(changed));
+  }
+  std::ranges::copy(result.clip.qpos(frame), qpos_.begin());
   new_way_ = frame;
   return {};
 }
 
-// From a frame with a better configuration back to where both ways meet.
-Result<void> ClipSolver::solve_backwards(int from, RetargetResult& result) {
-  for (int frame = from - 1; frame > std::max(new_way_, from - kept_); --frame) {
+// From a frame with a better configuration back to where both ways meet: the first frame that has it.
+Result<int> ClipSolver::solve_backwards(int from, RetargetResult& result) {
+  int frame = from - 1;
+  for (; frame > std::max(new_way_, from - kept_); --frame) {
     double error = 0.0;
     const auto steps = solve_passes(frame, recent(frame).world_from_target, error);
     if (!steps) return failure(steps.error());
@@ -299,10 +309,9 @@ Result<void> ClipSolver::solve_backwards(int from, RetargetResult& result) {
     result.steps += *steps;
     result.mean_error += error - known;
     known = error;
-    keep_quaternion_sign(result.clip.qpos(frame), qpos_);
     std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
   }
-  return {};
+  return frame + 1;
 }
 
 void ClipSolver::tell(int frame, const RetargetResult& result) const {

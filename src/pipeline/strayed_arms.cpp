@@ -9,7 +9,8 @@ namespace retarget {
 namespace {
 
 constexpr double kAstray = 1.0471975511965976;  // 60 degrees
-constexpr int kFirstWait = 4;                   // frames
+constexpr double kBack = 0.87266462599716477;   // 50 degrees
+constexpr int kFirstWait = 4, kMostWait = 256;  // frames
 
 }  // namespace
 
@@ -29,18 +30,23 @@ StrayedArms::StrayedArms(const IkProblem& problem, const TargetBuilder& targets)
 }
 
 bool StrayedArms::seen(std::span<const double> qpos, std::span<const Pose> world_from_target) {
-  if (arms_.empty() || wait_-- > 0) return false;
-  wait_ = 0;
+  if (arms_.empty()) return false;
   forward_kinematics(robot_, qpos, world_from_body_);
-  const bool astray = std::ranges::any_of(arms_, [&](const FrameTask& task) {
+  double most = 0.0;
+  for (const FrameTask& task : arms_) {
     const Eigen::Quaterniond& body = world_from_body_[static_cast<std::size_t>(task.body)].rotation;
     const Eigen::Quaterniond& target =
         world_from_target[static_cast<std::size_t>(task.target)].rotation;
-    return log_so3(body.conjugate() * target).norm() > kAstray;
-  });
-  wait_ = astray ? next_wait_ : 0;
-  next_wait_ = astray ? 2 * next_wait_ : kFirstWait;
-  return astray;
+    most = std::max(most, log_so3(body.conjugate() * target).norm());
+  }
+  if (most < kBack) {
+    wait_ = 0;
+    next_wait_ = kFirstWait;
+  }
+  if (!(most > kAstray) || wait_-- > 0) return false;
+  wait_ = next_wait_;
+  next_wait_ = std::min(2 * next_wait_, kMostWait);
+  return true;
 }
 
 }  // namespace retarget

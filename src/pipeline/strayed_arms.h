@@ -15,8 +15,8 @@ class StrayedArms {
  public:
   StrayedArms(const IkProblem& problem, const TargetBuilder& targets);
 
-  /// Whether it is time to look for another way: an upper arm is more than 60 degrees off. Where none
-  /// was found, the next time is twice as many frames away as the last one.
+  /// Whether it is time to look for another way: an upper arm is more than 60 degrees off. While it
+  /// stays so, the next time is twice as many frames away as the last one, at most 256.
   /// @param qpos  of the frame, solved.
   [[nodiscard]] bool seen(std::span<const double> qpos, std::span<const Pose> world_from_target);
 

@@ -59,25 +59,28 @@ TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
       rule.scale = trunk_scale_;
     }
   }
-  if (trunk_) find_parts();
+  const IkRow* const torso = torso_row(tables);
+  if (trunk_) find_parts(torso == nullptr ? std::string() : torso->bone);
 }
 
 // what each rule's body is of a body that is aimed by its lines
-void TargetBuilder::find_parts() {
+void TargetBuilder::find_parts(const std::string& torso) {
   for (Rule& rule : rules_) {
     const std::string name(kBoneNames[rule.bone]);
+    const double sign = name.starts_with("Left") ? 1.0 : -1.0;
     rule.of_arm = name.ends_with("Arm") || name.ends_with("Hand");
-    if (is_of_leg(name)) rule.leg_side = name.starts_with("Left") ? 1.0 : -1.0;
+    if (is_of_leg(name)) rule.leg_side = sign;
     if (name == "Hips") rule.part = Part::kPelvis;
-    if (name == "Spine2") rule.part = Part::kTorso;
+    if (name == torso) rule.part = Part::kTorso;
     const std::string side = name.starts_with("Left") ? "Left" : "Right";
     for (const auto& limb :
          {std::array{"Arm", "ForeArm", "Hand"}, std::array{"UpLeg", "Leg", "Foot"}}) {
       const bool upper = name == side + limb[0];
       if (!upper && name != side + limb[1]) continue;
       rule.part = upper ? Part::kUpperLimb : Part::kLowerLimb;
-      for (std::size_t i = 0; i < limb.size(); ++i)
+      for (std::size_t i = 0; i < limb.size(); ++i) {
         rule.limb[i] = find_bone(side + limb[i]).value();
+      }
     }
   }
 }
@@ -138,7 +141,7 @@ Eigen::Vector3d TargetBuilder::scaled_limb(const Rule& rule,
                                            std::span<const Pose> world_from_bone) const {
   const Eigen::Vector3d hips =
       0.5 * (world_from_bone[kLeftUpLeg].translation + world_from_bone[kRightUpLeg].translation);
-  const Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
+  Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
   const Eigen::Vector3d& bone = world_from_bone[rule.bone].translation;
   if (&rule == &rules_.front()) return scaled_hips;
   if (rule.pivot < 0) return scaled_hips + rule.scale * (bone - hips);

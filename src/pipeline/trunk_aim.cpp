@@ -12,7 +12,6 @@
 #include "retarget/math/se3.h"
 #include "retarget/math/so3.h"
 #include "retarget/robot/limits.h"
-#include "retarget/robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -121,7 +120,7 @@ double Search::take_step() {
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kSize> jacobian(3, size);
   const auto of_line = [&](const Eigen::Vector3d& line, const auto& change) {
     const double length = line.norm();
-    const Eigen::Vector3d unit = line / length;
+    Eigen::Vector3d unit = line / length;
     const Eigen::Matrix3d across = (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length;
     jacobian.leftCols<3>() = -across * skew(line);
     for (std::size_t i = 0; i < robot_.waist.size(); ++i) {
@@ -175,13 +174,52 @@ double Search::take_step() {
 
 }  // namespace
 
+namespace {
+
+// the hinges of a path of bodies; going up, they turn what is above them backwards
+void add_waist(const Robot& robot, const LimitSet& limits, const std::vector<Pose>& world_from_body,
+               const Eigen::Vector3d& hip_centre, const std::vector<int>& path, double sign,
+               std::vector<Waist>& waist) {
+  const std::vector<double> zero = robot.zero_configuration();
+  for (const int body : path) {
+    // several joints of a body turn it one after the other
+    std::vector<Waist> of_body;
+    for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+      const RobotJoint& joint = robot.joints()[j];
+      if (joint.body != body || joint.type != RobotJoint::Type::kHinge) continue;
+      const Pose& pose = world_from_body[static_cast<std::size_t>(body)];
+      const double range = limits.upper[j] - limits.lower[j];
+      const double spare = std::isfinite(range) ? kSpare * range : 0.0;
+      const double at_zero = zero[static_cast<std::size_t>(joint.qpos_address)];
+      Waist hinge;
+      hinge.axis = sign * (pose.rotation * joint.axis);
+      hinge.anchor = pose * joint.anchor - hip_centre;
+      hinge.lower = limits.lower[j] - at_zero + spare;
+      hinge.upper = limits.upper[j] - at_zero - spare;
+      if (hinge.lower < hinge.upper) of_body.push_back(hinge);
+    }
+    if (sign < 0.0) std::ranges::reverse(of_body);
+    waist.insert(waist.end(), of_body.begin(), of_body.end());
+  }
+}
+
+}  // namespace
+
+const IkRow* torso_row(const IkTables& tables) {
+  for (const char* bone : {"Spine2", "Spine1", "Spine"}) {
+    const IkRow* const row = tables.find_row(bone);
+    if (row != nullptr && row->has_weight()) return row;
+  }
+  return nullptr;
+}
+
 std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables,
-                                      const RobotLimbs& limbs) {
+                                      const RobotLimbs& limbs, const LimitSet& limits) {
   const IkRow* const hips = tables.find_row("Hips");
   const auto pelvis = hips == nullptr ? std::nullopt : robot.find_body(hips->body);
   if (!pelvis) return std::nullopt;
   // without a torso of its own, pelvis and torso are one
-  const IkRow* const spine = tables.find_row("Spine2");
+  const IkRow* const spine = torso_row(tables);
   const int torso = spine == nullptr ? *pelvis : robot.find_body(spine->body).value_or(*pelvis);
   std::vector<Pose> world_from_body(robot.bodies().size());
   forward_kinematics(robot, robot.zero_configuration(), world_from_body);
@@ -191,41 +229,15 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables
   trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(*pelvis)].rotation;
   trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
 
-  // from the pelvis up to the body that carries both, where joints turn what is above them
-  // backwards, and down to the torso
+  // from the pelvis up to the body that carries both, and down to the torso
   std::vector<int> up = path_to_world(robot, *pelvis), down = path_to_world(robot, torso);
   while (!up.empty() && !down.empty() && up.back() == down.back()) {
     up.pop_back();
     down.pop_back();
   }
   std::ranges::reverse(down);
-  LimitSet limits = robot.model_limits();
-  hold_locked_joints(robot, limits);
-  const auto add = [&](const std::vector<int>& path, double sign) {
-    for (const int body : path) {
-      // several joints of a body turn it one after the other
-      std::vector<Waist> of_body;
-      for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-        const RobotJoint& joint = robot.joints()[j];
-        if (joint.body != body || joint.type != RobotJoint::Type::kHinge) continue;
-        const Pose& pose = world_from_body[static_cast<std::size_t>(body)];
-        const double zero =
-            robot.zero_configuration()[static_cast<std::size_t>(joint.qpos_address)];
-        const double spare = kSpare * (limits.upper[j] - limits.lower[j]);
-        Waist waist;
-        waist.axis = sign * (pose.rotation * joint.axis);
-        waist.anchor = pose * joint.anchor - limbs.hip_centre;
-        waist.lower = limits.lower[j] - zero + spare;
-        waist.upper = limits.upper[j] - zero - spare;
-        if (!(waist.lower < waist.upper)) continue;
-        of_body.push_back(waist);
-      }
-      if (sign < 0.0) std::ranges::reverse(of_body);
-      trunk.waist.insert(trunk.waist.end(), of_body.begin(), of_body.end());
-    }
-  };
-  add(up, -1.0);
-  add(down, 1.0);
+  add_waist(robot, limits, world_from_body, limbs.hip_centre, up, -1.0, trunk.waist);
+  add_waist(robot, limits, world_from_body, limbs.hip_centre, down, 1.0, trunk.waist);
   if (trunk.waist.size() > kMostJoints) return std::nullopt;
   return trunk;
 }

@@ -77,6 +77,14 @@ class TrunkChain {
     return portable::atan2(up.x(), up.z());
   }
 
+  /// Whether hips and trunk are within 26 degrees of the vertical.
+  [[nodiscard]] bool is_upright(std::span<const Pose> bones) const {
+    constexpr double kUpright = 0.9;
+    const Eigen::Vector3d chord = trunk_lines(bones).chord;
+    const Eigen::Vector3d hips = turn_from_t_pose(bones, spine_.front()) * Eigen::Vector3d::UnitZ();
+    return hips.z() > kUpright && chord.z() > kUpright * chord.norm();
+  }
+
  private:
   std::vector<std::size_t> spine_;                     // Hips first
   std::array<std::vector<std::size_t>, 2> shoulders_;  // left, right: clavicle, arm
@@ -123,19 +131,24 @@ TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSourc
   const TrunkChain chain(human);
   std::vector<Pose> bones(kBoneCount);
   TrunkLines sum;
-  std::vector<double> bends;
+  int frames = 0;
+  std::vector<double> upright, bends;
   for (int frame = 0; frame < human.frame_count; frame += step) {
     poses(frame, bones);
     const TrunkLines lines = chain.in_t_pose(bones);
     sum.chord += lines.chord;
     sum.across += lines.across;
     bends.push_back(chain.bend(bones));
+    // people who bend over, sit or lie say little about how they stand
+    if (chain.is_upright(bones)) upright.push_back(bends.back());
+    ++frames;
   }
-  if (bends.empty()) return sum;
-  sum.chord /= static_cast<double>(bends.size());
-  sum.across /= static_cast<double>(bends.size());
-  const double curved =
-      (median(std::move(bends)) - kStraightSpine) / (kCurvedSpine - kStraightSpine);
+  if (frames == 0) return sum;
+  sum.chord /= frames;
+  sum.across /= frames;
+  constexpr double kLowerQuarter = 25.0;
+  const double bend = percentile(upright.empty() ? bends : upright, kLowerQuarter);
+  const double curved = (bend - kStraightSpine) / (kCurvedSpine - kStraightSpine);
   straighten(sum, std::clamp(curved, 0.0, 1.0));
   return sum;
 }

@@ -83,7 +83,7 @@ void find_limited_joints(const Draft& draft, const LimitSet& limits, const Quali
     std::ranges::copy(human.frame(frame), world_from_bone.begin());
   };
   const auto targets = make_targets(human, poses, {}, draft.clip.robot(), *source.tables,
-                                    source.scale, TrunkRule::kLines);
+                                    source.scale, TrunkRule::kLines, &limits);
   // a body that lacks what the mapping needs has no targets
   if (!targets) return;
   for (const JointAtLimit& found :

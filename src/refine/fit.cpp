@@ -223,6 +223,7 @@ Result<void> Fit::solve(FitResult& result) {
   RetargetOptions options = run_.retarget;
   options.settle = true;
   options.trunk = TrunkRule::kLines;
+  options.waist_limits = &limits_;
   // windows keep the other threads busy
   options.targets_ahead = options.targets_ahead && plan.windows.size() == 1;
   options.frame_solved = [&](int frame, std::span<const double> qpos) {
@@ -316,7 +317,7 @@ Result<FitResult> Fit::run() {
     poser.pose(frame, world_from_bone);
   };
   const auto made = make_targets(info, poses, clip_name_, *robot_, tables_,
-                                 run_.retarget.height_scale, TrunkRule::kLines);
+                                 run_.retarget.height_scale, TrunkRule::kLines, &limits_);
   if (!made) return failure(made.error());
   const TargetBuilder& targets = *made;
   const auto limbs = robot_limbs(*robot_, tables_);

@@ -34,6 +34,18 @@ class StandingStraight(DefaultMotion):
                 allowed = 5.0 if robot == "pal_talos" else 2.0
                 self.assertLess(abs(lean["robot_deg"] - lean["human_deg"]), allowed)
 
+    def test_a_human_who_has_got_up_stands_straight(self):
+        # most of the clip is no standing; the last frame is
+        self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",
+                                       "whole.csv"))
+        self.assert_done(self.run_tool("--bvh", sample("get_up"), "--robot", "unitree_g1", "-q", "-o",
+                                       "end.csv", "--frames", "240:286"))
+        whole, end = ([float(cell) for cell in
+                       (self.folder / name).read_text().splitlines()[-1].split(",")]
+                      for name in ("whole.csv", "end.csv"))
+        self.assertLess(abs(whole[21] - end[21]), 0.02)
+        self.assertLess(abs(whole[21]), 0.2)
+
     def test_a_robot_without_a_waist_bends_as_the_human_does(self):
         report = self.report_of_run(sample("squat"), "booster_k1")
         self.assertGreater(report["trunk_lean"]["human_deg"], 18.0)
@@ -60,15 +72,20 @@ class LikeThePublishedData(DefaultMotion):
                 self.assertLess(ours["contact_slip_mean"], 0.001)
                 self.assertLess(ours["self_all_1cm_pct"], 0.1)
                 self.assertLess(ours["body_pen_1cm_pct"], 0.1)
-                self.assertLess(ours.get("flight_peak_max_cm", 0.0), 2.0)
+                if name.startswith("walk"):
+                    continue  # which has none
+                self.assertLess(ours["flight_peak_max_cm"], 2.0)
 
     def test_the_waist_is_not_at_its_limit_in_dances(self):
         for name in ("lafan1/dance1_subject2",
                      "lafan1_cuts/dance1_subject1_stumbling_filtered_60fps"):
-            found = self.report_of_run(SHARED / f"data/{name}.bvh")
-            waist = [joint["frames_pct"] for joint in found["limited_joints"]
-                     if joint["joint"].startswith("waist_pitch")]
-            self.assertLess(sum(waist), 5.0, name)
+            self.report_of_run(SHARED / f"data/{name}.bvh")
+            # the 22nd column; the joint goes from -0.52 to 0.52 rad
+            pitch = [float(line.split(",")[21])
+                     for line in (self.folder / "out.csv").read_text().splitlines()]
+            self.assertGreater(max(map(abs, pitch)), 0.2)
+            at_limit = sum(abs(angle) > 0.51 for angle in pitch)
+            self.assertLess(at_limit / len(pitch), 0.05, name)
 
     def test_arms_overhead_do_not_stray(self):
         found = self.report_of_run(SHARED / "data/dialects/cmu_3dsmax_jumping_jacks.bvh")

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 
 #include "retarget/human/bones.h"
@@ -72,6 +73,20 @@ TEST(LimbAim, OfAStraightLimbIsTheUpperBonesOwn) {
   ASSERT_TRUE(aimed);
   EXPECT_LT(between(aimed->upper, kUpper), 1e-9);
   EXPECT_LT(between(aimed->lower, kUpper), 1e-9);
+}
+
+TEST(LimbAim, ALimbThatIsBentTheWrongWayIsStraightAsFarAsItsHingeGoes) {
+  for (const double bend : {-0.05, -0.1, -0.15, -0.3}) {
+    Arm arm = arm_with(kUpper, bend, 0.0);
+    const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
+    ASSERT_TRUE(aimed);
+    EXPECT_LT(between(aimed->upper, kUpper), 1e-9) << bend;
+    // a little aside as well: the hinge turns by no more than that is of its own share
+    arm.end.translation += kUpper * Vector3d(0.0, 0.0, 0.25 * std::sin(2.0 * kDegree));
+    const auto aside = aim_limb(arm.upper, arm.lower, arm.end);
+    ASSERT_TRUE(aside);
+    EXPECT_LT(between(aside->upper, kUpper), 30.0 * kDegree) << bend;
+  }
 }
 
 TEST(LimbAim, KneesBendAsElbowsDo) {

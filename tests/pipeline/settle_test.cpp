@@ -50,6 +50,39 @@ double way(const RobotClip& clip) {
   return most;
 }
 
+// frames may still change for two seconds, and are told when they do not any more
+TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
+  const auto robot = load_g1();
+  const auto tables = load_ik_tables((kRoot / "robots/unitree_g1/ik.json").string());
+  const Clip whole = load_bvh((kRoot / "data/wave.bvh").string())->clip;
+  for (const int frames : {0, 1, 59, 60, 61, 121}) {
+    const Clip clip = cut(whole, 0, frames);
+    const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+    RetargetOptions options;
+    options.settle = true;
+    options.height_scale = HeightScale::kLimbs;
+    options.trunk = TrunkRule::kLines;
+    std::vector<std::vector<double>> told;
+    options.frame_solved = [&](int frame, std::span<const double> qpos) {
+      EXPECT_EQ(frame, static_cast<int>(told.size()));
+      told.emplace_back(qpos.begin(), qpos.end());
+    };
+    for (const bool ahead : {false, true}) {
+      told.clear();
+      options.targets_ahead = ahead;
+      const auto result =
+          retarget(clip, *mapping, "clip", robot, *tables, robot->model_limits(), options);
+      ASSERT_TRUE(result) << describe(result.error());
+      ASSERT_EQ(static_cast<int>(told.size()), frames);
+      for (int frame = 0; frame < frames; ++frame) {
+        EXPECT_TRUE(
+            std::ranges::equal(told[static_cast<std::size_t>(frame)], result->clip.qpos(frame)))
+            << frame << " of " << frames;
+      }
+    }
+  }
+}
+
 TEST(SettledFirstFrame, HoldsNothingOfTheWayThere) {
   const auto robot = load_g1();
   const Clip clip = first_frame(kRoot / "data" / "get_up.bvh", 20);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -62,7 +63,7 @@ AimedRobot aimed_robot(const std::string& name) {
   auto robot = load_robot(folder + "/model.xml", folder + "/robot.json").value();
   const IkTables tables = load_ik_tables(folder + "/ik.json").value();
   const RobotLimbs limbs = robot_limbs(*robot, tables).value();
-  auto trunk = robot_trunk(*robot, tables, limbs).value();
+  auto trunk = robot_trunk(*robot, tables, limbs, robot->model_limits()).value();
   const Quaterniond offset = tables.find_row("Hips")->rotation_offset;
   const int pelvis = robot->find_body(tables.find_row("Hips")->body).value();
   const IkRow* const spine = tables.find_row("Spine2");
@@ -198,6 +199,34 @@ TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
   }
   // some of them need more than the waist has
   EXPECT_GT(at_limit, 3);
+}
+
+TEST(RobotTrunk, TurnsAsFarAsTheRunsLimitsLetIt) {
+  const AimedRobot of = aimed_robot("unitree_g1");
+  const IkTables tables = load_ik_tables(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json").value();
+  LimitSet limits = of.robot->model_limits();
+  const std::size_t yaw = of.robot->find_joint("waist_yaw_joint").value();
+  const std::size_t roll = of.robot->find_joint("waist_roll_joint").value();
+  const std::size_t pitch = of.robot->find_joint("waist_pitch_joint").value();
+  // without an end, held, and narrow
+  limits.lower[yaw] = -std::numeric_limits<double>::infinity();
+  limits.upper[yaw] = std::numeric_limits<double>::infinity();
+  limits.lower[roll] = limits.upper[roll] = 0.0;
+  limits.lower[pitch] = -0.1;
+  limits.upper[pitch] = 0.3;
+  auto trunk = robot_trunk(*of.robot, tables, of.limbs, limits).value();
+  ASSERT_EQ(trunk.waist.size(), 2u);
+  EXPECT_EQ(trunk.waist[0].upper, limits.upper[yaw]);
+  EXPECT_NEAR(trunk.waist[1].lower, -0.08, 1e-12);
+  EXPECT_NEAR(trunk.waist[1].upper, 0.28, 1e-12);
+  // what the waist cannot do the pelvis does
+  const TrunkAim aim(std::move(trunk), trunk_lines(human(kStill, kStill)), of.hips_to_pelvis);
+  const auto upright = aim.aim(human(kStill, kStill));
+  const Quaterniond bend = exp_so3({0.0, 0.8, 0.5});
+  const auto aimed = aim.aim(human(kStill, bend));
+  ASSERT_TRUE(aimed && upright);
+  EXPECT_LT(between(aimed->chord, bend * upright->chord), 4.0);
+  EXPECT_NEAR(waist_pose(*aimed).yaw_roll_pitch.z(), 0.28, 1e-9);
 }
 
 TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {

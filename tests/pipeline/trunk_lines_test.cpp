@@ -99,6 +99,18 @@ TEST(TrunkLines, OfASpineThatIsBentAsPeoplesAreStandUpright) {
   EXPECT_NEAR(lean(-20.0), back, 1e-12);
 }
 
+TEST(TrunkLines, AreLearnedFromFramesInWhichPeopleStand) {
+  // bent over in three frames of four: how the spine is bent then says nothing
+  const Quaterniond part = exp_so3({0.0, 20 * kDegree, 0.0});
+  const auto bent = trunk({exp_so3({0.0, 1.0, 0.0}), part, part, part}, Quaterniond::Identity());
+  const auto upright = trunk(kStraight, Quaterniond::Identity());
+  const TrunkLines lines =
+      standing_trunk_lines(whole_body(40), [&](int frame, std::span<Pose> world_from_bone) {
+        std::ranges::copy(frame % 4 == 0 ? upright : bent, world_from_bone.begin());
+      });
+  EXPECT_LT((lines.chord - trunk_lines(upright).chord).norm(), 1e-12);
+}
+
 TEST(TrunkLines, DoWithoutClaviclesAndSpine) {
   HumanClipInfo info = whole_body(2);
   for (const char* bone : {"LeftShoulder", "RightShoulder", "Spine", "Spine1", "Spine2"}) {

@@ -74,8 +74,8 @@ void add_run_options(CLI::App& app, RunOptions& options) {
   app.add_option(
          "--scale", options.scale,
          "How the body's size scales the motion: limbs gives legs,\ntrunk and arms the robot's "
-         "lengths; table as published (default\nof LAFAN1 with --method gmr or a mapping "
-         "that is not the\nderived one); height brings every body to one size first\n"
+         "lengths; table as published (default\nof LAFAN1 with --method gmr, --ik-config "
+         "published or FILE);\nheight brings every body to one size first\n"
          "(default with --height)")
       ->type_name("auto|table|height|limbs")
       ->check(silent(CLI::IsMember({"auto", "table", "height", "limbs"})))

@@ -23,6 +23,8 @@ struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   HeightScale height_scale = HeightScale::kPublished;
   TrunkRule trunk = TrunkRule::kBones;
+  /// How far the waist may turn where trunk is kLines, valid while the run lasts; null: the model's.
+  const LimitSet* waist_limits = nullptr;
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing
   /// of the way there is left in the motion, and again every frame into which the root's target

@@ -94,7 +94,7 @@ class TargetBuilder {
   };
   void add_rules(const IkTables& tables);
 
-  void find_parts();
+  void find_parts(const std::string& torso);
   [[nodiscard]] Eigen::Quaterniond rotation_of(const Rule& rule,
                                                std::span<const Pose> world_from_bone,
                                                const std::optional<TrunkAim::Aimed>& aimed) const;
@@ -116,11 +116,13 @@ class TargetBuilder {
 /// @param poses      asked for single frames when limbs are measured.
 /// @param clip_name  the clip's file, for messages.
 /// @param tables     checked by check_ik_tables.
+/// @param limits     how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses,
                                                  const std::string& clip_name, const Robot& robot,
                                                  const IkTables& tables, HeightScale scale,
-                                                 TrunkRule trunk = TrunkRule::kBones);
+                                                 TrunkRule trunk = TrunkRule::kBones,
+                                                 const LimitSet* limits = nullptr);
 
 /// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
 /// tables that are not used are left out.

@@ -9,6 +9,7 @@
 #include "retarget/pipeline/ik_tables.h"
 #include "retarget/pipeline/limb_lengths.h"
 #include "retarget/pipeline/trunk_lines.h"
+#include "retarget/robot/limits.h"
 #include "retarget/robot/robot.h"
 
 namespace retarget {
@@ -29,9 +30,14 @@ struct RobotTrunk {
   Eigen::Quaterniond world_from_torso = Eigen::Quaterniond::Identity();
 };
 
+/// The row that the torso follows: of Spine2, else Spine1, else Spine; null: none.
+[[nodiscard]] const IkRow* torso_row(const IkTables& tables);
+
 /// Nothing for a robot whose mapping has no body for Hips.
+/// @param limits  of the run: how far the waist turns.
 [[nodiscard]] std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables,
-                                                    const RobotLimbs& limbs);
+                                                    const RobotLimbs& limbs,
+                                                    const LimitSet& limits);
 
 /// Where a robot's pelvis and torso should point so that its trunk leans and turns as the human's.
 ///

@@ -34,8 +34,10 @@ struct TrunkLines {
 ///
 /// They are those of the T-pose, which skeletons differ in: where a skeleton has its hip and shoulder
 /// joints is no posture. A T-pose of a straight spine is not how people stand, though; where a clip's
-/// spine is bent as people's are (10 degrees from Hips to Spine2 on the median over the clip, nothing
-/// at 3), a chord that leans back in the T-pose counts as upright when it is vertical.
+/// spine is bent as people's are (10 degrees from Hips to Spine2 in the lower quarter of the frames in
+/// which hips and trunk are upright, nothing at 3), a chord that leans back in the T-pose counts as
+/// upright when it is vertical.
+/// @pre the human has Hips, and UpLeg and Arm of both sides
 /// @param poses  asked for some hundred frames at most.
 [[nodiscard]] TrunkLines standing_trunk_lines(const HumanClipInfo& human,
                                               const HumanPoseSource& poses);
