@@ -27,7 +27,7 @@ struct TrackingWeights {
   double forearm_position = 10.0;
   double forearm_rotation = 8.0;
   double hand_position = 10.0;
-  double hand_rotation = 12.8;
+  double hand_rotation = 8.0;
   double other_position = 10.0;  ///< Whatever else a mapping has.
   double other_rotation = 8.0;
 };
@@ -58,7 +58,7 @@ struct FitOptions {
   double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
-  double self_collision_weight = 400.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
   double self_collision_margin = 0.008;  ///< Metres; nearer counts as overlap.
 
   double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
