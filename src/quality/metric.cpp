@@ -136,6 +136,7 @@ const Metric* find_metric(std::string_view key) {
 
 std::vector<std::string> metric_keys() {
   std::vector<std::string> keys;
+  keys.reserve(kMetrics.size());
   for (const Metric& metric : kMetrics) keys.emplace_back(metric.key);
   return keys;
 }

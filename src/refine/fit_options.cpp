@@ -109,6 +109,7 @@ auto find(const Table& table, const std::string& name) {
 const std::vector<std::string>& option_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(std::size(kTerms) + std::size(kWeights) + std::size(kNumbers));
     for (const Term& term : kTerms) all.emplace_back(term.name);
     for (const Weight& weight : kWeights) all.emplace_back(weight.name);
     for (const Number& number : kNumbers) all.emplace_back(number.name);
@@ -179,6 +180,7 @@ Result<FitOptions> parse_fit_options(std::string_view text, const std::string& f
 const std::vector<std::string>& fit_term_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(std::size(kTerms));
     for (const Term& term : kTerms) all.emplace_back(term.name);
     return all;
   }();

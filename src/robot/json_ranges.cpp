@@ -24,13 +24,16 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
   }
   for (const auto& [name, range] : json.items()) {
     const auto joint = robot.find_joint(name);
+    std::string fault = what;
     if (!joint) {
-      faults.add(what + ": the model has no joint \"" + name + "\"" +
-                 faults.suggestion(name, robot.joint_names()));
+      fault.append(": the model has no joint \"").append(name).append("\"");
+      faults.add(fault.append(faults.suggestion(name, robot.joint_names())));
     } else if (!is_range(range)) {
-      faults.add(what + " of \"" + name + "\" must be [lower, upper], found " + short_text(range));
+      fault.append(" of \"").append(name).append("\" must be [lower, upper], found ");
+      faults.add(fault.append(short_text(range)));
     } else if (range[0].get<double>() > range[1].get<double>()) {
-      faults.add(what + " of \"" + name + "\": lower is above upper in " + short_text(range));
+      fault.append(" of \"").append(name).append("\": lower is above upper in ");
+      faults.add(fault.append(short_text(range)));
     } else {
       set.lower[*joint] = range[0].get<double>();
       set.upper[*joint] = range[1].get<double>();
