@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "retarget/base/lower_case.h"
+
 namespace retarget {
 namespace {
 
@@ -13,14 +15,6 @@ constexpr std::string_view kJointEnd = "_joint";
 // what a path says after the joint that a value is of
 constexpr std::array<std::string_view, 6> kValueWords = {"position", "pos", "q",
                                                          "angle",    "dof", "value"};
-
-std::string lower_case(std::string_view text) {
-  std::string low(text);
-  std::ranges::transform(low, low.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
-  return low;
-}
 
 bool drop_prefix(std::string& text, std::string_view prefix) {
   if (text.size() <= prefix.size() || !text.starts_with(prefix)) return false;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/body_path.h"
+
 namespace retarget {
 namespace {
 
@@ -25,14 +27,6 @@ LimbBones leg_bones(const std::string& side) {
 LimbBones arm_bones(const std::string& side) {
   return {{side + "Arm", side + "ForeArm", side + "Hand"},
           {side + "Arm", side + "ForeArm", side + "Hand"}};
-}
-
-// bodies from the child of the world down to this one
-std::vector<int> path_to(const Robot& robot, int body) {
-  std::vector<int> path;
-  for (int at = body; at > 0; at = robot.bodies()[at].parent) path.push_back(at);
-  std::ranges::reverse(path);
-  return path;
 }
 
 class RobotMeasure {

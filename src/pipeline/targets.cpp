@@ -59,8 +59,9 @@ TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
       rule.scale = trunk_scale_;
     }
   }
+  if (!trunk_) return;
   const IkRow* const torso = torso_row(tables);
-  if (trunk_) find_parts(torso == nullptr ? std::string() : torso->bone);
+  find_parts(torso == nullptr ? std::string() : torso->bone);
 }
 
 // what each rule's body is of a body that is aimed by its lines

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/body_path.h"
+
 #include "retarget/human/bones.h"
 #include "retarget/human/canonical_pose.h"
 #include "retarget/math/se3.h"
@@ -20,14 +22,6 @@ constexpr double kAcrossWeight = 0.5;  // of residuals; the chord's is 1
 constexpr double kPelvisWeight = 0.2;
 constexpr double kSpare = 0.05;  // of a joint's range, kept free on either side
 constexpr std::size_t kMostJoints = 6;
-
-std::vector<int> path_to_world(const Robot& robot, int body) {
-  std::vector<int> path;
-  for (int at = body; at > 0; at = robot.bodies()[static_cast<std::size_t>(at)].parent) {
-    path.push_back(at);
-  }
-  return path;
-}
 
 using Waist = RobotTrunk::Waist;
 constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMostJoints);
@@ -87,19 +81,20 @@ void Search::update() {
   // from the torso's end: what a joint turns is all that comes behind it
   Eigen::Vector3d chord = robot_.lines.chord;
   std::array<Eigen::Vector3d, kMostJoints> levers;
+  std::array<Eigen::Quaterniond, kMostJoints> turns;
   waist_ = Eigen::Quaterniond::Identity();
   for (std::size_t i = count; i-- > 0;) {
     const Waist& joint = robot_.waist[i];
-    const Eigen::Quaterniond turn = exp_so3(joint.axis * positions_[i]);
-    levers[i] = turn * (chord - joint.anchor);
+    turns[i] = exp_so3(joint.axis * positions_[i]);
+    levers[i] = turns[i] * (chord - joint.anchor);
     chord = joint.anchor + levers[i];
-    waist_ = turn * waist_;
+    waist_ = turns[i] * waist_;
   }
   Eigen::Quaterniond carrier = pelvis_;
   for (std::size_t i = 0; i < count; ++i) {
     axes_[i] = carrier * robot_.waist[i].axis;
     chord_changes_[i] = axes_[i].cross(carrier * levers[i]);
-    carrier = carrier * exp_so3(robot_.waist[i].axis * positions_[i]);
+    carrier = carrier * turns[i];
   }
   chord_ = pelvis_ * chord;
   across_ = pelvis_ * (waist_ * robot_.lines.across);
@@ -172,10 +167,6 @@ double Search::take_step() {
   return step.cwiseAbs().maxCoeff();
 }
 
-}  // namespace
-
-namespace {
-
 // the hinges of a path of bodies; going up, they turn what is above them backwards
 void add_waist(const Robot& robot, const LimitSet& limits, const std::vector<Pose>& world_from_body,
                const Eigen::Vector3d& hip_centre, const std::vector<int>& path, double sign,
@@ -230,12 +221,11 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables
   trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
 
   // from the pelvis up to the body that carries both, and down to the torso
-  std::vector<int> up = path_to_world(robot, *pelvis), down = path_to_world(robot, torso);
-  while (!up.empty() && !down.empty() && up.back() == down.back()) {
-    up.pop_back();
-    down.pop_back();
-  }
-  std::ranges::reverse(down);
+  std::vector<int> up = path_to(robot, *pelvis), down = path_to(robot, torso);
+  const auto parting = std::ranges::mismatch(up, down);
+  up.erase(up.begin(), parting.in1);
+  down.erase(down.begin(), parting.in2);
+  std::ranges::reverse(up);
   add_waist(robot, limits, world_from_body, limbs.hip_centre, up, -1.0, trunk.waist);
   add_waist(robot, limits, world_from_body, limbs.hip_centre, down, 1.0, trunk.waist);
   if (trunk.waist.size() > kMostJoints) return std::nullopt;

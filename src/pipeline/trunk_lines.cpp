@@ -104,11 +104,15 @@ void straighten(TrunkLines& lines, double share) {
 }  // namespace
 
 TrunkLines trunk_lines(std::span<const Pose> world_from_bone) {
-  const auto at = [&](const char* name) -> const Eigen::Vector3d& {
-    return world_from_bone[bone(name)].translation;
+  // asked for in every frame: not by name
+  constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5, kLeftArm = 15, kRightArm = 19;
+  static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
+  static_assert(kBoneNames[kLeftArm] == "LeftArm" && kBoneNames[kRightArm] == "RightArm");
+  const auto at = [&](std::size_t bone) -> const Eigen::Vector3d& {
+    return world_from_bone[bone].translation;
   };
-  return {0.5 * (at("LeftArm") + at("RightArm") - at("LeftUpLeg") - at("RightUpLeg")),
-          at("LeftArm") - at("RightArm")};
+  return {0.5 * (at(kLeftArm) + at(kRightArm) - at(kLeftUpLeg) - at(kRightUpLeg)),
+          at(kLeftArm) - at(kRightArm)};
 }
 
 std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "retarget/base/lower_case.h"
+
 namespace retarget {
 namespace {
 
@@ -24,11 +26,7 @@ struct JointLimit {
 
 // what bends nothing but itself
 bool is_of_the_head(const std::string& joint) {
-  std::string name;
-  for (const char letter : joint) {
-    const bool capital = letter >= 'A' && letter <= 'Z';
-    name += capital ? static_cast<char>(letter - 'A' + 'a') : letter;
-  }
+  const std::string name = lower_case(joint);
   return name.find("head") != std::string::npos || name.find("neck") != std::string::npos;
 }
 

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <system_error>
 
+#include "retarget/base/lower_case.h"
 #include "retarget/base/suggest.h"
 
 namespace retarget {
@@ -17,12 +18,6 @@ constexpr const char* kProfileFile = "robot.json";
 bool is_file(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored);
-}
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 // the words of a name: `Unitree-G1` is unitree, g1
