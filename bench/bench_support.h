@@ -8,11 +8,11 @@
 #include <memory>
 #include <string>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/pipeline/targets.h"
-#include "retarget/robot/load_robot.h"
+#include "bvh/read_bvh.h"
+#include "human/human_clip.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/targets.h"
+#include "robot/load_robot.h"
 
 namespace retarget {
 

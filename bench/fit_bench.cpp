@@ -2,7 +2,7 @@
 // method on the same clip, in the same run, is the yardstick.
 
 #include "bench_support.h"
-#include "retarget/refine/fit.h"
+#include "refine/fit.h"
 
 namespace retarget {
 namespace {

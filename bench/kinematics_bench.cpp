@@ -1,9 +1,9 @@
 // Single steps of the inverse kinematics, forward kinematics and resampling, over whole clips.
 
 #include "bench_support.h"
-#include "retarget/ik/ik_solver.h"
-#include "retarget/motion/forward_kinematics.h"
-#include "retarget/motion/resample.h"
+#include "ik/ik_solver.h"
+#include "motion/forward_kinematics.h"
+#include "motion/resample.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "retarget/ik/box_qp.h"
+#include "ik/box_qp.h"
 
 namespace retarget {
 namespace {

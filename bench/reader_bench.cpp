@@ -8,7 +8,7 @@
 #include "bench_support.h"
 #include "bvh/motion_rows.h"
 #include "bvh/number_line.h"
-#include "retarget/bvh/read_bvh.h"
+#include "bvh/read_bvh.h"
 
 namespace retarget {
 namespace {

@@ -1,9 +1,9 @@
 // What surrounds the inverse kinematics: reading, kinematics, targets, writing.
 
+#include "base/file.h"
 #include "bench_support.h"
-#include "retarget/base/file.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,5 @@
-#include "retarget/base/data_folder.h"
+#include "base/data_folder.h"
+#include "base/option_name.h"
 
 #include <cstdlib>
 #include <system_error>
@@ -32,7 +33,7 @@ Result<fs::path> chosen_folder(const std::string& folder, const char* chosen_by)
 }  // namespace
 
 Result<fs::path> find_data_folder(const DataFolderSearch& search) {
-  if (search.flag) return chosen_folder(*search.flag, "--data-dir");
+  if (search.flag) return chosen_folder(*search.flag, OPTION("data-dir"));
   if (search.environment && !search.environment->empty()) {
     return chosen_folder(*search.environment, kVariable);
   }
@@ -49,7 +50,8 @@ Result<fs::path> find_data_folder(const DataFolderSearch& search) {
   }
   return config_failure(
       "", "no data folder with robots/ and configs/ found beside the program",
-      std::string("name it with --data-dir DIR or the environment variable ") + kVariable);
+      std::string("name it with " OPTION("data-dir") " DIR or the environment variable ") +
+          kVariable);
 }
 
 Result<fs::path> find_data_folder(const std::optional<std::string>& chosen_by_flag) {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/result.h"
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
+#include "retarget/error.h"
 
 namespace retarget {
 
@@ -37,12 +37,13 @@ class Faults {
   /// @param what  what is at fault, such as `the mapping`.
   [[nodiscard]] Failure failure_in(const std::string& file, const std::string& what) const {
     if (count_ == 1) return config_failure(file, faults_.front());
-    std::string text = std::to_string(count_) + " faults in " + what;
-    for (const std::string& fault : faults_) text += "\n  - " + fault;
+    Failure failure = config_failure(file, std::to_string(count_) + " faults in " + what);
+    std::vector<std::string>& details = failure.value().details;
+    details = faults_;
     if (count_ > faults_.size()) {
-      text += "\n  - and " + std::to_string(count_ - faults_.size()) + " more";
+      details.push_back("and " + std::to_string(count_ - faults_.size()) + " more");
     }
-    return config_failure(file, text);
+    return failure;
   }
 
  private:

@@ -1,4 +1,4 @@
-#include "retarget/base/file.h"
+#include "base/file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -22,7 +22,7 @@ std::string system_message(int error_number) {
 Failure read_failure(ErrorKind kind, const std::string& path, int error_number) {
   Error error;
   error.kind = kind;
-  error.file = path == "-" ? "standard input" : path;
+  error.location.file = path == "-" ? "standard input" : path;
   error.message = "cannot read the file: " + system_message(error_number);
   if (error_number == EISDIR) error.hint = "name a file in it";
   return failure(std::move(error));
@@ -38,7 +38,7 @@ Failure write_failure(const std::string& name, int error_number) {
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most) {
   Error error;
   error.kind = kind;
-  error.file = path == "-" ? "standard input" : path;
+  error.location.file = path == "-" ? "standard input" : path;
   error.message = "expected at most " + std::to_string(most) + " bytes, found more";
   return failure(std::move(error));
 }

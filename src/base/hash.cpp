@@ -1,4 +1,4 @@
-#include "retarget/base/hash.h"
+#include "base/hash.h"
 
 #include <fcntl.h>
 #include <openssl/evp.h>
@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "retarget/base/utf8.h"
+#include "base/utf8.h"
 
 namespace retarget {
 namespace {
@@ -26,7 +26,7 @@ Failure hash_failure() {
 Failure file_failure(ErrorKind kind, const std::string& path, int error_number) {
   Error error;
   error.kind = kind;
-  error.file = path;
+  error.location.file = path;
   error.message = "cannot read the file: " + std::generic_category().message(error_number);
   return failure(std::move(error));
 }

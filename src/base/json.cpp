@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
-#include "retarget/base/file.h"
-#include "retarget/base/json_bounds.h"
+#include "base/file.h"
+#include "base/json_bounds.h"
 
 namespace retarget {
 namespace {
@@ -46,9 +46,10 @@ Failure json_failure(std::string_view text, const std::string& file, std::size_t
   const std::size_t line_end = before.rfind('\n');
   Error error;
   error.kind = ErrorKind::kConfig;
-  error.file = file;
-  error.line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n'));
-  error.column = line_end == std::string_view::npos ? before.size() + 1 : before.size() - line_end;
+  error.location.file = file;
+  error.location.line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n'));
+  error.location.column =
+      line_end == std::string_view::npos ? before.size() + 1 : before.size() - line_end;
   error.message = "no valid JSON: " + reason;
   return failure(std::move(error));
 }

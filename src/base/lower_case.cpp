@@ -1,4 +1,4 @@
-#include "retarget/base/lower_case.h"
+#include "base/lower_case.h"
 
 #include <algorithm>
 

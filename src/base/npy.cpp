@@ -1,4 +1,4 @@
-#include "retarget/base/npy.h"
+#include "base/npy.h"
 
 #include <algorithm>
 #include <bit>
@@ -169,7 +169,7 @@ NpyArray npy_with_data(NpyLayout layout, std::string data, bool fortran_order) {
 Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name, ErrorKind kind) {
   const auto fault = [&](Error error) {
     error.kind = kind;
-    error.file = file_name;
+    error.location.file = file_name;
     return failure(std::move(error));
   };
   std::string_view rest = bytes;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/base/npy.h"
+#include "base/npy.h"
 
 namespace retarget {
 

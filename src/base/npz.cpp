@@ -1,4 +1,4 @@
-#include "retarget/base/npz.h"
+#include "base/npz.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/suggest.h"
 #include "base/zip.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -72,7 +72,7 @@ struct NpzFile::Contents {
   // the error with its file and, where one is meant, its array
   [[nodiscard]] Failure complete(Error error, std::string_view array = {}) const {
     error.kind = options.error_kind;
-    error.file = file_name;
+    error.location.file = file_name;
     if (!array.empty()) error.message = "array \"" + std::string(array) + "\": " + error.message;
     return failure(std::move(error));
   }

@@ -1,4 +1,5 @@
-#include "retarget/base/npz_writer.h"
+#include "base/npz_writer.h"
+#include "base/option_name.h"
 
 #include <zlib.h>
 
@@ -118,7 +119,7 @@ Result<std::string> NpzWriter::finish() {
   constexpr std::uint64_t kMost = 0xFFFFFFFF;
   if (bytes_.size() + directory_.size() >= kMost) {
     return run_failure("", "the motion is too long for one NPZ file, which holds up to 4 GiB",
-                       "write it in parts, with --start and --end");
+                       "write it in parts, with " OPTION("start") " and " OPTION("end"));
   }
   std::string end = "PK\x05\x06";
   append_number(end, 0, 4);

@@ -1,11 +1,11 @@
-#include "retarget/base/printable.h"
+#include "base/printable.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 
-#include "retarget/base/utf8.h"
+#include "base/utf8.h"
 
 namespace retarget {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

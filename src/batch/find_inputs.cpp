@@ -1,4 +1,4 @@
-#include "retarget/batch/find_inputs.h"
+#include "batch/find_inputs.h"
 
 #include <fnmatch.h>
 #include <glob.h>
@@ -14,7 +14,8 @@
 #include <tuple>
 #include <utility>
 
-#include "retarget/base/file.h"
+#include "base/file.h"
+#include "base/option_name.h"
 
 namespace retarget {
 namespace {
@@ -150,7 +151,7 @@ Result<std::string> InputFinder::below(const std::string& path, const std::strin
                                 .lexically_relative(fs::absolute(base, ignored).lexically_normal());
   if (relative.empty() || *relative.begin() == "..") {
     return usage_failure("\"" + path + "\" does not lie below the folder \"" + base + "\"",
-                         "give another --base, or none");
+                         "give another " OPTION("base") ", or none");
   }
   return relative.string();
 }
@@ -180,7 +181,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
   }
   if (there && !S_ISREG(info.st_mode)) {
     return input_failure(path, "a batch reads files, and this is a pipe or a device",
-                         "retarget --bvh reads one");
+                         "retarget " OPTION("bvh") " reads one");
   }
   const auto relative = below(path, base);
   if (!relative) return failure(relative.error());
@@ -243,7 +244,8 @@ Result<FoundInputs> InputFinder::run() {
                            " files named ._*, which macOS leaves in archives");
   }
   if (excluded_ > 0) {
-    found_.notes.push_back("left out " + std::to_string(excluded_) + " files by --exclude");
+    found_.notes.push_back("left out " + std::to_string(excluded_) +
+                           " files by " OPTION("exclude"));
   }
   if (found_.inputs.empty()) {
     return input_failure(search_.names.empty() ? "" : search_.names.front(),
@@ -290,8 +292,8 @@ Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
   if (clashes == 0) return {};
   if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more clash";
   return usage_failure(first,
-                       "give the folder that holds both, or --base FOLDER to keep the tree below "
-                       "it; else rename one or leave it out with --exclude");
+                       "give the folder that holds both, or " OPTION("base") " FOLDER to keep the tree below "
+                       "it; else rename one or leave it out with " OPTION("exclude"));
 }
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "retarget/batch/folder_lock.h"
+#include "batch/folder_lock.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

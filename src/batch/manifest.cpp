@@ -1,4 +1,4 @@
-#include "retarget/batch/manifest.h"
+#include "batch/manifest.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,8 +10,9 @@
 #include <system_error>
 #include <tuple>
 
-#include "retarget/base/file.h"
-#include "retarget/base/plain_name.h"
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/plain_name.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +21,7 @@ Failure manifest_failure(const std::string& path, int error_number) {
   return run_failure(path,
                      "cannot write the manifest: " + std::generic_category().message(error_number),
                      error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
-                         ? "free some space and go on with --resume"
+                         ? "free some space and go on with " OPTION("resume")
                          : "");
 }
 

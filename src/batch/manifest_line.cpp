@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/json.h"
-#include "retarget/base/utf8.h"
-#include "retarget/batch/manifest.h"
+#include "base/utf8.h"
+#include "batch/manifest.h"
 
 namespace retarget {
 namespace {
@@ -38,10 +38,10 @@ Json json_of(const FileRecord& record) {
 
 Json json_of(const Error& error, int exit_code) {
   Json json;
-  put_name(json, "file", error.file);
-  if (error.line > 0) json["line"] = error.line;
-  if (error.column > 0) json["column"] = error.column;
-  json["message"] = valid_text(error.message);
+  put_name(json, "file", error.location.file);
+  if (error.location.line > 0) json["line"] = error.location.line;
+  if (error.location.column > 0) json["column"] = error.location.column;
+  json["message"] = valid_text(full_message(error));
   if (!error.hint.empty()) json["hint"] = valid_text(error.hint);
   json["exit_code"] = exit_code;
   return json;
@@ -122,9 +122,9 @@ FileRecord file_record(const Json& json) {
 void read_error(const Json& json, ManifestEntry& entry) {
   const EntryReader reader(json);
   Error& error = entry.error.emplace();
-  reader.name("file", error.file);
-  reader.number("line", error.line);
-  reader.number("column", error.column);
+  reader.name("file", error.location.file);
+  reader.number("line", error.location.line);
+  reader.number("column", error.location.column);
   reader.text("message", error.message);
   reader.text("hint", error.hint);
   reader.number("exit_code", entry.exit_code);

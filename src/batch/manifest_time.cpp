@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "retarget/batch/manifest.h"
+#include "batch/manifest.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/batch/process_pool.h"
+#include "batch/process_pool.h"
 
 #include <poll.h>
 #include <sys/resource.h>

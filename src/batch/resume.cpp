@@ -1,4 +1,4 @@
-#include "retarget/batch/resume.h"
+#include "batch/resume.h"
 
 #include <sys/stat.h>
 
@@ -7,8 +7,8 @@
 #include <set>
 #include <system_error>
 
-#include "retarget/base/hash.h"
-#include "retarget/base/plain_name.h"
+#include "base/hash.h"
+#include "base/plain_name.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,5 @@
-#include "retarget/batch/shard.h"
+#include "batch/shard.h"
+#include "base/option_name.h"
 
 #include <algorithm>
 #include <charconv>
@@ -16,8 +17,8 @@ Result<Shard> parse_shard(const std::string& text) {
     const bool in_range = shard.index >= 1 && shard.index <= shard.count;
     if (bad_count == std::errc() && rest == end && in_range) return shard;
   }
-  return usage_failure("--shard must be I/N with I from 1 to N, found \"" + text + "\"",
-                       "--shard 1/4 is the first of four parts");
+  return usage_failure(OPTION("shard") " must be I/N with I from 1 to N, found \"" + text + "\"",
+                       OPTION("shard") " 1/4 is the first of four parts");
 }
 
 void sort_longest_first(std::vector<BatchInput>& inputs) {

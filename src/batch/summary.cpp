@@ -1,4 +1,4 @@
-#include "retarget/batch/summary.h"
+#include "batch/summary.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "retarget/quality/metric.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {
@@ -66,10 +66,10 @@ std::string row_of(const ManifestEntry& entry) {
         quality.figures, [&](const auto& item) { return item.first == metric.key; });
     add_cell(row, figure == quality.figures.end() ? "" : shortest(figure->second));
   }
-  add_text(row, entry.error
-                    ? describe(Error{entry.error->kind, entry.error->file, entry.error->line,
-                                     entry.error->column, entry.error->message, ""})
-                    : "");
+  add_text(row,
+           entry.error
+               ? describe({entry.error->kind, entry.error->location, entry.error->message, {}, {}})
+               : "");
   add_text(row, entry.error ? entry.error->hint : "");
   return row + "\n";
 }

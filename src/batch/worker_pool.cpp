@@ -1,4 +1,4 @@
-#include "retarget/batch/worker_pool.h"
+#include "batch/worker_pool.h"
 
 #include <unistd.h>
 
@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "retarget/base/file.h"
+#include "base/file.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

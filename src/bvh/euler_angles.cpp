@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

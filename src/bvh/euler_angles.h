@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <span>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 

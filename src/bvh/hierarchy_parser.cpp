@@ -6,10 +6,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/option_name.h"
+#include "base/suggest.h"
 #include "bvh/foreign_file.h"
 #include "bvh/number_error.h"
 #include "bvh/number_parser.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -161,7 +162,7 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
     return source_.failure_at(keyword,
                               "expected one ROOT, found a second: " + quoted(name) + " after " +
                                   quoted(first.name) + " on line " + std::to_string(first_line),
-                              "choose one of the skeletons with --root NAME");
+                              "choose one of the skeletons with " OPTION("root") " NAME");
   }
   Joint joint;
   joint.name = name;

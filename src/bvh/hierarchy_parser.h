@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bvh/source_text.h"
-#include "retarget/base/result.h"
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

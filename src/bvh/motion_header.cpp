@@ -3,13 +3,14 @@
 #include <charconv>
 #include <string>
 
+#include "base/option_name.h"
 #include "bvh/number_error.h"
 #include "bvh/number_parser.h"
 
 namespace retarget {
 namespace {
 
-constexpr const char* kRateHint = "give the rate with --source-fps N";
+constexpr const char* kRateHint = "give the rate with " OPTION("source-fps") " N";
 
 // past the colon of a keyword, to its value on the same line
 void skip_to_value(Scanner& scanner) {

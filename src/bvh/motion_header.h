@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "bvh/source_text.h"
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

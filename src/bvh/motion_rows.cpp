@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/option_name.h"
 #include "bvh/number_error.h"
 #include "bvh/number_line.h"
 #include "bvh/number_parser.h"
@@ -13,7 +14,7 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kLenientHint = "--lenient keeps the complete rows";
+constexpr const char* kLenientHint = OPTION("lenient") " keeps the complete rows";
 
 class RowsParser {
  public:

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bvh/source_text.h"
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

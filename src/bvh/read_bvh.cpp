@@ -1,4 +1,4 @@
-#include "retarget/bvh/read_bvh.h"
+#include "bvh/read_bvh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,10 @@
 #include <span>
 #include <utility>
 
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
 #include "bvh/hierarchy_parser.h"
 #include "bvh/joint_positions.h"
 #include "bvh/motion_header.h"
@@ -16,9 +20,6 @@
 #include "bvh/row_decoder.h"
 #include "bvh/source_text.h"
 #include "motion/clip_size.h"
-#include "retarget/base/file.h"
-#include "retarget/base/number_text.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -39,15 +40,15 @@ Result<std::size_t> find_root(const SourceText& source, const std::vector<std::s
   const auto found = std::ranges::find(roots, wanted);
   if (found == roots.end()) {
     Error error =
-        source.error_at(0, "expected a ROOT " + quoted(wanted) + " as --root asks for" +
+        source.error_at(0, "expected a ROOT " + quoted(wanted) + " as " OPTION("root") " asks for" +
                                did_you_mean(wanted, roots) + ", found " + list_names(roots, 10));
-    error.line = error.column = 0;
+    error.location.line = error.location.column = 0;
     return failure(std::move(error));
   }
   if (std::find(std::next(found), roots.end(), wanted) != roots.end()) {
-    Error error = source.error_at(
-        0, "expected one ROOT " + quoted(wanted) + " as --root asks for, found several");
-    error.line = error.column = 0;
+    Error error = source.error_at(0, "expected one ROOT " + quoted(wanted) +
+                                         " as " OPTION("root") " asks for, found several");
+    error.location.line = error.location.column = 0;
     return failure(std::move(error));
   }
   return static_cast<std::size_t>(std::distance(roots.begin(), found));
@@ -207,7 +208,7 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
           " joints take " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
           number_text(static_cast<double>(most_bytes()) / 1e6, 1) + " MB are taken" +
           (by_user ? "" : " for a file of this size"),
-      by_user ? "--memory gives more; or split the file"
+      by_user ? OPTION("memory") " gives more; or split the file"
               : "leave out the joints without channels, which move with their parents");
 }
 

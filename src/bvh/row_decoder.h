@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

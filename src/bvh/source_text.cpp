@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "retarget/base/utf8.h"
+#include "base/utf8.h"
 
 namespace retarget {
 namespace {
@@ -54,9 +54,9 @@ Error SourceText::error_at(std::size_t offset, std::string message, std::string 
   }
   Error error;
   error.kind = ErrorKind::kInput;
-  error.file = file_;
-  error.line = line;
-  error.column = offset - line_begin + 1;
+  error.location.file = file_;
+  error.location.line = line;
+  error.location.column = offset - line_begin + 1;
   error.message = std::move(message);
   error.hint = std::move(hint);
   return error;

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/bvh/write_bvh.h"
+#include "bvh/write_bvh.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "bvh/euler_angles.h"
 #include "bvh/joint_positions.h"
 #include "bvh/source_text.h"
-#include "retarget/base/file.h"
 
 namespace retarget {
 namespace {
@@ -283,7 +283,7 @@ Result<void> save_bvh(const std::string& path, const Clip& clip, const BvhWriteO
   Result<std::string> text = format_bvh(clip, options);
   if (!text) {
     Error error = text.error();
-    error.file = path;
+    error.location.file = path;
     return failure(std::move(error));
   }
   return write_file(path, *text);

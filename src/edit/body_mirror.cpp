@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "edit/rest_frames.h"
-#include "retarget/human/bone_map.h"
+#include "human/bone_map.h"
 
 namespace retarget {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/result.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/skeleton.h"
+#include "human/human_clip.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,11 +1,11 @@
-#include "retarget/edit/change_rest.h"
+#include "edit/change_rest.h"
 
 #include <algorithm>
 #include <vector>
 
+#include "base/suggest.h"
 #include "edit/rest_frames.h"
-#include "retarget/base/suggest.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -1,8 +1,8 @@
-#include "retarget/edit/change_speed.h"
+#include "edit/change_speed.h"
 
 #include <utility>
 
-#include "retarget/base/number_text.h"
+#include "base/number_text.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/edit/concatenate.h"
+#include "edit/concatenate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "edit/goes_on.h"
 #include "edit/join_clips.h"
+#include "edit/put_on_floor.h"
 #include "edit/seam_check.h"
-#include "retarget/edit/put_on_floor.h"
 
 namespace retarget {
 namespace {

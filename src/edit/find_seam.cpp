@@ -1,12 +1,13 @@
-#include "retarget/edit/find_seam.h"
+#include "edit/find_seam.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "retarget/edit/pose_distance.h"
-#include "retarget/human/foot_contacts.h"
+#include "base/option_name.h"
+#include "edit/pose_distance.h"
+#include "human/foot_contacts.h"
 
 namespace retarget {
 namespace {
@@ -206,7 +207,7 @@ Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamO
   if (finder.pair_count() > kMostPairs) {
     return usage_failure("the seam is looked for among " + std::to_string(finder.pair_count()) +
                              " pairs of frames, which is too many",
-                         "--search S looks at the last and the first S seconds only");
+                         OPTION("search") " S looks at the last and the first S seconds only");
   }
   return finder.run();
 }

@@ -1,11 +1,11 @@
-#include "retarget/edit/fit_path.h"
+#include "edit/fit_path.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "edit/cubic_chain.h"
-#include "retarget/math/filter.h"
+#include "math/filter.h"
 
 namespace retarget {
 namespace {

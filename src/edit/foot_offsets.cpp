@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "edit/fading_offset.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/trigonometry.h"
+#include "math/so3.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

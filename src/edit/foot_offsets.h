@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "edit/plant_feet.h"
 #include "edit/two_bone_leg.h"
-#include "retarget/edit/plant_feet.h"
-#include "retarget/math/pose.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

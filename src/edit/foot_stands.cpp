@@ -1,6 +1,6 @@
 #include "edit/foot_stands.h"
 
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 
 namespace retarget {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "retarget/edit/plant_feet.h"
-#include "retarget/human/human_clip.h"
+#include "edit/plant_feet.h"
+#include "human/human_clip.h"
 
 namespace retarget {
 

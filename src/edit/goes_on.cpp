@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "retarget/edit/pose_distance.h"
+#include "edit/pose_distance.h"
 
 namespace retarget {
 namespace {

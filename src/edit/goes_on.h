@@ -1,6 +1,6 @@
 #pragma once
 
-#include "retarget/human/human_clip.h"
+#include "human/human_clip.h"
 
 namespace retarget {
 

@@ -1,11 +1,11 @@
-#include "retarget/edit/ground_path.h"
+#include "edit/ground_path.h"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

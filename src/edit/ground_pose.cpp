@@ -1,11 +1,11 @@
-#include "retarget/edit/ground_pose.h"
+#include "edit/ground_pose.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/trigonometry.h"
+#include "human/canonical_pose.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

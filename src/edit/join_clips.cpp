@@ -4,7 +4,7 @@
 
 #include "edit/seam_blend.h"
 #include "edit/seam_check.h"
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 
 namespace retarget {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <string>
 
+#include "edit/concatenate.h"
 #include "edit/seam_feet.h"
-#include "retarget/base/result.h"
-#include "retarget/edit/concatenate.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/clip.h"
+#include "human/human_clip.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

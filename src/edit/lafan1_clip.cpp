@@ -1,12 +1,12 @@
-#include "retarget/edit/lafan1_clip.h"
+#include "edit/lafan1_clip.h"
 
 #include <array>
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include "retarget/base/suggest.h"
-#include "retarget/human/canonical_pose.h"
+#include "base/suggest.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/edit/make_loop.h"
+#include "edit/make_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <numbers>
 #include <vector>
 
+#include "base/number_text.h"
 #include "edit/join_clips.h"
-#include "retarget/base/number_text.h"
-#include "retarget/edit/pose_distance.h"
-#include "retarget/math/so3.h"
+#include "edit/pose_distance.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,10 +1,10 @@
-#include "retarget/edit/mirror.h"
+#include "edit/mirror.h"
 
 #include <utility>
 
 #include "edit/body_mirror.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "edit/ground_pose.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <optional>
 
+#include "base/file.h"
 #include "base/json.h"
-#include "retarget/base/file.h"
-#include "retarget/base/text_size.h"
-#include "retarget/edit/ground_path.h"
+#include "base/option_name.h"
+#include "base/text_size.h"
+#include "edit/ground_path.h"
 
 namespace retarget {
 namespace {
@@ -15,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kHint =
     "a path is {\"control_points\": [[x, y], ...]} with 3n + 1 points in metres, or "
-    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN --fit FILE writes one";
+    "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " OPTION("fit") " FILE writes one";
 
 // wider than any stage, narrower than any slip
 constexpr double kFarthest = 1e6;

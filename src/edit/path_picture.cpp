@@ -1,11 +1,11 @@
-#include "retarget/edit/path_picture.h"
+#include "edit/path_picture.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "retarget/base/number_text.h"
-#include "retarget/human/foot_contacts.h"
+#include "base/number_text.h"
+#include "human/foot_contacts.h"
 
 namespace retarget {
 namespace {

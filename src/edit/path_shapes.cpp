@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/edit/ground_path.h"
-#include "retarget/math/trigonometry.h"
+#include "edit/ground_path.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

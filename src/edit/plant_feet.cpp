@@ -1,14 +1,14 @@
-#include "retarget/edit/plant_feet.h"
+#include "edit/plant_feet.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "edit/foot_offsets.h"
+#include "edit/ground_pose.h"
 #include "edit/two_bone_leg.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/math/trigonometry.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "math/trigonometry.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,11 @@
-#include "retarget/edit/pose_distance.h"
+#include "edit/pose_distance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "retarget/human/bone_map.h"
-#include "retarget/math/trigonometry.h"
+#include "human/bone_map.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

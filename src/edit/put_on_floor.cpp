@@ -1,15 +1,16 @@
-#include "retarget/edit/put_on_floor.h"
+#include "edit/put_on_floor.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
 
-#include "retarget/edit/ground_pose.h"
-#include "retarget/human/foot_contacts.h"
-#include "retarget/math/statistics.h"
-#include "retarget/motion/forward_kinematics.h"
-#include "retarget/motion/skeleton_points.h"
+#include "base/option_name.h"
+#include "edit/ground_pose.h"
+#include "human/foot_contacts.h"
+#include "math/statistics.h"
+#include "motion/forward_kinematics.h"
+#include "motion/skeleton_points.h"
 
 namespace retarget {
 Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
@@ -40,7 +41,7 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
   }
   if (heights.empty()) {
     return input_failure(file, "no foot ever stands: the floor cannot be told",
-                         "--floor H says how high the floor is, in metres");
+                         OPTION("floor") " H says how high the floor is, in metres");
   }
   return median(std::move(heights));
 }

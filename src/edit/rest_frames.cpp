@@ -3,9 +3,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-#include "retarget/human/bone_map.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/motion/skeleton_points.h"
+#include "human/bone_map.h"
+#include "human/canonical_pose.h"
+#include "motion/skeleton_points.h"
 
 namespace retarget {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/skeleton.h"
+#include "human/human_clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

@@ -1,13 +1,13 @@
-#include "retarget/edit/rethread.h"
+#include "edit/rethread.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "base/number_text.h"
+#include "edit/change_speed.h"
 #include "edit/foot_stands.h"
 #include "edit/seam_check.h"
-#include "retarget/base/number_text.h"
-#include "retarget/edit/change_speed.h"
 
 namespace retarget {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "edit/fading_offset.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/spline.h"
+#include "math/so3.h"
+#include "math/spline.h"
 
 namespace retarget {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "retarget/edit/concatenate.h"
-#include "retarget/edit/find_seam.h"
-#include "retarget/motion/clip.h"
+#include "edit/concatenate.h"
+#include "edit/find_seam.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "retarget/base/number_text.h"
-#include "retarget/edit/pose_distance.h"
-#include "retarget/math/statistics.h"
+#include "base/number_text.h"
+#include "edit/pose_distance.h"
+#include "math/statistics.h"
 
 namespace retarget {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <vector>
 
+#include "edit/concatenate.h"
+#include "edit/plant_feet.h"
 #include "edit/seam_blend.h"
 #include "edit/seam_feet.h"
-#include "retarget/edit/concatenate.h"
-#include "retarget/edit/plant_feet.h"
-#include "retarget/human/human_clip.h"
+#include "human/human_clip.h"
 
 namespace retarget {
 

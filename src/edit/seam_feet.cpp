@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "edit/fading_offset.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/trigonometry.h"
+#include "edit/ground_pose.h"
+#include "math/so3.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

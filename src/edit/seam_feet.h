@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "edit/ground_pose.h"
+#include "edit/plant_feet.h"
 #include "edit/seam_blend.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/edit/plant_feet.h"
-#include "retarget/motion/contact_phases.h"
+#include "motion/contact_phases.h"
 
 namespace retarget {
 

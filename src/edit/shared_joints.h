@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "retarget/edit/transfer.h"
+#include "edit/transfer.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/edit/transfer.h"
+#include "edit/transfer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "edit/foot_stands.h"
 #include "edit/rest_frames.h"
-#include "retarget/edit/transfer.h"
+#include "edit/transfer.h"
 
 namespace retarget {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "retarget/math/so3.h"
-#include "retarget/math/trigonometry.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "math/so3.h"
+#include "math/trigonometry.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

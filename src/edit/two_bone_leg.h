@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "retarget/edit/plant_feet.h"
-#include "retarget/math/pose.h"
-#include "retarget/motion/clip.h"
+#include "edit/plant_feet.h"
+#include "retarget/clip.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

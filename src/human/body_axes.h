@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "human/calibrate.h"
 #include "human/posed_body.h"
-#include "retarget/human/calibrate.h"
 
 namespace retarget {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

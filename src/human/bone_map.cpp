@@ -1,4 +1,4 @@
-#include "retarget/human/bone_map.h"
+#include "human/bone_map.h"
 
 #include <algorithm>
 #include <vector>

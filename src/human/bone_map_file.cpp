@@ -1,16 +1,16 @@
-#include "retarget/human/bone_map_file.h"
+#include "human/bone_map_file.h"
 
 #include <algorithm>
 #include <map>
 #include <optional>
 
 #include "base/faults.h"
+#include "base/file.h"
 #include "base/json.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
 #include "human/canonical_tree.h"
 #include "human/verify_bone_map.h"
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/base/text_size.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <initializer_list>
 
-#include "retarget/human/canonical_pose.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

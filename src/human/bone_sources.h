@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "human/calibrate.h"
+#include "human/human_clip.h"
 #include "human/rest_pose.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/human_clip.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/human/bones.h"
+#include "human/bones.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "retarget/human/calibrate.h"
+#include "human/calibrate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/option_name.h"
 #include "human/body_axes.h"
 #include "human/bone_sources.h"
 #include "human/find_rest.h"
@@ -16,7 +17,7 @@
 #include "human/toe_rotations.h"
 #include "human/units.h"
 #include "human/up_axis.h"
-#include "retarget/motion/lead_in.h"
+#include "motion/lead_in.h"
 
 namespace retarget {
 namespace {
@@ -75,7 +76,7 @@ Result<void> Calibrator::check() const {
   }
   if (!missing.empty() && !map_.partial) {
     return input_failure(file_, "no joints stand for " + joined(missing),
-                         "legs and arms are needed, unless --partial is given");
+                         "legs and arms are needed, unless " OPTION("partial") " is given");
   }
   const auto is_positive = [](const std::optional<double>& value) {
     return !value || (std::isfinite(*value) && *value > 0.0);
@@ -109,7 +110,7 @@ void Calibrator::look() {
   if (up.doubtful) {
     doubts_.push_back({0, 0,
                        "the body hardly ever stands: " + to_text(up.axis) +
-                           " was taken as the up axis; give --up if that is wrong"});
+                           " was taken as the up axis; give " OPTION("up") " if that is wrong"});
   }
 }
 
@@ -128,8 +129,8 @@ Result<Unit> Calibrator::find_unit(double hip_height, double height) {
                              " units above the floor are a person's in no known unit"
       : options_.height ? "without a leg the unit cannot be told, nor by the height that is given"
                         : "without a leg the unit cannot be told",
-      "give the unit's length in metres with --unit" +
-          std::string(height > 0.0 ? ", or the body's height with --height" : ""));
+      "give the unit's length in metres with " OPTION("unit") +
+          std::string(height > 0.0 ? ", or the body's height with " OPTION("height") : ""));
 }
 
 bool Calibrator::has_lafan1_axes() const {
@@ -229,8 +230,8 @@ void Calibrator::doubt_height(const Calibration& found) {
   const double height = found.mapping.height;
   if (height >= kSmall && height <= kTall) return;
   doubts_.push_back({0, 0,
-                     "a body height of " + metres_text(height) +
-                         " is unusual: " + "if the unit is not " + found.unit + ", give --unit"});
+                     "a body height of " + metres_text(height) + " is unusual: " +
+                         "if the unit is not " + found.unit + ", give " OPTION("unit")});
 }
 
 Result<Calibration> Calibrator::run() {

@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "human/body_poses.h"
+#include "human/bone_map.h"
 #include "human/joint_names.h"
 #include "human/skeleton_tree.h"
-#include "retarget/base/result.h"
-#include "retarget/human/bone_map.h"
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,8 +1,8 @@
-#include "retarget/human/canonical_pose.h"
+#include "human/canonical_pose.h"
 
 #include <string_view>
 
-#include "retarget/human/bones.h"
+#include "human/bones.h"
 
 namespace retarget {
 namespace {

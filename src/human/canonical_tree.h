@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "human/bone_map.h"
 #include "human/skeleton_tree.h"
-#include "retarget/human/bone_map.h"
 
 namespace retarget {
 

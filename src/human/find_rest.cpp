@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "base/option_name.h"
 #include "human/body_axes.h"
 #include "human/learned_axes.h"
 
@@ -60,7 +61,7 @@ std::optional<std::pair<int, RestCandidate>> RestFinder::best_frame() const {
 Result<Rest> RestFinder::taken(std::optional<RestCandidate> found, std::string name) const {
   if (!found) {
     return input_failure(file_, "the " + name + " shows no facing: hips and shoulders lie along up",
-                         "choose another rest pose, or give --forward");
+                         "choose another rest pose, or give " OPTION("forward"));
   }
   JointFromBone axes = bring_to_t(body_, *found);
   return Rest{*std::move(found), std::move(axes), std::move(name)};

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "human/calibrate.h"
 #include "human/rest_pose.h"
-#include "retarget/human/calibrate.h"
 
 namespace retarget {
 

@@ -1,6 +1,6 @@
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 
-#include "retarget/math/statistics.h"
+#include "math/statistics.h"
 
 namespace retarget {
 namespace {

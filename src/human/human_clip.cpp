@@ -1,13 +1,13 @@
-#include "retarget/human/human_clip.h"
+#include "human/human_clip.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "base/suggest.h"
 #include "human/lafan1_shape.h"
-#include "retarget/base/suggest.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

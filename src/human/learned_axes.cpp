@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "retarget/human/canonical_pose.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

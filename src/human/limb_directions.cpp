@@ -1,4 +1,4 @@
-#include "retarget/human/limb_directions.h"
+#include "human/limb_directions.h"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "human/body_axes.h"
+#include "human/canonical_pose.h"
 #include "human/posed_body.h"
-#include "retarget/human/canonical_pose.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,8 @@
 #include <optional>
 #include <set>
 
-#include "retarget/base/suggest.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -150,7 +151,7 @@ Error ambiguous_bone(const BodySource& source, const std::string& bone, int a, i
   return input_failure(source.file,
                        quoted_name(source.skeleton, a) + " and " + quoted_name(source.skeleton, b) +
                            " may both be the " + bone + ": which of them it is cannot be told",
-                       "rename one of them, or give a mapping file with --map")
+                       "rename one of them, or give a mapping file with " OPTION("map"))
       .value();
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

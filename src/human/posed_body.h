@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/human/bone_map.h"
-#include "retarget/math/pose.h"
-#include "retarget/motion/clip.h"
+#include "human/bone_map.h"
+#include "retarget/clip.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

@@ -1,9 +1,11 @@
-#include "retarget/human/recognise.h"
+#include "human/recognise.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/option_name.h"
+#include "base/suggest.h"
 #include "human/body_words.h"
 #include "human/candidate.h"
 #include "human/human_proportions.h"
@@ -12,12 +14,11 @@
 #include "human/recognise_by_shape.h"
 #include "human/trunk.h"
 #include "human/verify_bone_map.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {
 
-constexpr const char* kMapHint = "give a mapping file with --map";
+constexpr const char* kMapHint = "give a mapping file with " OPTION("map");
 
 // bones a body does without
 bool is_optional(std::string_view bone) {
@@ -169,7 +170,7 @@ class Recogniser {
     if (lacks("hips") || (is_limb_of("leg") && is_limb_of("arm"))) return no_human(missing);
     if (!options_.partial) {
       return input_failure(source_.file, "no " + sentence_of(missing) + " found in the skeleton",
-                           std::string("go on without with --partial, or ") + kMapHint);
+                           std::string("go on without with " OPTION("partial") ", or ") + kMapHint);
     }
     accepted_ = *best;
     accepted_->partial = true;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include "base/suggest.h"
 #include "human/canonical_tree.h"
 #include "human/trunk.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {

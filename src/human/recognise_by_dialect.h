@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "human/candidate.h"
-#include "retarget/human/dialect.h"
+#include "human/dialect.h"
 
 namespace retarget {
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/option_name.h"
 #include "human/facing.h"
 #include "human/mirrored_chains.h"
 #include "human/trunk.h"
@@ -246,7 +247,7 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
     return input_failure(source.file,
                          "the skeleton has several pairs of equal limbs, and its names do not "
                          "tell which are arms and legs",
-                         "give a mapping file with --map");
+                         "give a mapping file with " OPTION("map"));
   }
   if (best) {
     Shape swapped = *best;
@@ -316,7 +317,7 @@ Result<void> tell_sides(const BodySource& source, BoneMap& map) {
   return input_failure(source.file,
                        "neither the joint names nor the poses tell the left side of the body "
                        "from the right",
-                       "give a mapping file with --map");
+                       "give a mapping file with " OPTION("map"));
 }
 
 }  // namespace

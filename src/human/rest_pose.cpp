@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/so3.h"
+#include "human/canonical_pose.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,6 +1,6 @@
 #include "human/toe_rotations.h"
 
-#include "retarget/human/canonical_pose.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/suggest.h"
 #include "human/body_words.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "human/calibrate.h"
 #include "human/posed_body.h"
-#include "retarget/human/calibrate.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/ik/box_qp.h"
+#include "ik/box_qp.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -7,11 +7,11 @@
 
 #include "ik/active_set.h"
 #include "ik/frame_error.h"
+#include "ik/ik_solver.h"
 #include "ik/moving_tree.h"
 #include "ik/tree_system.h"
-#include "retarget/ik/ik_solver.h"
-#include "retarget/math/se3.h"
-#include "retarget/math/so3.h"
+#include "math/se3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "retarget/math/se3.h"
-#include "retarget/math/trigonometry.h"
+#include "math/se3.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

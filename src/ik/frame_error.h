@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "retarget/math/pose.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

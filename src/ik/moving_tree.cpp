@@ -1,6 +1,6 @@
 #include "ik/moving_tree.h"
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "retarget/math/pose.h"
-#include "retarget/robot/robot.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "retarget/ik/box_qp.h"
-#include "retarget/ik/ik_solver.h"
-#include "retarget/math/se3.h"
+#include "ik/box_qp.h"
+#include "ik/ik_solver.h"
+#include "math/se3.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/io/compare_motions.h"
+#include "io/compare_motions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,10 @@
 #include <set>
 #include <utility>
 
+#include "base/npz.h"
+#include "base/option_name.h"
 #include "io/csv_table.h"
-#include "retarget/base/npz.h"
-#include "retarget/io/pickle.h"
+#include "io/pickle.h"
 
 namespace retarget {
 namespace {
@@ -231,14 +232,14 @@ Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable
     return input_failure("",
                          "one motion has " + std::to_string(width) + " columns, the other " +
                              std::to_string(b.columns.size()),
-                         "with --robot, files of different formats can be compared");
+                         "with " OPTION("robot") ", files of different formats can be compared");
   }
   for (std::size_t i = 0; i < width; ++i) {
     if (a.columns[i] == b.columns[i]) continue;
     return input_failure("",
                          "column " + std::to_string(i + 1) + " is \"" + a.columns[i] +
                              "\" in one motion and \"" + b.columns[i] + "\" in the other",
-                         "with --robot, files of different formats can be compared");
+                         "with " OPTION("robot") ", files of different formats can be compared");
   }
   MotionDifference difference;
   difference.frames_a = a.frames;

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <set>
 
+#include "base/option_name.h"
+#include "base/suggest.h"
 #include "io/csv_names.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr std::size_t kRootColumns = 7;
 constexpr std::size_t kNamesShown = 6;
 
-constexpr const char* kByNumber = "--ignore-header takes the columns by their number";
+constexpr const char* kByNumber = OPTION("ignore-header") " takes the columns by their number";
 
 std::string quoted(const std::vector<std::string>& names) {
   std::vector<std::string> shown;
@@ -253,7 +254,7 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
     }
   }
   if (!joints) {
-    if (found > kRootColumns && joints.error().hint.starts_with("--source-dof")) {
+    if (found > kRootColumns && joints.error().hint.starts_with(OPTION("source-dof"))) {
       return failure(joints.error());
     }
     return failure({.kind = ErrorKind::kInput,

@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "retarget/base/lower_case.h"
+#include "base/lower_case.h"
 
 namespace retarget {
 namespace {

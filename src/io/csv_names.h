@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

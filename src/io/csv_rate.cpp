@@ -5,8 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "base/number_text.h"
+#include "base/option_name.h"
 #include "io/csv_columns.h"
-#include "retarget/base/number_text.h"
 
 namespace retarget {
 namespace {
@@ -128,7 +129,7 @@ class ClockReader {
     const std::string message =
         "column " + std::to_string(columns_.clock + 1) + " (" + name() + ") " + what;
     if (!options_.rate) {
-      return input_failure(file_, message, "say the rate with --source-fps");
+      return input_failure(file_, message, "say the rate with " OPTION("source-fps"));
     }
     motion_.warnings.push_back(message + "; it is passed over");
     return {};

@@ -1,8 +1,8 @@
-#include "retarget/io/motion_format.h"
+#include "retarget/motion_io.h"
 
 #include <array>
 
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {

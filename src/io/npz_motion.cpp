@@ -5,12 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "base/npz.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
 #include "io/raw_motion.h"
-#include "retarget/base/npz.h"
-#include "retarget/base/number_text.h"
-#include "retarget/base/suggest.h"
-#include "retarget/io/tracking_motion.h"
-#include "retarget/robot/variant.h"
+#include "retarget/motion_io.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -123,14 +124,14 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
         "it has " + std::to_string(arrays.joint_count) + " joints and " +
             std::to_string(arrays.body_count) + " bodies, which fits neither the robot " +
             robot->name() + " nor one of its variants",
-        joints_fit ? "--from npz-mjlab or npz-beyondmimic takes the joints alone"
+        joints_fit ? OPTION("from") " npz-mjlab or npz-beyondmimic takes the joints alone"
                    : "is it another robot's?");
   }
   if (!(best->distance <= kSamePlace) && !options.format) {
     return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +
                                 " m from where its joints put those of the robot " + robot->name() +
                                 ", in mjlab's order and in BeyondMimic's",
-                            "is it another robot? --from npz-mjlab or npz-beyondmimic says whose "
+                            "is it another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic says whose "
                             "order it has");
   }
   return *best;

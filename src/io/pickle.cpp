@@ -1,4 +1,4 @@
-#include "retarget/io/pickle.h"
+#include "io/pickle.h"
 
 #include <zlib.h>
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <set>
 
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "io/pickle.h"
 #include "io/raw_motion.h"
-#include "retarget/base/suggest.h"
-#include "retarget/io/pickle.h"
 
 namespace retarget {
 namespace {
@@ -78,7 +79,8 @@ class PickledMotion {
     if (fps == nullptr) return {};
     const auto value = document_.number(*fps);
     if (!value || !(*value >= kSlowestFileRate && *value <= kFastestFileRate)) {
-      return input_failure(file_, "the pickle's fps is no rate", "give it with --source-fps");
+      return input_failure(file_, "the pickle's fps is no rate",
+                           "give it with " OPTION("source-fps"));
     }
     raw.rate = frame_rate_from_fps(*value);
     return {};
@@ -129,7 +131,7 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& 
     }
   } else if (motions.size() > 1) {
     return input_failure(file, "the file holds " + std::to_string(motions.size()) + " motions",
-                         "choose one with --motion: " + list_names(motions, 10));
+                         "choose one with " OPTION("motion") ": " + list_names(motions, 10));
   }
   auto raw = PickledMotion(*document, *document->find(root, chosen), file).read(kPbhcKeys);
   if (raw) raw->notes.push_back("motion \"" + chosen + "\"");

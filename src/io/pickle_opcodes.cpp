@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "retarget/base/utf8.h"
+#include "base/utf8.h"
 
 namespace retarget {
 namespace {

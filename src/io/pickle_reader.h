@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/pickle.h"
 #include "io/pickle_opcodes.h"
-#include "retarget/io/pickle.h"
 
 namespace retarget {
 

@@ -4,9 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/npz_writer.h"
+#include "base/utf8.h"
 #include "io/pickle_opcodes.h"
-#include "retarget/base/npz_writer.h"
-#include "retarget/base/utf8.h"
 
 namespace retarget {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "retarget/base/npy.h"
+#include "base/npy.h"
 
 namespace retarget {
 

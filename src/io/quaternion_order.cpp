@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "base/number_text.h"
 #include "io/touch_points.h"
-#include "retarget/base/number_text.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/io/robot_motion.h"
+#include "retarget/motion_io.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/io/robot_csv.h"
+#include "retarget/motion_io.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "retarget/math/trigonometry.h"
+#include "base/option_name.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -171,7 +172,7 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
       return run_failure("",
                          "of the root's quaternion in frame " + std::to_string(frame) +
                              " nothing is left with " + std::to_string(precision) + " digits",
-                         "print more: --precision");
+                         "print more: " OPTION("precision"));
     }
     turn.normalize();
     if (frame > 0 && turn.dot(before) < 0.0) turn.coeffs() = -turn.coeffs();

@@ -1,18 +1,19 @@
-#include "retarget/io/robot_motion.h"
+#include "retarget/motion_io.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "io/pickle.h"
 #include "io/quaternion_order.h"
 #include "io/raw_motion.h"
 #include "io/units.h"
-#include "retarget/base/file.h"
-#include "retarget/base/number_text.h"
-#include "retarget/base/suggest.h"
-#include "retarget/io/pickle.h"
-#include "retarget/math/so3.h"
-#include "retarget/robot/variant.h"
+#include "math/so3.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -166,7 +167,7 @@ class MotionInterpreter {
       return input_failure(file_,
                            "the order of the root's quaternion cannot be told: as xyzw and "
                            "as wxyz the robot moves equally well",
-                           "say which with --source-quat");
+                           "say which with " OPTION("source-quat"));
     }
     if (is_csv() || *guess.order != raw_.usual) {
       raw_.notes.push_back(std::string("quaternion ") +
@@ -203,8 +204,9 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
                            const std::string& file, const ReadMotionOptions& options) {
   if (bytes.starts_with("PK")) {
     if (options.degrees || options.metres_per_unit) {
-      return input_failure(file, "an NPZ of a tracker is in radians and metres",
-                           "--source-angles and --source-unit are for CSVs and pickles");
+      return input_failure(
+          file, "an NPZ of a tracker is in radians and metres",
+          OPTION("source-angles") " and " OPTION("source-unit") " are for CSVs and pickles");
     }
     return read_npz_motion(bytes, robot, file, options);
   }
@@ -218,7 +220,7 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
   }
   if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
     return input_failure(file, "the file is a BVH, the motion of a human",
-                         "retarget --bvh brings it to a robot");
+                         "retarget " OPTION("bvh") " brings it to a robot");
   }
   return read_csv_motion(bytes, *robot, file, options);
 }
@@ -260,7 +262,7 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
   }
   return input_failure(
       file, std::to_string(count) + " joints may be those of the variants " + list_names(fitting),
-      "--source-dof says which");
+      OPTION("source-dof") " says which");
 }
 
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

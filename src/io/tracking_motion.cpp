@@ -1,4 +1,4 @@
-#include "retarget/io/tracking_motion.h"
+#include "retarget/motion_io.h"
 
 #include <mujoco/mujoco.h>
 
@@ -7,9 +7,10 @@
 #include <span>
 #include <utility>
 
-#include "retarget/base/npz_writer.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/spline.h"
+#include "base/npz_writer.h"
+#include "base/option_name.h"
+#include "math/so3.h"
+#include "math/spline.h"
 
 namespace retarget {
 namespace {
@@ -260,7 +261,7 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                          "a motion of " + std::to_string(clip.frame_count()) + " frames at " +
                              to_text(clip.rate()) + " fps is too long for " +
                              to_text(options.rate) + " fps",
-                         "--source-fps gives the rate that a file does not say truly");
+                         OPTION("source-fps") " gives the rate that a file does not say truly");
   }
   const Samples samples = sample(clip, options.rate);
   const std::size_t count = samples.qpos.size();

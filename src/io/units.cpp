@@ -4,8 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "base/number_text.h"
+#include "base/option_name.h"
 #include "io/touch_points.h"
-#include "retarget/base/number_text.h"
 
 namespace retarget {
 namespace {
@@ -94,11 +95,12 @@ class UnitFinder {
     for (const double angle : raw_.euler) largest = std::max(largest, std::abs(angle));
     const double widest = widest_angle(robot_);
     if (largest > widest + kBeyondRange) {
-      return input_failure(file_,
-                           "the largest joint value is " + number_text(largest, 3) +
-                               ", which may be radians or degrees: the robot's joints turn up to " +
-                               number_text(widest, 2) + " rad, and the file names no unit",
-                           "say which with --source-angles rad or --source-angles deg");
+      return input_failure(
+          file_,
+          "the largest joint value is " + number_text(largest, 3) +
+              ", which may be radians or degrees: the robot's joints turn up to " +
+              number_text(widest, 2) + " rad, and the file names no unit",
+          "say which with " OPTION("source-angles") " rad or " OPTION("source-angles") " deg");
     }
     doubt_radians();
     return {};
@@ -125,7 +127,7 @@ class UnitFinder {
                                " high, which may be metres, centimetres or millimetres: the "
                                "robot's limbs reach " +
                                number_text(reach, 2) + " m, and the file names no unit",
-                           "say which with --source-unit m, cm or mm");
+                           "say which with " OPTION("source-unit") " m, cm or mm");
     }
     raw_.metres_per_unit = 1.0;
     return {};
@@ -158,7 +160,8 @@ class UnitFinder {
         "joints are beyond their ranges by more than " + number_text(kBeyondRange, 1) + " rad in " +
         number_text(100.0 * static_cast<double>(beyond) / static_cast<double>(raw_.frames), 0) +
         " % of frames, most " + robot_.joints()[joint].name +
-        "; the file names no unit and is taken as radians: --source-angles deg takes degrees");
+        "; the file names no unit and is taken as radians: " OPTION(
+            "source-angles") " deg takes degrees");
   }
 
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
@@ -249,8 +252,9 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
                                   std::vector<std::string>& warnings) {
   if (clip.frame_count() == 0) return {};
   const auto doubt = [&](const std::string& what, const std::string& remedy) {
-    warnings.push_back(what + "; the file names no unit and is taken as metres: --source-unit " +
-                       remedy);
+    warnings.push_back(
+        what + "; the file names no unit and is taken as metres: " OPTION("source-unit") " " +
+        remedy);
   };
   const double reach = leg_reach_of(clip.robot());
   const std::vector<UprightFrame> frames = upright_frames(clip);
@@ -264,7 +268,7 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
                              " m";
     if (low && height < kLeastUprightReaches * reach) {
       return input_failure(file, what + "; lengths may be in another unit than metres",
-                           "if that is meant, say so with --source-unit m; else bring the "
+                           "if that is meant, say so with " OPTION("source-unit") " m; else bring the "
                            "positions to metres, centimetres or millimetres first");
     }
     if (low) doubt(what, "m says that it is meant");

@@ -1,13 +1,13 @@
-#include "retarget/io/write_robot_motion.h"
+#include "retarget/motion_io.h"
 
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "base/npz_writer.h"
 #include "io/pickle_writer.h"
-#include "retarget/base/npz_writer.h"
-#include "retarget/math/so3.h"
-#include "retarget/robot/variant.h"
+#include "math/so3.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {

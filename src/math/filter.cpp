@@ -1,11 +1,11 @@
-#include "retarget/math/filter.h"
+#include "math/filter.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -1,9 +1,9 @@
-#include "retarget/math/se3.h"
+#include "math/se3.h"
 
 #include <cmath>
 
-#include "retarget/math/so3.h"
-#include "retarget/math/trigonometry.h"
+#include "math/so3.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -1,8 +1,8 @@
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 #include <cmath>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

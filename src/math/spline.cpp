@@ -1,6 +1,6 @@
-#include "retarget/math/spline.h"
+#include "math/spline.h"
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/motion/clip_range.h"
+#include "motion/clip_range.h"
 
 #include <algorithm>
 #include <array>

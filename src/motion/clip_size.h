@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

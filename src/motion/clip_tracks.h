@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

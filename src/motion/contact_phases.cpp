@@ -1,9 +1,9 @@
-#include "retarget/motion/contact_phases.h"
+#include "motion/contact_phases.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "retarget/math/statistics.h"
+#include "math/statistics.h"
 
 namespace retarget {
 namespace {

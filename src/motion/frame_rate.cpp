@@ -1,4 +1,4 @@
-#include "retarget/motion/frame_rate.h"
+#include "retarget/clip.h"
 
 #include <array>
 #include <charconv>

@@ -1,10 +1,10 @@
-#include "retarget/motion/lead_in.h"
+#include "motion/lead_in.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/motion/resample.h"
+#include "motion/resample.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "math/filter.h"
 #include "motion/clip_size.h"
 #include "motion/clip_tracks.h"
 #include "motion/track_sampler.h"
-#include "retarget/math/filter.h"
 
 namespace retarget {
 namespace {

@@ -1,10 +1,10 @@
-#include "retarget/motion/skeleton_points.h"
+#include "motion/skeleton_points.h"
 
 #include <string_view>
 #include <unordered_set>
 #include <utility>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/math/spline.h"
-#include "retarget/motion/clip_sampler.h"
+#include "math/spline.h"
+#include "motion/clip_sampler.h"
 
 namespace retarget {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/ik_tables.h"
+#include "pipeline/ik_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "base/faults.h"
+#include "base/file.h"
 #include "base/json.h"
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/base/text_size.h"
-#include "retarget/human/bones.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
+#include "human/bones.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "retarget/math/pose.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

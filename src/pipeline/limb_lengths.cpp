@@ -1,4 +1,4 @@
-#include "retarget/pipeline/limb_lengths.h"
+#include "pipeline/limb_lengths.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/limit_diagnosis.h"
+#include "pipeline/limit_diagnosis.h"
 
 #include <algorithm>
 #include <array>

@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/suggest.h"
-#include "retarget/pipeline/limb_lengths.h"
-#include "retarget/pipeline/targets.h"
+#include "base/suggest.h"
+#include "pipeline/limb_lengths.h"
+#include "pipeline/targets.h"
 
 namespace retarget {
 namespace {

@@ -1,15 +1,15 @@
-#include "retarget/pipeline/retarget.h"
+#include "pipeline/retarget.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "base/suggest.h"
+#include "math/trigonometry.h"
 #include "pipeline/strayed_arms.h"
 #include "pipeline/target_stream.h"
-#include "retarget/base/suggest.h"
-#include "retarget/math/trigonometry.h"
-#include "retarget/pipeline/targets.h"
+#include "pipeline/targets.h"
 
 namespace retarget {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "retarget/human/bones.h"
-#include "retarget/math/so3.h"
+#include "human/bones.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

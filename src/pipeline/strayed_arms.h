@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "retarget/ik/ik_solver.h"
-#include "retarget/math/pose.h"
-#include "retarget/pipeline/targets.h"
+#include "ik/ik_solver.h"
+#include "pipeline/targets.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

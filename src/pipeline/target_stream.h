@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "retarget/math/pose.h"
-#include "retarget/pipeline/targets.h"
+#include "pipeline/targets.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

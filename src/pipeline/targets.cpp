@@ -1,4 +1,4 @@
-#include "retarget/pipeline/targets.h"
+#include "pipeline/targets.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/trunk_aim.h"
+#include "pipeline/trunk_aim.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -9,11 +9,11 @@
 
 #include "pipeline/body_path.h"
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/se3.h"
-#include "retarget/math/so3.h"
-#include "retarget/robot/limits.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/se3.h"
+#include "math/so3.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/trunk_lines.h"
+#include "pipeline/trunk_lines.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/statistics.h"
-#include "retarget/math/trigonometry.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/statistics.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

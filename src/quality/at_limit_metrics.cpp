@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/lower_case.h"
+#include "base/lower_case.h"
 
 namespace retarget {
 namespace {

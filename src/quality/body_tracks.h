@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/math/pose.h"
-#include "retarget/robot/collision.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
+#include "retarget/pose.h"
+#include "robot/collision.h"
 
 namespace retarget {
 

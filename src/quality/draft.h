@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "retarget/quality/measure.h"
+#include "quality/measure.h"
 
 namespace retarget {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/quality/report.h"
+#include "retarget/report.h"
 
 namespace retarget {
 

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "human/human_clip.h"
+#include "motion/contact_phases.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/contact_phases.h"
 
 namespace retarget {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "math/statistics.h"
 #include "quality/fault_list.h"
-#include "retarget/math/statistics.h"
 
 namespace retarget {
 namespace {

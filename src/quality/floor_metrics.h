@@ -1,8 +1,8 @@
 #pragma once
 
+#include "motion/contact_phases.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
-#include "retarget/motion/contact_phases.h"
 
 namespace retarget {
 

@@ -1,14 +1,14 @@
-#include "retarget/quality/gates.h"
+#include "retarget/report.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/faults.h"
+#include "base/file.h"
 #include "base/json.h"
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/base/text_size.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
 
 namespace retarget {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "math/statistics.h"
+#include "math/trigonometry.h"
 #include "quality/fault_list.h"
-#include "retarget/math/pose.h"
-#include "retarget/math/statistics.h"
-#include "retarget/math/trigonometry.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

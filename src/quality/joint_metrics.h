@@ -1,7 +1,7 @@
 #pragma once
 
 #include "quality/draft.h"
-#include "retarget/robot/limits.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

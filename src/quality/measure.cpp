@@ -1,4 +1,4 @@
-#include "retarget/quality/measure.h"
+#include "quality/measure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "human/foot_contacts.h"
+#include "pipeline/limb_lengths.h"
+#include "pipeline/limit_diagnosis.h"
 #include "quality/at_limit_metrics.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
@@ -14,9 +17,6 @@
 #include "quality/joint_metrics.h"
 #include "quality/stances.h"
 #include "quality/tracking_metrics.h"
-#include "retarget/human/foot_contacts.h"
-#include "retarget/pipeline/limb_lengths.h"
-#include "retarget/pipeline/limit_diagnosis.h"
 
 namespace retarget {
 namespace {

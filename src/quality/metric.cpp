@@ -1,4 +1,4 @@
-#include "retarget/quality/metric.h"
+#include "retarget/report.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <span>
 #include <utility>
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 struct mjData_;
 

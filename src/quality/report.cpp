@@ -1,4 +1,4 @@
-#include "retarget/quality/report.h"
+#include "retarget/report.h"
 
 #include <algorithm>
 

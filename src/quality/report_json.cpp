@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "retarget/quality/report.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/number_text.h"
-#include "retarget/quality/report.h"
+#include "base/number_text.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/contact_phases.h"
+#include "human/human_clip.h"
+#include "motion/contact_phases.h"
 
 namespace retarget {
 

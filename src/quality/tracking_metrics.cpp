@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "math/so3.h"
+#include "math/statistics.h"
+#include "math/trigonometry.h"
+#include "pipeline/limb_lengths.h"
 #include "quality/trunk_lean.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/statistics.h"
-#include "retarget/math/trigonometry.h"
-#include "retarget/pipeline/limb_lengths.h"
 
 namespace retarget {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "human/bones.h"
+#include "math/so3.h"
+#include "math/statistics.h"
 #include "quality/fault_list.h"
-#include "retarget/human/bones.h"
-#include "retarget/math/so3.h"
-#include "retarget/math/statistics.h"
 
 namespace retarget {
 namespace {

@@ -7,10 +7,10 @@
 #include <span>
 #include <string_view>
 
+#include "human/human_clip.h"
+#include "pipeline/trunk_lines.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/pipeline/trunk_lines.h"
 
 namespace retarget {
 

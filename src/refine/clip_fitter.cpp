@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/so3.h"
 #include "refine/block_chain.h"
 #include "refine/joint_speeds.h"
 #include "refine/shorthand.h"
-#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {

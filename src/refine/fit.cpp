@@ -1,4 +1,4 @@
-#include "retarget/refine/fit.h"
+#include "refine/fit.h"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <set>
 #include <string_view>
 
+#include "human/bones.h"
 #include "ik/moving_tree.h"
-#include "retarget/human/bones.h"
 
 namespace retarget {
 namespace {

@@ -7,10 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/refine/fit_options.h"
-#include "retarget/robot/limits.h"
-#include "retarget/robot/robot.h"
+#include "pipeline/ik_tables.h"
+#include "refine/fit_options.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/refine/fit_options.h"
+#include "refine/fit_options.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include "base/faults.h"
 #include "base/json.h"
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {

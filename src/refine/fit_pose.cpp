@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 

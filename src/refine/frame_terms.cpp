@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/so3.h"
 #include "refine/fit_distance.h"
 #include "refine/one_sided.h"
 #include "refine/shorthand.h"
-#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "math/se3.h"
 #include "refine/fit_model.h"
 #include "refine/fit_pose.h"
-#include "retarget/math/se3.h"
 
 namespace retarget {
 

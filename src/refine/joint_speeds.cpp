@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "math/so3.h"
 #include "refine/shorthand.h"
-#include "retarget/math/so3.h"
 
 namespace retarget {
 namespace {

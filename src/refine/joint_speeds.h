@@ -5,7 +5,7 @@
 
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
-#include "retarget/refine/fit_options.h"
+#include "refine/fit_options.h"
 
 namespace retarget {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "retarget/refine/fit_options.h"
+#include "refine/fit_options.h"
 
 namespace retarget {
 

@@ -1,14 +1,14 @@
-#include "retarget/rig/bare_robot.h"
+#include "rig/bare_robot.h"
 
 #include <mujoco/mujoco.h>
 
 #include <utility>
 #include <vector>
 
-#include "retarget/rig/limbs.h"
-#include "retarget/rig/shapes.h"
 #include "rig/describe_robot.h"
+#include "rig/limbs.h"
 #include "rig/neighbours.h"
+#include "rig/shapes.h"
 
 namespace retarget {
 

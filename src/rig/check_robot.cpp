@@ -1,4 +1,4 @@
-#include "retarget/rig/check_robot.h"
+#include "rig/check_robot.h"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,13 @@
 #include <set>
 #include <utility>
 
-#include "retarget/base/suggest.h"
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/so3.h"
-#include "retarget/pipeline/targets.h"
-#include "retarget/rig/derive_mapping.h"
+#include "base/suggest.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/so3.h"
+#include "pipeline/targets.h"
 #include "rig/branches.h"
+#include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"
 
@@ -77,17 +77,9 @@ void Doctor::check_mapping() {
   const auto checked = check_ik_tables(*tables_, robot_);
   mapping_is_sound_ = checked.has_value();
   if (checked) return;
-  // several faults come as a list under a line that counts them
-  std::string text = checked.error().message;
-  const std::string bullet = "\n  - ";
-  std::size_t at = text.find(bullet);
-  if (at == std::string::npos) return fault(text);
-  while (at != std::string::npos) {
-    const std::size_t next = text.find(bullet, at + bullet.size());
-    fault(text.substr(at + bullet.size(),
-                      next == std::string::npos ? std::string::npos : next - at - bullet.size()));
-    at = next;
-  }
+  const Error& error = checked.error();
+  if (error.details.empty()) return fault(error.message);
+  for (const std::string& detail : error.details) fault(detail);
 }
 
 std::optional<OffsetError> Doctor::offset_error(const IkRow& row) const {

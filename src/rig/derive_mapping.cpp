@@ -1,11 +1,11 @@
-#include "retarget/rig/derive_mapping.h"
+#include "rig/derive_mapping.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
 
-#include "retarget/human/bones.h"
+#include "human/bones.h"
 #include "rig/branches.h"
 #include "rig/number_text.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/human/bones.h"
+#include "human/bones.h"
 #include "rig/number_text.h"
 
 namespace retarget {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/rig/derive_mapping.h"
-#include "retarget/rig/shapes.h"
-#include "retarget/rig/t_pose.h"
+#include "rig/derive_mapping.h"
+#include "rig/shapes.h"
+#include "rig/t_pose.h"
 
 namespace retarget {
 

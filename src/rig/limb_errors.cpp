@@ -1,9 +1,9 @@
-#include "retarget/rig/limb_errors.h"
+#include "rig/limb_errors.h"
 
 #include <array>
 
-#include "retarget/human/bones.h"
-#include "retarget/math/so3.h"
+#include "human/bones.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

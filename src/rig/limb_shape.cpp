@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

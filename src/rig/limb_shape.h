@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "retarget/rig/limbs.h"
 #include "rig/branches.h"
+#include "rig/limbs.h"
 
 namespace retarget {
 

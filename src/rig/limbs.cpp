@@ -1,4 +1,4 @@
-#include "retarget/rig/limbs.h"
+#include "rig/limbs.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "retarget/rig/make_robot.h"
+#include "rig/make_robot.h"
 
 #include <mujoco/mujoco.h>
 
@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "retarget/base/utf8.h"
-#include "retarget/rig/derive_mapping.h"
-#include "retarget/rig/shapes.h"
+#include "base/utf8.h"
+#include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
 #include "rig/neighbours.h"
 #include "rig/number_text.h"
+#include "rig/shapes.h"
 #include "rig/urdf_speeds.h"
 #include "robot/load_model.h"
 

@@ -9,10 +9,11 @@
 #include <string>
 #include <system_error>
 
+#include "base/file.h"
 #include "base/json.h"
-#include "retarget/base/file.h"
-#include "retarget/base/plain_name.h"
-#include "retarget/rig/make_robot.h"
+#include "base/option_name.h"
+#include "base/plain_name.h"
+#include "rig/make_robot.h"
 
 namespace retarget {
 namespace {
@@ -113,7 +114,8 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
   }
   const bool is_there = fs::exists(fs::symlink_status(folder, error));
   if (is_there && !force) {
-    return usage_failure("\"" + folder.string() + "\" is there already", "--force replaces it");
+    return usage_failure("\"" + folder.string() + "\" is there already",
+                         OPTION("force") " replaces it");
   }
   if (is_there && !is_made_robot(folder, robot.name)) {
     return usage_failure("\"" + folder.string() +

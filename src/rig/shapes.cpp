@@ -1,4 +1,4 @@
-#include "retarget/rig/shapes.h"
+#include "rig/shapes.h"
 
 #include <mujoco/mujoco.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/rig/t_pose.h"
+#include "rig/t_pose.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/trigonometry.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/trigonometry.h"
 #include "rig/branches.h"
 
 namespace retarget {

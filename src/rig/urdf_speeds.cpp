@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "retarget/base/file.h"
+#include "base/file.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/robot/collision.h"
+#include "robot/collision.h"
 
 #include <mujoco/mujoco.h>
 

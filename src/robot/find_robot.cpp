@@ -1,11 +1,12 @@
-#include "retarget/robot/find_robot.h"
+#include "robot/find_robot.h"
 
 #include <algorithm>
 #include <cctype>
 #include <system_error>
 
-#include "retarget/base/lower_case.h"
-#include "retarget/base/suggest.h"
+#include "base/lower_case.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -85,14 +86,15 @@ Result<RobotFiles> find_robot(const std::string& name_or_folder, const fs::path&
                           std::string("the robot folder has no file ") + kModelFile);
   }
   if (is_file(given)) {
-    return config_failure(name_or_folder, "expected a robot's name or folder, found a file",
-                          "a model file goes with --robot-xml FILE --ik-config FILE");
+    return config_failure(
+        name_or_folder, "expected a robot's name or folder, found a file",
+        "a model file goes with " OPTION("robot-xml") " FILE " OPTION("ik-config") " FILE");
   }
-  return config_failure("",
-                        "no robot \"" + name_or_folder + "\"" + did_you_mean(name_or_folder, known),
-                        (known.empty() ? "there are no robots in " + robots_folder.string()
-                                       : "known robots: " + list_names(known)) +
-                            "; any other: --robot-xml FILE --ik-config FILE");
+  return config_failure(
+      "", "no robot \"" + name_or_folder + "\"" + did_you_mean(name_or_folder, known),
+      (known.empty() ? "there are no robots in " + robots_folder.string()
+                     : "known robots: " + list_names(known)) +
+          "; any other: " OPTION("robot-xml") " FILE " OPTION("ik-config") " FILE");
 }
 
 std::vector<std::string> list_robots(const fs::path& robots_folder) {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/json.h"
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/faults.h"
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

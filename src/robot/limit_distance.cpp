@@ -1,4 +1,4 @@
-#include "retarget/robot/limit_distance.h"
+#include "robot/limit_distance.h"
 
 #include <algorithm>
 #include <limits>

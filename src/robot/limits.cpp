@@ -1,15 +1,14 @@
-#include "retarget/robot/limits.h"
+#include "retarget/robot.h"
 
 #include <mujoco/mujoco.h>
 
 #include <limits>
 
 #include "base/json.h"
-#include "retarget/base/suggest.h"
-#include "retarget/robot/robot.h"
-#include "retarget/robot/variant.h"
+#include "base/suggest.h"
 #include "robot/json_ranges.h"
 #include "robot/load_model.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {

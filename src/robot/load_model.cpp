@@ -10,7 +10,7 @@
 #include <mutex>
 #include <utility>
 
-#include "retarget/base/file.h"
+#include "base/file.h"
 #include "robot/mujoco_messages.h"
 #include "robot/vet_model.h"
 #include "version_numbers.h"

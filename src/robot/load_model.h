@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/result.h"
-#include "retarget/robot/robot.h"
+#include "retarget/error.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

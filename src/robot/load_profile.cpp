@@ -5,8 +5,8 @@
 
 #include "base/faults.h"
 #include "base/json.h"
-#include "retarget/base/plain_name.h"
-#include "retarget/base/suggest.h"
+#include "base/plain_name.h"
+#include "base/suggest.h"
 #include "robot/json_ranges.h"
 
 namespace retarget {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "retarget/base/result.h"
-#include "retarget/robot/robot.h"
+#include "retarget/error.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -1,9 +1,9 @@
-#include "retarget/robot/load_robot.h"
+#include "robot/load_robot.h"
 
 #include <filesystem>
 #include <utility>
 
-#include "retarget/base/plain_name.h"
+#include "base/plain_name.h"
 #include "robot/load_model.h"
 #include "robot/load_profile.h"
 

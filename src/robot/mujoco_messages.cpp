@@ -86,17 +86,17 @@ Failure model_failure(const std::string& path, const std::string& text) {
   std::string line = one_line(text);
   Error error;
   error.kind = ErrorKind::kConfig;
-  error.file = path;
+  error.location.file = path;
   if (line.starts_with("XML parse error")) {
-    error.line = last_number_after(line, "Line number=").first;
+    error.location.line = last_number_after(line, "Line number=").first;
     error.message = parser_message(line);
     return failure(std::move(error));
   }
   // the place goes where the user looks for it; line 0 is one of an included file
   const auto [number, at] = last_number_after(line, ", line ");
   if (at != std::string::npos) {
-    error.line = number;
-    error.column = last_number_after(line.substr(at), ", column ").first;
+    error.location.line = number;
+    error.location.column = last_number_after(line.substr(at), ", column ").first;
     line.erase(at);
   }
   for (const char* prefix : {"XML Error: ", "Error: ", "Schema violation: "}) {

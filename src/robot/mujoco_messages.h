@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

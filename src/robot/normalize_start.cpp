@@ -1,7 +1,7 @@
-#include "retarget/robot/normalize_start.h"
+#include "robot/normalize_start.h"
 
-#include "retarget/math/so3.h"
-#include "retarget/math/trigonometry.h"
+#include "math/so3.h"
+#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,11 @@
-#include "retarget/robot/resample_robot.h"
+#include "robot/resample_robot.h"
 
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

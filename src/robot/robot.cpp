@@ -1,4 +1,4 @@
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 #include <mujoco/mujoco.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "retarget/math/trigonometry.h"
-#include "retarget/robot/variant.h"
+#include "math/trigonometry.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {

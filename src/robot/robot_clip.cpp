@@ -1,4 +1,4 @@
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
 
 #include <utility>
 

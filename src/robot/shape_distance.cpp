@@ -1,4 +1,4 @@
-#include "retarget/robot/shape_distance.h"
+#include "robot/shape_distance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "retarget/robot/variant.h"
+#include "robot/variant.h"
 
 #include <mujoco/mujoco.h>
 
 #include <utility>
 #include <vector>
 
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {

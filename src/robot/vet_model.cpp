@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/file.h"
-#include "retarget/base/number_text.h"
+#include "base/file.h"
+#include "base/number_text.h"
 #include "robot/mujoco_messages.h"
 
 namespace retarget {
@@ -120,8 +120,8 @@ Failure fault(const XMLElement& element, const Place& place, std::string message
               std::string hint = {}) {
   Error error;
   error.kind = ErrorKind::kConfig;
-  error.file = place.file;
-  error.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
+  error.location.file = place.file;
+  error.location.line = static_cast<std::size_t>(std::max(0, element.GetLineNum()));
   error.message = "<" + std::string(element.Name()) + "> " + std::move(message);
   error.hint = std::move(hint);
   return failure(std::move(error));

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,4 +1,4 @@
-#include "retarget/smpl/smpl_body.h"
+#include "smpl/smpl_body.h"
 
 namespace retarget {
 namespace {

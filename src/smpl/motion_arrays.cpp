@@ -7,7 +7,8 @@
 #include <span>
 #include <utility>
 
-#include "retarget/base/suggest.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::size_t kSmplColumns = 72;
 constexpr std::size_t kSmplhColumns = 156;
 constexpr std::size_t kSmplxColumns = 165;
 
-constexpr std::string_view kRateHint = "give the frame rate with --source-fps";
+constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
 
 // numbers in rows, one row a frame
 struct Table {
@@ -169,7 +170,7 @@ Result<void> MotionReader::read_whole_rotations() {
 Failure MotionReader::no_motion() const {
   std::string hint;
   if (file_.has("v_template")) {
-    hint = "this is a body model: it goes with a motion, as --smpl-model";
+    hint = "this is a body model: it goes with a motion, as " OPTION("smpl-model");
   } else if (file_.has("betas")) {
     hint =
         "AMASS keeps the body alone in shape.npz and *_stagei.npz; motions are *_poses.npz and "

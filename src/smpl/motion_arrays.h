@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/npz.h"
-#include "retarget/motion/frame_rate.h"
-#include "retarget/smpl/smpl_body.h"
+#include "base/npz.h"
+#include "retarget/clip.h"
+#include "smpl/smpl_body.h"
 
 namespace retarget {
 

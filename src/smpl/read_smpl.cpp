@@ -1,4 +1,4 @@
-#include "retarget/smpl/read_smpl.h"
+#include "smpl/read_smpl.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,12 @@
 #include <new>
 #include <utility>
 
+#include "base/file.h"
+#include "base/npz.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "math/so3.h"
 #include "motion/clip_size.h"
-#include "retarget/base/file.h"
-#include "retarget/base/npz.h"
-#include "retarget/base/number_text.h"
-#include "retarget/math/so3.h"
 #include "smpl/motion_arrays.h"
 
 namespace retarget {
@@ -34,7 +35,7 @@ Result<SmplRestBody> generic_rest_body(const NpzFile& file, const std::vector<do
   return file.array_failure("betas",
                             "the first one, " + std::to_string(betas.front()) +
                                 ", would make a body " + std::to_string(guess) + " m high",
-                            "give the height with --height, or the body model");
+                            "give the height with " OPTION("height") ", or the body model");
 }
 
 // the model's body of the motion's betas, as far as they fit it
@@ -95,7 +96,7 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
         std::to_string(arrays->frame_count) + " frames take " +
             number_text(static_cast<double>(needed) / 1e6, 1) + " MB of memory, at most " +
             number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are taken",
-        "--memory gives more; or split the motion");
+        OPTION("memory") " gives more; or split the motion");
   }
   return SmplMotion{clip_of(*arrays, *body),    arrays->family,          std::move(arrays->gender),
                     std::move(arrays->betas),   options.body == nullptr, body->height,

@@ -1,4 +1,4 @@
-#include "retarget/smpl/smpl_body.h"
+#include "smpl/smpl_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "retarget/base/file.h"
-#include "retarget/base/npz.h"
+#include "base/file.h"
+#include "base/npz.h"
 
 namespace retarget {
 namespace {

@@ -1,7 +1,7 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/smpl/smpl_body.h"
+#include "smpl/smpl_body.h"
 
 namespace retarget {
 namespace {

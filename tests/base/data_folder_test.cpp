@@ -1,4 +1,5 @@
-#include "retarget/base/data_folder.h"
+#include "base/data_folder.h"
+#include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,8 +55,8 @@ TEST_F(DataFolderTest, ChosenFolderThatDoesNotServeIsAnErrorAndNotPassedOver) {
   search.flag = (root_ / "half").string();
   const auto by_flag = find_data_folder(search);
   ASSERT_FALSE(by_flag.has_value());
-  EXPECT_EQ(by_flag.error().file, (root_ / "half").string());
-  EXPECT_THAT(by_flag.error().message, HasSubstr("--data-dir has no folder configs/"));
+  EXPECT_EQ(by_flag.error().location.file, (root_ / "half").string());
+  EXPECT_THAT(by_flag.error().message, HasSubstr(OPTION("data-dir") " has no folder configs/"));
 }
 
 TEST_F(DataFolderTest, SourceTreeIsFoundAboveTheBuiltBinary) {
@@ -74,7 +75,7 @@ TEST_F(DataFolderTest, NothingFoundSaysHowToNameTheFolder) {
   const auto found = find_data_folder(search);
   ASSERT_FALSE(found.has_value());
   EXPECT_EQ(found.error().kind, ErrorKind::kConfig);
-  EXPECT_THAT(found.error().hint, HasSubstr("--data-dir"));
+  EXPECT_THAT(found.error().hint, HasSubstr(OPTION("data-dir")));
   EXPECT_THAT(found.error().hint, HasSubstr("RETARGET_DATA_DIR"));
   search.executable.clear();
   EXPECT_FALSE(find_data_folder(search).has_value());

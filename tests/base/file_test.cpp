@@ -1,4 +1,4 @@
-#include "retarget/base/file.h"
+#include "base/file.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -141,7 +141,7 @@ TEST_F(FileTest, FullDeviceIsARunError) {
   const auto written = write_file("/dev/full", "text");
   ASSERT_FALSE(written.has_value());
   EXPECT_EQ(written.error().kind, ErrorKind::kRun);
-  EXPECT_EQ(written.error().file, "/dev/full");
+  EXPECT_EQ(written.error().location.file, "/dev/full");
   EXPECT_THAT(written.error().message, HasSubstr("No space left on device"));
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
@@ -280,7 +280,7 @@ TEST_F(FileTest, UnreadableInputsAreErrorsOfTheGivenKind) {
   const auto missing = read_file(path("missing"));
   ASSERT_FALSE(missing.has_value());
   EXPECT_EQ(missing.error().kind, ErrorKind::kInput);
-  EXPECT_EQ(missing.error().file, path("missing"));
+  EXPECT_EQ(missing.error().location.file, path("missing"));
   EXPECT_THAT(missing.error().message, HasSubstr("No such file"));
 
   const auto folder = read_file(folder_.string(), ErrorKind::kConfig);

@@ -21,9 +21,9 @@ Error error_of(const std::string& text) {
 void expect_at(const std::string& text, std::size_t line, std::size_t column) {
   const Error error = error_of(text);
   EXPECT_EQ(error.kind, ErrorKind::kConfig) << text;
-  EXPECT_EQ(error.file, "file.json") << text;
-  EXPECT_EQ(error.line, line) << text;
-  EXPECT_EQ(error.column, column) << text;
+  EXPECT_EQ(error.location.file, "file.json") << text;
+  EXPECT_EQ(error.location.line, line) << text;
+  EXPECT_EQ(error.location.column, column) << text;
 }
 
 TEST(JsonTest, MembersKeepTheirOrder) {
@@ -105,7 +105,7 @@ TEST(JsonTest, MissingFileIsAnError) {
   const auto json = load_json("no/such/file.json");
   ASSERT_FALSE(json.has_value());
   EXPECT_EQ(json.error().kind, ErrorKind::kConfig);
-  EXPECT_EQ(json.error().file, "no/such/file.json");
+  EXPECT_EQ(json.error().location.file, "no/such/file.json");
 }
 
 }  // namespace

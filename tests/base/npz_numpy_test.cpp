@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/base/file.h"
-#include "retarget/base/npz.h"
+#include "base/file.h"
+#include "base/npz.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {
@@ -82,7 +82,7 @@ TEST_F(NpzFromNumpy, WhatCannotBeReadIsRefusedByName) {
     for (const auto& [array_name, word] : content["refused"].items()) {
       const Result<NpyArray> array = file->read(array_name);
       ASSERT_FALSE(array.has_value()) << array_name;
-      EXPECT_EQ(array.error().file, name);
+      EXPECT_EQ(array.error().location.file, name);
       EXPECT_THAT(array.error().message, HasSubstr("array \"" + array_name + "\": "));
       EXPECT_THAT(array.error().message, HasSubstr(word.get<std::string>()));
       ++refused;

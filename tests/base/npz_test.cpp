@@ -1,4 +1,4 @@
-#include "retarget/base/npz.h"
+#include "base/npz.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -439,7 +439,7 @@ void read_all(std::string_view bytes) {
   const Result<NpzFile> file = NpzFile::open(exact.view(), "a.npz");
   if (!file) {
     EXPECT_FALSE(file.error().message.empty());
-    EXPECT_EQ(file.error().file, "a.npz");
+    EXPECT_EQ(file.error().location.file, "a.npz");
     return;
   }
   for (const std::string& name : file->names()) {

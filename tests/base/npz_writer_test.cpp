@@ -1,11 +1,11 @@
-#include "retarget/base/npz_writer.h"
+#include "base/npz_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "retarget/base/npz.h"
+#include "base/npz.h"
 
 namespace retarget {
 namespace {

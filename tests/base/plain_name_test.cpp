@@ -1,4 +1,4 @@
-#include "retarget/base/plain_name.h"
+#include "base/plain_name.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/base/printable.h"
+#include "base/printable.h"
 
 #include <gtest/gtest.h>
 

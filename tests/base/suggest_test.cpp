@@ -1,4 +1,4 @@
-#include "retarget/base/suggest.h"
+#include "base/suggest.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/batch/find_inputs.h"
+#include "batch/find_inputs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "retarget/batch/folder_lock.h"
+#include "batch/folder_lock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

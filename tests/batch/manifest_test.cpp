@@ -1,4 +1,4 @@
-#include "retarget/batch/manifest.h"
+#include "batch/manifest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,9 +44,9 @@ TEST(ManifestLine, EverythingComesBack) {
   entry.fps = 29.97;
   entry.seconds = 0.25;
   Error error;
-  error.file = "in/x.bvh";
-  error.line = 3;
-  error.column = 4;
+  error.location.file = "in/x.bvh";
+  error.location.line = 3;
+  error.location.column = 4;
   error.message = "not \"this\"";
   error.hint = "that";
   entry.error = error;
@@ -63,7 +63,7 @@ TEST(ManifestLine, EverythingComesBack) {
   EXPECT_EQ(read->input.modified_ns, entry.input.modified_ns);
   EXPECT_EQ(read->input.bytes, entry.input.bytes);
   EXPECT_EQ(read->outputs.at(1).hash, "01");
-  EXPECT_EQ(read->error->column, 4U);
+  EXPECT_EQ(read->error->location.column, 4U);
   EXPECT_EQ(read->error->hint, "that");
   EXPECT_EQ(read->exit_code, 3);
   EXPECT_EQ(read->mapping, "robots/r/ik.json");

@@ -1,4 +1,4 @@
-#include "retarget/batch/resume.h"
+#include "batch/resume.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/batch/shard.h"
+#include "batch/shard.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

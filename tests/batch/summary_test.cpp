@@ -1,4 +1,4 @@
-#include "retarget/batch/summary.h"
+#include "batch/summary.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/quality/metric.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {
@@ -46,7 +46,7 @@ TEST(Summary, WorstClipsFirst) {
   ManifestEntry failed = clip_with("z.bvh", {}, 0.0);
   failed.done = false;
   failed.quality.reset();
-  failed.error = Error{ErrorKind::kInput, "in/z.bvh", 3, 4, "no, \"this\"", "that"};
+  failed.error = Error{ErrorKind::kInput, {"in/z.bvh", 3, 4}, "no, \"this\"", {}, "that"};
   std::vector<ManifestEntry> entries = {clip_with("good.bvh", {}, 0.0),
                                         clip_with("b.bvh", {"jumps"}, 2.0),
                                         clip_with("a.bvh", {"jumps"}, 2.0),

@@ -1,4 +1,4 @@
-#include "retarget/batch/worker_pool.h"
+#include "batch/worker_pool.h"
 
 #include <gtest/gtest.h>
 

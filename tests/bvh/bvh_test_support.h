@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "retarget/bvh/read_bvh.h"
+#include "bvh/read_bvh.h"
 
 namespace retarget {
 

@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "base/option_name.h"
+#include "bvh/read_bvh.h"
 #include "bvh_test_support.h"
-#include "retarget/bvh/read_bvh.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -30,12 +31,12 @@ std::string conformance_file(const std::string& name) {
 // every rejection says what was expected and what was found, and where
 void expect_good_rejection(const Error& error, const std::string& name) {
   EXPECT_EQ(error.kind, ErrorKind::kInput) << name;
-  EXPECT_GE(error.line, 1U) << name;
-  EXPECT_GE(error.column, 1U) << name;
+  EXPECT_GE(error.location.line, 1U) << name;
+  EXPECT_GE(error.location.column, 1U) << name;
   EXPECT_THAT(error.message, StartsWith("expected ")) << name;
   EXPECT_THAT(error.message, HasSubstr(", found ")) << name;
-  EXPECT_THAT(describe(error), StartsWith("test.bvh:" + std::to_string(error.line) + ":" +
-                                          std::to_string(error.column) + ": error: "));
+  EXPECT_THAT(describe(error), StartsWith("test.bvh:" + std::to_string(error.location.line) + ":" +
+                                          std::to_string(error.location.column) + ": error: "));
 }
 
 TEST(Conformance, VerdictsAreTheTables) {
@@ -108,7 +109,8 @@ TEST(Conformance, RejectionsNameTheFaultAndItsPlace) {
     const Result<BvhFile> file = read_exactly(conformance_file(name));
     ASSERT_FALSE(file.has_value()) << name;
     const Error& error = file.error();
-    EXPECT_EQ(std::to_string(error.line) + ":" + std::to_string(error.column), place_and_text.first)
+    EXPECT_EQ(std::to_string(error.location.line) + ":" + std::to_string(error.location.column),
+              place_and_text.first)
         << describe(error);
     EXPECT_THAT(error.message, HasSubstr(place_and_text.second)) << name;
   }
@@ -186,13 +188,13 @@ TEST_F(Quirks, RejectionsHelp) {
       {"02", {"UTF-16", "UTF-8"}},
       {"05", {"found \"88.36-3.41\"", "a blank is missing before \"-3.41\""}},
       {"13", {"decimal comma", ""}},
-      {"16", {"57 values in row 2", "--lenient"}},
-      {"25", {"found \"nan\"", "--lenient"}},
-      {"27", {"\"Prop\" after \"Hips\"", "--root NAME"}},
+      {"16", {"57 values in row 2", OPTION("lenient")}},
+      {"25", {"found \"nan\"", OPTION("lenient")}},
+      {"27", {"\"Prop\" after \"Hips\"", OPTION("root") " NAME"}},
       {"36", {"OFFSET", ""}},
       {"38", {"a git-LFS pointer", "git lfs pull"}},
       {"40", {"a web page", "raw file"}},
-      {"11", {"frame time", "--source-fps"}},
+      {"11", {"frame time", OPTION("source-fps")}},
   };
   for (const auto& [number, message_and_hint] : expected) {
     const Result<BvhFile> file = read_exactly(text(number));

@@ -1,4 +1,4 @@
-#include "retarget/bvh/read_bvh.h"
+#include "bvh/read_bvh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bvh_test_support.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {
@@ -395,11 +395,11 @@ TEST(ReadBvh, FaultsInTheRowsHaveTheirPlace) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {row(0),
        ":20:1: error: expected 2 rows, as Frames on line 17 says, found 1 before the end "
-       "of the file\n  hint: the file seems to be cut off; --lenient keeps"},
+       "of the file\n  hint: the file seems to be cut off; lenient keeps"},
       {row(0) + "1 2 3 10", ":20:1: error: expected 9 values in row 2, which begins here, found 4"},
       {row(0) + "1 2 -inf",
        ":20:5: error: expected a finite number (value 3 of 9 in row 2 of 2), "
-       "found \"-inf\"\n  hint: --lenient"},
+       "found \"-inf\"\n  hint: lenient"},
       {row(0) + "1 -1.#IND 2", "expected a finite number"},
       {row(0) + "1 2 1e400", ":20:5: error: expected a number within the range of double"},
       {row(0) + "1.0,2.0,3.0", "hint: separate the values by blanks"},

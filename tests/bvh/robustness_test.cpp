@@ -10,9 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/option_name.h"
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
 #include "bvh_test_support.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
 
 namespace retarget {
 namespace {
@@ -174,7 +175,7 @@ TEST(BvhRobustness, AClipTakesNoMoreThanIsGiven) {
   options.most_clip_bytes = 95;
   const Result<BvhFile> file = read_exactly(text, options);
   ASSERT_FALSE(file.has_value());
-  EXPECT_THAT(file.error().hint, ::testing::HasSubstr("--memory"));
+  EXPECT_THAT(file.error().hint, ::testing::HasSubstr(OPTION("memory")));
 }
 
 TEST(BvhRobustness, WhatIsReadCanBeWritten) {

@@ -1,4 +1,4 @@
-#include "retarget/bvh/write_bvh.h"
+#include "bvh/write_bvh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "bvh_test_support.h"
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -317,7 +317,7 @@ TEST(WriteBvh, SavesAndLoads) {
   clip.rotations(1)[0].x() = std::numeric_limits<double>::infinity();
   const Result<void> saved = save_bvh(path, clip);
   ASSERT_FALSE(saved.has_value());
-  EXPECT_EQ(saved.error().file, path);
+  EXPECT_EQ(saved.error().location.file, path);
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 

@@ -1,11 +1,11 @@
-#include "retarget/edit/change_rest.h"
+#include "edit/change_rest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -1,13 +1,13 @@
-#include "retarget/edit/concatenate.h"
+#include "edit/concatenate.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 
+#include "edit/mirror.h"
+#include "edit/rethread.h"
 #include "edit_sample.h"
-#include "retarget/edit/mirror.h"
-#include "retarget/edit/rethread.h"
 #include "support/shared_data.h"
 
 namespace retarget {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <string>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
-#include "retarget/edit/transfer.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/recognise.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
+#include "edit/transfer.h"
+#include "human/calibrate.h"
+#include "human/recognise.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget::edit_test {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/rethread.h"
 #include "edit_sample.h"
-#include "retarget/edit/rethread.h"
-#include "retarget/motion/clip_range.h"
+#include "motion/clip_range.h"
 #include "support/shared_data.h"
 
 namespace retarget {

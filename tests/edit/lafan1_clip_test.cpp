@@ -1,11 +1,11 @@
-#include "retarget/edit/lafan1_clip.h"
+#include "edit/lafan1_clip.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,11 @@
-#include "retarget/edit/mirror.h"
+#include "edit/mirror.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
+#include "edit/ground_pose.h"
 #include "edit_sample.h"
-#include "retarget/edit/ground_pose.h"
 #include "support/shared_data.h"
 
 namespace retarget {

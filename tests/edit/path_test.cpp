@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "edit/path_picture.h"
+#include "edit/rethread.h"
 #include "edit_sample.h"
-#include "retarget/edit/path_picture.h"
-#include "retarget/edit/rethread.h"
-#include "retarget/human/foot_contacts.h"
-#include "retarget/math/statistics.h"
+#include "human/foot_contacts.h"
+#include "math/statistics.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -97,7 +97,7 @@ TEST(GroundPaths, GoThroughJsonUnchanged) {
     const auto read = parse_path(wrong, "p.json");
     ASSERT_FALSE(read) << wrong;
     EXPECT_EQ(read.error().kind, ErrorKind::kConfig);
-    EXPECT_EQ(read.error().file, "p.json");
+    EXPECT_EQ(read.error().location.file, "p.json");
   }
 }
 

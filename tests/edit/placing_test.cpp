@@ -4,11 +4,12 @@
 
 #include <numbers>
 
+#include "base/option_name.h"
+#include "edit/ground_pose.h"
+#include "edit/make_loop.h"
+#include "edit/put_on_floor.h"
 #include "edit_sample.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/edit/make_loop.h"
-#include "retarget/edit/put_on_floor.h"
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 
 namespace retarget {
 namespace {
@@ -71,7 +72,7 @@ TEST(BodyMoves, NeedAJointThatMovesTheBody) {
       BodyMover::of(Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1),
                     sample.mapping, "fixed.bvh");
   ASSERT_FALSE(mover);
-  EXPECT_EQ(mover.error().file, "fixed.bvh");
+  EXPECT_EQ(mover.error().location.file, "fixed.bvh");
 }
 
 TEST(Floor, IsWhereTheFeetStand) {
@@ -93,7 +94,7 @@ TEST(Floor, OfAFlyingBodyIsAsked) {
     mover.move(flying, i, {{}, {0.2 * i, 0.0, 0.1 * i}});
   const auto floor = floor_height(flying, sample.mapping, "clip");
   ASSERT_FALSE(floor);
-  EXPECT_THAT(floor.error().hint, testing::HasSubstr("--floor"));
+  EXPECT_THAT(floor.error().hint, testing::HasSubstr(OPTION("floor")));
 }
 
 TEST(Floor, OfASingleFrameIsUnderItsLowerFoot) {

@@ -1,4 +1,4 @@
-#include "retarget/edit/pose_distance.h"
+#include "edit/pose_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "edit/change_speed.h"
 #include "edit_sample.h"
-#include "retarget/edit/change_speed.h"
-#include "retarget/motion/clip_sampler.h"
-#include "retarget/motion/resample.h"
+#include "motion/clip_sampler.h"
+#include "motion/resample.h"
 
 namespace retarget {
 namespace {

@@ -1,15 +1,15 @@
-#include "retarget/edit/transfer.h"
+#include "edit/transfer.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "bvh/read_bvh.h"
+#include "edit/put_on_floor.h"
 #include "edit_sample.h"
+#include "human/calibrate.h"
+#include "human/recognise.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/edit/put_on_floor.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/recognise.h"
 #include "support/shared_data.h"
 
 namespace retarget {

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/npz.h"
 #include "fuzz/fuzz_target.h"
-#include "retarget/base/npz.h"
-#include "retarget/io/pickle.h"
-#include "retarget/smpl/read_smpl.h"
+#include "io/pickle.h"
+#include "smpl/read_smpl.h"
 #include "support/npz_builder.h"
 
 namespace retarget::fuzz {

@@ -5,16 +5,17 @@
 #include <string>
 #include <string_view>
 
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
 #include "fuzz/fuzz_target.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
 
 namespace retarget::fuzz {
 namespace {
 
 void check_error(const Error& error, bool has_place) {
   require(!error.message.empty(), "errors say something");
-  require(!has_place || (error.line > 0 && error.column > 0), "errors have a place");
+  require(!has_place || (error.location.line > 0 && error.location.column > 0),
+          "errors have a place");
 }
 
 void check_clip(const Clip& clip) {

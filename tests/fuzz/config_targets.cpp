@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "edit/ground_path.h"
 #include "fuzz/fuzz_target.h"
-#include "retarget/edit/ground_path.h"
-#include "retarget/human/bone_map_file.h"
-#include "retarget/human/dialect.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/quality/gates.h"
-#include "retarget/refine/fit_options.h"
-#include "retarget/robot/limits.h"
+#include "human/bone_map_file.h"
+#include "human/dialect.h"
+#include "pipeline/ik_tables.h"
+#include "refine/fit_options.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
 #include "rig/urdf_speeds.h"
 #include "robot/load_profile.h"
 #include "robot/vet_model.h"

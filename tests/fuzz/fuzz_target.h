@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "retarget/base/result.h"
-#include "retarget/robot/robot.h"
+#include "retarget/error.h"
+#include "retarget/robot.h"
 
 namespace retarget::fuzz {
 

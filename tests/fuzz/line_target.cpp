@@ -7,20 +7,19 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/read_bvh.h"
 #include "fuzz/fuzz_target.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/dialect.h"
-#include "retarget/human/limb_directions.h"
-#include "retarget/human/recognise.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/io/robot_motion.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/motion/lead_in.h"
-#include "retarget/motion/resample.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/refine/fit.h"
+#include "human/calibrate.h"
+#include "human/dialect.h"
+#include "human/limb_directions.h"
+#include "human/recognise.h"
+#include "motion/clip_range.h"
+#include "motion/lead_in.h"
+#include "motion/resample.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/retarget.h"
+#include "refine/fit.h"
+#include "retarget/motion_io.h"
 
 namespace retarget::fuzz {
 namespace {

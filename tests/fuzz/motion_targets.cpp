@@ -5,10 +5,9 @@
 #include <string_view>
 
 #include "fuzz/fuzz_target.h"
+#include "io/compare_motions.h"
 #include "io/csv_table.h"
-#include "retarget/io/compare_motions.h"
-#include "retarget/io/robot_motion.h"
-#include "retarget/io/write_robot_motion.h"
+#include "retarget/motion_io.h"
 
 namespace retarget::fuzz {
 

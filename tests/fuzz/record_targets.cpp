@@ -2,9 +2,9 @@
 
 #include <string_view>
 
+#include "base/plain_name.h"
+#include "batch/manifest.h"
 #include "fuzz/fuzz_target.h"
-#include "retarget/base/plain_name.h"
-#include "retarget/batch/manifest.h"
 #include "tools/retarget/read_sidecar.h"
 
 namespace retarget::fuzz {

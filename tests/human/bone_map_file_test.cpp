@@ -1,10 +1,10 @@
-#include "retarget/human/bone_map_file.h"
+#include "human/bone_map_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "human/recognise.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/human/recognise.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

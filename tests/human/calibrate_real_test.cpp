@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
+#include "human/canonical_pose.h"
 #include "human/dialects.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/human/recognise.h"
+#include "human/recognise.h"
 #include "support/shared_data.h"
 
 namespace retarget {

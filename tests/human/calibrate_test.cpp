@@ -1,4 +1,5 @@
-#include "retarget/human/calibrate.h"
+#include "human/calibrate.h"
+#include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,13 +7,13 @@
 #include <cstring>
 #include <filesystem>
 
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
-#include "retarget/motion/forward_kinematics.h"
-#include "retarget/motion/resample.h"
+#include "motion/forward_kinematics.h"
+#include "motion/resample.h"
 
 namespace retarget {
 namespace {
@@ -368,7 +369,7 @@ TEST(Calibrate, RefusesWhatIsNotSafe) {
       calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {}, "clip");
   ASSERT_FALSE(unit);
   EXPECT_EQ(unit.error().kind, ErrorKind::kInput);
-  EXPECT_THAT(unit.error().hint, testing::HasSubstr("--unit"));
+  EXPECT_THAT(unit.error().hint, testing::HasSubstr(OPTION("unit")));
   map.joint_of_bone[*find_bone("LeftForeArm")] = -1;
   const auto arm = calibrate(clip, map, {}, "clip");
   ASSERT_FALSE(arm);

@@ -1,4 +1,4 @@
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "retarget/human/bone_map.h"
-#include "retarget/motion/skeleton.h"
+#include "human/bone_map.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

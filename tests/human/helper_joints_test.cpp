@@ -4,12 +4,12 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
 
 namespace retarget {
 namespace {

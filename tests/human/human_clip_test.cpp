@@ -1,4 +1,4 @@
-#include "retarget/human/human_clip.h"
+#include "human/human_clip.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include "base/option_name.h"
+#include "human/recognise.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/human/recognise.h"
 
 namespace retarget {
 namespace {
@@ -92,7 +93,7 @@ TEST(HumanProportions, FourLeggedAnimalsAreRefusedHoweverTheyAreCalled) {
         const auto map = recognise_skeleton(named, shipped_dialects(), "clip.bvh");
         ASSERT_FALSE(map) << map->dialect << " " << map->confidence;
         EXPECT_THAT(map.error().message, HasSubstr("not a human's"));
-        EXPECT_THAT(map.error().hint, HasSubstr("--map"));
+        EXPECT_THAT(map.error().hint, HasSubstr(OPTION("map")));
       }
     }
   }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/human/human_clip.h"
+#include "human/human_clip.h"
 
 namespace retarget {
 

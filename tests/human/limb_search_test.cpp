@@ -1,10 +1,11 @@
 #include "human/limb_search.h"
+#include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "human/recognise.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/human/recognise.h"
 
 namespace retarget {
 namespace {
@@ -33,7 +34,7 @@ TEST(LimbSearch, TwinsOfABoneThatABodyNeedsAreRefused) {
   const auto map = by_names(body);
   ASSERT_FALSE(map);
   EXPECT_THAT(map.error().message, HasSubstr("\"LeftForeArm\""));
-  EXPECT_THAT(map.error().hint, HasSubstr("--map"));
+  EXPECT_THAT(map.error().hint, HasSubstr(OPTION("map")));
 }
 
 // a hand and a wrist in one place, two joints of the toes side by side, a head and a skull
@@ -185,7 +186,7 @@ void expect_no_arm(const std::string& body, const std::string& missing, const st
     const auto refused = recognise_skeleton(skeleton, dialects, "clip.bvh");
     ASSERT_FALSE(refused) << "LeftArm is " << joint_name(*refused, skeleton, "LeftArm");
     EXPECT_EQ(refused.error().message, "no " + missing + " found in the skeleton");
-    EXPECT_THAT(refused.error().hint, HasSubstr("--partial"));
+    EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("partial")));
     const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh", {.partial = true});
     ASSERT_TRUE(map) << describe(map.error());
     for (const std::string part : {"Shoulder", "Arm"}) {

@@ -2,9 +2,10 @@
 
 #include <filesystem>
 
+#include "base/option_name.h"
+#include "bvh/read_bvh.h"
+#include "human/recognise.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/recognise.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -138,7 +139,7 @@ TEST_F(RealFiles, AHeadsetWithoutArmsNeedsConsent) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
   EXPECT_EQ(refused.error().message, "no arms found in the skeleton");
-  EXPECT_NE(refused.error().hint.find("--partial"), std::string::npos);
+  EXPECT_NE(refused.error().hint.find(OPTION("partial")), std::string::npos);
 
   const auto map = recognise_skeleton(clip, shipped_dialects(), "hmd.bvh", {.partial = true});
   ASSERT_TRUE(map) << describe(map.error());

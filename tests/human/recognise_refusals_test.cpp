@@ -1,8 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/option_name.h"
+#include "human/recognise.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/human/recognise.h"
 
 namespace retarget {
 namespace {
@@ -26,7 +27,7 @@ Hips 0 90 0
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
   EXPECT_EQ(refused.error().message, "no legs found in the skeleton");
-  EXPECT_THAT(refused.error().hint, HasSubstr("--partial"));
+  EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("partial")));
   const auto map = recognise(upper, true);
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_TRUE(map->partial);

@@ -1,4 +1,4 @@
-#include "retarget/human/recognise.h"
+#include "human/recognise.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <random>
 
+#include "bvh/read_bvh.h"
+#include "human/human_clip.h"
 #include "human/tiny_skeleton.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/human_clip.h"
 
 namespace retarget {
 namespace {

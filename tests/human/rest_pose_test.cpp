@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "human/canonical_pose.h"
 #include "human/hand_made_maps.h"
-#include "retarget/human/canonical_pose.h"
 
 namespace retarget {
 namespace {

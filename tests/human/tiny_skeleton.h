@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "retarget/human/bone_map.h"
-#include "retarget/human/dialect.h"
-#include "retarget/human/recognise.h"
-#include "retarget/motion/clip.h"
-#include "retarget/motion/skeleton.h"
+#include "human/bone_map.h"
+#include "human/dialect.h"
+#include "human/recognise.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/human/canonical_pose.h"
-#include "retarget/human/human_clip.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "human/canonical_pose.h"
+#include "human/human_clip.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 

@@ -1,12 +1,13 @@
 #include "human/units.h"
+#include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/tiny_skeleton.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
 
 namespace retarget {
 namespace {
@@ -92,8 +93,8 @@ TEST(CalibrateSize, ABodyOfNoKnownUnitIsRefusedUnlessItsHeightIsTold) {
     const Clip twice = sample_in(2.0, lafan1);
     const auto refused = calibrated(twice, lafan1, {});
     ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().hint, HasSubstr("--unit"));
-    EXPECT_THAT(refused.error().hint, HasSubstr("--height"));
+    EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("unit")));
+    EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("height")));
     CalibrationOptions told;
     told.height = 1.75;
     const auto found = calibrated(twice, lafan1, told);

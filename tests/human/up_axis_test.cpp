@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "bvh/read_bvh.h"
 #include "human/hand_made_maps.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 namespace retarget {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "ik/frame_error.h"
 #include "ik/ik_cases.h"
-#include "retarget/math/se3.h"
+#include "math/se3.h"
 
 namespace retarget {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "retarget/ik/ik_solver.h"
+#include "ik/ik_solver.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "ik/box_qp.h"
 #include "ik/ik_cases.h"
-#include "retarget/ik/box_qp.h"
-#include "retarget/ik/ik_solver.h"
-#include "retarget/math/se3.h"
+#include "ik/ik_solver.h"
+#include "math/se3.h"
 
 namespace retarget {
 namespace {

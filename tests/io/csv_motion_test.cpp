@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "retarget/io/robot_motion.h"
-#include "retarget/robot/variant.h"
+#include "base/option_name.h"
+#include "retarget/motion_io.h"
+#include "robot/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -119,7 +120,7 @@ TEST_F(CsvMotion, HeadersAreUnderstoodInManyWays) {
 TEST_F(CsvMotion, HeadersThatAreNotUnderstoodAreFaults) {
   const std::string letters = "a,b,c,d,e,f,g,h,i,j,k,l\n" + std::string(kRow);
   expect_fault(letters, AllOf(HasSubstr("the header is not understood: \"a\", \"b\""),
-                              HasSubstr("--ignore-header")));
+                              HasSubstr(OPTION("ignore-header"))));
   expect_pose(letters, with([](auto& o) { o.ignore_header = true; }));
   expect_fault("x,y,z,w,qx,qy,qz,left_sholder,right_slide\n0,0,1,1,0,0,0,0,0\n",
                HasSubstr("did you mean \"left_shoulder\"?"));
@@ -199,7 +200,7 @@ TEST_F(CsvMotion, TimesThatDoNotTellAreFaultsUnlessTheRateIsGiven) {
         {timed({"0", "4", "8"}), "frame numbers or times"},
         {timed({"0", ".02", ".02", ".04"}, "time"), "does not go up"},
         {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not even"}}) {
-    expect_fault(text, AllOf(HasSubstr(words), HasSubstr("--source-fps")));
+    expect_fault(text, AllOf(HasSubstr(words), HasSubstr(OPTION("source-fps"))));
     const auto given = read(text, at_60);
     ASSERT_TRUE(given) << describe(given.error());
     EXPECT_EQ(given->clip.rate(), (FrameRate{60, 1}));
@@ -245,7 +246,7 @@ TEST_F(CsvMotion, SomasFramesThatAreMissingAreAFault) {
   text.erase(second, text.find('\n', second + 1) - second);
   const auto gap = parse_robot_motion(text, robot_, "m", {});
   ASSERT_FALSE(gap);
-  EXPECT_THAT(describe(gap.error()), AllOf(HasSubstr("frames missing"), HasSubstr("--source-fps")));
+  EXPECT_THAT(describe(gap.error()), AllOf(HasSubstr("frames missing"), HasSubstr("source_fps")));
 }
 
 TEST_F(CsvMotion, UnitsHoldForAnglesOfTheRootAsForJoints) {

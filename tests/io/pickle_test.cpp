@@ -1,4 +1,4 @@
-#include "retarget/io/pickle.h"
+#include "io/pickle.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/npz_writer.h"
 #include "io/pickle_writer.h"
-#include "retarget/base/npz_writer.h"
 
 namespace retarget {
 namespace {

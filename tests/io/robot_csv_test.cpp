@@ -1,4 +1,4 @@
-#include "retarget/io/robot_csv.h"
+#include "retarget/motion_io.h"
 
 #include <gtest/gtest.h>
 

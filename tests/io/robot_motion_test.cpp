@@ -1,15 +1,14 @@
-#include "retarget/io/robot_motion.h"
+#include "retarget/motion_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "retarget/io/compare_motions.h"
-#include "retarget/io/write_robot_motion.h"
-#include "retarget/math/so3.h"
-#include "retarget/robot/resample_robot.h"
-#include "retarget/robot/variant.h"
+#include "io/compare_motions.h"
+#include "math/so3.h"
+#include "robot/resample_robot.h"
+#include "robot/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,12 +1,12 @@
-#include "retarget/io/tracking_motion.h"
+#include "retarget/motion_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "retarget/base/npz.h"
-#include "retarget/math/so3.h"
+#include "base/npz.h"
+#include "math/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,11 +1,11 @@
-#include "retarget/io/robot_csv.h"
+#include "base/option_name.h"
+#include "retarget/motion_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "retarget/io/robot_motion.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -81,7 +81,7 @@ TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
 // these were metres without a word: a hundredth and a tenth of a walk's heights
 TEST_F(UnitsTest, WhoStandsIsNoFootHigh) {
   for (const double scale : {0.001, 0.01, 0.1, 0.0}) {
-    expect_refused(csv({.scale = scale}), "--source-unit m");
+    expect_refused(csv({.scale = scale}), OPTION("source-unit") " m");
     const auto motion = read(csv({.scale = scale}), metres(1.0));
     ASSERT_TRUE(motion) << scale << ": " << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76 * scale, 1e-9);
@@ -94,7 +94,7 @@ TEST_F(UnitsTest, WhoStandsIsNoFootHigh) {
 TEST_F(UnitsTest, WhoStandsLowOrHighIsDoubted) {
   // as a kneeling robot that leans back on its heels, and as one in feet or on a roof
   for (const double height : {0.2, 1.4, 2.2}) {
-    expect_doubted(csv({.height = height}), "--source-unit");
+    expect_doubted(csv({.height = height}), OPTION("source-unit"));
     EXPECT_THAT(read(csv({.height = height}), metres(1.0))->warnings, IsEmpty());
   }
   for (const double height : {0.35, 0.5, 1.2}) {
@@ -139,7 +139,7 @@ TEST_F(UnitsTest, WhoSitsUprightIsNotDoubted) {
 // these were taken for centimetres and millimetres, a hundredth and a thousandth of what they are
 TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
   for (const double height : {6.5, 8.0, 90.0, 1000.0}) {
-    expect_refused(csv({.height = height}), "--source-unit");
+    expect_refused(csv({.height = height}), OPTION("source-unit"));
     const auto motion = read(csv({.height = height}), metres(1.0));
     ASSERT_TRUE(motion) << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], height, 1e-9);
@@ -149,7 +149,7 @@ TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
 
 TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
   for (const double scale : {100.0, 1000.0}) {
-    expect_refused(csv({.scale = scale}), "--source-unit");
+    expect_refused(csv({.scale = scale}), OPTION("source-unit"));
     const auto motion = read(csv({.scale = scale}), metres(1.0 / scale));
     ASSERT_TRUE(motion) << describe(motion.error());
     EXPECT_NEAR(motion->clip.qpos(5)[2], 0.76, 1e-9);
@@ -158,20 +158,20 @@ TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
 
 TEST_F(UnitsTest, LowCentimetresAreDoubted) {
   // on the back at 3 cm, and with heights counted from the first frame's
-  expect_doubted(csv({.height = 0.03, .scale = 100.0, .lying = true}), "--source-unit");
-  expect_doubted(csv({.height = 0.0, .scale = 100.0, .lying = true}), "--source-unit");
+  expect_doubted(csv({.height = 0.03, .scale = 100.0, .lying = true}), OPTION("source-unit"));
+  expect_doubted(csv({.height = 0.0, .scale = 100.0, .lying = true}), OPTION("source-unit"));
 }
 
 TEST_F(UnitsTest, DegreesMustBeSaid) {
   const double degrees = 180.0 / 3.14159265358979323846;
-  expect_refused(csv({.angles = degrees}), "--source-angles");
+  expect_refused(csv({.angles = degrees}), OPTION("source-angles"));
   ReadMotionOptions in_degrees;
   in_degrees.degrees = true;
   const auto motion = read(csv({.angles = degrees}), in_degrees);
   ASSERT_TRUE(motion) << describe(motion.error());
   EXPECT_NEAR(motion->clip.qpos(0)[8], 0.3 * std::sin(8.0), 1e-9);
   // hardly a movement: no number is beyond what some joint turns, but beyond most joints' ranges
-  expect_doubted(csv({.swing = 0.05, .angles = degrees}), "--source-angles");
+  expect_doubted(csv({.swing = 0.05, .angles = degrees}), OPTION("source-angles"));
   EXPECT_THAT(read(csv({}))->warnings, IsEmpty());
 }
 

@@ -1,4 +1,4 @@
-#include "retarget/math/filter.h"
+#include "math/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

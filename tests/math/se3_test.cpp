@@ -1,4 +1,4 @@
-#include "retarget/math/se3.h"
+#include "math/se3.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

@@ -1,4 +1,4 @@
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 #include <gtest/gtest.h>
 

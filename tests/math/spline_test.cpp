@@ -1,4 +1,4 @@
-#include "retarget/math/spline.h"
+#include "math/spline.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

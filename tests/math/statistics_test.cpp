@@ -1,4 +1,4 @@
-#include "retarget/math/statistics.h"
+#include "math/statistics.h"
 
 #include <gtest/gtest.h>
 

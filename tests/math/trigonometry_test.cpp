@@ -1,4 +1,4 @@
-#include "retarget/math/trigonometry.h"
+#include "math/trigonometry.h"
 
 #include <gtest/gtest.h>
 

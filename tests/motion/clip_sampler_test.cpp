@@ -1,4 +1,4 @@
-#include "retarget/motion/clip_sampler.h"
+#include "motion/clip_sampler.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "retarget/motion/contact_phases.h"
+#include "motion/contact_phases.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

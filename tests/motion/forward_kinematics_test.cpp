@@ -1,4 +1,4 @@
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 
 #include <gtest/gtest.h>
 

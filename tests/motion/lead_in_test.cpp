@@ -1,4 +1,4 @@
-#include "retarget/motion/lead_in.h"
+#include "motion/lead_in.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "motion/test_clips.h"
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 namespace {

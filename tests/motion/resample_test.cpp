@@ -1,4 +1,4 @@
-#include "retarget/motion/resample.h"
+#include "motion/resample.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "retarget/motion/skeleton_points.h"
+#include "motion/skeleton_points.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

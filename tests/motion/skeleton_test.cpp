@@ -1,4 +1,4 @@
-#include "retarget/motion/skeleton.h"
+#include "retarget/clip.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

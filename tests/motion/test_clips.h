@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "retarget/math/so3.h"
-#include "retarget/motion/clip.h"
+#include "math/so3.h"
+#include "retarget/clip.h"
 
 namespace retarget {
 

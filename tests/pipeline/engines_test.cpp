@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/pipeline/targets.h"
+#include "bvh/read_bvh.h"
+#include "pipeline/retarget.h"
+#include "pipeline/targets.h"
+#include "retarget/motion_io.h"
 #include "support/csv.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/ik_tables.h"
+#include "pipeline/ik_tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ std::string fault_of(const Json& json) {
   const auto tables = parse(json);
   if (!tables) {
     EXPECT_EQ(tables.error().kind, ErrorKind::kConfig);
-    EXPECT_EQ(tables.error().file, "map.json");
+    EXPECT_EQ(tables.error().location.file, "map.json");
     return describe(tables.error());
   }
   const auto checked = check_ik_tables(*tables, *robot_from_text(kTwoArms));
@@ -81,8 +81,8 @@ TEST(IkTables, SyntaxErrorsHaveLineAndColumn) {
   const auto tables = parse_ik_tables("{\n  \"ground_height\": 0.0,\n  oops\n}", "map.json");
   ASSERT_FALSE(tables);
   EXPECT_EQ(tables.error().kind, ErrorKind::kConfig);
-  EXPECT_EQ(tables.error().line, 3u);
-  EXPECT_EQ(tables.error().column, 3u);
+  EXPECT_EQ(tables.error().location.line, 3u);
+  EXPECT_EQ(tables.error().location.column, 3u);
 }
 
 TEST(IkTables, MissingFileIsAConfigurationError) {

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/limb_lengths.h"
+#include "pipeline/limb_lengths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <random>
 #include <string_view>
 
-#include "retarget/pipeline/targets.h"
+#include "pipeline/targets.h"
 #include "support/limbed_tables.h"
 #include "support/test_robots.h"
 

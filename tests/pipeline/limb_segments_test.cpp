@@ -10,12 +10,12 @@
 #include <numbers>
 #include <set>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/recognise.h"
-#include "retarget/motion/resample.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/smpl/read_smpl.h"
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
+#include "human/recognise.h"
+#include "motion/resample.h"
+#include "pipeline/retarget.h"
+#include "smpl/read_smpl.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 

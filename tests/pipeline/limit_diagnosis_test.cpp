@@ -1,6 +1,6 @@
 // Joints at a limit: what pushes them there, against finite differences and by hand.
 
-#include "retarget/pipeline/limit_diagnosis.h"
+#include "pipeline/limit_diagnosis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "retarget/math/se3.h"
+#include "math/se3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

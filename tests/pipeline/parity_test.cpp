@@ -5,12 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/ik/box_qp.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/math/so3.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/pipeline/targets.h"
+#include "bvh/read_bvh.h"
+#include "ik/box_qp.h"
+#include "math/so3.h"
+#include "pipeline/retarget.h"
+#include "pipeline/targets.h"
+#include "retarget/motion_io.h"
 #include "support/csv.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

@@ -4,11 +4,11 @@
 
 #include <filesystem>
 
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
 #include "human/hand_made_maps.h"
 #include "human/twins.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/pipeline/retarget.h"
+#include "pipeline/retarget.h"
 #include "support/test_robots.h"
 
 namespace retarget {

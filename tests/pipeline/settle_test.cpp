@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/pipeline/retarget.h"
+#include "bvh/read_bvh.h"
+#include "pipeline/retarget.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 

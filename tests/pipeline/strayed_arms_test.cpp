@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "retarget/human/bones.h"
-#include "retarget/math/so3.h"
+#include "human/bones.h"
+#include "math/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <thread>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/pipeline/retarget.h"
+#include "bvh/read_bvh.h"
+#include "pipeline/retarget.h"
 #include "support/test_robots.h"
 
 namespace retarget {

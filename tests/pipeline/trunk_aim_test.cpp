@@ -1,6 +1,6 @@
 // How a human's trunk turns a robot's, held against the robot's own kinematics.
 
-#include "retarget/pipeline/trunk_aim.h"
+#include "pipeline/trunk_aim.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@
 #include <numbers>
 #include <random>
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/so3.h"
-#include "retarget/pipeline/targets.h"
-#include "retarget/robot/load_robot.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/so3.h"
+#include "pipeline/targets.h"
+#include "robot/load_robot.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "retarget/pipeline/trunk_lines.h"
+#include "pipeline/trunk_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/human/bones.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/math/so3.h"
+#include "human/bones.h"
+#include "human/canonical_pose.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {

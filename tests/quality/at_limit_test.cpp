@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-#include "retarget/quality/measure.h"
+#include "quality/measure.h"
 #include "support/test_robots.h"
 
 namespace retarget {

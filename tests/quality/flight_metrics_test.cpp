@@ -8,7 +8,7 @@
 #include <functional>
 #include <tuple>
 
-#include "retarget/human/foot_contacts.h"
+#include "human/foot_contacts.h"
 #include "support/test_robots.h"
 
 namespace retarget {

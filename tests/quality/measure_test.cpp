@@ -1,6 +1,6 @@
 // Metrics in cases that can be told without a computer.
 
-#include "retarget/quality/measure.h"
+#include "quality/measure.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "retarget/base/file.h"
-#include "retarget/human/canonical_pose.h"
-#include "retarget/quality/gates.h"
+#include "base/file.h"
+#include "human/canonical_pose.h"
+#include "retarget/report.h"
 #include "support/temporary_folder.h"
 #include "support/test_robots.h"
 

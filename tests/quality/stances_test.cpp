@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "retarget/human/canonical_pose.h"
+#include "human/canonical_pose.h"
 
 namespace retarget {
 namespace {

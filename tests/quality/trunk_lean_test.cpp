@@ -9,8 +9,8 @@
 #include <functional>
 #include <numbers>
 
-#include "retarget/human/canonical_pose.h"
-#include "retarget/quality/measure.h"
+#include "human/canonical_pose.h"
+#include "quality/measure.h"
 #include "support/limbed_tables.h"
 #include "support/test_robots.h"
 

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <random>
 
-#include "retarget/math/so3.h"
-#include "retarget/robot/shape_distance.h"
+#include "math/so3.h"
+#include "robot/shape_distance.h"
 
 namespace retarget {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/refine/fit.h"
+#include "bvh/read_bvh.h"
+#include "motion/clip_range.h"
+#include "refine/fit.h"
 #include "support/test_robots.h"
 
 namespace retarget {

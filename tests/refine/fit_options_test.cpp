@@ -1,6 +1,6 @@
 // Options from JSON, terms by name.
 
-#include "retarget/refine/fit_options.h"
+#include "refine/fit_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

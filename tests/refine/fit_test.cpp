@@ -1,6 +1,6 @@
 // The whole fit on the repository's samples: guarantees, feet, odd clips, windows and threads.
 
-#include "retarget/refine/fit.h"
+#include "refine/fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <limits>
 #include <random>
 
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/motion/resample.h"
+#include "bvh/read_bvh.h"
+#include "motion/clip_range.h"
+#include "motion/resample.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -13,12 +13,12 @@
 #include <random>
 #include <set>
 
+#include "human/bones.h"
+#include "math/so3.h"
+#include "pipeline/targets.h"
 #include "refine/clip_fitter.h"
 #include "refine/fit_distance.h"
 #include "refine/joint_speeds.h"
-#include "retarget/human/bones.h"
-#include "retarget/math/so3.h"
-#include "retarget/pipeline/targets.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "retarget/rig/bare_robot.h"
+#include "rig/bare_robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "retarget/robot/load_robot.h"
-#include "retarget/robot/variant.h"
 #include "rig_test_support.h"
+#include "robot/load_robot.h"
+#include "robot/variant.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -148,7 +148,7 @@ TEST(BareRobot, WhatIsNoHumanoidIsRefused) {
   const auto completed = complete_bare_robot(*arms, "arms.xml");
   ASSERT_FALSE(completed);
   EXPECT_EQ(completed.error().kind, ErrorKind::kConfig);
-  EXPECT_EQ(completed.error().file, "arms.xml");
+  EXPECT_EQ(completed.error().location.file, "arms.xml");
 }
 
 }  // namespace

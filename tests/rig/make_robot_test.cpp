@@ -1,13 +1,13 @@
-#include "retarget/rig/make_robot.h"
+#include "rig/make_robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "retarget/rig/check_robot.h"
-#include "retarget/robot/load_robot.h"
+#include "rig/check_robot.h"
 #include "rig_test_support.h"
+#include "robot/load_robot.h"
 
 namespace retarget {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/rig/limbs.h"
+#include "rig/limbs.h"
 #include "support/test_robots.h"
 
 namespace retarget {

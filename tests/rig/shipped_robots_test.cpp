@@ -7,17 +7,17 @@
 #include <map>
 #include <numbers>
 
-#include "retarget/base/file.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/calibrate.h"
-#include "retarget/human/recognise.h"
-#include "retarget/motion/resample.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/rig/derive_mapping.h"
-#include "retarget/rig/limb_errors.h"
-#include "retarget/rig/shapes.h"
-#include "retarget/robot/find_robot.h"
-#include "retarget/robot/load_robot.h"
+#include "base/file.h"
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
+#include "human/recognise.h"
+#include "motion/resample.h"
+#include "pipeline/retarget.h"
+#include "rig/derive_mapping.h"
+#include "rig/limb_errors.h"
+#include "rig/shapes.h"
+#include "robot/find_robot.h"
+#include "robot/load_robot.h"
 #include "support/shared_data.h"
 
 namespace retarget {

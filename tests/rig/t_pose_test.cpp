@@ -1,10 +1,10 @@
-#include "retarget/rig/t_pose.h"
+#include "rig/t_pose.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "retarget/rig/derive_mapping.h"
+#include "rig/derive_mapping.h"
 #include "rig_test_support.h"
 
 namespace retarget {

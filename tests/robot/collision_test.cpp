@@ -1,6 +1,6 @@
 // Distances of primitives, held against MuJoCo's and against what a distance is.
 
-#include "retarget/robot/collision.h"
+#include "robot/collision.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -10,7 +10,7 @@
 #include <random>
 #include <sstream>
 
-#include "retarget/math/so3.h"
+#include "math/so3.h"
 #include "support/test_robots.h"
 
 namespace retarget {

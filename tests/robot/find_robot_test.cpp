@@ -1,4 +1,5 @@
-#include "retarget/robot/find_robot.h"
+#include "robot/find_robot.h"
+#include "base/option_name.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -111,7 +112,8 @@ TEST(RobotsFolderTest, OursHaveShortNames) {
 TEST_F(FindRobotTest, FoldersAndFilesThatAreNoRobots) {
   EXPECT_THAT(error_of((folder_.path() / "no_robot").string()).message,
               HasSubstr("no file model.xml"));
-  EXPECT_THAT(error_of((folder_.path() / "model.txt").string()).hint, HasSubstr("--robot-xml"));
+  EXPECT_THAT(error_of((folder_.path() / "model.txt").string()).hint,
+              HasSubstr(OPTION("robot-xml")));
 }
 
 TEST_F(FindRobotTest, ListIsSortedAndHoldsRobotsOnly) {

@@ -1,4 +1,4 @@
-#include "retarget/robot/limits.h"
+#include "retarget/robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -101,7 +101,7 @@ TEST(LimitsTest, MissingFilesAreErrors) {
     const auto limits = load_limits(*robot, file);
     ASSERT_FALSE(limits.has_value());
     EXPECT_EQ(limits.error().kind, ErrorKind::kConfig);
-    EXPECT_EQ(limits.error().file, file);
+    EXPECT_EQ(limits.error().location.file, file);
   }
 }
 

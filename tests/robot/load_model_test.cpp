@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "retarget/robot/load_robot.h"
+#include "robot/load_robot.h"
 #include "robot/mujoco_messages.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
@@ -284,7 +284,7 @@ TEST(LoadModelTest, ThreadsMayLoadAtTheSameTime) {
       for (int i = 0; i < 25; ++i) {
         if (!load_robot(good).has_value()) ++faults[t];
         const auto failed = load_robot(bad);
-        if (failed.has_value() || failed.error().line != 3) ++faults[t];
+        if (failed.has_value() || failed.error().location.line != 3) ++faults[t];
       }
     });
   }

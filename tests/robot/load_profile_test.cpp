@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "retarget/robot/load_robot.h"
+#include "robot/load_robot.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -30,7 +30,7 @@ std::string message_of(const std::string& profile) {
   EXPECT_FALSE(robot.has_value()) << profile;
   if (robot) return {};
   EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
-  EXPECT_THAT(robot.error().file, HasSubstr("robot.json"));
+  EXPECT_THAT(robot.error().location.file, HasSubstr("robot.json"));
   return robot.error().message;
 }
 
@@ -97,8 +97,8 @@ TEST(LoadProfileTest, NameAloneIsEnough) {
 TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
   const auto robot = load("{\"name\": \"x\",\n \"soles\": }");
   ASSERT_FALSE(robot.has_value());
-  EXPECT_EQ(robot.error().line, 2U);
-  EXPECT_EQ(robot.error().column, 11U);
+  EXPECT_EQ(robot.error().location.line, 2U);
+  EXPECT_EQ(robot.error().location.column, 11U);
 }
 
 TEST(LoadProfileTest, TheNameIsOneThatAFolderCanHave) {
@@ -194,7 +194,7 @@ TEST(LoadProfileTest, MissingFileIsAnError) {
   const TemporaryFolder folder;
   const auto robot = load_robot(folder.write("robot.xml", kTwoArms), "no/robot.json");
   ASSERT_FALSE(robot.has_value());
-  EXPECT_EQ(robot.error().file, "no/robot.json");
+  EXPECT_EQ(robot.error().location.file, "no/robot.json");
 }
 
 }  // namespace

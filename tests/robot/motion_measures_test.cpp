@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "retarget/robot/limit_distance.h"
-#include "retarget/robot/normalize_start.h"
+#include "robot/limit_distance.h"
+#include "robot/normalize_start.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

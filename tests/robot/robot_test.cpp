@@ -1,6 +1,6 @@
 // Tree, forward kinematics and shapes of a robot, against MuJoCo and figures worked out by hand.
 
-#include "retarget/robot/robot.h"
+#include "retarget/robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <limits>
 #include <random>
 
-#include "retarget/robot/load_robot.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
+#include "robot/load_robot.h"
 #include "robot_kinematics.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"

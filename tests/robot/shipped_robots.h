@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "retarget/robot/find_robot.h"
-#include "retarget/robot/load_robot.h"
+#include "robot/find_robot.h"
+#include "robot/load_robot.h"
 
 namespace retarget {
 

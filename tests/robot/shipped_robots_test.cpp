@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-#include "retarget/robot/limits.h"
+#include "retarget/robot.h"
 #include "robot_kinematics.h"
 
 namespace retarget {

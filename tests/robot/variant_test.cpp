@@ -1,11 +1,11 @@
 // Variants: joints held and left out of the columns.
 
-#include "retarget/robot/variant.h"
+#include "robot/variant.h"
 
 #include <gmock/gmock.h>
 
-#include "retarget/robot/limit_distance.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
+#include "robot/limit_distance.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
 

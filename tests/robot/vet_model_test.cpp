@@ -9,8 +9,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "retarget/robot/load_robot.h"
 #include "robot/load_model.h"
+#include "robot/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "retarget/smpl/read_smpl.h"
+#include "smpl/read_smpl.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
 #include "smpl_test_support.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
@@ -70,7 +70,7 @@ std::string error_of(const Amass& amass, const SmplReadOptions& options = {}) {
   const Result<SmplMotion> motion = read_smpl(amass.bytes(), "walk.npz", options);
   if (motion) return "no error";
   EXPECT_EQ(motion.error().kind, ErrorKind::kInput);
-  EXPECT_EQ(motion.error().file, "walk.npz");
+  EXPECT_EQ(motion.error().location.file, "walk.npz");
   return describe(motion.error());
 }
 
@@ -276,7 +276,7 @@ TEST(ReadSmpl, ARateIsNeededAndMayBeGiven) {
   given.source_fps = 50.0;
   const auto both = [&](const Amass& amass, const std::string& words) {
     EXPECT_THAT(error_of(amass), HasSubstr(words));
-    EXPECT_THAT(error_of(amass), HasSubstr("hint: give the frame rate with --source-fps"));
+    EXPECT_THAT(error_of(amass), HasSubstr("hint: give the frame rate with source_fps"));
     EXPECT_EQ(motion_of(amass, given).clip.rate(), (FrameRate{50, 1}));
   };
   both(Amass().without("mocap_framerate"), "no frame rate: found none of mocap_framerate");
@@ -336,7 +336,7 @@ TEST(ReadSmpl, BetasGiveTheHeight) {
   EXPECT_DOUBLE_EQ(motion_of(Amass(), options).height, 1.9);
   const Amass absurd = Amass().with("betas", npy_doubles({1}, {40}));
   EXPECT_THAT(error_of(absurd), HasSubstr("would make a body 5.66"));
-  EXPECT_THAT(error_of(absurd), HasSubstr("hint: give the height with --height"));
+  EXPECT_THAT(error_of(absurd), HasSubstr("hint: give the height with height"));
   EXPECT_DOUBLE_EQ(motion_of(absurd, options).height, 1.9);
   options.height = -1.0;
   EXPECT_EQ(read_smpl(Amass().bytes(), "walk.npz", options).error().kind, ErrorKind::kUsage);

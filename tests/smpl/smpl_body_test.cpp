@@ -1,4 +1,4 @@
-#include "retarget/smpl/smpl_body.h"
+#include "smpl/smpl_body.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "retarget/motion/clip.h"
-#include "retarget/motion/forward_kinematics.h"
+#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "smpl_test_support.h"
 #include "support/temporary_folder.h"
 
@@ -149,7 +149,7 @@ std::string error_of(const std::string& bytes) {
   const Result<SmplBody> body = read_smpl_body(bytes, "model.npz");
   if (body) return "no error";
   EXPECT_EQ(body.error().kind, ErrorKind::kConfig);
-  EXPECT_EQ(body.error().file, "model.npz");
+  EXPECT_EQ(body.error().location.file, "model.npz");
   return describe(body.error());
 }
 

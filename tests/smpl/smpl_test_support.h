@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/smpl/smpl_body.h"
+#include "smpl/smpl_body.h"
 #include "support/npz_builder.h"
 
 namespace retarget {

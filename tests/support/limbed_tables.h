@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "retarget/pipeline/ik_tables.h"
+#include "pipeline/ik_tables.h"
 
 namespace retarget {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "retarget/robot/load_robot.h"
+#include "robot/load_robot.h"
 #include "support/temporary_folder.h"
 
 namespace retarget {

@@ -12,18 +12,18 @@
 #include <set>
 #include <system_error>
 
+#include "base/file.h"
+#include "base/suggest.h"
+#include "batch/folder_lock.h"
+#include "batch/shard.h"
 #include "batch_leftovers.h"
 #include "batch_manifests.h"
 #include "batch_runner.h"
 #include "commands.h"
 #include "fit_run.h"
 #include "human_source.h"
+#include "motion/clip_range.h"
 #include "outputs.h"
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/batch/folder_lock.h"
-#include "retarget/batch/shard.h"
-#include "retarget/motion/clip_range.h"
 #include "robot_mapping.h"
 #include "run_setup.h"
 #include "written_files.h"

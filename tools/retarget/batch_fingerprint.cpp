@@ -9,11 +9,11 @@
 #include <system_error>
 #include <vector>
 
+#include "base/hash.h"
 #include "fit_run.h"
-#include "retarget/base/hash.h"
-#include "retarget/io/motion_format.h"
-#include "retarget/robot/find_robot.h"
+#include "retarget/motion_io.h"
 #include "retarget/version.h"
+#include "robot/find_robot.h"
 
 namespace retarget::cli {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <system_error>
 
+#include "base/file.h"
+#include "base/plain_name.h"
 #include "outputs.h"
-#include "retarget/base/file.h"
-#include "retarget/base/plain_name.h"
 
 namespace retarget::cli {
 

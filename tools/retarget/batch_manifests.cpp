@@ -6,9 +6,9 @@
 #include <regex>
 #include <system_error>
 
+#include "base/file.h"
+#include "batch/summary.h"
 #include "batch_leftovers.h"
-#include "retarget/base/file.h"
-#include "retarget/batch/summary.h"
 
 namespace retarget::cli {
 namespace {

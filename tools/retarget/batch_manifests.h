@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "batch/manifest.h"
+#include "batch/shard.h"
 #include "console.h"
 #include "options.h"
-#include "retarget/batch/manifest.h"
-#include "retarget/batch/shard.h"
 
 namespace retarget::cli {
 

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <string>
 
+#include "batch/manifest.h"
 #include "console.h"
-#include "retarget/batch/manifest.h"
 
 namespace retarget::cli {
 

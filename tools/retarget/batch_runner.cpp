@@ -12,11 +12,11 @@
 #include <system_error>
 #include <utility>
 
+#include "batch/process_pool.h"
+#include "batch/summary.h"
+#include "batch/worker_pool.h"
 #include "interrupt.h"
 #include "read_source.h"
-#include "retarget/batch/process_pool.h"
-#include "retarget/batch/summary.h"
-#include "retarget/batch/worker_pool.h"
 #include "robot_mapping.h"
 
 namespace retarget::cli {
@@ -157,7 +157,7 @@ Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
   }
   auto done = run(task, memory_gb, output, entry);
   if (!done) {
-    if (done.error().file.empty()) done.error().file = task.input->path;
+    if (done.error().location.file.empty()) done.error().location.file = task.input->path;
     // a wrong option or a full disk says nothing about the motion that is there
     if (done.error().kind == ErrorKind::kInput) remove_outputs(task);
   }
@@ -189,7 +189,7 @@ void BatchWorker::answer(char kind, const ManifestEntry& entry) {
 ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& end) const {
   ManifestEntry entry = entry_of(task);
   Error& error = entry.error.emplace();
-  error.file = task.input->path;
+  error.location.file = task.input->path;
   if (end.timed_out) {
     error.message = "the clip took longer than " + number_text(timeout_s_, 3) + " s and was ended";
     error.hint = "--clip-timeout gives it more";
@@ -245,6 +245,10 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   if (!done) {
     entry.exit_code = exit_code(done.error().kind);
     entry.error = std::move(done.error());
+    // files and summaries are for people at the command line
+    for (std::string* text : {&entry.error->message, &entry.error->hint}) {
+      *text = spell_options(*text, option_as_flag);
+    }
   }
   entry.finished = finished_now(context_.finished, entry);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "batch/find_inputs.h"
+#include "batch/manifest.h"
+#include "batch/resume.h"
 #include "batch_fingerprint.h"
 #include "batch_progress.h"
 #include "clip_run.h"
 #include "options.h"
-#include "retarget/batch/find_inputs.h"
-#include "retarget/batch/manifest.h"
-#include "retarget/batch/resume.h"
 
 namespace retarget::cli {
 

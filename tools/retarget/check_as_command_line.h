@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/suggest.h"
 #include "fit_run.h"
 #include "format_losses.h"
 #include "interrupt.h"
 #include "limit_lines.h"
-#include "retarget/base/suggest.h"
-#include "retarget/pipeline/retarget.h"
-#include "retarget/robot/limit_distance.h"
+#include "pipeline/retarget.h"
+#include "robot/limit_distance.h"
 #include "run_report.h"
 #include "run_setup.h"
 #include "sidecar.h"

@@ -9,11 +9,10 @@
 #include "console.h"
 #include "options.h"
 #include "outputs.h"
-#include "retarget/base/result.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/quality/report.h"
-#include "retarget/robot/limits.h"
-#include "retarget/robot/robot.h"
+#include "pipeline/ik_tables.h"
+#include "retarget/error.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
 #include "run_setup.h"
 
 namespace retarget::cli {

@@ -5,11 +5,11 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/file.h"
 #include "commands.h"
+#include "io/compare_motions.h"
 #include "read_source.h"
-#include "retarget/base/file.h"
-#include "retarget/io/compare_motions.h"
-#include "retarget/io/robot_motion.h"
+#include "retarget/motion_io.h"
 #include "robot_motion_options.h"
 #include "run_setup.h"
 

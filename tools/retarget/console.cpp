@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "retarget/base/printable.h"
+#include "base/printable.h"
 #include "wrapped_text.h"
 
 namespace retarget::cli {
@@ -81,7 +81,8 @@ std::string Console::paint_severity(std::string text) const {
   return text;
 }
 
-void Console::line(std::string_view label, std::string_view text) {
+void Console::line(std::string_view label, std::string_view with_marks) {
+  const std::string text = spell_options(with_marks, option_as_flag);
   if (notes_ != nullptr) notes_->lines.emplace_back(label, text);
   if (quiet_ || notes_ != nullptr) return;
   end_progress();
@@ -98,20 +99,21 @@ std::string Console::message(const std::string& text) const {
 
 void Console::warn(const std::vector<Warning>& warnings, std::string_view file) {
   if (notes_ != nullptr) {
-    for (const Warning& warning : warnings) notes_->warnings.push_back(describe(warning, file));
+    for (const Warning& warning : warnings)
+      notes_->warnings.push_back(describe(warning, file, option_as_flag));
     return;
   }
   if (quiet_) return;
   end_progress();
   for (const Warning& warning : warnings) {
-    put(paint_severity(message(describe(warning, file))) + "\n");
+    put(paint_severity(message(describe(warning, file, option_as_flag))) + "\n");
   }
 }
 
 ExitCode Console::fail(const Error& error) {
   end_progress();
   if (notes_ == nullptr) {
-    put(paint_severity(message(describe(error))) + "\n");
+    put(paint_severity(message(describe(error, option_as_flag))) + "\n");
   }
   return exit_code(error.kind);
 }

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/number_text.h"
-#include "retarget/base/result.h"
+#include "base/number_text.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

@@ -6,9 +6,9 @@
 #include "format_losses.h"
 #include "memory_need.h"
 #include "outputs.h"
-#include "retarget/io/robot_motion.h"
-#include "retarget/robot/resample_robot.h"
-#include "retarget/robot/variant.h"
+#include "retarget/motion_io.h"
+#include "robot/resample_robot.h"
+#include "robot/variant.h"
 #include "robot_motion_options.h"
 #include "run_setup.h"
 #include "written_files.h"
@@ -36,7 +36,7 @@ Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes, const ConvertO
       options.run.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
   resample_options.antialias = !options.run.no_antialias;
   auto resampled = resample_robot(clip, **rate, resample_options);
-  if (!resampled) resampled.error().file = options.input;
+  if (!resampled) resampled.error().location.file = options.input;
   return resampled;
 }
 

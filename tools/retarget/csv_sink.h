@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "retarget/base/file.h"
-#include "retarget/base/hash.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/robot/normalize_start.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "retarget/motion_io.h"
+#include "robot/normalize_start.h"
 
 namespace retarget::cli {
 

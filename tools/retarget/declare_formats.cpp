@@ -2,7 +2,7 @@
 
 #include "declare.h"
 #include "declare_shared.h"
-#include "retarget/io/motion_format.h"
+#include "retarget/motion_io.h"
 
 namespace retarget::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "base/suggest.h"
 #include "console.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget::cli {
 

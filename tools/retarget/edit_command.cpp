@@ -3,14 +3,14 @@
 #include <memory>
 #include <utility>
 
+#include "base/file.h"
+#include "bvh/read_bvh.h"
+#include "bvh/write_bvh.h"
 #include "commands.h"
+#include "edit/change_rest.h"
+#include "edit/lafan1_clip.h"
 #include "edits.h"
 #include "human_source.h"
-#include "retarget/base/file.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/bvh/write_bvh.h"
-#include "retarget/edit/change_rest.h"
-#include "retarget/edit/lafan1_clip.h"
 #include "written_files.h"
 
 namespace retarget::cli {

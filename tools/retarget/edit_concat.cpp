@@ -6,11 +6,11 @@
 #include <numbers>
 #include <utility>
 
+#include "base/file.h"
+#include "base/suggest.h"
+#include "edit/concatenate.h"
 #include "edits.h"
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/edit/concatenate.h"
-#include "retarget/motion/resample.h"
+#include "motion/resample.h"
 
 namespace retarget::cli {
 namespace {
@@ -84,7 +84,7 @@ Result<Clip> like_first(EditSource source, const EditSource& first, const std::s
   if (same_rate(clip.rate(), first.clip.rate())) return clip;
   console.line("", "from " + to_text(clip.rate()) + " to " + to_text(first.clip.rate()) + " fps");
   auto resampled = resample(std::move(clip), first.clip.rate());
-  if (!resampled) resampled.error().file = file;
+  if (!resampled) resampled.error().location.file = file;
   return resampled;
 }
 

@@ -4,10 +4,10 @@
 #include <numbers>
 #include <utility>
 
+#include "base/file.h"
+#include "edit/path_picture.h"
+#include "edit/rethread.h"
 #include "edits.h"
-#include "retarget/base/file.h"
-#include "retarget/edit/path_picture.h"
-#include "retarget/edit/rethread.h"
 
 namespace retarget::cli {
 namespace {

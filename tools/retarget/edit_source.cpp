@@ -2,11 +2,11 @@
 #include <string>
 #include <utility>
 
+#include "base/data_folder.h"
+#include "base/suggest.h"
 #include "edits.h"
-#include "retarget/base/data_folder.h"
-#include "retarget/base/suggest.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/motion/lead_in.h"
+#include "motion/clip_range.h"
+#include "motion/lead_in.h"
 
 namespace retarget::cli {
 

@@ -8,13 +8,13 @@
 #include <string_view>
 #include <utility>
 
+#include "base/suggest.h"
+#include "edit/ground_pose.h"
+#include "edit/make_loop.h"
+#include "edit/mirror.h"
+#include "edit/put_on_floor.h"
 #include "edits.h"
-#include "retarget/base/suggest.h"
-#include "retarget/edit/ground_pose.h"
-#include "retarget/edit/make_loop.h"
-#include "retarget/edit/mirror.h"
-#include "retarget/edit/put_on_floor.h"
-#include "retarget/motion/resample.h"
+#include "motion/resample.h"
 #include "run_setup.h"
 
 namespace retarget::cli {
@@ -55,7 +55,7 @@ Result<Clip> edit_resample(const EditOptions& options, Console& console) {
   const FrameRate own = clip->rate();
   if (timing.speed > 0.0) clip->set_rate(frame_rate_from_fps(own.fps() * timing.speed));
   clip = resample(std::move(*clip), rate->value_or(own), how);
-  if (!clip) clip.error().file = source_name(options.source);
+  if (!clip) clip.error().location.file = source_name(options.source);
   return clip;
 }
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "console.h"
+#include "edit/transfer.h"
 #include "edit_options.h"
 #include "human_source.h"
-#include "retarget/edit/transfer.h"
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget::cli {
 

@@ -6,16 +6,16 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/file.h"
+#include "base/printable.h"
+#include "base/suggest.h"
 #include "commands.h"
 #include "interrupt.h"
+#include "quality/measure.h"
 #include "read_source.h"
-#include "retarget/base/file.h"
-#include "retarget/base/printable.h"
-#include "retarget/base/suggest.h"
-#include "retarget/io/robot_motion.h"
-#include "retarget/quality/measure.h"
-#include "retarget/robot/limits.h"
-#include "retarget/robot/resample_robot.h"
+#include "retarget/motion_io.h"
+#include "retarget/robot.h"
+#include "robot/resample_robot.h"
 #include "robot_mapping.h"
 #include "robot_motion_options.h"
 #include "run_report.h"

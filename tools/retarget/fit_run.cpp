@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/file.h"
+#include "base/text_size.h"
+#include "batch/worker_pool.h"
 #include "interrupt.h"
 #include "read_source.h"
-#include "retarget/base/file.h"
-#include "retarget/base/text_size.h"
-#include "retarget/batch/worker_pool.h"
 
 namespace retarget::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include "console.h"
 #include "human_source.h"
 #include "options.h"
-#include "retarget/refine/fit.h"
+#include "refine/fit.h"
 
 namespace retarget::cli {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/suggest.h"
 #include "outputs.h"
-#include "retarget/base/suggest.h"
 
 namespace retarget::cli {
 

@@ -5,7 +5,7 @@
 
 #include "console.h"
 #include "options.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
 
 namespace retarget::cli {
 

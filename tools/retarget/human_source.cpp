@@ -4,13 +4,13 @@
 #include <charconv>
 #include <utility>
 
-#include "retarget/base/file.h"
-#include "retarget/base/suggest.h"
-#include "retarget/base/text_size.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/human/bone_map_file.h"
-#include "retarget/human/limb_directions.h"
-#include "retarget/human/recognise.h"
+#include "base/file.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
+#include "bvh/read_bvh.h"
+#include "human/bone_map_file.h"
+#include "human/limb_directions.h"
+#include "human/recognise.h"
 
 namespace retarget::cli {
 namespace {

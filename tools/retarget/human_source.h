@@ -3,10 +3,10 @@
 #include <filesystem>
 
 #include "console.h"
+#include "human/bone_map.h"
+#include "human/calibrate.h"
 #include "options.h"
 #include "read_source.h"
-#include "retarget/human/bone_map.h"
-#include "retarget/human/calibrate.h"
 
 namespace retarget::cli {
 

@@ -5,13 +5,13 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "base/data_folder.h"
+#include "base/file.h"
+#include "base/printable.h"
 #include "commands.h"
 #include "human_source.h"
-#include "retarget/base/data_folder.h"
-#include "retarget/base/file.h"
-#include "retarget/base/printable.h"
-#include "retarget/motion/forward_kinematics.h"
-#include "retarget/motion/skeleton_points.h"
+#include "motion/forward_kinematics.h"
+#include "motion/skeleton_points.h"
 #include "wrapped_text.h"
 #include "written_files.h"
 
@@ -53,7 +53,7 @@ void add_human(Json& json, const Clip& clip, const Result<HumanSource>& human) {
          {"dialect", "confidence", "mapping", "unit", "up", "forward", "height_m", "rest_pose"}) {
       json[key] = nullptr;
     }
-    json["not_understood"] = human.error().message;
+    json["not_understood"] = spell_options(full_message(human.error()), option_as_flag);
     return;
   }
   const auto& [map, calibration] = *human;
@@ -73,7 +73,9 @@ void add_human(Json& json, const Clip& clip, const Result<HumanSource>& human) {
   json["rest_pose_degrees_off"] = calibration.rest_deviation;
   json["notes"] = map.notes;
   json["doubts"] = Json::array();
-  for (const Warning& doubt : calibration.mapping.doubts) json["doubts"].push_back(doubt.message);
+  for (const Warning& doubt : calibration.mapping.doubts) {
+    json["doubts"].push_back(spell_options(doubt.message, option_as_flag));
+  }
 }
 
 std::string report_json(const SourceMotion& file, const Result<HumanSource>& human,
@@ -93,8 +95,9 @@ std::string report_json(const SourceMotion& file, const Result<HumanSource>& hum
   json["extents"] = {{"min", to_json(box.min())}, {"max", to_json(box.max())}};
   json["warnings"] = Json::array();
   for (const Warning& warning : file.warnings) {
-    json["warnings"].push_back(
-        {{"line", warning.line}, {"column", warning.column}, {"message", warning.message}});
+    json["warnings"].push_back({{"line", warning.line},
+                                {"column", warning.column},
+                                {"message", spell_options(warning.message, option_as_flag)}});
   }
   add_human(json, clip, human);
   // names are the file's bytes; what is no UTF-8 must not end the program
@@ -112,13 +115,16 @@ std::string human_text(const Clip& clip, const Result<HumanSource>& human) {
     start.resize(kTextColumn, ' ');
     return start + wrapped_text(text, kTextColumn, kTextColumn + 2) + "\n";
   };
-  if (!human) return line("human", "not understood: " + human.error().message) + "\n";
+  if (!human)
+    return line("human",
+                "not understood: " + spell_options(full_message(human.error()), option_as_flag)) +
+           "\n";
   const auto& [map, calibration] = *human;
   std::string text = line("human", calibration.mapping.description + "; " + map.dialect +
                                        ", confidence " + number_text(map.confidence, 2));
   for (const std::string& note : map.notes) text += line("", note);
   for (const Warning& doubt : calibration.mapping.doubts) {
-    text += line("", "doubtful: " + doubt.message);
+    text += line("", "doubtful: " + spell_options(doubt.message, option_as_flag));
   }
   text += "\n";
   for (int bone = 0; bone < kMappedBoneCount; ++bone) {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "retarget/human/bones.h"
+#include "human/bones.h"
 
 namespace retarget::cli {
 namespace {

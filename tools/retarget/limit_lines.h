@@ -3,7 +3,7 @@
 #include <span>
 
 #include "console.h"
-#include "retarget/pipeline/limit_diagnosis.h"
+#include "pipeline/limit_diagnosis.h"
 
 namespace retarget::cli {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/number_text.h"
+#include "motion/resample.h"
 #include "outputs.h"
 #include "read_source.h"
-#include "retarget/base/number_text.h"
-#include "retarget/motion/resample.h"
 
 namespace retarget::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "options.h"
-#include "retarget/base/result.h"
-#include "retarget/motion/frame_rate.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "retarget/base/hash.h"
-#include "retarget/base/suggest.h"
-#include "retarget/robot/normalize_start.h"
+#include "base/hash.h"
+#include "base/suggest.h"
+#include "robot/normalize_start.h"
 #include "written_files.h"
 
 namespace retarget::cli {
@@ -212,7 +212,7 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
     if (sinks_[i]) continue;
     auto bytes = format_robot_motion(moved, items_[i].format, write_options_);
     if (!bytes) {
-      if (bytes.error().file.empty()) bytes.error().file = items_[i].path;
+      if (bytes.error().location.file.empty()) bytes.error().location.file = items_[i].path;
       return failure(bytes.error());
     }
     auto hash = hash_bytes(*bytes);

@@ -9,8 +9,7 @@
 
 #include "csv_sink.h"
 #include "options.h"
-#include "retarget/io/motion_format.h"
-#include "retarget/io/write_robot_motion.h"
+#include "retarget/motion_io.h"
 
 namespace retarget::cli {
 

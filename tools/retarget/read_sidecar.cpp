@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "retarget/base/json_bounds.h"
-#include "retarget/base/plain_name.h"
+#include "base/json_bounds.h"
+#include "base/plain_name.h"
 #include "run_options_json.h"
 
 namespace retarget::cli {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "options.h"
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 #include "sidecar.h"
 
 namespace retarget::cli {

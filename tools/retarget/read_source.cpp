@@ -5,10 +5,10 @@
 #include <limits>
 #include <system_error>
 
-#include "retarget/base/file.h"
-#include "retarget/batch/worker_pool.h"
-#include "retarget/bvh/read_bvh.h"
-#include "retarget/smpl/read_smpl.h"
+#include "base/file.h"
+#include "batch/worker_pool.h"
+#include "bvh/read_bvh.h"
+#include "smpl/read_smpl.h"
 
 namespace retarget::cli {
 namespace {

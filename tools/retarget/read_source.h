@@ -8,7 +8,7 @@
 
 #include "console.h"
 #include "options.h"
-#include "retarget/motion/clip.h"
+#include "retarget/clip.h"
 
 namespace retarget::cli {
 

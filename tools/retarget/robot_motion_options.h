@@ -5,7 +5,7 @@
 
 #include "console.h"
 #include "options.h"
-#include "retarget/io/robot_motion.h"
+#include "retarget/motion_io.h"
 
 namespace retarget::cli {
 

@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/data_folder.h"
+#include "base/file.h"
+#include "base/printable.h"
+#include "base/utf8.h"
 #include "commands.h"
-#include "retarget/base/data_folder.h"
-#include "retarget/base/file.h"
-#include "retarget/base/printable.h"
-#include "retarget/base/utf8.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/rig/check_robot.h"
-#include "retarget/rig/make_robot.h"
-#include "retarget/robot/load_robot.h"
+#include "pipeline/ik_tables.h"
+#include "rig/check_robot.h"
+#include "rig/make_robot.h"
+#include "robot/load_robot.h"
 #include "robot_mapping.h"
 
 namespace retarget::cli {
@@ -263,7 +263,7 @@ void add_findings(const Robot& robot, const std::optional<MappingFiles>& mapping
     std::optional<IkTables> tables;
     if (!file.empty()) {
       auto read = load_ik_tables(file);
-      if (!read) findings.push_back({true, describe(read.error())});
+      if (!read) findings.push_back({true, describe(read.error(), option_as_flag)});
       if (read) tables = std::move(*read);
     }
     for (RobotFinding& finding : check_robot(robot, tables ? &*tables : nullptr)) {
@@ -300,7 +300,7 @@ Result<std::vector<RobotFinding>> examine(const RobotsOptions& options) {
     // a profile at fault does not hide what is odd about the model
     auto bare = load_robot(place.files.model.string());
     if (!bare) return failure(bare.error());
-    findings.push_back({true, robot.error().message});
+    findings.push_back({true, full_message(robot.error())});
     robot = std::move(bare);
   }
   for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});

@@ -5,12 +5,12 @@
 #include <system_error>
 #include <vector>
 
+#include "base/file.h"
 #include "clip_run.h"
 #include "commands.h"
 #include "outputs.h"
 #include "read_source.h"
-#include "retarget/base/file.h"
-#include "retarget/robot/find_robot.h"
+#include "robot/find_robot.h"
 #include "run_setup.h"
 #include "usage_errors.h"
 #include "written_files.h"

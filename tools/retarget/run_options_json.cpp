@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/utf8.h"
 #include "check_as_command_line.h"
-#include "retarget/base/utf8.h"
 
 namespace retarget::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "options.h"
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/file.h"
+#include "quality/measure.h"
 #include "read_source.h"
-#include "retarget/base/file.h"
-#include "retarget/quality/measure.h"
-#include "retarget/robot/normalize_start.h"
+#include "robot/normalize_start.h"
 #include "robot_mapping.h"
 
 namespace retarget::cli {
@@ -68,7 +68,7 @@ Result<QualityReport> measure_run(const RunOptions& options, const RunReportInpu
   if (options.normalize_start) normalize_start(moved);
   auto printed = printed_clip(moved, inputs.csv.precision);
   if (!printed) {
-    printed.error().file = options.output;
+    printed.error().location.file = options.output;
     return failure(printed.error());
   }
   const HumanClip human = to_human(inputs.source.clip, inputs.source.human.calibration.mapping);

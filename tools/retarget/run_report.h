@@ -2,14 +2,13 @@
 
 #include <filesystem>
 
+#include "base/file.h"
 #include "console.h"
 #include "options.h"
-#include "retarget/base/file.h"
-#include "retarget/io/robot_csv.h"
-#include "retarget/quality/gates.h"
-#include "retarget/quality/report.h"
-#include "retarget/robot/limits.h"
-#include "retarget/robot/robot_clip.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
 #include "run_setup.h"
 
 namespace retarget::cli {

@@ -5,18 +5,18 @@
 #include <system_error>
 #include <utility>
 
+#include "base/data_folder.h"
+#include "base/suggest.h"
 #include "memory_need.h"
+#include "motion/clip_range.h"
+#include "motion/lead_in.h"
+#include "motion/resample.h"
+#include "pipeline/limb_lengths.h"
 #include "read_source.h"
-#include "retarget/base/data_folder.h"
-#include "retarget/base/suggest.h"
-#include "retarget/motion/clip_range.h"
-#include "retarget/motion/lead_in.h"
-#include "retarget/motion/resample.h"
-#include "retarget/pipeline/limb_lengths.h"
-#include "retarget/rig/bare_robot.h"
-#include "retarget/robot/find_robot.h"
-#include "retarget/robot/load_robot.h"
-#include "retarget/robot/variant.h"
+#include "rig/bare_robot.h"
+#include "robot/find_robot.h"
+#include "robot/load_robot.h"
+#include "robot/variant.h"
 #include "robot_mapping.h"
 
 namespace retarget::cli {
@@ -75,7 +75,7 @@ Result<Clip> prepare_clip(Clip clip, const RunOptions& options, int lead_in,
       options.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
   resample_options.antialias = !options.no_antialias;
   auto resampled = resample(std::move(*chosen), **rate, resample_options);
-  if (!resampled) resampled.error().file = source_name(options.source);
+  if (!resampled) resampled.error().location.file = source_name(options.source);
   return resampled;
 }
 

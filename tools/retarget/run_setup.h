@@ -8,11 +8,10 @@
 #include "console.h"
 #include "human_source.h"
 #include "options.h"
-#include "retarget/motion/clip.h"
-#include "retarget/motion/frame_rate.h"
-#include "retarget/pipeline/ik_tables.h"
-#include "retarget/pipeline/targets.h"
-#include "retarget/robot/robot.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/targets.h"
+#include "retarget/clip.h"
+#include "retarget/robot.h"
 
 namespace retarget::cli {
 

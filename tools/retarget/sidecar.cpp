@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "retarget/base/hash.h"
-#include "retarget/robot/find_robot.h"
+#include "base/hash.h"
 #include "retarget/version.h"
+#include "robot/find_robot.h"
 #include "robot_mapping.h"
 #include "run_options_json.h"
 
@@ -74,7 +74,8 @@ Json found_json(const RunOptions& options, const ClipSetup& setup, const Source&
   found["fps"] = source.clip.rate().fps();
   found["lead_in_frames"] = source.lead_in;
   Json doubts = Json::array();
-  for (const Warning& doubt : calibration.mapping.doubts) doubts.push_back(doubt.message);
+  for (const Warning& doubt : calibration.mapping.doubts)
+    doubts.push_back(spell_options(doubt.message, option_as_flag));
   found["doubts"] = doubts;
   return found;
 }

@@ -7,7 +7,7 @@
 #include "clip_run.h"
 #include "options.h"
 #include "outputs.h"
-#include "retarget/quality/report.h"
+#include "retarget/report.h"
 #include "run_setup.h"
 
 namespace retarget::cli {

@@ -8,9 +8,9 @@
 #include <system_error>
 #include <utility>
 
-#include "retarget/base/data_folder.h"
-#include "retarget/base/suggest.h"
-#include "retarget/robot/find_robot.h"
+#include "base/data_folder.h"
+#include "base/suggest.h"
+#include "robot/find_robot.h"
 
 namespace retarget::cli {
 namespace {

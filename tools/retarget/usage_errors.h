@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

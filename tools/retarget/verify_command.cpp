@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
 #include "clip_run.h"
 #include "commands.h"
 #include "read_sidecar.h"
-#include "retarget/base/file.h"
-#include "retarget/base/hash.h"
-#include "retarget/base/suggest.h"
-#include "retarget/base/text_size.h"
 #include "retarget/version.h"
 #include "run_setup.h"
 #include "sidecar.h"
@@ -73,7 +73,7 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
   }
   if (auto sound = check_solving_options(run); !sound) {
     sound.error().kind = ErrorKind::kInput;
-    sound.error().file = options.file;
+    sound.error().location.file = options.file;
     return sound;
   }
   const fs::path beside = fs::path(options.file).parent_path();

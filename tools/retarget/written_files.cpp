@@ -6,8 +6,8 @@
 #include <optional>
 #include <system_error>
 
-#include "retarget/base/file.h"
-#include "retarget/robot/find_robot.h"
+#include "base/file.h"
+#include "robot/find_robot.h"
 #include "robot_mapping.h"
 #include "run_setup.h"
 

@@ -10,7 +10,7 @@
 
 #include "edit_options.h"
 #include "options.h"
-#include "retarget/base/result.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "retarget/base/npz.h"
-#include "retarget/base/suggest.h"
-#include "retarget/math/pose.h"
-#include "retarget/motion/clip.h"
-#include "retarget/motion/forward_kinematics.h"
-#include "retarget/motion/frame_rate.h"
+#include "base/npz.h"
+#include "base/suggest.h"
+#include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
+#include "retarget/pose.h"
 #include "retarget/version.h"
 
 namespace {

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retarget {
+
+/// An exact frame rate: `frames` frames in `seconds` seconds, both positive, in lowest terms.
+///
+/// Times of frames are rational numbers, so nothing drifts however long a clip is.
+struct FrameRate {
+  std::int64_t frames = 30;
+  std::int64_t seconds = 1;
+
+  [[nodiscard]] double fps() const { return static_cast<double>(frames) / seconds; }
+  /// Duration of one frame in seconds.
+  [[nodiscard]] double frame_time() const { return static_cast<double>(seconds) / frames; }
+  /// Time of a frame in seconds; frame 0 is at 0.
+  [[nodiscard]] double time_of(std::int64_t frame) const {
+    return static_cast<double>(frame * seconds) / static_cast<double>(frames);
+  }
+
+  friend bool operator==(const FrameRate&, const FrameRate&) = default;
+};
+
+/// The rate meant by a positive, finite frames-per-second number.
+///
+/// A whole number N when the value is within 1e-4 of it, relatively (so the 0.033333 that many
+/// files say means 30 exactly); otherwise the simplest fraction within 1e-9 of the value
+/// (23.976 becomes 2997/125).
+[[nodiscard]] FrameRate frame_rate_from_fps(double fps);
+
+/// The rate meant by a positive, finite `Frame Time` in seconds; rules as frame_rate_from_fps.
+[[nodiscard]] FrameRate frame_rate_from_frame_time(double frame_time);
+
+/// Whether two rates differ by no more than 1e-4, relatively: then frames are copied one by one.
+[[nodiscard]] bool same_rate(const FrameRate& a, const FrameRate& b);
+
+/// `30`, or with up to eight significant digits `23.976`.
+[[nodiscard]] std::string to_text(const FrameRate& rate);
+
+/// One value of a joint in a motion row.
+enum class Channel : unsigned char {
+  kXPosition,
+  kYPosition,
+  kZPosition,
+  kXRotation,
+  kYRotation,
+  kZRotation,
+  kXScale,
+  kYScale,
+  kZScale,
+};
+
+[[nodiscard]] constexpr bool is_position(Channel channel) {
+  return channel <= Channel::kZPosition;
+}
+[[nodiscard]] constexpr bool is_rotation(Channel channel) {
+  return channel >= Channel::kXRotation && channel <= Channel::kZRotation;
+}
+/// 0, 1 or 2 for x, y or z.
+[[nodiscard]] constexpr int axis_of(Channel channel) {
+  return static_cast<int>(channel) % 3;
+}
+/// As BVH spells it: `Xposition`, `Zrotation`, `Yscale`.
+[[nodiscard]] std::string_view channel_name(Channel channel);
+
+/// A joint of a skeleton. Lengths and axes are the file's own.
+struct Joint {
+  std::string name;
+  int parent = -1;  ///< Index of the parent, always smaller than the joint's own; -1 for the root.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< From the parent, in the parent's frame.
+  std::vector<Eigen::Vector3d> end_sites;            ///< In the joint's frame.
+  /// How a motion row stores this joint, in file order; rotations compose left to right
+  /// (intrinsic). Per joint: orders may differ within one skeleton.
+  std::vector<Channel> channels;
+
+  /// Whether the joint's translation is stored per frame instead of being its offset.
+  [[nodiscard]] bool has_position_channels() const;
+};
+
+/// A tree of joints in depth-first declaration order; immutable once built.
+class Skeleton {
+ public:
+  /// Joint 0 is the root; every parent comes before its children.
+  explicit Skeleton(std::vector<Joint> joints);
+
+  [[nodiscard]] int joint_count() const { return static_cast<int>(joints_.size()); }
+  [[nodiscard]] const Joint& joint(int index) const { return joints_[index]; }
+  [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+  /// The first joint of that exact name.
+  [[nodiscard]] std::optional<int> find(std::string_view name) const;
+  /// All names in joint order.
+  [[nodiscard]] std::vector<std::string> names() const;
+  /// Values in one motion row: the channels of all joints.
+  [[nodiscard]] int channel_count() const { return channel_count_; }
+
+  /// Number of joints with a translation of their own in each frame.
+  [[nodiscard]] int translated_count() const { return translated_count_; }
+  /// Where a joint's translation lies in a frame's list of translations; -1: it is its offset.
+  [[nodiscard]] int translation_slot(int joint) const { return translation_slots_[joint]; }
+
+ private:
+  std::vector<Joint> joints_;
+  std::vector<int> translation_slots_;
+  int translated_count_ = 0;
+  int channel_count_ = 0;
+};
+
+/// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,
+/// in the units and axes of the file it came from.
+///
+/// Joints without position channels have their offset as translation in every frame and take no
+/// memory for it.
+class Clip {
+ public:
+  /// All rotations identity, all translations the joints' offsets.
+  Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_count);
+
+  [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
+  [[nodiscard]] const std::shared_ptr<const Skeleton>& shared_skeleton() const { return skeleton_; }
+  [[nodiscard]] const FrameRate& rate() const { return rate_; }
+  [[nodiscard]] int frame_count() const { return frame_count_; }
+  /// Time from the first to the last frame in seconds: (frame_count - 1) / rate.
+  [[nodiscard]] double duration() const;
+
+  /// Rotations of all joints of a frame, each parent_from_joint.
+  [[nodiscard]] std::span<Eigen::Quaterniond> rotations(int frame);
+  [[nodiscard]] std::span<const Eigen::Quaterniond> rotations(int frame) const;
+  /// Translations of the joints that have position channels, by Skeleton::translation_slot.
+  [[nodiscard]] std::span<Eigen::Vector3d> translations(int frame);
+  [[nodiscard]] std::span<const Eigen::Vector3d> translations(int frame) const;
+
+  /// Translation of any joint from its parent, in the parent's frame.
+  [[nodiscard]] const Eigen::Vector3d& translation(int frame, int joint) const;
+
+  void set_rate(FrameRate rate) { rate_ = rate; }
+  /// Frames that are added are at rest, as those of the constructor; amortised cost per frame.
+  void resize(int frame_count);
+
+ private:
+  std::shared_ptr<const Skeleton> skeleton_;
+  FrameRate rate_;
+  int frame_count_;
+  std::vector<Eigen::Quaterniond> rotations_;  // frame-major
+  std::vector<Eigen::Vector3d> translations_;  // frame-major, translated joints alone
+};
+
+/// Gives a frame of a clip the pose of a frame of another on the same skeleton.
+void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
+
+/// Frames [begin, end) as a clip of its own that starts at time 0.
+/// @pre 0 <= begin <= end <= clip.frame_count()
+[[nodiscard]] Clip cut(const Clip& clip, int begin, int end);
+
+/// Of q and -q takes for every joint the one nearer to the frame before, in place.
+/// Rotations stay the same; interpolation and filtering need it.
+void make_sign_continuous(Clip& clip);
+
+}  // namespace retarget

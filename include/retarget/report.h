@@ -1,0 +1,212 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// A figure that a motion is judged by.
+struct Metric {
+  std::string_view key;         ///< Its name in JSON, gates and tables.
+  std::string_view unit;        ///< `%` (of frames unless the definition says else), `rad/s`, ...
+  std::string_view definition;  ///< For people, one or two sentences.
+  std::string_view source;      ///< Where the definition comes from.
+};
+
+/// All metrics, in the order in which reports list them.
+[[nodiscard]] std::span<const Metric> quality_metrics();
+
+/// By key; nullptr for an unknown one.
+[[nodiscard]] const Metric* find_metric(std::string_view key);
+
+/// All keys, for messages.
+[[nodiscard]] std::vector<std::string> metric_keys();
+
+/// How much a term of the fit costs, and where.
+struct FitTermReport {
+  std::string name;        ///< As in docs/fit.md.
+  double before = 0.0;     ///< Mean over frames, of the motion that the fit starts from.
+  double after = 0.0;      ///< The same at the end.
+  std::vector<int> worst;  ///< Up to five frames where it is worst at the end, worst first, each
+                           ///< at least half a second from the others.
+};
+
+/// A joint whose motion had to be changed at the end to keep the limits.
+struct FitBoundReport {
+  std::string joint;
+  int frames = 0;        ///< How many frames were changed.
+  int worst_frame = 0;   ///< Where it was changed most ...
+  double largest = 0.0;  ///< ... and by how much, rad or m.
+};
+
+/// What a fit found and what is left.
+struct FitReport {
+  double floor_height = 0.0;  ///< By how much the targets were lowered, metres.
+  bool floor_found = false;   ///< False: no foot of the source stands; the height is a guess.
+  int contact_phases = 0;     ///< Of heels and toes.
+  std::vector<FitTermReport> terms;
+  std::vector<FitBoundReport> bounded;
+  std::vector<std::string> notes;  ///< Terms that the robot or the source cannot have, and why.
+};
+
+/// A metric's figure for one motion.
+struct MetricValue {
+  const Metric* metric = nullptr;
+  double value = 0.0;
+  std::optional<double> p95;  ///< Of metrics that give mean and 95th percentile.
+};
+
+/// How a motion keeps to one set of joint limits.
+struct LimitSetResult {
+  std::string name;
+  double frames_pct = 0.0;        ///< Frames with a joint beyond its range by more than 1e-6,
+  double frames_1mrad_pct = 0.0;  ///< and by more than 1e-3 (rad or m).
+  double worst_excess = 0.0;      ///< Largest amount beyond a limit, rad or m; 0: none.
+  std::string joint;              ///< Whose it is; empty: none is beyond.
+  int frame = 0;
+};
+
+/// How a body follows its bone.
+struct TrackingRow {
+  int table = 2;  ///< Of the mapping, 1 or 2.
+  std::string body, bone;
+  /// Distance of the body, as seen from the root, from the scaled bone; mean and 95th percentile,
+  /// centimetres. Nothing for rows without position weight.
+  std::optional<double> position_cm, position_p95_cm;
+  /// Angle from the bone's offset axes, degrees. Nothing for rows without rotation weight.
+  std::optional<double> rotation_deg, rotation_p95_deg;
+};
+
+/// Angle between a limb of the robot and the human's.
+struct SegmentAngle {
+  std::string name;  ///< `left thigh`, `trunk`, ...
+  double mean_deg = 0.0, p95_deg = 0.0;
+};
+
+/// How far trunks are from upright; means, degrees. The lean is the angle between the vertical and
+/// the direction that is vertical when the body stands, carried by its trunk.
+struct TrunkLean {
+  double human = 0.0, robot = 0.0;
+  /// Of the bare line from the middle of the hips to the middle of the shoulders,
+  double human_line = 0.0, robot_line = 0.0;
+  /// Between both directions, a constant yaw removed.
+  double between = 0.0;
+  /// Of the line when the body stands.
+  double human_standing = 0.0, robot_standing = 0.0;
+};
+
+/// The joint that is at a limit in the most frames.
+struct JointMostAtLimit {
+  std::string joint;
+  bool at_upper = false;
+  double frames_pct = 0.0;
+};
+
+/// A joint that stands at a limit in many frames, and what pushes it there.
+struct LimitedJoint {
+  std::string joint;
+  bool at_upper = false;
+  int frames = 0;
+  double frames_pct = 0.0;
+  std::string task;             ///< Bone that is followed; empty: nothing pushes.
+  bool rotation = false;        ///< The task's rotation; else its position.
+  double shortfall = 0.0;       ///< Of the task: degrees, or cm.
+  std::string wider_set;        ///< A limit set of the robot that is wider there; empty: none,
+  std::optional<double> wider;  ///< by so much, rad or m; nothing: it has no limit there.
+};
+
+/// A run of frames in which something is wrong.
+struct Fault {
+  std::string metric;  ///< The key of the metric it counts for.
+  std::string where;   ///< Joint, body or pair of bodies.
+  int begin = 0;       ///< First frame,
+  int end = 0;         ///< and the one after the last.
+  int worst_frame = 0;
+  double amount = 0.0;  ///< In the worst frame.
+  std::string unit;     ///< Of the amount.
+};
+
+/// What a gate asks of a metric, and whether it got it.
+struct GateResult {
+  std::string metric;
+  std::optional<double> least, most;  ///< Bounds that the figure must keep, inclusive.
+  std::optional<double> value;        ///< Nothing: the metric was not measured.
+  bool passed = true;                 ///< True where nothing was measured.
+};
+
+/// A motion's figures. Metrics that need what was not given (a source clip, soles, collision
+/// shapes, enough frames) are left out.
+struct QualityReport {
+  std::string file;  ///< The motion's, without folder.
+  std::string robot;
+  int frames = 0;
+  double fps = 30.0;
+  std::string limits;            ///< Name of the limit set that limit_pct is about.
+  std::string source;            ///< The source clip's file, without folder; empty: none was given.
+  std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
+  int source_frames = 0;         ///< Frames of the motion that the source covers.
+  std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
+  int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
+  int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.
+  double assumed_speed_limit = 0.0;  ///< rad/s
+  std::vector<MetricValue> values;   ///< In the order of quality_metrics().
+  std::vector<LimitSetResult> limit_sets;
+  std::vector<TrackingRow> tracking;
+  std::vector<SegmentAngle> segments;
+  std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
+  std::optional<JointMostAtLimit> at_limit;  ///< Nothing: no joint ever is.
+  /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
+  std::vector<LimitedJoint> limited_joints;
+  /// Of a motion that was fitted just now: what its terms cost, and what had to be bounded.
+  std::optional<FitReport> fit;
+  std::vector<Fault> faults;  ///< By metric; the worst first.
+  std::vector<GateResult> gates;
+
+  [[nodiscard]] const MetricValue* find(std::string_view key) const;
+  [[nodiscard]] bool passed() const;
+};
+
+/// The reports as JSON (docs/quality.md has the schema). Floating point numbers have as many
+/// digits as it takes to read them back unchanged.
+[[nodiscard]] std::string report_json(std::span<const QualityReport> reports);
+
+/// For people: a row per metric, a column per motion, and what missed its gate or is worst.
+[[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
+
+/// Bounds that a metric must keep, inclusive.
+struct Gate {
+  std::string metric;  ///< Key.
+  std::optional<double> least, most;
+  /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; those of
+  /// others are larger or smaller as their legs are. Nothing: for every robot.
+  std::optional<double> leg = std::nullopt;
+};
+
+/// Gates, at most one for each metric.
+class Gates {
+ public:
+  /// Takes the place of the gate on the same metric; one without bounds removes it.
+  void set(Gate gate);
+  void clear() { gates_.clear(); }
+  [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
+
+  /// Sets every gate of a file: JSON
+  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`; a number is a
+  /// maximum, `null` removes the gate. Other members of the file are for people.
+  /// kConfig errors name all faults, unknown metrics with the nearest one.
+  [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
+  [[nodiscard]] Result<void> add_file(const std::string& path);
+
+  /// Holds a report against the gates and writes what came of it into it.
+  void judge(QualityReport& report) const;
+
+ private:
+  std::vector<Gate> gates_;
+};
+
+}  // namespace retarget

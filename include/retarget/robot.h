@@ -1,0 +1,197 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/pose.h"
+
+struct mjModel_;
+
+namespace retarget {
+
+class Robot;
+
+/// Ranges of a robot's joints under one name.
+struct LimitSet {
+  std::string name;           ///< `official`, `gmr`, `model`, or the file it came from.
+  std::string source;         ///< Where the figures come from, for people; may be empty.
+  std::vector<double> lower;  ///< By joint in the robot's joint order, rad or m; -infinity: none.
+  std::vector<double> upper;  ///< As lower; +infinity: none. lower <= upper.
+};
+
+/// A limit set of the robot by name, or from a file: JSON `{"joint": [lower, upper], ...}` or an
+/// MJCF whose joint ranges count (by its extension .xml; with or without a free joint). Joints that
+/// a file does not name keep the model's ranges; joints of an MJCF that the robot lacks are passed
+/// over, in JSON they are faults. Joints
+/// that the robot's variant holds have their one position as range. An unknown name lists the
+/// robot's sets; all faults of a file are named at once (kConfig).
+[[nodiscard]] Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file);
+
+struct ModelDeleter {
+  void operator()(mjModel_* model) const;
+};
+/// A MuJoCo model with its owner.
+using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
+
+/// A body of the kinematic tree; indices are MuJoCo's (0 is the world).
+struct RobotBody {
+  std::string name;
+  int parent = 0;
+  Pose parent_from_body;  ///< Before the body's joints move it; metres.
+};
+
+/// A hinge or slide joint: one degree of freedom.
+struct RobotJoint {
+  enum class Type { kHinge, kSlide };
+  std::string name;
+  Type type = Type::kHinge;
+  int body = 0;                                      ///< The body that it moves.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< Unit, in the body's frame.
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< In the body's frame, metres.
+  double reference = 0.0;  ///< Joint position at which the body stands at parent_from_body.
+  int qpos_address = 0;    ///< Index into a configuration.
+  int dof_address = 0;     ///< Index into a velocity.
+};
+
+/// The touching points of a foot.
+struct Sole {
+  std::string side;  ///< `left` or `right`.
+  int body = 0;
+  std::vector<Eigen::Vector3d> points;  ///< In the body's frame, metres.
+  std::vector<std::string> labels;      ///< One per point; may be empty.
+};
+
+/// A primitive that stands for a body, or for a part of it, where distances are measured.
+struct CollisionShape {
+  enum class Type { kSphere, kCapsule, kBox };
+  Type type = Type::kSphere;
+  int body = 0;
+  int geom = -1;             ///< The model's geom that it is; -1: none.
+  Pose body_from_shape;      ///< The centre; a capsule's axis is z, a box's sides are the axes.
+  double radius = 0.0;       ///< Sphere and capsule, metres.
+  double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, caps not counted.
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
+};
+
+/// rad/s; for joints whose speed nobody published.
+inline constexpr double kDefaultSpeedLimit = 20.0;
+
+/// A robot with some of its joints held, as its maker or a training framework has it.
+struct RobotVariant {
+  std::string name;
+  std::string description;               ///< For people; may be empty.
+  std::map<std::string, double> locked;  ///< Held joints and where, rad or m.
+};
+
+/// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
+struct RobotProfile {
+  std::string name;
+  std::string description, source, licence;  ///< For people.
+  std::vector<std::string> joint_order;      ///< Output columns; empty: the model's order.
+  std::vector<LimitSet> limit_sets;
+  std::string default_limits;                        ///< Name of a set; empty: the model's ranges.
+  std::map<std::string, std::string> method_limits;  ///< Set that a method takes by default.
+  std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
+  std::string speed_limits_source;                   ///< For people.
+  double default_speed_limit = kDefaultSpeedLimit;   ///< Of hinges not in speed_limits, rad/s.
+  std::map<std::string, double> t_pose;              ///< Joints that are not 0 there, rad or m.
+  std::vector<Sole> soles;
+  std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
+  std::vector<RobotVariant> variants;
+};
+
+/// A robot: MuJoCo model, kinematic tree and profile. Immutable, shared by all threads.
+///
+/// A configuration (qpos) is MuJoCo's: root position x y z (metres), root quaternion w x y z, then
+/// the joints (rad, m), each at its qpos_address.
+class Robot {
+ public:
+  /// @param model  compiled, with one free joint, its first, and else hinges and slides; load_robot
+  ///               checks that.
+  /// @param warnings  what was odd about the model.
+  Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warnings = {});
+
+  /// Takes another profile and with it another output order; before the robot is shared.
+  void set_profile(RobotProfile profile);
+  /// Holds the joints of a variant: they leave the output columns, every limit set has their one
+  /// position as range, and the zero configuration has them there. Before the robot is shared, and
+  /// once; robot_variant does it by name.
+  void set_variant(const RobotVariant& variant);
+
+  /// Takes other shapes in the place of the model's; before the robot is shared.
+  void set_collision_shapes(std::vector<CollisionShape> shapes) {
+    collision_shapes_ = std::move(shapes);
+  }
+
+  [[nodiscard]] const mjModel_* model() const { return model_.get(); }
+  [[nodiscard]] const std::string& name() const { return profile_.name; }
+  [[nodiscard]] const RobotProfile& profile() const { return profile_; }
+  /// What MuJoCo found odd in the model, one line each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  /// The variant that this robot is; without a name: the whole robot.
+  [[nodiscard]] const RobotVariant& variant() const { return variant_; }
+  [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
+  /// All joints but the free one, in the model's order.
+  [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
+  /// Indices into joints() in the order of the output columns.
+  [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
+  /// The spheres, capsules and boxes among the geoms of the robot that take part in contacts, in
+  /// the model's order, or what was set in their place. Other shapes, and what stands in the world,
+  /// are left out.
+  [[nodiscard]] const std::vector<CollisionShape>& collision_shapes() const {
+    return collision_shapes_;
+  }
+  /// The body of the free joint.
+  [[nodiscard]] int root_body() const { return root_body_; }
+  [[nodiscard]] int configuration_size() const;
+  /// The model's qpos0; joints that the variant holds are where it holds them.
+  [[nodiscard]] std::vector<double> zero_configuration() const;
+  /// The ranges of the model itself, as a set called `model`.
+  [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
+  /// Name of the limit set that a method takes when the user names none.
+  [[nodiscard]] std::string limits_for(const std::string& method) const;
+  /// Speed limit of a joint, rad/s or m/s: the profile's, else its default for hinges and infinity
+  /// for slides.
+  /// @param joint  index into joints().
+  [[nodiscard]] double speed_limit(int joint) const;
+
+  /// By name; nothing for an empty one, also where the model has elements without a name.
+  [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
+  [[nodiscard]] std::optional<int> find_joint(std::string_view name) const;
+  [[nodiscard]] std::vector<std::string> body_names() const;
+  [[nodiscard]] std::vector<std::string> joint_names() const;
+
+ private:
+  void read_bodies();
+  void read_joints();
+  void read_collision_shapes();
+
+  ModelPtr model_;
+  RobotProfile profile_;
+  RobotVariant variant_;
+  std::vector<std::string> warnings_;
+  std::vector<RobotBody> bodies_;
+  std::vector<RobotJoint> joints_;
+  std::vector<int> output_joints_;
+  std::vector<CollisionShape> collision_shapes_;
+  int root_body_ = 0;
+  LimitSet model_limits_;
+};
+
+/// World poses of all bodies in a configuration, by body index; metres. Own walk over the tree,
+/// no MuJoCo data needed and nothing allocated.
+/// @param qpos             configuration_size() values; the root quaternion need not be a unit one,
+///                         but must not be zero.
+/// @param world_from_body  bodies().size() poses, filled.
+void forward_kinematics(const Robot& robot, std::span<const double> qpos,
+                        std::span<Pose> world_from_body);
+
+}  // namespace retarget

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// What the elements of a NumPy array are.
+enum class NpyKind : std::uint8_t {
+  kBool,      ///< b1: a byte, 0 is false.
+  kSigned,    ///< i1, i2, i4, i8.
+  kUnsigned,  ///< u1, u2, u4, u8.
+  kFloat,     ///< f2, f4, f8 (IEEE 754).
+  kBytes,     ///< S: a fixed number of bytes, filled up with zeros.
+  kText,      ///< U: a fixed number of UCS-4 characters, filled up with zeros.
+};
+
+/// A NumPy array in memory, independent of how a file stores it.
+struct NpyArray {
+  NpyKind kind = NpyKind::kFloat;
+  std::size_t item_size = 8;       ///< Bytes of one element; 4 for each character of kText.
+  std::vector<std::size_t> shape;  ///< Empty: a scalar (0-d).
+  std::string data;                ///< The elements in C order, each little endian.
+
+  /// The product of the shape; 1 for a scalar.
+  [[nodiscard]] std::size_t element_count() const;
+  [[nodiscard]] bool is_number() const { return kind <= NpyKind::kFloat; }
+  [[nodiscard]] bool is_text() const { return !is_number(); }
+
+  /// All elements in C order. Integers beyond 2^53 are rounded.
+  /// @pre is_number()
+  [[nodiscard]] std::vector<double> numbers() const;
+
+  /// All elements in C order without the zeros at their ends; kText as UTF-8 (what is no character
+  /// becomes U+FFFD), kBytes as they are.
+  /// @pre is_text()
+  [[nodiscard]] std::vector<std::string> texts() const;
+};
+
+/// As Python writes it: `()`, `(3,)`, `(152, 72)`.
+[[nodiscard]] std::string shape_text(std::span<const std::size_t> shape);
+
+/// Reads the bytes of one NPY file: versions 1 to 3, either byte order, C or Fortran order.
+///
+/// Refused are Python objects (nothing is ever unpickled), structured, complex and long double
+/// types, a shape whose size overflows or disagrees with the bytes that are there. Memory follows
+/// the bytes, not the header.
+/// @param file_name  as the user named it, for messages.
+[[nodiscard]] Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name,
+                                        ErrorKind kind = ErrorKind::kInput);
+
+}  // namespace retarget

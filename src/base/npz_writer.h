@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/npy.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// Arrays as NumPy holds them, row by row. @pre values.size() is the product of the shape
+[[nodiscard]] NpyArray float32_array(std::span<const double> values,
+                                     std::vector<std::size_t> shape);
+[[nodiscard]] NpyArray float64_array(std::span<const double> values,
+                                     std::vector<std::size_t> shape);
+[[nodiscard]] NpyArray int64_array(std::span<const std::int64_t> values,
+                                   std::vector<std::size_t> shape);
+/// ASCII texts as NumPy's type U; without a shape of their own a list, `scalar` for one alone.
+[[nodiscard]] NpyArray text_array(std::span<const std::string> texts, bool scalar = false);
+
+/// NumPy's text for the type of an array's elements: `<f4`, `|b1`.
+[[nodiscard]] std::string npy_type_text(const NpyArray& array);
+
+/// The bytes of an NPY file, version 1.
+[[nodiscard]] std::string format_npy(const NpyArray& array);
+
+/// Builds an NPZ file as numpy.savez does: a ZIP archive of NPY files, not compressed. Entries
+/// have no date, so that the same arrays give the same bytes.
+class NpzWriter {
+ public:
+  void add(std::string_view name, const NpyArray& array);
+  /// The whole file. Errors (kRun): 4 GiB or more, which plain ZIP archives cannot hold.
+  [[nodiscard]] Result<std::string> finish();
+
+ private:
+  std::string bytes_;
+  std::string directory_;
+  int count_ = 0;
+};
+
+}  // namespace retarget

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "batch/manifest.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// What a file is now: size, time and hash.
+/// @param name  FileRecord::file.
+[[nodiscard]] Result<FileRecord> record_file(const std::string& path, std::string name);
+
+/// Whether something still is as a manifest has it.
+enum class RecordState {
+  kSame,     ///< Size and time of change are the recorded ones.
+  kChanged,  ///< It is gone or has another size.
+  kUnsure,   ///< Same size, other time: only its content tells.
+};
+
+/// Compares without reading the file.
+[[nodiscard]] RecordState look_at(const FileRecord& record, const std::string& path);
+
+/// Compares size and content.
+[[nodiscard]] bool has_recorded_content(const FileRecord& record, const std::string& path);
+
+/// The clips that earlier runs finished, looked up by clip, robot and options.
+class FinishedClips {
+ public:
+  FinishedClips() = default;
+  /// @param output_folder  that the outputs of the entries are in.
+  FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder);
+
+  /// An entry that says that the clip is done with these options, input and outputs being as they
+  /// were as far as can be seen without reading them; the state is kSame or kUnsure. Nothing: it
+  /// is to be done.
+  struct Candidate {
+    const ManifestEntry* entry = nullptr;
+    RecordState state = RecordState::kChanged;
+  };
+  [[nodiscard]] Candidate find(const std::string& relative, const std::string& robot,
+                               const std::string& options_hash,
+                               const std::string& input_path) const;
+
+  /// The files, below the output folder, that earlier runs are said to have made of a clip.
+  [[nodiscard]] std::vector<std::string> outputs_of(const std::string& relative,
+                                                    const std::string& robot) const;
+
+  /// When an entry of the clip was finished last, failed ones included; empty: there is none.
+  [[nodiscard]] std::string last_finished(const std::string& relative,
+                                          const std::string& robot) const;
+
+  /// Of outputs_of those that are what was recorded, by size and content, and that lie in the output folder
+  /// when links are followed: the only files that may be removed.
+  [[nodiscard]] std::vector<std::string> verified_outputs_of(const std::string& relative,
+                                                             const std::string& robot) const;
+
+  /// Whether input and outputs of an entry have the recorded contents; files whose size and time
+  /// are the recorded ones are trusted.
+  [[nodiscard]] bool still_holds(const ManifestEntry& entry, const std::string& input_path) const;
+
+ private:
+  [[nodiscard]] RecordState state_of(const ManifestEntry& entry,
+                                     const std::string& input_path) const;
+
+  std::multimap<std::pair<std::string, std::string>, ManifestEntry> entries_;
+  std::map<std::pair<std::string, std::string>, std::vector<FileRecord>> outputs_;
+  std::map<std::pair<std::string, std::string>, std::string> last_finished_;
+  std::string output_folder_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "batch/manifest.h"
+#include "retarget/report.h"
+
+namespace retarget {
+
+/// What a manifest keeps of a report.
+[[nodiscard]] ClipQuality clip_quality(const QualityReport& report);
+
+/// A table for people and scripts, CSV with a header: a row per clip and robot, the worst first.
+/// Failed clips lead, then most gates missed, then furthest beyond one, then by name. The columns
+/// are status, clip, robot, frames, fps, duration_s, gates_missed, worst, worst_ratio, every metric
+/// by its key, message and hint. The same entries give the same bytes whatever their order.
+[[nodiscard]] std::string summary_csv(std::span<const ManifestEntry> entries);
+
+}  // namespace retarget

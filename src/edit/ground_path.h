@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "edit/ground_pose.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// A curve over the ground, a chain of cubic Bezier segments, by its length: metres, in the
+/// canonical human's world.
+class GroundPath {
+ public:
+  /// @pre 3n + 1 finite points, n >= 1; the segments share their ends.
+  explicit GroundPath(std::vector<Eigen::Vector2d> control_points);
+
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& control_points() const { return points_; }
+  [[nodiscard]] std::size_t segment_count() const { return (points_.size() - 1) / 3; }
+  [[nodiscard]] double length() const { return lengths_.back(); }
+
+  /// Place and heading of the tangent, in (-pi, pi], after `along` metres; before the beginning and
+  /// after the end the path goes straight on. Where control points coincide, so that a derivative
+  /// vanishes, the tangent is that of the points next to there; that of a path without length is x.
+  [[nodiscard]] GroundPose at(double along) const;
+
+  /// Length up to a point of a segment, 0 <= u <= 1.
+  [[nodiscard]] double length_to(std::size_t segment, double u) const;
+
+  /// Moved over the ground.
+  [[nodiscard]] GroundPath moved(const GroundPose& move) const;
+  /// Larger or smaller, from its beginning.
+  [[nodiscard]] GroundPath scaled(double scale) const;
+
+ private:
+  [[nodiscard]] Eigen::Vector2d point(std::size_t segment, double u) const;
+  [[nodiscard]] Eigen::Vector2d derivative(std::size_t segment, double u) const;
+  [[nodiscard]] Eigen::Vector2d direction(std::size_t segment, double u) const;
+  [[nodiscard]] double length_between(std::size_t segment, double from, double to) const;
+  [[nodiscard]] GroundPose straight_on(std::size_t segment, double u, double beyond) const;
+
+  std::vector<Eigen::Vector2d> points_;
+  std::vector<double> lengths_;  // up to each part of each segment, from 0
+};
+
+/// Straight on from a place, in its heading.
+[[nodiscard]] GroundPath line_path(const GroundPose& start, double length);
+/// Around a circle that is left of the start (right, for a negative radius), for a length.
+/// @pre radius is not 0
+[[nodiscard]] GroundPath circle_path(const GroundPose& start, double radius, double length);
+/// A circle to the left and one to the right that touch at the start, each half the length.
+[[nodiscard]] GroundPath figure8_path(const GroundPose& start, double length);
+/// A smooth curve through points (Catmull-Rom tangents, as long as the nearer neighbours allow);
+/// points that coincide with the one before are left out.
+/// @pre at least one point
+[[nodiscard]] GroundPath path_through(const std::vector<Eigen::Vector2d>& points);
+
+/// Reads `{"control_points": [[x, y], ...]}` (3n + 1 points of n Bezier segments) or
+/// `{"waypoints": [[x, y], ...]}` (path_through); other members are for people.
+/// @return kConfig errors.
+[[nodiscard]] Result<GroundPath> parse_path(std::string_view text, const std::string& file);
+[[nodiscard]] Result<GroundPath> load_path(const std::string& path);
+/// The path as JSON that reads back to the same numbers.
+[[nodiscard]] std::string format_path(const GroundPath& path);
+
+}  // namespace retarget

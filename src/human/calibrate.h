@@ -1,0 +1,87 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "human/bone_map.h"
+#include "human/human_clip.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+
+namespace retarget {
+
+/// One of the six directions of a file's axes.
+struct SignedAxis {
+  int axis = 1;           ///< 0, 1 or 2 for x, y or z.
+  bool negative = false;  ///< Against the axis.
+
+  [[nodiscard]] Eigen::Vector3d direction() const {
+    return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+  }
+  friend bool operator==(const SignedAxis&, const SignedAxis&) = default;
+};
+
+/// `+x`, `-z`.
+[[nodiscard]] std::string to_text(const SignedAxis& axis);
+
+/// Which pose of the source is brought to the canonical T-pose.
+enum class RestPose {
+  kAuto,     ///< The zero pose when it is a well-formed T-, A- or I-pose; else a frame that is a
+             ///< T-pose within a few degrees; else kLearned.
+  kZero,     ///< All rotations zero.
+  kFirst,    ///< The first frame.
+  kFrame,    ///< CalibrationOptions::rest_frame.
+  kBest,     ///< The frame most like a T-pose.
+  kLearned,  ///< None: axes from bone directions, elbow and knee hinges, upright and flat-footed
+             ///< frames of the whole movement.
+};
+
+struct CalibrationOptions {
+  std::optional<double> metres_per_unit;  ///< Found from the leg's length without.
+  bool unit_optional = false;             ///< Where no unit fits, take one in which the body is an
+                                          ///< average person's, with a doubt; for what needs none.
+  std::optional<SignedAxis> up;           ///< Found from the movement without.
+  std::optional<SignedAxis> forward;      ///< Facing in the rest pose; found from hips and
+                                          ///< shoulders without. Must not be along `up`.
+  std::optional<double> height;           ///< Of the body in metres; estimated without.
+  RestPose rest = RestPose::kAuto;
+  int rest_frame = 0;         ///< For RestPose::kFrame.
+  std::optional<Clip> tpose;  ///< A clip of the same skeleton (joints found by name) whose first
+                              ///< frame is the rest pose (its zero pose if it has no frames);
+                              ///< `rest` must be kAuto then.
+};
+
+/// How a clip becomes the canonical human, and what was found out for it.
+struct Calibration {
+  HumanMapping mapping;
+  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
+                          ///< told height; `unknown`.
+  SignedAxis up;          ///< In the file's axes.
+  SignedAxis forward;     ///< Nearest axis to the facing in the rest pose.
+  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`; `lafan1`, or
+                          ///< `lafan1 axes` of a body that is not as tall.
+  double rest_deviation = 0.0;  ///< Mean angle of the limbs and trunk of that pose from the
+                                ///< T-pose, degrees; of `learned`, that of the best frame.
+};
+
+/// Finds units, up axis, facing, height and T-pose of a clip and makes the mapping to the
+/// canonical human; see docs/human.md for the method.
+///
+/// The world stays as recorded: human_from_source is the fixed rotation that takes `up` to z (the
+/// quarter turn about x for y up); facing enters the bones' constants alone. A skeleton whose
+/// dialect is `lafan1` and whose axes and unit agree gets lafan1_mapping, joint axes as they are
+/// (so does a body height given in the options, which replaces the 1.75 m).
+///
+/// The result depends on joint positions and on how joints turn, not on the choice of the joints'
+/// local axes, of unit, up axis or joint order, except through the zero pose where that is taken.
+/// Frames are looked at ten times a second.
+///
+/// @param file  where the clip comes from, for messages.
+/// @return kInput errors: legs or arms missing when the map is not `partial`, a unit that cannot
+///     be told (hint: `--unit`), no facing, a T-pose file of another skeleton; kUsage errors:
+///     options out of range or contradicting.
+[[nodiscard]] Result<Calibration> calibrate(const Clip& clip, const BoneMap& map,
+                                            const CalibrationOptions& options,
+                                            const std::string& file);
+
+}  // namespace retarget

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+
+#include "base/option_name.h"
+#include "human/bones.h"
+#include "pipeline/ik_tables.h"
+#include "retarget/error.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+/// Lengths of a body's parts, metres; of legs and arms the mean of both sides.
+struct LimbLengths {
+  double leg = 0.0;    ///< Hip to knee to ankle.
+  double arm = 0.0;    ///< Shoulder to elbow to wrist; of an arm that ends at the elbow, to there.
+  double trunk = 0.0;  ///< Middle of the hips to the middle of the shoulders.
+};
+
+/// A robot's limbs as its tree and a mapping tell them.
+struct RobotLimbs {
+  /// Vectors of Eigen are not zero by themselves, not even in braces.
+  RobotLimbs() { body_from_joint.fill(Eigen::Vector3d::Zero()); }
+
+  LimbLengths lengths;
+  bool forearms = true;  ///< False: nothing follows the hands, lengths.arm ends at the elbows.
+  /// Where the joint that a bone begins at lies in the frame of the body that follows the bone,
+  /// metres; of Hips the middle of the hips. Zero for the bones outside legs and arms.
+  std::array<Eigen::Vector3d, kBoneCount> body_from_joint;
+  /// Of the ankles over the soles in the zero configuration, metres; nothing without soles.
+  std::optional<double> ankle_height;
+  /// In the zero configuration, metres, world: the middles of both hips and both shoulders, and the
+  /// ways from the right hip and shoulder to the left ones.
+  Eigen::Vector3d hip_centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shoulder_centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hip_line = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shoulder_line = Eigen::Vector3d::Zero();
+};
+
+/// What a user can do whose human or robot has no limbs to measure.
+inline constexpr const char* kOtherScaleHint = "scale with " OPTION("scale") " table or height";
+
+/// The bones without which a human's limbs cannot be measured, indices into kBoneNames.
+[[nodiscard]] std::array<int, 13> limb_bones();
+
+/// Lengths of a human, from the bones of one frame; the trunk's is summed along the spine.
+/// @param world_from_bone  kBoneCount poses, metres; those of limb_bones() and the spine count.
+/// @param forearms         whether arms go beyond the elbow, as RobotLimbs::forearms has it.
+[[nodiscard]] LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone,
+                                             bool forearms = true);
+
+/// Measures a robot in its zero configuration.
+///
+/// A ball joint that is built of hinges one after the other has its centre where their axes come
+/// nearest to each other (least squares, drawn slightly towards the anchors where axes are
+/// parallel). Hips are the joints between the last body that both knees hang from and the knee;
+/// shoulders likewise; ankles and wrists those from there to the mapped foot and hand. Knees and
+/// elbows are the joints of the bodies that the mapping gives to `Leg` and `ForeArm`. Where neither hand
+/// has a body, arms are measured to the elbow.
+///
+/// kConfig error: the mapping has no body for one of these, they do not follow each other, or a
+/// limb has no length.
+[[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables);
+
+/// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.
+[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const IkTables& tables);
+
+}  // namespace retarget

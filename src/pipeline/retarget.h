@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "human/human_clip.h"
+#include "ik/ik_solver.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/targets.h"
+#include "retarget/error.h"
+#include "retarget/motion.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+/// Which implementation of the inverse kinematics runs; both take the same steps.
+enum class IkEngine { kFast, kReference };
+
+/// How a human clip becomes a robot clip.
+struct RetargetOptions {
+  IkEngine engine = IkEngine::kFast;
+  HeightScale height_scale = HeightScale::kPublished;
+  TrunkRule trunk = TrunkRule::kBones;
+  /// How far the waist may turn where trunk is kLines, valid while the run lasts; null: the model's.
+  const LimitSet* waist_limits = nullptr;
+  IkOptions ik;
+  /// Begin with the root on its target and solve the first frame until it settles, so that nothing
+  /// of the way there is left in the motion, and again every frame into which the root's target
+  /// turns by more than 60 degrees. An upper arm that is more than 60 degrees off is looked for another
+  /// way, which then counts from where both ways meet, two seconds back at most. The published method
+  /// solves each frame once, the first from the model's zero configuration.
+  bool settle = false;
+  /// Make the targets ahead of the solver on a second thread; the result is the same.
+  bool targets_ahead = false;
+  /// Asked before every frame with its number; false stops the run with ErrorKind::kInterrupted.
+  std::function<bool(int frame)> keep_going;
+  /// Told every frame's configuration, in order, as soon as it does not change any more, on the
+  /// caller's thread.
+  std::function<void(int frame, std::span<const double> qpos)> frame_solved;
+};
+
+/// A robot clip and what it took to solve it.
+struct RetargetResult {
+  RobotClip clip;
+  long steps = 0;           ///< IK steps of all frames and passes.
+  int most_steps = 0;       ///< Of a single frame.
+  double mean_error = 0.0;  ///< Mean over frames of the last pass's final unweighted error norm.
+};
+
+/// Retargets frame by frame with the published two-pass method: the first frame starts from the
+/// model's zero configuration (qpos0), every other from the frame before.
+///
+/// Errors: a fault in the mapping, or weights that lead to values that are not finite (kConfig); a
+/// mapped bone that the clip lacks, or positions too large to compute with (kInput).
+/// @param clip_name  the clip's file, for messages.
+[[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
+                                              const std::shared_ptr<const Robot>& robot,
+                                              const IkTables& tables, const LimitSet& limits,
+                                              const RetargetOptions& options = {});
+
+/// The same for a clip under a mapping, without holding all human poses in memory.
+[[nodiscard]] Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
+                                              const std::string& clip_name,
+                                              const std::shared_ptr<const Robot>& robot,
+                                              const IkTables& tables, const LimitSet& limits,
+                                              const RetargetOptions& options = {});
+
+}  // namespace retarget

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "human/human_clip.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/targets.h"
+#include "retarget/motion.h"
+#include "retarget/report.h"
+#include "retarget/robot.h"
+
+namespace retarget {
+
+/// The movement that a robot's motion came from. Frame i of both is the same instant.
+struct QualitySource {
+  const HumanClip* human = nullptr;  ///< At the motion's rate; may be longer or shorter.
+  const IkTables* tables = nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
+  /// How the targets were scaled.
+  HeightScale scale = HeightScale::kPublished;
+};
+
+struct QualityOptions {
+  /// self_1cm_pct and self_max_cm look at every so-manieth frame, by MuJoCo's contact depths.
+  int self_collision_stride = 5;
+  std::size_t faults_per_metric = 10;
+};
+
+/// Measures a motion; docs/quality.md and quality_metrics() define what.
+/// @param limits  the set that limit_pct is about; all sets of the robot are reported as well.
+/// @param source  without one, what needs it is left out.
+/// @pre the clip has frames
+[[nodiscard]] QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
+                                            const QualitySource* source = nullptr,
+                                            const QualityOptions& options = {});
+
+}  // namespace retarget

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rig/limbs.h"
+
+namespace retarget {
+
+/// How far a body is from the canonical T-pose.
+struct TPoseResidual {
+  std::string bone;  ///< Canonical bone.
+  int body = 0;
+  double direction = 0.0;  ///< Angle between the bone's X axis and the canonical one, rad.
+  double twist = 0.0;      ///< Angle that is left about X, rad.
+};
+
+/// The configuration in which a robot stands in the canonical T-pose as well as its limits allow.
+struct TPose {
+  std::vector<double> qpos;  ///< Layout as Robot says; root where the zero configuration has it.
+  std::vector<TPoseResidual> residuals;  ///< Legs, arms; left before right; from the trunk out.
+};
+
+/// A canonical bone, the part of the robot that follows it, and how much it counts.
+struct BonePart {
+  int bone = 0;  ///< Index into kBoneNames.
+  LimbPart part;
+};
+
+/// All parts that were found, in the order of the published tables: pelvis, left and right leg,
+/// torso (unless it is the pelvis), left and right arm, head.
+[[nodiscard]] std::vector<BonePart> bone_parts(const RobotAnatomy& limbs);
+
+/// World from bone in the T-pose of this robot: canonical_t_pose turned to where the robot faces.
+[[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone);
+
+/// Solves for the T-pose within the model's ranges: bounded Levenberg-Marquardt on the angles
+/// between the parts' bone axes and the canonical ones, with the joint axes as Jacobian, from the
+/// reference configuration and from raised and turned arms; the best result is taken. Joints that
+/// no part needs stay where they are.
+[[nodiscard]] TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs);
+
+}  // namespace retarget
