@@ -233,7 +233,7 @@ Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
   }
   if (rows.count == 0) return failure(damage);
   note_row_count(rows);
-  rows.warnings.push_back({damage.line, damage.column,
+  rows.warnings.push_back({damage.location.line, damage.location.column,
                            damage.message + ": kept " + std::to_string(rows.count) + " of " +
                                std::to_string(options_.declared_rows) + " declared rows" +
                                dropped});

@@ -39,7 +39,7 @@ SourceText::SourceText(std::string_view text, std::string file)
     : text_(text), file_(std::move(file)) {}
 
 std::size_t SourceText::line_of(std::size_t offset) const {
-  return error_at(offset, {}).line;
+  return error_at(offset, {}).location.line;
 }
 
 Error SourceText::error_at(std::size_t offset, std::string message, std::string hint) const {
@@ -67,7 +67,7 @@ Failure SourceText::failure_at(std::size_t offset, std::string message, std::str
 }
 
 Warning SourceText::warning_at(std::size_t offset, std::string message) const {
-  const Error place = error_at(offset, {});
+  const Location place = error_at(offset, {}).location;
   return {place.line, place.column, std::move(message)};
 }
 
