@@ -36,8 +36,8 @@ inline std::filesystem::path clip_path(const std::string& name) {
 inline BenchCase load_case(const std::string& clip) {
   const std::filesystem::path source = RETARGET_SOURCE_DIR;
   BenchCase result;
-  result.robot = load_robot((source / "robots/unitree_g1/model.xml").string(),
-                            (source / "robots/unitree_g1/robot.json").string())
+  result.robot = load_robot_files((source / "robots/unitree_g1/model.xml").string(),
+                                  (source / "robots/unitree_g1/robot.json").string())
                      .value();
   result.tables = load_ik_tables((source / "configs/lafan1_to_unitree_g1.json").string()).value();
   result.limits = load_limits(*result.robot, "gmr").value();

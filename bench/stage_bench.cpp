@@ -55,7 +55,7 @@ void load_g1(benchmark::State& state) {
       std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        load_robot((folder / "model.xml").string(), (folder / "robot.json").string()));
+        load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string()));
   }
 }
 BENCHMARK(load_g1)->Unit(benchmark::kMillisecond);

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "retarget/error.h"
+
 namespace retarget {
 
 /// An exact frame rate: `frames` frames in `seconds` seconds, both positive, in lowest terms.
@@ -114,6 +116,14 @@ class Skeleton {
   int channel_count_ = 0;
 };
 
+/// Where a clip came from.
+struct ClipOrigin {
+  std::string name;                   ///< Its file as the user named it; `standard input`.
+  std::uint64_t bytes = 0;            ///< Of the file.
+  std::optional<double> body_height;  ///< Metres, where the file tells.
+  std::vector<Warning> warnings;      ///< What was odd about the file.
+};
+
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,
 /// in the units and axes of the file it came from.
 ///
@@ -141,12 +151,21 @@ class Clip {
   /// Translation of any joint from its parent, in the parent's frame.
   [[nodiscard]] const Eigen::Vector3d& translation(int frame, int joint) const;
 
+  /// Clips that are made of a clip (cut, resampled) keep its origin.
+  [[nodiscard]] const ClipOrigin& origin() const;
+  /// A clip of the same skeleton and origin, at rest.
+  [[nodiscard]] Clip empty_like(FrameRate rate, int frame_count) const;
+  /// What messages call the clip.
+  [[nodiscard]] const std::string& name() const { return origin().name; }
+  void set_origin(ClipOrigin origin);
+
   void set_rate(FrameRate rate) { rate_ = rate; }
   /// Frames that are added are at rest, as those of the constructor; amortised cost per frame.
   void resize(int frame_count);
 
  private:
   std::shared_ptr<const Skeleton> skeleton_;
+  std::shared_ptr<const ClipOrigin> origin_;  // null: unknown
   FrameRate rate_;
   int frame_count_;
   std::vector<Eigen::Quaterniond> rotations_;  // frame-major

@@ -12,18 +12,9 @@
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 
 namespace retarget {
-
-/// Files that hold a robot's motion; docs/formats.md describes each.
-enum class MotionFormat : unsigned char {
-  kCsv,             ///< Unitree's layout: root, quaternion, joints; SI.
-  kCsvSoma,         ///< SOMA and BONES-SEED: header, frame number, centimetres, degrees, Euler.
-  kNpzMjlab,        ///< Tracking arrays in MuJoCo's order of joints and bodies.
-  kNpzBeyondMimic,  ///< Tracking arrays in Isaac Lab's order.
-  kPklGmr,          ///< GMR's dictionary.
-  kPklPbhc,         ///< PBHC's and ASAP's dictionary of dictionaries.
-};
 
 /// As on the command line: `csv`, `csv-soma`, `npz-mjlab`, ...
 [[nodiscard]] std::string_view format_name(MotionFormat format);
@@ -35,9 +26,6 @@ enum class MotionFormat : unsigned char {
 [[nodiscard]] std::string_view format_ending(MotionFormat format);
 /// What tells files of one motion in several formats apart: `.csv`, `.soma.csv`, `.mjlab.npz`, ...
 [[nodiscard]] std::string_view format_long_ending(MotionFormat format);
-
-/// Order of the four quaternion columns.
-enum class QuaternionOrder { kXyzw, kWxyz };
 
 /// The dialect of a robot CSV. The defaults are the bytes of Unitree's published G1 data, which
 /// BeyondMimic, mjlab, unitree_rl_lab and PBHC read.
@@ -115,12 +103,6 @@ struct TrackingLayout {
 /// @param format  kNpzMjlab or kNpzBeyondMimic
 [[nodiscard]] TrackingLayout tracking_layout(const Robot& robot, MotionFormat format);
 
-/// Whose velocity `body_lin_vel_w` is.
-enum class BodyPoint : unsigned char {
-  kLink,  ///< The link's origin, as mjlab has it.
-  kMass,  ///< The centre of mass of the link and what is fixed to it, as Isaac Lab has it.
-};
-
 struct TrackingOptions {
   FrameRate rate{50, 1};
   std::optional<BodyPoint> velocity_of;  ///< Nothing: as the format's trainer has it.
@@ -183,6 +165,14 @@ struct WriteMotionOptions {
 /// The robot that PBHC's files are of: see kPklPbhc.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> pbhc_robot(
     const std::shared_ptr<const Robot>& robot);
+
+/// Joints of a motion that move and that a variant of its robot holds: how many, by how much at most,
+/// which; nothing: none.
+[[nodiscard]] std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant);
+
+/// What a format cannot hold of a motion, a line each: PBHC's files have fewer joints, SOMA's no rate
+/// but 120 frames a second and what divides it.
+[[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format);
 
 /// What a motion file does not say, or says wrongly. Nothing: found, or as the format has it.
 struct ReadMotionOptions {

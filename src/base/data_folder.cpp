@@ -48,14 +48,17 @@ Result<fs::path> find_data_folder(const DataFolderSearch& search) {
       if (folder == folder.parent_path()) break;
     }
   }
+  if (!search.installed.empty() && holds_data(search.installed)) return fs::path(search.installed);
   return config_failure(
       "", "no data folder with robots/ and configs/ found beside the program",
       std::string("name it with " OPTION("data-dir") " DIR or the environment variable ") +
           kVariable);
 }
 
-Result<fs::path> find_data_folder(const std::optional<std::string>& chosen_by_flag) {
+Result<fs::path> find_data_folder(const std::optional<std::string>& chosen_by_flag,
+                                  const std::string& installed) {
   DataFolderSearch search;
+  search.installed = installed;
   search.flag = chosen_by_flag;
   if (const char* value = std::getenv(kVariable)) search.environment = value;
   std::error_code unknown;

@@ -145,6 +145,13 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
   return FileContent(std::move(bytes), used);
 }
 
+Result<void> check_readable(const std::string& path, ErrorKind kind) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return read_failure(kind, path, errno);
+  ::close(descriptor);
+  return {};
+}
+
 Result<void> check_output_folder(const std::string& path) {
   if (path == "-") return {};
   const std::string folder = folder_of(path);

@@ -34,6 +34,9 @@ class FileContent {
     const std::string& path, ErrorKind kind = ErrorKind::kInput,
     std::size_t most = std::numeric_limits<std::size_t>::max());
 
+/// Whether a file can be opened for reading; the error says why not.
+[[nodiscard]] Result<void> check_readable(const std::string& path, ErrorKind kind);
+
 /// Whether the folder that would hold `path` exists; a usage error naming it when it does not.
 [[nodiscard]] Result<void> check_output_folder(const std::string& path);
 

@@ -7,34 +7,9 @@
 #include "human/human_clip.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/options.h"
 
 namespace retarget {
-
-/// One of the six directions of a file's axes.
-struct SignedAxis {
-  int axis = 1;           ///< 0, 1 or 2 for x, y or z.
-  bool negative = false;  ///< Against the axis.
-
-  [[nodiscard]] Eigen::Vector3d direction() const {
-    return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
-  }
-  friend bool operator==(const SignedAxis&, const SignedAxis&) = default;
-};
-
-/// `+x`, `-z`.
-[[nodiscard]] std::string to_text(const SignedAxis& axis);
-
-/// Which pose of the source is brought to the canonical T-pose.
-enum class RestPose {
-  kAuto,     ///< The zero pose when it is a well-formed T-, A- or I-pose; else a frame that is a
-             ///< T-pose within a few degrees; else kLearned.
-  kZero,     ///< All rotations zero.
-  kFirst,    ///< The first frame.
-  kFrame,    ///< CalibrationOptions::rest_frame.
-  kBest,     ///< The frame most like a T-pose.
-  kLearned,  ///< None: axes from bone directions, elbow and knee hinges, upright and flat-footed
-             ///< frames of the whole movement.
-};
 
 struct CalibrationOptions {
   std::optional<double> metres_per_unit;  ///< Found from the leg's length without.

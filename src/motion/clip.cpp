@@ -11,6 +11,21 @@ Clip::Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_c
   resize(frame_count);
 }
 
+const ClipOrigin& Clip::origin() const {
+  static const ClipOrigin kUnknown;
+  return origin_ ? *origin_ : kUnknown;
+}
+
+void Clip::set_origin(ClipOrigin origin) {
+  origin_ = std::make_shared<const ClipOrigin>(std::move(origin));
+}
+
+Clip Clip::empty_like(FrameRate rate, int frame_count) const {
+  Clip clip(skeleton_, rate, frame_count);
+  clip.origin_ = origin_;
+  return clip;
+}
+
 double Clip::duration() const {
   return frame_count_ > 0 ? rate_.time_of(frame_count_ - 1) : 0.0;
 }
@@ -62,7 +77,7 @@ void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame) {
 
 Clip cut(const Clip& clip, int begin, int end) {
   assert(0 <= begin && begin <= end && end <= clip.frame_count());
-  Clip part(clip.shared_skeleton(), clip.rate(), end - begin);
+  Clip part = clip.empty_like(clip.rate(), end - begin);
   for (int frame = begin; frame < end; ++frame) copy_frame(clip, frame, part, frame - begin);
   return part;
 }

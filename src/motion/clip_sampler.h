@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/options.h"
 
 namespace retarget {
-
-/// How values between two frames come about.
-enum class Interpolation : std::uint8_t {
-  kLinear,  ///< Straight lines and slerp: velocities jump at the frames.
-  kCubic,   ///< Splines with continuous velocities; see math/spline.h.
-};
 
 template <typename Value>
 class TrackSampler;

@@ -135,7 +135,7 @@ Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleO
   // joint by joint, so that no second copy of a long clip is needed
   const TrackResampler tracks(source, static_cast<int>(count), Stride(source.rate(), output_rate),
                               options);
-  Clip output(source.shared_skeleton(), output_rate, static_cast<int>(count));
+  Clip output = source.empty_like(output_rate, static_cast<int>(count));
   for (int joint = 0; joint < source.skeleton().joint_count(); ++joint) {
     const auto track = tracks.resample(rotation_track(source, joint));
     for (int i = 0; i < output.frame_count(); ++i) output.rotations(i)[joint] = track[i];

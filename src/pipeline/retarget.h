@@ -11,12 +11,10 @@
 #include "pipeline/targets.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 #include "retarget/robot.h"
 
 namespace retarget {
-
-/// Which implementation of the inverse kinematics runs; both take the same steps.
-enum class IkEngine { kFast, kReference };
 
 /// How a human clip becomes a robot clip.
 struct RetargetOptions {

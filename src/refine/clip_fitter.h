@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "refine/fit_model.h"
-#include "refine/fit_options.h"
 #include "refine/foot_plan.h"
 #include "refine/frame_terms.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

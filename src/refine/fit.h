@@ -7,9 +7,9 @@
 #include "human/human_clip.h"
 #include "pipeline/ik_tables.h"
 #include "pipeline/retarget.h"
-#include "refine/fit_options.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 

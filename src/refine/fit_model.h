@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipeline/ik_tables.h"
-#include "refine/fit_options.h"
+#include "retarget/options.h"
 #include "retarget/robot.h"
 
 namespace retarget {

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "refine/fit_options.h"
 #include "refine/frame_terms.h"
 #include "refine/source_feet.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -5,7 +5,7 @@
 
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
-#include "refine/fit_options.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "refine/fit_options.h"
 #include "refine/source_feet.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "refine/fit_options.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -9,8 +9,8 @@
 
 namespace retarget {
 
-Result<std::shared_ptr<const Robot>> load_robot(const std::string& model_path,
-                                                const std::string& profile_path) {
+Result<std::shared_ptr<const Robot>> load_robot_files(const std::string& model_path,
+                                                      const std::string& profile_path) {
   auto loaded = load_model(model_path);
   if (!loaded) return failure(loaded.error());
   if (auto checked = check_robot_joints(*loaded->model, model_path); !checked) {

@@ -38,7 +38,7 @@ namespace retarget {
 /// | `variants` | name: `{"locked": {joint: position}, "description": text}`; see variant.h |
 ///
 /// Faults of a profile are named all at once (kConfig), with the nearest name where one is unknown.
-[[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot(const std::string& model_path,
-                                                              const std::string& profile_path = {});
+[[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot_files(
+    const std::string& model_path, const std::string& profile_path = {});
 
 }  // namespace retarget

@@ -10,8 +10,9 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 # module: the modules that it may include directly; what those may include, it may include too
 MAY_INCLUDE = {
     "base": [],
+    "options": ["base"],
     "math": ["base"],
-    "motion": ["math"],
+    "motion": ["math", "options"],
     "bvh": ["motion"],
     "smpl": ["motion"],
     "human": ["bvh", "smpl"],
@@ -23,6 +24,7 @@ MAY_INCLUDE = {
     "rig": ["pipeline"],
     "refine": ["pipeline"],
     "quality": ["refine"],
+    "plan": ["rig", "quality", "io"],
     "batch": ["refine", "quality", "io"],
     "view": ["refine", "quality", "io"],
 }

@@ -63,7 +63,7 @@ std::string file_of(std::string_view bytes, const char* name) {
 const std::shared_ptr<const Robot>& fuzz_robot() {
   static const std::shared_ptr<const Robot> g1 = [] {
     const std::string folder = std::string(RETARGET_SOURCE_DIR) + "/robots/unitree_g1/";
-    auto loaded = load_robot(folder + "model.xml", folder + "robot.json");
+    auto loaded = load_robot_files(folder + "model.xml", folder + "robot.json");
     require(loaded.has_value(), "the robot is there");
     return *loaded;
   }();

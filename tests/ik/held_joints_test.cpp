@@ -10,7 +10,7 @@ namespace {
 // the two arms with a joint held away from its qpos0, and one whose motion is a slide
 std::shared_ptr<const Robot> held_arms() {
   const TemporaryFolder folder;
-  const auto robot = load_robot(folder.write("robot.xml", kTwoArms));
+  const auto robot = load_robot_files(folder.write("robot.xml", kTwoArms));
   EXPECT_TRUE(robot) << describe(robot.error());
   auto held = std::const_pointer_cast<Robot>(*robot);
   held->set_variant(

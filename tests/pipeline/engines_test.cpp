@@ -35,7 +35,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     const fs::path source = RETARGET_SOURCE_DIR;
     const fs::path folder = source / "robots" / GetParam().robot;
     const auto robot =
-        load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
+        load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
     const std::string mapping = "lafan1_to_" + std::string(GetParam().robot) + ".json";

@@ -96,7 +96,8 @@ TEST(SettledFirstFrame, DoesNotJamALimbAtItsLimits) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const auto folder = kRoot / "robots" / "stanford_toddy";
-  const auto robot = load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
+  const auto robot =
+      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
   ASSERT_TRUE(robot.has_value());
   const Clip source = first_frame(*shared / "data" / "lafan1" / "dance1_subject2.bvh", 1);
   const RobotClip clip = solved(source, "stanford_toddy", *robot, true);

@@ -60,7 +60,7 @@ struct AimedRobot {
 
 AimedRobot aimed_robot(const std::string& name) {
   const std::string folder = RETARGET_SOURCE_DIR "/robots/" + name;
-  auto robot = load_robot(folder + "/model.xml", folder + "/robot.json").value();
+  auto robot = load_robot_files(folder + "/model.xml", folder + "/robot.json").value();
   const IkTables tables = load_ik_tables(folder + "/ik.json").value();
   const RobotLimbs limbs = robot_limbs(*robot, tables).value();
   auto trunk = robot_trunk(*robot, tables, limbs, robot->model_limits()).value();

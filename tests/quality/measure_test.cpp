@@ -69,9 +69,9 @@ class MeasureQuality : public ::testing::Test {
  protected:
   void SetUp() override {
     const TemporaryFolder folder;
-    robot_ =
-        load_robot(folder.write("walker.xml", kWalker), folder.write("robot.json", kWalkerProfile))
-            .value();
+    robot_ = load_robot_files(folder.write("walker.xml", kWalker),
+                              folder.write("robot.json", kWalkerProfile))
+                 .value();
   }
 
   // soles on the floor, but for what the movement changes

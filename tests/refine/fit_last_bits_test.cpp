@@ -69,8 +69,8 @@ TEST(FitLastBits, OfASourceDoNotDecideWhatStandsOnTheFloor) {
 
 TEST(FitLastBits, OfASourceDoNotDecideWhereFeetSideBySideTouch) {
   // boxes with parallel faces: Talos' feet stand in each other where the source's do not
-  const auto robot = load_robot(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
-                                RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");
+  const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
+                                      RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");
   ASSERT_TRUE(robot.has_value());
   EXPECT_LT(apart(*robot, "lafan1_to_pal_talos.json", sample("squat.bvh", 0, 20)), kSameMotion);
 }

@@ -220,8 +220,8 @@ TEST_F(FitTest, BoundsHoldForSourcesThatNobodyCouldFollow) {
 
 TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
   // the T1 is small and its feet are not: a source whose feet stand side by side
-  const auto robot = load_robot(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
-                                RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
+  const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
+                                      RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
   const auto tables =
       load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json");
   ASSERT_TRUE(robot.has_value() && tables.has_value());
@@ -314,7 +314,7 @@ TEST_F(FitTest, TheFrameRateDoesNotMatter) {
 }
 
 TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
-  const auto bare = load_robot(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
+  const auto bare = load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
   ASSERT_TRUE(bare.has_value());
   const Clip clip = cut(sample("walk.bvh"), 0, 10);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");

@@ -39,7 +39,7 @@ SoleExtent extent_of(const Robot& robot, const Sole& sole) {
 }
 
 TEST(BareRobot, SolesAreThoseOfTheProfile) {
-  const auto bare = load_robot(g1_model());
+  const auto bare = load_robot_files(g1_model());
   ASSERT_TRUE(bare) << describe(bare.error());
   ASSERT_TRUE((*bare)->profile().soles.empty());
   const auto completed = complete_bare_robot(**bare, g1_model());
@@ -60,7 +60,7 @@ TEST(BareRobot, SolesAreThoseOfTheProfile) {
 }
 
 TEST(BareRobot, AllElseStays) {
-  const auto bare = load_robot(g1_model());
+  const auto bare = load_robot_files(g1_model());
   ASSERT_TRUE(bare);
   const auto completed = complete_bare_robot(**bare, g1_model());
   ASSERT_TRUE(completed);
@@ -84,7 +84,7 @@ TEST(BareRobot, WhatNothingTellsIsSaid) {
     at += 5;
   }
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot(model);
+  const auto bare = load_robot_files(model);
   ASSERT_TRUE(bare) << describe(bare.error());
   ASSERT_TRUE((*bare)->collision_shapes().empty());
   const auto completed = complete_bare_robot(**bare, model);
@@ -107,7 +107,7 @@ TEST(BareRobot, ShapesOfTheModelAreKept) {
   add_geom("left_shin", "<geom type=\"cylinder\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
   add_geom("right_shin", "<geom type=\"capsule\" pos=\"0 0 -0.12\" size=\"0.03 0.1\"/>");
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot(model);
+  const auto bare = load_robot_files(model);
   ASSERT_TRUE(bare) << describe(bare.error());
   const auto completed = complete_bare_robot(**bare, model);
   ASSERT_TRUE(completed) << describe(completed.error());
@@ -131,7 +131,7 @@ TEST(BareRobot, SolesTouchWhereTheFootDoes) {
         "<geom size=\".01\" pos=\".1 .04 -.04\"/><geom size=\".01\" pos=\".1 -.04 -.04\"/>");
   }
   const std::string model = folder.write("robot.xml", text);
-  const auto bare = load_robot(model);
+  const auto bare = load_robot_files(model);
   ASSERT_TRUE(bare) << describe(bare.error());
   const auto completed = complete_bare_robot(**bare, model);
   ASSERT_TRUE(completed) << describe(completed.error());

@@ -47,9 +47,9 @@ TEST(MakeRobot, WritesAFolderThatLoadsToTheSameKinematics) {
   const auto written = save_robot(*made, folder.path(), false);
   ASSERT_TRUE(written) << describe(written.error());
 
-  const auto original = load_robot(model);
+  const auto original = load_robot_files(model);
   const auto robot =
-      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
   ASSERT_TRUE(original);
   ASSERT_TRUE(robot) << describe(robot.error());
   ASSERT_EQ((*robot)->body_names(), (*original)->body_names());
@@ -83,7 +83,7 @@ TEST(MakeRobot, FindsTheSolesOfABoxFoot) {
   const auto written = save_robot(*made, folder.path(), false);
   ASSERT_TRUE(written);
   const auto robot =
-      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
   ASSERT_TRUE(robot);
   const std::vector<Sole>& soles = (*robot)->profile().soles;
   ASSERT_EQ(soles.size(), 2U);
@@ -239,7 +239,7 @@ TEST(MakeRobot, TakesUrdfWithoutItsMeshes) {
   const auto written = save_robot(*made, folder.path(), false);
   ASSERT_TRUE(written);
   const auto robot =
-      load_robot((*written / "model.xml").string(), (*written / "robot.json").string());
+      load_robot_files((*written / "model.xml").string(), (*written / "robot.json").string());
   ASSERT_TRUE(robot) << describe(robot.error());
   EXPECT_EQ((*robot)->joints().size(), 14U);
   for (std::size_t j = 0; j < (*robot)->joints().size(); ++j) {

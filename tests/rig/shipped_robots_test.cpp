@@ -33,7 +33,7 @@ fs::path source_folder() {
 
 std::shared_ptr<const Robot> shipped(const std::string& name) {
   const auto files = find_robot(name, source_folder() / "robots").value();
-  return load_robot(files.model.string(), files.profile.string()).value();
+  return load_robot_files(files.model.string(), files.profile.string()).value();
 }
 
 // three seconds of a clip, fifteen frames each

@@ -29,7 +29,7 @@ using ::testing::Not;
 // the error of loading a robot from this text
 Error error_of(const std::string& mjcf) {
   const TemporaryFolder folder;
-  const auto robot = load_robot(folder.write("robot.xml", mjcf));
+  const auto robot = load_robot_files(folder.write("robot.xml", mjcf));
   EXPECT_FALSE(robot.has_value());
   if (robot) return {};
   EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
@@ -97,7 +97,8 @@ TEST(LoadModelTest, MeshesAndOtherFilesAreNotNeeded) {
 TEST(LoadModelTest, IncludesAreFollowed) {
   const TemporaryFolder folder;
   folder.write("part.xml", "<mujocoinclude>" + std::string(kFloatingBall) + "</mujocoinclude>");
-  const auto robot = load_robot(folder.write("robot.xml", world("<include file=\"part.xml\"/>")));
+  const auto robot =
+      load_robot_files(folder.write("robot.xml", world("<include file=\"part.xml\"/>")));
   ASSERT_TRUE(robot.has_value()) << describe(robot.error());
   EXPECT_EQ((*robot)->name(), "robot");
 }
@@ -110,7 +111,7 @@ TEST(LoadModelTest, ReferenceModelsLoadWithoutTheirMeshes) {
     if (!entry.is_directory()) continue;
     for (const auto& file : fs::directory_iterator(entry.path())) {
       if (file.path().extension() != ".xml" || file.path().filename() == "ground.xml") continue;
-      const auto robot = load_robot(file.path().string());
+      const auto robot = load_robot_files(file.path().string());
       if (entry.path().filename() == "galaxea_r1pro") {
         ASSERT_FALSE(robot.has_value());
         EXPECT_THAT(robot.error().message, HasSubstr("no free joint"));
@@ -128,7 +129,7 @@ TEST(LoadModelTest, ReferenceModelsLoadWithoutTheirMeshes) {
 
 TEST(LoadModelTest, FilesThatAreNoModelAreNamed) {
   const TemporaryFolder folder;
-  const auto error = [](const std::string& path) { return load_robot(path).error(); };
+  const auto error = [](const std::string& path) { return load_robot_files(path).error(); };
   EXPECT_THAT(error(folder.path().string()).message, HasSubstr("directory"));
   EXPECT_THAT(error((folder.path() / "none.xml").string()).message, HasSubstr("No such file"));
   EXPECT_THAT(error("-").message, HasSubstr("standard input"));
@@ -225,7 +226,7 @@ TEST(LoadModelTest, WrongInertiasMoveNoBody) {
 
 TEST(LoadModelTest, UrdfIsToldApart) {
   const TemporaryFolder folder;
-  const auto robot = load_robot(folder.write("robot.urdf", R"(<robot name="r">
+  const auto robot = load_robot_files(folder.write("robot.urdf", R"(<robot name="r">
     <link name="base"/><link name="arm"><visual><geometry><mesh filename="arm.stl"/></geometry>
     </visual></link>
     <joint name="j" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
@@ -282,8 +283,8 @@ TEST(LoadModelTest, ThreadsMayLoadAtTheSameTime) {
   for (int t = 0; t < 4; ++t) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 25; ++i) {
-        if (!load_robot(good).has_value()) ++faults[t];
-        const auto failed = load_robot(bad);
+        if (!load_robot_files(good).has_value()) ++faults[t];
+        const auto failed = load_robot_files(bad);
         if (failed.has_value() || failed.error().location.line != 3) ++faults[t];
       }
     });

@@ -22,7 +22,7 @@ using ::testing::Pair;
 
 Result<std::shared_ptr<const Robot>> load(const std::string& profile) {
   const TemporaryFolder folder;
-  return load_robot(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
+  return load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
 }
 
 std::string message_of(const std::string& profile) {
@@ -192,7 +192,7 @@ TEST(LoadProfileTest, WrongTypesAreFaults) {
 
 TEST(LoadProfileTest, MissingFileIsAnError) {
   const TemporaryFolder folder;
-  const auto robot = load_robot(folder.write("robot.xml", kTwoArms), "no/robot.json");
+  const auto robot = load_robot_files(folder.write("robot.xml", kTwoArms), "no/robot.json");
   ASSERT_FALSE(robot.has_value());
   EXPECT_EQ(robot.error().location.file, "no/robot.json");
 }

@@ -120,7 +120,7 @@ class RobotFigures : public testing::TestWithParam<FiguresCase> {
   }
 
   [[nodiscard]] std::shared_ptr<const Robot> reference(const char* file) const {
-    const auto robot = load_robot((folder_ / file).string());
+    const auto robot = load_robot_files((folder_ / file).string());
     EXPECT_TRUE(robot.has_value()) << describe(robot.error());
     return robot ? *robot : nullptr;
   }

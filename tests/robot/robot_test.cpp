@@ -134,7 +134,7 @@ TEST(ForwardKinematicsTest, AgreesWithMujocoOnAllReferenceRobots) {
   int robots = 0;
   for (const auto& entry : fs::recursive_directory_iterator(*shared / "reference" / "robots")) {
     if (entry.path().extension() != ".xml") continue;
-    const auto robot = load_robot(entry.path().string());
+    const auto robot = load_robot_files(entry.path().string());
     if (!robot) continue;  // parts and the robot on wheels; load_model_test knows which must load
     expect_mujoco_agrees(**robot, 20);
     ++robots;

@@ -20,7 +20,7 @@ inline std::shared_ptr<const Robot> load_shipped(const std::string& name) {
   const auto files = find_robot(name, robots_folder());
   EXPECT_TRUE(files.has_value()) << (files ? "" : describe(files.error()));
   if (!files) return nullptr;
-  const auto robot = load_robot(files->model.string(), files->profile.string());
+  const auto robot = load_robot_files(files->model.string(), files->profile.string());
   EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
   return robot ? *robot : nullptr;
 }

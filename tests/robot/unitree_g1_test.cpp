@@ -78,7 +78,7 @@ class UnitreeG1FiguresTest : public UnitreeG1Test {
   }
 
   [[nodiscard]] std::shared_ptr<const Robot> reference(const std::string& name) const {
-    const auto robot = load_robot((folder_ / name).string());
+    const auto robot = load_robot_files((folder_ / name).string());
     EXPECT_TRUE(robot.has_value()) << describe(robot.error());
     return robot ? *robot : nullptr;
   }

@@ -25,7 +25,7 @@ constexpr const char* kProfile = R"({
 std::shared_ptr<const Robot> two_arms(const std::string& profile = kProfile) {
   const TemporaryFolder folder;
   const auto robot =
-      load_robot(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
+      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
   EXPECT_TRUE(robot) << describe(robot.error());
   return *robot;
 }

@@ -14,7 +14,7 @@ namespace retarget {
 /// A robot from MJCF text.
 inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
   const TemporaryFolder folder;
-  const auto robot = load_robot(folder.write("robot.xml", mjcf));
+  const auto robot = load_robot_files(folder.write("robot.xml", mjcf));
   EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
   return robot ? *robot : nullptr;
 }
@@ -23,7 +23,8 @@ inline std::shared_ptr<const Robot> robot_from_text(const std::string& mjcf) {
 inline std::shared_ptr<const Robot> load_g1() {
   const std::filesystem::path folder =
       std::filesystem::path(RETARGET_SOURCE_DIR) / "robots" / "unitree_g1";
-  const auto robot = load_robot((folder / "model.xml").string(), (folder / "robot.json").string());
+  const auto robot =
+      load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
   EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
   return robot ? *robot : nullptr;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "arguments.h"
 #include "console.h"
 #include "edit_options.h"
 #include "options.h"
@@ -7,14 +8,14 @@
 namespace retarget::cli {
 
 /// Each command does its work and gives the exit code of the process.
-[[nodiscard]] ExitCode run(const RunOptions& options, Console& console);
-[[nodiscard]] ExitCode batch(const BatchOptions& options, Console& console);
+[[nodiscard]] ExitCode run(const RunArguments& arguments, Console& console);
+[[nodiscard]] ExitCode batch(const BatchArguments& arguments, Console& console);
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, Console& console);
 [[nodiscard]] ExitCode edit(const EditOptions& options, Console& console);
-[[nodiscard]] ExitCode evaluate(const EvaluateOptions& options, Console& console);
+[[nodiscard]] ExitCode evaluate(const EvaluateArguments& arguments, Console& console);
 [[nodiscard]] ExitCode convert(const ConvertOptions& options, Console& console);
 [[nodiscard]] ExitCode compare(const CompareOptions& options, Console& console);
-[[nodiscard]] ExitCode verify(const VerifyOptions& options, Console& console);
+[[nodiscard]] ExitCode verify(const VerifyArguments& arguments, Console& console);
 [[nodiscard]] ExitCode robots(const RobotsOptions& options, Console& console);
 
 }  // namespace retarget::cli

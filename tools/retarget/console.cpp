@@ -118,6 +118,11 @@ ExitCode Console::fail(const Error& error) {
   return exit_code(error.kind);
 }
 
+void Console::progress(const Progress& progress) {
+  this->progress(progress.stage == Stage::kFrames ? "solving frame" : "fitting, percent",
+                 progress.done, progress.total);
+}
+
 void Console::progress(std::string_view what, int done, int total) {
   if (!terminal_) return;
   status(std::string(what) + " " + std::to_string(done) + " / " + std::to_string(total));
@@ -135,10 +140,6 @@ void Console::status(std::string_view text) {
 void Console::end_progress() {
   if (progress_shown_) put("\r\033[K");
   progress_shown_ = false;
-}
-
-std::string count_text(long count, std::string_view noun) {
-  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
 }
 
 }  // namespace retarget::cli

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "base/number_text.h"
+#include "interrupt.h"
 #include "retarget/error.h"
+#include "run/observer.h"
 
 namespace retarget::cli {
 
@@ -29,26 +31,30 @@ struct ConsoleNotes {
 };
 
 /// What people read, on standard error. Results never come this way.
-class Console {
+class Console : public Observer {
  public:
   explicit Console(bool quiet);
   /// Prints nothing and takes notes; they must live as long.
   explicit Console(ConsoleNotes& notes);
 
   /// Whether anybody reads the summary.
-  [[nodiscard]] bool is_read() const { return !quiet_ && notes_ == nullptr; }
+  [[nodiscard]] bool is_read() const override { return !quiet_ && notes_ == nullptr; }
   /// A line of the summary: a short label, then what there is to say. Silent when quiet.
-  void line(std::string_view label, std::string_view text);
-  void warn(const std::vector<Warning>& warnings, std::string_view file);
+  void line(std::string_view label, std::string_view text) override;
+  void warn(const std::vector<Warning>& warnings, std::string_view file) override;
+  /// Ctrl-C was pressed within an InterruptGuard.
+  [[nodiscard]] bool is_stopped() const override { return InterruptGuard::interrupted(); }
+  void progress(const Progress& progress) override;
+  void fault(const Error& error) override { static_cast<void>(fail(error)); }
   /// Prints the error and gives its exit code.
   [[nodiscard]] ExitCode fail(const Error& error);
 
   /// A progress line that overwrites itself; only on a terminal, at most ten times a second.
   void progress(std::string_view what, int done, int total);
   /// The same with any text. Where there is no terminal, a line now and then.
-  void status(std::string_view text);
+  void status(std::string_view text) override;
   /// Removes the progress line.
-  void end_progress();
+  void end_progress() override;
 
  private:
   [[nodiscard]] std::string paint(std::string_view text, std::string_view code) const;
@@ -64,8 +70,5 @@ class Console {
   bool progress_shown_ = false;
   double last_progress_s_ = 0.0;
 };
-
-/// `1 frame`, `2 frames`.
-[[nodiscard]] std::string count_text(long count, std::string_view noun);
 
 }  // namespace retarget::cli

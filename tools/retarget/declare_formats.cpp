@@ -174,14 +174,4 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
   return command;
 }
 
-CLI::App* add_verify_command(CLI::App& app, VerifyOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "verify", "Whether the run that a sidecar tells of still gives the same bytes");
-  command->add_option("file", options.file, "The sidecar, such as walk.csv.json")
-      ->required()
-      ->type_name("FILE");
-  add_common_options(*command, options.common);
-  return command;
-}
-
 }  // namespace retarget::cli

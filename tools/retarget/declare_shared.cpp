@@ -25,16 +25,6 @@ CLI::Validator number_from(double least, double most) {
   return CLI::Validator(check, "");
 }
 
-void refuse_empty_values(CLI::App& app) {
-  const auto check = [](const std::string& text) -> std::string {
-    return text.empty() ? "expected a value, found an empty word" : "";
-  };
-  for (CLI::Option* option : app.get_options()) {
-    if (option->get_expected_max() > 0) option->check(CLI::Validator(check, ""));
-  }
-  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
-}
-
 void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_flag("-q,--quiet", options.quiet, "Print errors only")->group(kGeneral);
   app.add_option("--data-dir", options.data_dir,

@@ -25,10 +25,6 @@ inline constexpr double kLongestTime = 1e9;
 /// A finite number in a range, with words of its own where it is not.
 [[nodiscard]] CLI::Validator number_from(double least, double most);
 
-/// Makes an empty word an error in place of a value, in all options of a command and its
-/// subcommands: a shell's variable that is not set must not read as an option left out.
-void refuse_empty_values(CLI::App& app);
-
 /// Options that several commands have.
 void add_common_options(CLI::App& app, CommonOptions& options);
 void add_source_options(CLI::App& app, SourceOptions& options);

@@ -9,25 +9,26 @@
 #include "base/file.h"
 #include "base/printable.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "commands.h"
-#include "interrupt.h"
+#include "human/human_clip.h"
+#include "options/run_tables.h"
+#include "plan/check_options.h"
+#include "plan/gates.h"
+#include "plan/mapping_files.h"
 #include "quality/measure.h"
-#include "read_source.h"
+#include "read_motion.h"
 #include "retarget/motion_io.h"
-#include "retarget/robot.h"
+#include "retarget/solve.h"
 #include "robot/resample_robot.h"
-#include "robot_mapping.h"
-#include "robot_motion_options.h"
-#include "run_report.h"
-#include "run_setup.h"
-#include "written_files.h"
+#include "run/run_lines.h"
+#include "run/written_files.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kUsualRate = "30";
 
 // what all motions of one call are measured with
 struct Measures {
@@ -44,22 +45,23 @@ struct Measures {
   Gates gates;
 };
 
-Result<void> check_usage(const EvaluateOptions& options) {
-  const RunOptions& run = options.run;
-  if (auto robot = check_robot_choice(run); !robot) return robot;
-  const bool source = !run.source.file.empty() || !run.smpl_file.empty();
-  if (!source && (run.start_s >= 0.0 || run.fps == "source")) {
+Result<void> check_usage(const EvaluateArguments& arguments) {
+  const Run& run = arguments.run.run;
+  TRY(check_robot_choice(run.robot));
+  const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
+  if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
     return usage_failure(
-        std::string(run.fps == "source" ? "--fps source" : "--start") + " needs the source",
+        std::string(arguments.fps == "source" ? "--fps source" : "--start") + " needs the source",
         "add --bvh FILE");
   }
-  const auto inputs = std::ranges::count(options.motions, "-") + (run.source.file == "-" ? 1 : 0);
+  const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
   if (inputs > 1) return usage_failure("standard input can be read once only");
-  std::vector<std::string> read = options.motions;
-  read.insert(read.end(), options.gates.begin(), options.gates.end());
-  const std::vector<std::string> of_run = files_of(run);
-  read.insert(read.end(), of_run.begin(), of_run.end());
-  return check_written({options.json, run.human.write_map}, read);
+  std::vector<std::string> read =
+      files_of(run, data_folder_of(arguments.run.common).value_or(std::string()));
+  read.insert(read.end(), arguments.motions.begin(), arguments.motions.end());
+  read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
+  read.push_back(arguments.run.smpl_file);
+  return check_written({arguments.json, arguments.run.request.write_map}, read);
 }
 
 // `METRIC=NUMBER` or `METRIC=none`
@@ -82,81 +84,70 @@ Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
   return gate;
 }
 
-Result<Gates> gates_of(const EvaluateOptions& options, const fs::path& data_folder) {
-  auto gates = default_gates(data_folder);
-  if (!gates) return gates;
-  for (const std::string& text : options.gates) {
+Result<Gates> gates_of(const EvaluateArguments& arguments, const std::string& data_folder) {
+  TRY_ASSIGN(Gates gates, default_gates(data_folder));
+  for (const std::string& text : arguments.gates) {
     const std::size_t equals = text.find('=');
     std::error_code ignored;
     if (text == "none") {
-      gates->clear();
+      gates.clear();
     } else if (equals == std::string::npos || fs::exists(text, ignored)) {
-      if (auto added = gates->add_file(text); !added) return failure(added.error());
+      TRY(gates.add_file(text));
     } else {
-      auto gate = gate_from_text(text, equals);
-      if (!gate) return failure(gate.error());
-      gates->set(std::move(*gate));
+      TRY_ASSIGN(Gate gate, gate_from_text(text, equals));
+      gates.set(std::move(gate));
     }
   }
   return gates;
 }
 
-Result<void> add_source(const RunOptions& run, const ChosenRobot& robot,
-                        const fs::path& data_folder, Measures& measures, Console& console) {
-  const auto mappings = load_mappings(run, robot, data_folder);
-  if (!mappings) return failure(mappings.error());
-  const auto source = load_source(run, data_folder, console);
-  if (!source) return failure(source.error());
-  measures.tables = mappings->for_source(source->human);
-  measures.mapping = recorded_name(measures.tables->file, data_folder);
-  measures.human = to_human(source->clip, source->human.calibration.mapping);
-  measures.scale = choose_scale(source->human, *robot.robot, *measures.tables, run);
-  measures.rate = source->clip.rate();
-  if (source->lead_in > 0) {
-    RunOptions with_lead_in = run;
-    with_lead_in.lead_in = "keep";
-    ConsoleNotes unread;
-    Console silent(unread);
-    const auto whole = load_source(with_lead_in, data_folder, silent);
-    if (!whole) return failure(whole.error());
-    measures.human_with_lead_in = to_human(whole->clip, whole->human.calibration.mapping);
-  }
-  measures.source = fs::path(source_name(run.source)).filename().string();
+Result<HumanClip> human_of(const Plan& plan) {
+  TRY_ASSIGN(const auto clip, prepare_clip(plan));
+  return to_human(*clip, plan.human.calibration.mapping);
+}
+
+Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
+                        Console& console) {
+  const Run& run = arguments.run;
+  TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
+  TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
+  measures.tables = plan.mapping;
+  measures.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
+  measures.scale = plan.scale;
+  measures.rate = plan.rate;
+  measures.source = fs::path(plan.clip->name()).filename().string();
+  TRY_ASSIGN(measures.human, human_of(plan));
+  if (plan.lead_in_frames == 0) return {};
+  plan.part.begin = 0;
+  TRY_ASSIGN(measures.human_with_lead_in, human_of(plan));
   return {};
 }
 
-Result<Measures> load_measures(const EvaluateOptions& options, Console& console) {
-  RunOptions run = options.run;
-  if (auto chosen = choose_motion_file(run); !chosen) return failure(chosen.error());
-  const bool rate_given = !run.fps.empty();
-  if (!rate_given) run.fps = kUsualRate;
-  const auto data_folder = data_folder_of(run.common);
-  if (!data_folder) return failure(data_folder.error());
-  Measures measures;
-  auto gates = gates_of(options, *data_folder);
-  if (!gates) return failure(gates.error());
-  measures.gates = std::move(*gates);
-  const auto robot = load_chosen_robot(run, *data_folder, console, Soles::kNeeded);
-  if (!robot) return failure(robot.error());
-  measures.robot = robot->robot;
-  auto limits = load_limits(*measures.robot,
-                            run.limits.empty() ? measures.robot->limits_for({}) : run.limits);
-  if (!limits) return failure(limits.error());
-  measures.limits = std::move(*limits);
-  const auto rate = output_rate(run.fps);
-  if (!rate) return failure(rate.error());
-  if (*rate) measures.rate = **rate;
-  auto reading = read_motion_options(options.reading, run.source);
-  if (!reading) return failure(reading.error());
-  measures.reading = std::move(*reading);
-  if (run.source.file.empty()) {
-    if (run.source.source_fps > 0.0) {
-      measures.reading.rate = frame_rate_from_fps(run.source.source_fps);
-    }
-  } else if (auto added = add_source(run, *robot, *data_folder, measures, console); !added) {
-    return failure(added.error());
+Result<Measures> load_measures(const EvaluateArguments& arguments, Console& console) {
+  RunArguments with_file = arguments.run;
+  TRY(take_smpl_file(with_file));
+  Run& run = with_file.run;
+  if (!arguments.fps.empty()) {
+    auto fps = rate_from_text(arguments.fps);
+    if (!fps) return usage_failure("--fps: " + fps.error().message);
+    run.options.time.fps = *fps;
   }
-  if (rate_given) measures.reading.default_rate = measures.rate;
+  Measures measures;
+  TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
+  TRY_ASSIGN(measures.gates, gates_of(arguments, data_folder));
+  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
+  measures.robot = robot.robot;
+  std::string& limits = run.options.solve.limits;
+  if (limits.empty()) limits = measures.robot->limits_for({});
+  TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
+  if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
+  measures.reading = read_motion_options(arguments.reading, run.options.source.memory_gb);
+  if (!run.motion.empty()) {
+    TRY(add_source(with_file, std::move(robot), measures, console));
+  } else if (run.options.source.source_fps > 0.0) {
+    measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
+  }
+  if (!arguments.fps.empty()) measures.reading.default_rate = measures.rate;
   return measures;
 }
 
@@ -202,26 +193,26 @@ QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
 
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
                                       Console& console) {
-  auto motion = read_motion(file, measures.robot, measures.reading);
-  if (!motion) return failure(motion.error());
+  TRY_ASSIGN(RobotMotion motion, read_motion(file, measures.robot, measures.reading));
   // a rate that --fps gave is no guess
-  const bool rate_known = motion->rate_known;
-  motion->rate_known = rate_known || measures.reading.default_rate.has_value();
-  print_motion(file, *motion, console, "--fps");
+  const bool rate_known = motion.rate_known;
+  motion.rate_known = rate_known || measures.reading.default_rate.has_value();
+  print_motion(file, motion, console, "--fps");
   if (rate_known && measures.reading.default_rate && !measures.human &&
-      !same_rate(*measures.reading.default_rate, motion->clip.rate())) {
+      !same_rate(*measures.reading.default_rate, motion.clip.rate())) {
     console.warn(
         {{0, 0,
-          "the file says " + to_text(motion->clip.rate()) +
+          "the file says " + to_text(motion.clip.rate()) +
               " fps, which counts: --fps is for files that say none, --source-fps for all"}},
         file);
   }
   // frame by frame beside the source
-  Result<RobotClip> clip = std::move(motion->clip);
-  if (measures.human) clip = resample_robot(*clip, measures.rate);
-  if (!clip) return failure(clip.error());
+  RobotClip clip = std::move(motion.clip);
+  if (measures.human) {
+    TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
+  }
   const auto start = std::chrono::steady_clock::now();
-  QualityReport report = measure_motion(*clip, measures, file, console);
+  QualityReport report = measure_motion(clip, measures, file, console);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
   report.source = measures.source;
@@ -232,27 +223,19 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   return report;
 }
 
-Result<ExitCode> evaluate_checked(const EvaluateOptions& options, Console& console) {
-  if (auto usage = check_usage(options); !usage) return failure(usage.error());
-  const auto measures = load_measures(options, console);
-  if (!measures) return failure(measures.error());
+Result<ExitCode> evaluate_checked(const EvaluateArguments& arguments, Console& console) {
+  TRY(check_usage(arguments));
+  TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
   std::vector<QualityReport> reports;
-  for (const std::string& file : options.motions) {
-    auto report = evaluate_motion(file, *measures, console);
-    if (!report) return failure(report.error());
-    reports.push_back(std::move(*report));
+  for (const std::string& file : arguments.motions) {
+    TRY_ASSIGN(QualityReport report, evaluate_motion(file, measures, console));
+    reports.push_back(std::move(report));
   }
-  if (!options.json.empty()) {
-    if (auto written = write_file(options.json, printable_json(report_json(reports))); !written) {
-      return failure(written.error());
-    }
+  if (!arguments.json.empty()) {
+    TRY(write_file(arguments.json, printable_json(report_json(reports))));
   }
-  if (options.json != "-") {
-    if (auto written = write_file("-", printable(report_text(reports))); !written) {
-      return failure(written.error());
-    }
-  }
-  for (const QualityReport& report : reports) print_verdict(report, console, report.file);
+  if (arguments.json != "-") TRY(write_file("-", printable(report_text(reports))));
+  for (const QualityReport& report : reports) console.lines(verdict_lines(report, report.file));
   // a motion that misses a gate is a result and no error, and the exit code tells it
   const bool passed = std::ranges::all_of(reports, &QualityReport::passed);
   return passed ? kDone : kRunFailed;
@@ -260,8 +243,8 @@ Result<ExitCode> evaluate_checked(const EvaluateOptions& options, Console& conso
 
 }  // namespace
 
-ExitCode evaluate(const EvaluateOptions& options, Console& console) {
-  const auto code = evaluate_checked(options, console);
+ExitCode evaluate(const EvaluateArguments& arguments, Console& console) {
+  const auto code = evaluate_checked(arguments, console);
   return code ? *code : console.fail(code.error());
 }
 

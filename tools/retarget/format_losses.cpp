@@ -9,31 +9,6 @@
 
 namespace retarget::cli {
 
-std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant) {
-  constexpr double kNothing = 1e-6;
-  constexpr std::size_t kShown = 6;
-  std::vector<std::string> lost;
-  double largest = 0.0;
-  std::string most;
-  for (const auto& [name, held] : variant.variant().locked) {
-    const auto joint = variant.find_joint(name);
-    if (!joint) continue;
-    double away = 0.0;
-    for (int frame = 0; frame < clip.frame_count(); ++frame) {
-      away =
-          std::max(away, std::abs(clip.qpos(frame)[variant.joints()[*joint].qpos_address] - held));
-    }
-    if (away > kNothing) lost.push_back(name);
-    if (away <= largest) continue;
-    largest = away;
-    most = name;
-  }
-  if (lost.empty()) return std::nullopt;
-  return count_text(static_cast<long>(lost.size()), "joint") +
-         " that move are held and lost, by up to " + number_text(largest, 3) + " rad (" + most +
-         "): " + list_names(lost, kShown);
-}
-
 void warn_of_losses(const OutputOptions& options, const RobotClip& motion, Console& console) {
   const auto items = plan_outputs(options);
   if (!items) return;

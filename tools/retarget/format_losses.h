@@ -9,10 +9,6 @@
 
 namespace retarget::cli {
 
-/// Joints of a motion that move and that a variant of its robot holds: how many, by how much at
-/// most, which; nothing: none.
-[[nodiscard]] std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant);
-
 /// Warns of what the formats that the options name cannot hold of a motion: PBHC's files have fewer
 /// joints, SOMA's no rate but 120 frames a second and what divides it.
 void warn_of_losses(const OutputOptions& options, const RobotClip& motion, Console& console);

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "declare.h"
 #include "declare_shared.h"
+#include "declare_table.h"
 #include "help_format.h"
 #include "interrupt.h"
 #include "retarget/version.h"
@@ -66,23 +67,23 @@ int main_with(int argc, char** argv) {
   app.get_help_ptr()->group(kGeneral);
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneral);
 
-  RunOptions run_options;
-  add_run_options(app, run_options);
-  add_run_words(app, run_options);
-  BatchOptions batch_options;
-  const CLI::App* batch_command = add_batch_command(app, batch_options);
+  RunArguments run_arguments;
+  add_run_options(app, run_arguments);
+  add_run_words(app, run_arguments);
+  BatchArguments batch_arguments;
+  const CLI::App* batch_command = add_batch_command(app, batch_arguments);
   InspectOptions inspect_options;
   const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
   EditOptions edit_options;
   const CLI::App* edit_command = add_edit_command(app, edit_options);
-  EvaluateOptions evaluate_options;
-  const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_options);
+  EvaluateArguments evaluate_arguments;
+  const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_arguments);
   ConvertOptions convert_options;
   const CLI::App* convert_command = add_convert_command(app, convert_options);
   CompareOptions compare_options;
   const CLI::App* compare_command = add_compare_command(app, compare_options);
-  VerifyOptions verify_options;
-  const CLI::App* verify_command = add_verify_command(app, verify_options);
+  VerifyArguments verify_arguments;
+  const CLI::App* verify_command = add_verify_command(app, verify_arguments);
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
@@ -92,8 +93,8 @@ int main_with(int argc, char** argv) {
   if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
   if (batch_command->parsed()) {
-    Console console(batch_options.run.common.quiet);
-    return batch(batch_options, console);
+    Console console(batch_arguments.run.common.quiet);
+    return batch(batch_arguments, console);
   }
   if (inspect_command->parsed()) {
     Console console(inspect_options.common.quiet);
@@ -104,8 +105,8 @@ int main_with(int argc, char** argv) {
     return edit(edit_options, console);
   }
   if (evaluate_command->parsed()) {
-    Console console(evaluate_options.run.common.quiet);
-    return evaluate(evaluate_options, console);
+    Console console(evaluate_arguments.run.common.quiet);
+    return evaluate(evaluate_arguments, console);
   }
   if (convert_command->parsed()) {
     Console console(convert_options.run.common.quiet);
@@ -116,15 +117,15 @@ int main_with(int argc, char** argv) {
     return compare(compare_options, console);
   }
   if (verify_command->parsed()) {
-    Console console(verify_options.common.quiet);
-    return verify(verify_options, console);
+    Console console(verify_arguments.common.quiet);
+    return verify(verify_arguments, console);
   }
   if (robots_command->parsed()) {
     Console console(robots_options.common.quiet);
     return robots(robots_options, console);
   }
-  Console console(run_options.common.quiet);
-  return run(run_options, console);
+  Console console(run_arguments.common.quiet);
+  return run(run_arguments, console);
 }
 
 }  // namespace

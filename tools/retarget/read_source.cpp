@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "batch/worker_pool.h"
+#include "base/machine.h"
 #include "bvh/read_bvh.h"
 #include "smpl/read_smpl.h"
 

@@ -220,7 +220,7 @@ Result<std::string> list(const RobotsOptions& options) {
   for (const std::string& name : list_robots(folder)) {
     const auto place = find_place(name, *data_folder);
     if (!place) return failure(place.error());
-    const auto robot = load_robot(place->files.model.string(), place->files.profile.string());
+    const auto robot = load_robot_files(place->files.model.string(), place->files.profile.string());
     if (!robot) return failure(robot.error());
     const auto heights = heights_of(**robot);
     const std::size_t joints = (*robot)->output_joints().size();
@@ -242,7 +242,7 @@ Result<std::string> show(const RobotsOptions& options) {
   if (!data_folder) return failure(data_folder.error());
   const auto place = find_place(options.robot, *data_folder);
   if (!place) return failure(place.error());
-  const auto robot = load_robot(place->files.model.string(), place->files.profile.string());
+  const auto robot = load_robot_files(place->files.model.string(), place->files.profile.string());
   if (!robot) return failure(robot.error());
   const Json json = robot_json(**robot, place->mappings);
   return options.json ? json_text(json) : printable(plain_text(json));
@@ -295,10 +295,10 @@ Result<std::vector<RobotFinding>> examine(const RobotsOptions& options) {
     place = *found;
   }
   std::vector<RobotFinding> findings;
-  auto robot = load_robot(place.files.model.string(), place.files.profile.string());
+  auto robot = load_robot_files(place.files.model.string(), place.files.profile.string());
   if (!robot) {
     // a profile at fault does not hide what is odd about the model
-    auto bare = load_robot(place.files.model.string());
+    auto bare = load_robot_files(place.files.model.string());
     if (!bare) return failure(bare.error());
     findings.push_back({true, full_message(robot.error())});
     robot = std::move(bare);

@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "base/file.h"
-#include "clip_run.h"
+#include "base/option_name.h"
+#include "base/try.h"
 #include "commands.h"
-#include "outputs.h"
-#include "read_source.h"
+#include "plan/check_options.h"
+#include "retarget/load.h"
 #include "robot/find_robot.h"
-#include "run_setup.h"
+#include "run/run_to_files.h"
+#include "run/written_files.h"
+#include "shared_arguments.h"
 #include "usage_errors.h"
-#include "written_files.h"
 
 namespace retarget::cli {
 namespace {
@@ -31,10 +33,10 @@ bool is_model(const std::string& path) {
 }
 
 // a robot's name or folder
-bool names_robot(const RunOptions& options, const std::string& word) {
+bool names_robot(const RunArguments& arguments, const std::string& word) {
   if (is_file(word)) return false;
-  const auto data_folder = data_folder_of(options.common);
-  return data_folder && find_robot(word, *data_folder / "robots");
+  const auto data_folder = data_folder_of(arguments.common);
+  return data_folder && find_robot(word, fs::path(*data_folder) / "robots");
 }
 
 Failure one_too_many(const std::string& what, const std::string& one, const std::string& other) {
@@ -43,23 +45,24 @@ Failure one_too_many(const std::string& what, const std::string& one, const std:
 }
 
 // what is named without an option, in either order
-Result<void> take_words(RunOptions& options) {
-  std::string motion = options.source.file + options.smpl_file;
-  std::string robot = options.robot + options.robot_xml;
-  for (const std::string& word : options.words) {
+Result<void> take_words(RunArguments& arguments) {
+  RobotChoice& choice = arguments.run.robot;
+  std::string motion = arguments.run.motion + arguments.smpl_file;
+  std::string robot = choice.name + choice.model;
+  for (const std::string& word : arguments.words) {
     if (word.empty()) continue;
-    if (motion.empty() && !names_robot(options, word)) {
-      motion = options.source.file = word;
+    if (motion.empty() && !names_robot(arguments, word)) {
+      motion = arguments.run.motion = word;
     } else if (is_file(word) && !is_model(word)) {
       std::error_code ignored;
-      if (motion == options.words[0] && motion != "-" && !fs::exists(motion, ignored)) {
+      if (motion == arguments.words[0] && motion != "-" && !fs::exists(motion, ignored)) {
         return usage_failure(
             "\"" + motion + "\" is no command, no motion file and no robot",
             "retarget --help lists the commands, retarget robots list lists the robots");
       }
       return one_too_many("motions", motion, word);
     } else if (robot.empty()) {
-      robot = options.robot = word;
+      robot = choice.name = word;
     } else {
       return one_too_many("robots", robot, word);
     }
@@ -67,50 +70,54 @@ Result<void> take_words(RunOptions& options) {
   return {};
 }
 
-Result<void> check_all_given(const RunOptions& options) {
+Result<void> check_all_given(const Run& run) {
   std::vector<Need> needs;
-  if (options.source.file.empty()) needs.push_back({"motion file", "MOTION or --bvh FILE"});
-  if (options.robot.empty() && options.robot_xml.empty()) {
+  if (run.motion.empty()) needs.push_back({"motion file", "MOTION or --bvh FILE"});
+  if (run.robot.name.empty() && run.robot.model.empty()) {
     needs.push_back({"robot", "ROBOT, --robot NAME or --robot-xml FILE"});
   }
-  if (options.output.empty()) needs.push_back({"output", "-o FILE, or -o - for standard output"});
-  if (!needs.empty() && !options.robot_xml.empty() && options.ik_config.empty()) {
+  if (run.output.empty()) needs.push_back({"output", "-o FILE, or -o - for standard output"});
+  if (!needs.empty() && !run.robot.model.empty() && run.options.solve.ik_config.empty()) {
     needs.push_back({"mapping", "--ik-config FILE"});
   }
   return check_needs(needs, "as in retarget walk.bvh g1 -o walk.csv");
 }
 
-Result<void> check_usage(const RunOptions& options) {
-  if (auto folder = check_no_folder(options.source.file); !folder) return folder;
-  if (auto given = check_all_given(options); !given) return given;
-  if (auto solving = check_solving_options(options); !solving) return solving;
-  if (options.report == "-") {
+Result<void> check_usage(const RunArguments& arguments, const std::string& data_folder) {
+  const Run& run = arguments.run;
+  const RunRequest& request = arguments.request;
+  TRY(check_no_folder(run.motion));
+  TRY(check_all_given(run));
+  TRY(check_robot_choice(run.robot));
+  TRY(check_mapping_choice(run.robot, run.options.solve));
+  TRY(check_solving_options(run.options));
+  if (request.report == "-") {
     return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
   }
-  if (!options.report.empty()) {
-    if (auto folder = check_output_folder(options.report); !folder) return folder;
-  }
-  return check_outputs(options, files_of(options), {options.report, options.human.write_map});
+  if (!request.report.empty()) TRY(check_output_folder(request.report));
+  return check_outputs(run, request.sidecar, files_of(run, data_folder),
+                       {request.report, request.write_map});
 }
 
-Result<void> run_checked(RunOptions options, Console& console) {
-  if (auto taken = take_words(options); !taken) return taken;
-  if (auto chosen = choose_motion_file(options); !chosen) return chosen;
-  if (auto usage = check_usage(options); !usage) return usage;
-  const auto data_folder = data_folder_of(options.common);
+Result<void> run_checked(RunArguments arguments, Console& console) {
+  TRY(take_words(arguments));
+  TRY(take_smpl_file(arguments));
+  const auto data_folder = data_folder_of(arguments.common);
+  TRY(check_usage(arguments, data_folder.value_or(std::string())));
   if (!data_folder) return failure(data_folder.error());
-  if (auto robot = resolve_robot(options.robot, *data_folder); !robot) return robot;
-  const auto setup = load_robot_setup(options, *data_folder, console);
-  if (!setup) return failure(setup.error());
-  const auto outcome = run_clip(options, *setup, *data_folder, console);
-  if (!outcome) return failure(outcome.error());
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(arguments.run, arguments.common, console));
+  // sidecars have the whole name
+  if (!arguments.run.robot.name.empty()) arguments.run.robot.name = setup.loaded.name;
+  // from here on Ctrl-C stops between two frames and leaves nothing behind
+  const InterruptGuard guard;
+  TRY(run_to_files(arguments.run, arguments.request, setup, console));
   return {};
 }
 
 }  // namespace
 
-ExitCode run(const RunOptions& options, Console& console) {
-  const auto done = run_checked(options, console);
+ExitCode run(const RunArguments& arguments, Console& console) {
+  const auto done = run_checked(arguments, console);
   return done ? kDone : console.fail(done.error());
 }
 

@@ -237,7 +237,7 @@ Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path&
     model = found->model.string();
     profile = found->profile.string();
   }
-  auto robot = load_robot(model, profile);
+  auto robot = load_robot_files(model, profile);
   if (!robot) return failure(robot.error());
   if (soles == Soles::kNeeded && (*robot)->profile().soles.empty()) {
     robot = with_soles(*robot, model, options, console);

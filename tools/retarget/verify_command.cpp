@@ -7,12 +7,15 @@
 #include "base/hash.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
-#include "clip_run.h"
+#include "base/try.h"
 #include "commands.h"
-#include "read_sidecar.h"
+#include "options/enum_names.h"
+#include "options/run_tables.h"
+#include "plan/check_options.h"
 #include "retarget/version.h"
-#include "run_setup.h"
-#include "sidecar.h"
+#include "run/run_to_files.h"
+#include "run/sidecar.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
@@ -39,9 +42,8 @@ Result<Sidecar> load_sidecar(const std::string& file) {
         file, "expected the sidecar of a run, found a directory",
         "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
   }
-  const auto content = read_file(file, ErrorKind::kInput, kMostTextBytes);
-  if (!content) return failure(content.error());
-  return read_sidecar(content->view(), file);
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMostTextBytes));
+  return read_sidecar(content.view(), file);
 }
 
 // the inputs whose content is another one, one line each
@@ -51,8 +53,7 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
     changed.push_back("the tool is version " + version_number() + ", it was " + sidecar.version);
   }
   for (const ReadFile& then : sidecar.files) {
-    const auto same_role = [&](const ReadFile& file) { return file.role == then.role; };
-    const auto found = std::ranges::find_if(now, same_role);
+    const auto found = std::ranges::find(now, then.role, &ReadFile::role);
     if (found == now.end()) {
       changed.push_back("the " + then.role + " " + then.file + " is no longer read");
     } else if (found->hash != then.hash && !then.hash.empty()) {
@@ -62,58 +63,68 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
   return changed;
 }
 
-Result<void> verify_checked(const VerifyOptions& options, Console& console) {
-  auto sidecar = load_sidecar(options.file);
-  if (!sidecar) return failure(sidecar.error());
-  RunOptions& run = sidecar->options;
-  run.common = options.common;
-  if (run.source.file == "-") {
-    return input_failure(options.file,
-                         "the motion came from standard input and cannot be read again");
+// the sidecar's run as it can be done here, for the one output that the sidecar is of
+Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::string& file) {
+  Run run = sidecar.run;
+  if (run.motion == "-") {
+    return input_failure(file, "the motion came from standard input and cannot be read again");
   }
-  if (auto sound = check_solving_options(run); !sound) {
-    sound.error().kind = ErrorKind::kInput;
-    sound.error().location.file = options.file;
-    return sound;
+  for (auto check :
+       {check_robot_choice(run.robot), check_mapping_choice(run.robot, run.options.solve),
+        check_solving_options(run.options)}) {
+    if (check) continue;
+    check.error().kind = ErrorKind::kInput;
+    check.error().location.file = file;
+    return failure(check.error());
   }
-  const fs::path beside = fs::path(options.file).parent_path();
-  for (std::string* file :
-       {&run.source.file, &run.robot_xml, &run.robot_profile, &run.ik_config, &run.fit_config,
-        &run.human.map, &run.human.tpose_file, &run.source.smpl_model, &run.limits, &run.robot}) {
-    find_moved(*file, beside);
+  find_moved(run.motion, beside);
+  find_moved(run.robot.name, beside);
+  for (const Option& row : run_table(run)) {
+    if (row.info.file == OptionFile::kNone) continue;
+    std::string named = to_text(row.get());
+    find_moved(named, beside);
+    TRY(row.set(named));
   }
-  const auto data_folder = data_folder_of(run.common);
-  if (!data_folder) return failure(data_folder.error());
-  // the one output that the sidecar is of
-  run.formats = {sidecar->format};
-  run.output = sidecar->output;
-  const auto setup = load_robot_setup(run, *data_folder, console);
-  if (!setup) return failure(setup.error());
-  const auto outcome = run_clip(run, *setup, *data_folder, console, Writing::kHashes);
+  if (const auto format = enum_from_name<MotionFormat>(sidecar.format)) {
+    run.options.save.formats = {*format};
+  }
+  run.output = sidecar.output;
+  return run;
+}
+
+Result<void> verify_checked(const VerifyArguments& arguments, Console& console) {
+  TRY_ASSIGN(const Sidecar sidecar, load_sidecar(arguments.file));
+  const fs::path beside = fs::path(arguments.file).parent_path();
+  TRY_ASSIGN(const Run run, run_of(sidecar, beside, arguments.file));
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.common, console));
+  RunRequest request;
+  request.hashes_only = true;
+  const InterruptGuard guard;
+  const auto outcome = run_to_files(run, request, setup, console);
   // which mapping is read is known from the source only
-  const auto files =
-      files_read(run, *data_folder, outcome ? outcome->mapping : setup->mappings.of_lafan1.file);
+  Plan plan;
+  plan.robot = setup.loaded;
+  plan.mapping.file = outcome ? outcome->mapping : setup.mapping.file;
+  const auto files = files_read(run, plan);
   if (!files) return failure(outcome ? files.error() : outcome.error());
-  const std::vector<std::string> changed = changes(*sidecar, *files);
+  const std::vector<std::string> changed = changes(sidecar, *files);
   for (const std::string& change : changed) console.line("changed", change);
   if (!outcome) return failure(outcome.error());
-  const std::string& made = outcome->motions.front().hash;
 
-  const std::string output = (beside / sidecar->output).string();
+  const std::string output = (beside / sidecar.output).string();
   std::error_code ignored;
   if (fs::exists(output, ignored)) {
-    const auto there = hash_file(output);
-    if (!there) return failure(there.error());
-    if (*there != sidecar->hash) {
+    TRY_ASSIGN(const std::string there, hash_file(output));
+    if (there != sidecar.hash) {
       return run_failure(output,
                          "the file is not the one that the sidecar tells of: it has changed");
     }
   }
-  if (made == sidecar->hash) {
-    console.line("verified", sidecar->output + ": the same bytes come out");
+  if (outcome->motions.front().hash == sidecar.hash) {
+    console.line("verified", sidecar.output + ": the same bytes come out");
     return {};
   }
-  return run_failure(options.file, "other bytes come out than those of " + sidecar->output,
+  return run_failure(arguments.file, "other bytes come out than those of " + sidecar.output,
                      changed.empty()
                          ? "nothing that is recorded has changed: another machine or build?"
                          : list_names(changed));
@@ -121,8 +132,8 @@ Result<void> verify_checked(const VerifyOptions& options, Console& console) {
 
 }  // namespace
 
-ExitCode verify(const VerifyOptions& options, Console& console) {
-  const auto done = verify_checked(options, console);
+ExitCode verify(const VerifyArguments& arguments, Console& console) {
+  const auto done = verify_checked(arguments, console);
   return done ? kDone : console.fail(done.error());
 }
 

@@ -1,0 +1,274 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/error.h"
+
+// Everything that a program can ask for. Defaults are those of the command line; the names of its
+// options, their ranges and what they do are in docs/options.md, made from the same tables
+// (src/options).
+
+namespace retarget {
+
+/// How a robot's motion is made.
+enum class Method : unsigned char {
+  kFit,  ///< All frames of the clip at once, so that a robot can follow (docs/fit.md).
+  kGmr,  ///< The published two-pass inverse kinematics, frame by frame (docs/ik.md).
+};
+
+/// Which implementation of the inverse kinematics runs; both take the same steps.
+enum class IkEngine : unsigned char { kFast, kReference };
+
+/// What becomes of frames in front that the motion jumps away from (a T-pose, a frame of zeros).
+enum class LeadIn : unsigned char {
+  kAuto,  ///< They are dropped, but for Method::kGmr.
+  kDrop,
+  kKeep,
+};
+
+/// Between two frames of a clip.
+enum class Interpolation : unsigned char {
+  kLinear,  ///< Positions linear, rotations slerp.
+  kCubic,   ///< Through all frames with continuous velocity: Catmull-Rom, of rotations
+            ///< Shoemake's spherical form.
+};
+
+/// Files that hold a robot's motion; docs/formats.md describes each.
+enum class MotionFormat : unsigned char {
+  kCsv,             ///< Unitree's layout: root, quaternion, joints; SI.
+  kCsvSoma,         ///< SOMA and BONES-SEED: header, frame number, centimetres, degrees, Euler.
+  kNpzMjlab,        ///< Tracking arrays in MuJoCo's order of joints and bodies.
+  kNpzBeyondMimic,  ///< Tracking arrays in Isaac Lab's order.
+  kPklGmr,          ///< GMR's dictionary.
+  kPklPbhc,         ///< PBHC's and ASAP's dictionary of dictionaries.
+};
+
+/// Order of the four quaternion columns.
+enum class QuaternionOrder { kXyzw, kWxyz };
+
+/// Whose velocity `body_lin_vel_w` is.
+enum class BodyPoint : unsigned char {
+  kLink,  ///< The link's origin, as mjlab has it.
+  kMass,  ///< The centre of mass of the link and what is fixed to it, as Isaac Lab has it.
+};
+
+/// How the body's size scales the motion.
+enum class ScaleRule : unsigned char {
+  kAuto,    ///< kLimbs; kTable for LAFAN1 with the published method or a mapping made for it.
+  kTable,   ///< As the mapping's table says, whatever the body's height.
+  kHeight,  ///< The same, every body brought to one size first.
+  kLimbs,   ///< Legs, trunk and arms take the robot's lengths.
+};
+
+/// One of the six directions of a file's axes.
+struct SignedAxis {
+  int axis = 1;           ///< 0, 1 or 2 for x, y or z.
+  bool negative = false;  ///< Against the axis.
+
+  [[nodiscard]] Eigen::Vector3d direction() const {
+    return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+  }
+  friend bool operator==(const SignedAxis&, const SignedAxis&) = default;
+};
+
+/// `+x`, `-z`.
+[[nodiscard]] std::string to_text(const SignedAxis& axis);
+
+/// Which pose of the source is brought to the canonical T-pose.
+enum class RestPose {
+  kAuto,     ///< The zero pose when it is a well-formed T-, A- or I-pose; else a frame that is a
+             ///< T-pose within a few degrees; else kLearned.
+  kZero,     ///< All rotations zero.
+  kFirst,    ///< The first frame.
+  kFrame,    ///< CalibrationOptions::rest_frame.
+  kBest,     ///< The frame most like a T-pose.
+  kLearned,  ///< None: axes from bone directions, elbow and knee hinges, upright and flat-footed
+             ///< frames of the whole movement.
+};
+
+/// How hard the robot's bodies are drawn to the bones that a mapping gives them. Weights of
+/// residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
+/// without one.
+struct TrackingWeights {
+  double hips_position = 29.0;  ///< Per metre.
+  double hips_rotation = 16.0;  ///< Per radian.
+  double torso_rotation = 16.0;
+  double thigh_position = 0.0;
+  double thigh_rotation = 8.0;
+  double shank_position = 10.0;
+  double shank_rotation = 8.0;
+  double foot_position = 30.0;  ///< Horizontally, and in height for a foot that does not stand.
+  double foot_rotation = 16.0;
+  double upper_arm_position = 5.0;
+  double upper_arm_rotation = 48.0;
+  double forearm_position = 10.0;
+  double forearm_rotation = 8.0;
+  double hand_position = 10.0;
+  double hand_rotation = 8.0;
+  double other_position = 10.0;  ///< Whatever else a mapping has.
+  double other_rotation = 8.0;
+};
+
+/// Everything that a fit can be told. One setting serves all clips and robots; lengths are metres,
+/// times seconds, so that nothing depends on the frame rate (docs/fit.md).
+struct FitOptions {
+  // terms; each can be left out by name
+  bool tracking = true;        ///< Bodies follow their targets.
+  bool foot_height = true;     ///< Heel and toe follow the source's clearance.
+  bool contact = true;         ///< Planted heels and toes stay where they are, on the floor.
+  bool floor = true;           ///< Nothing goes below the floor.
+  bool self_collision = true;  ///< Parts of the robot stay out of each other.
+  bool smoothness = true;      ///< Velocities change slowly.
+  bool speed = true;           ///< Joints stay below `speed_soft`.
+
+  TrackingWeights weights;
+
+  double foot_height_near = 80.0;   ///< Weight of the clearance of a foot near the floor, per m.
+  double foot_height_far = 40.0;    ///< The same `foot_height_range` above the floor.
+  double foot_height_range = 0.12;  ///< Metres.
+
+  double contact_weight = 900.0;         ///< Planted heel or toe to its place, per metre.
+  double contact_height_weight = 400.0;  ///< The same to the floor.
+
+  double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
+  double sole_margin = 0.002;        ///< Metres; of feet that are not planted.
+  double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
+  double body_margin = 0.006;        ///< Metres.
+
+  double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
+  double self_collision_margin = 0.008;  ///< Metres; nearer counts as overlap.
+
+  double smoothness_leg = 1.75;  ///< Legs and waist, per rad/s of deviation from the smoothed
+                                 ///< velocity: times smoothing_time, per rad/s^2.
+  double smoothness_arm = 2.15;
+  double smoothness_wrist = 1.65;
+  double smoothness_root_position = 20.0;  ///< Per m/s.
+  double smoothness_root_rotation = 4.0;
+  double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
+
+  double speed_soft = 8.4;     ///< rad/s; faster joints are slowed down.
+  double speed_weight = 6.5;   ///< Per rad/s above it.
+  double speed_most = 14.4;    ///< rad/s; no joint is ever faster, whatever its own limit.
+  double largest_step = 0.48;  ///< rad; no joint ever moves farther from a frame to the next.
+
+  // when a source foot is planted; lengths and speeds are those of a body with legs (thigh and
+  // shank) 0.85 m long
+  double contact_speed = 0.15;          ///< m/s; a slower heel or toe may be planted.
+  double contact_release_speed = 0.25;  ///< m/s; a planted one stays so below.
+  double contact_height = 0.04;         ///< Metres above its standing height.
+  double contact_release_height = 0.06;
+  double contact_time = 0.1;  ///< Seconds; what is shorter is no contact.
+  // a foot above the floor stands on something when it is as still as that
+  double support_time = 0.15;   ///< Seconds that it is slow, at least.
+  double support_drift = 0.02;  ///< Metres that it moves in that time, at most.
+
+  // solver
+  int iterations = 10;        ///< Gauss-Newton steps.
+  int anchor_iterations = 7;  ///< Of these, how many also move the places of contacts.
+  double window = 20.0;       ///< Seconds that are solved together.
+  double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.
+  int threads = 0;            ///< 0: as many as the machine has. The result is the same.
+  int decimals = 6;           ///< Digits at which limits hold for the numbers as printed.
+};
+
+/// How a motion file is read.
+struct SourceOptions {
+  bool smpl = false;        ///< Read as SMPL or SMPL-X whatever the content; else found.
+  std::string smpl_model;   ///< The user's body model, NPZ; empty: a generic body.
+  bool lenient = false;     ///< Keep the complete frames of a damaged file.
+  std::string root;         ///< Which of several ROOTs.
+  double source_fps = 0.0;  ///< Frames per second; 0: as the file says.
+  double memory_gb = 0.0;   ///< That a clip may need; 0: three quarters of what there is.
+};
+
+/// How the human in a clip is found and measured; what is not given is found.
+struct HumanOptions {
+  std::string map;       ///< Mapping file (which joint is which bone) in place of recognition.
+  bool partial = false;  ///< Arms or legs may be missing.
+  RestPose rest = RestPose::kAuto;
+  int tpose_frame = -1;    ///< Frame of the source that is the T-pose; negative: not given.
+  std::string tpose_file;  ///< BVH of the same skeleton whose first frame is the T-pose.
+  std::string unit;        ///< `m`, `dm`, `cm`, `mm`, `inch`, `cmu`, or metres; empty: found.
+  std::optional<SignedAxis> up, forward;  ///< In the file's axes.
+  double height = 0.0;                    ///< Metres; 0: estimated.
+  bool unit_optional = false;             ///< What is done needs no unit.
+};
+
+/// Which part of a clip is meant.
+struct PartOptions {
+  double start_s = -1.0;  ///< Negative: not given.
+  double end_s = -1.0;    ///< Inclusive.
+  std::string frames;     ///< `a:b`, as Python slices; empty: not given.
+  LeadIn lead_in = LeadIn::kAuto;
+};
+
+/// A robot by its name or folder, or by its model file.
+struct RobotChoice {
+  std::string name;     ///< `unitree_g1`, `g1`, a folder with model.xml and robot.json.
+  std::string model;    ///< In place of a name: MJCF or URDF.
+  std::string profile;  ///< Of `model`: robot.json; empty: none.
+  std::string variant;  ///< Whose other joints are held: `29`, `23`; empty: the whole robot.
+};
+
+/// How a motion is solved.
+struct SolveOptions {
+  std::string limits;     ///< A set of the robot, or a JSON or MJCF file; empty: the method's own.
+  std::string ik_config;  ///< `published`, `derived`, or a file; empty: as is best for the source.
+  Method method = Method::kFit;
+  std::string fit_config;            ///< JSON of FitOptions, over `fit`; empty: none.
+  FitOptions fit;                    ///< Of Method::kFit.
+  double fit_window_s = 0.0;         ///< In place of FitOptions::window; 0: that one.
+  std::vector<std::string> without;  ///< Terms of the fit to leave out.
+  IkEngine engine = IkEngine::kFast;
+  ScaleRule scale = ScaleRule::kAuto;
+};
+
+/// The output's frames.
+struct TimeOptions {
+  std::optional<double> fps = 30.0;  ///< Nothing: the source's own rate.
+  Interpolation interpolation = Interpolation::kCubic;
+  bool no_antialias = false;  ///< Do not low-pass a source that is faster than the output.
+};
+
+/// Between the columns of a CSV.
+enum class Delimiter : unsigned char { kComma, kSpace, kTab };
+
+/// How a motion is written (docs/formats.md).
+struct SaveOptions {
+  std::vector<MotionFormat> formats;  ///< Empty: by the output's ending.
+  int precision = 6;                  ///< CSV: digits after the decimal point, 0 to 17.
+  Delimiter delimiter = Delimiter::kComma;
+  bool header = false;  ///< CSV: a first line that names the columns.
+  QuaternionOrder quaternion = QuaternionOrder::kXyzw;
+  bool frame_column = false;              ///< CSV: a first column that counts frames from 0.
+  bool degrees = false;                   ///< CSV: joints in degrees.
+  bool centimetres = false;               ///< CSV: root position in centimetres.
+  bool normalize_start = false;           ///< Begin at x = y = 0, facing +x.
+  int npz_fps = 50;                       ///< NPZ: frames per second.
+  std::optional<BodyPoint> npz_velocity;  ///< NPZ: nothing: the format's own.
+  std::string motion_name;                ///< In PBHC's files; empty: by the output's name.
+};
+
+/// All that a motion depends on beside its clip and its robot.
+struct Options {
+  SourceOptions source;
+  HumanOptions human;
+  PartOptions part;
+  SolveOptions solve;
+  TimeOptions time;
+  SaveOptions save;
+};
+
+/// A run from file to file: what a sidecar keeps and `verify` does again.
+struct Run {
+  std::string motion;  ///< The clip's file; `-`: standard input.
+  RobotChoice robot;
+  Options options;
+  std::string output;  ///< `-`: standard output.
+};
+
+}  // namespace retarget

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "human/bone_map.h"
+#include "human/calibrate.h"
+#include "motion/clip_range.h"
+#include "pipeline/ik_tables.h"
+#include "pipeline/targets.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// Which bones a clip has, and how they become the canonical human.
+struct HumanInClip {
+  BoneMap map;
+  Calibration calibration;
+
+  /// Whether it has LAFAN1's own shape, for which the published mappings are made.
+  [[nodiscard]] bool is_lafan1() const;
+};
+
+/// What is decided for a robot whatever the clip: loaded once for many.
+struct RobotSetup {
+  LoadedRobot loaded;
+  LimitSet limits;
+  IkTables mapping;  ///< For clips in LAFAN1's shape, and for all where there is no other.
+  std::optional<IkTables> mapping_of_others;
+  FitOptions fit;  ///< Of Method::kFit, with the file of options read and terms left out.
+
+  [[nodiscard]] const IkTables& mapping_for(const HumanInClip& human) const;
+};
+
+/// How a clip becomes a robot's motion: every decision, made once and written down. A value: each
+/// member may be read and replaced before solve().
+struct Plan {
+  std::shared_ptr<const Clip> clip;  ///< As it was read; null after solve(Plan&&).
+  LoadedRobot robot;
+  Options options;  ///< As they were given; what members below decide, they decide.
+
+  HumanInClip human;
+  std::vector<Warning> doubts;  ///< Why the human may be understood wrongly.
+
+  FrameRange part;         ///< Frames of the clip that are taken.
+  int lead_in_frames = 0;  ///< Of those left out in front, which are none of the motion.
+  FrameRate rate;          ///< Of the motion.
+
+  LimitSet limits;
+  IkTables mapping;
+  bool is_mapping_of_others = false;  ///< Chosen because the clip is not in LAFAN1's shape.
+  HeightScale scale = HeightScale::kLimbs;
+  FitOptions fit;
+  std::vector<SummaryLine> notes;  ///< What was left out of clip and mapping, and why.
+
+  /// What was decided, line by line.
+  [[nodiscard]] std::vector<SummaryLine> lines() const;
+  /// The same as text, a line each.
+  [[nodiscard]] std::string summary() const;
+  /// Frames of the motion that solve() makes.
+  [[nodiscard]] std::int64_t frame_count() const;
+};
+
+/// The human in a clip. A clip whose rotations do not carry its positions is given such as do.
+/// @param data_folder  with configs/skeletons.
+[[nodiscard]] Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
+                                             const std::string& data_folder);
+
+/// Options that contradict each other (kUsage), and values and files that need no clip to be
+/// refused.
+[[nodiscard]] Result<void> check_options(const Options& options);
+
+/// What options mean for a robot: limits, mappings, the fit's options.
+[[nodiscard]] Result<RobotSetup> set_up_robot(LoadedRobot robot, const Options& options);
+
+/// Decides how a clip becomes a robot's motion.
+///
+/// Errors: of kUsage, options that contradict each other; of kInput, a clip without frames, no human
+/// in it, a part that is not there, more memory than is allowed; of kConfig, files of options.
+[[nodiscard]] Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options);
+[[nodiscard]] Result<Plan> make_plan(Clip clip, const LoadedRobot& robot,
+                                     const Options& options = {});
+
+}  // namespace retarget

@@ -1,0 +1,100 @@
+#include "base/machine.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "base/file.h"
+
+namespace retarget {
+namespace {
+
+// a file's first word that is a number (`max` and -1, which mean no bound, are none), or a later one
+std::optional<std::uint64_t> number_in(const std::string& path, int words_before = 0) {
+  const auto file = read_file(path, ErrorKind::kRun);
+  if (!file) return std::nullopt;
+  std::string_view text = file->view();
+  for (; words_before > 0; --words_before) {
+    text.remove_prefix(std::min(text.find(' '), text.size()));
+    text.remove_prefix(std::min<std::size_t>(1, text.size()));
+  }
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+// the folders of the control groups that a process is in, of both versions, by the controller's
+// name; groups above come after those below
+struct ControlGroup {
+  std::string folder;
+  bool unified = false;  // version 2
+};
+std::vector<ControlGroup> control_groups(const std::string& root_of_all,
+                                         const std::string& membership,
+                                         std::string_view controller) {
+  std::vector<ControlGroup> found;
+  const auto groups = read_file(membership, ErrorKind::kRun);
+  std::string_view text = groups ? groups->view() : std::string_view();
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, length));
+    text.remove_prefix(std::min(length + 1, text.size()));
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const bool unified = controllers.empty();
+    const std::string wanted = "," + std::string(controller) + ",";
+    if (!unified && ("," + controllers + ",").find(wanted) == std::string::npos) continue;
+    const std::string root = root_of_all + (unified ? "" : "/" + std::string(controller));
+    // a limit of a group above holds as well
+    for (std::string group = line.substr(second + 1);; group.erase(group.rfind('/'))) {
+      found.push_back({root + (group == "/" ? "" : group), unified});
+      if (group.find('/') == std::string::npos) break;
+    }
+  }
+  return found;
+}
+
+// how many processors' time a group has: quota over period, nothing where it has no bound
+std::optional<double> processors_of(const ControlGroup& group) {
+  const std::string two_numbers = group.folder + "/cpu.max";
+  const auto quota =
+      group.unified ? number_in(two_numbers) : number_in(group.folder + "/cpu.cfs_quota_us");
+  const auto period =
+      group.unified ? number_in(two_numbers, 1) : number_in(group.folder + "/cpu.cfs_period_us");
+  if (!quota || !period || *quota == 0 || *period == 0) return std::nullopt;
+  return static_cast<double>(*quota) / static_cast<double>(*period);
+}
+
+}  // namespace
+
+int usable_cores(const ControlGroupFiles& files) {
+  // threads that share less time than they are only wait for each other
+  double least = std::max(1U, std::thread::hardware_concurrency());
+  for (const ControlGroup& group : control_groups(files.root, files.membership, "cpu")) {
+    if (const auto processors = processors_of(group)) least = std::min(least, *processors);
+  }
+  return std::max(1, static_cast<int>(std::ceil(least)));
+}
+
+std::uint64_t usable_memory(const ControlGroupFiles& files) {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page <= 0) return 0;
+  std::uint64_t least = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  for (const ControlGroup& group : control_groups(files.root, files.membership, "memory")) {
+    const auto limit =
+        number_in(group.folder + (group.unified ? "/memory.max" : "/memory.limit_in_bytes"));
+    if (limit) least = std::min(least, *limit);
+  }
+  return least;
+}
+
+}  // namespace retarget

@@ -1,0 +1,335 @@
+#include "batch/batch_runner.h"
+
+#include <strings.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <new>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "base/machine.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "batch/process_pool.h"
+#include "batch/summary.h"
+#include "plan/mapping_files.h"
+#include "plan/memory.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostWarnings = 20;
+
+// a clip takes about so many times its file's bytes (measured with both methods, their motions
+// measured as well), and so many bytes of its own
+constexpr std::uint64_t kMemoryOfBvh = 8;
+constexpr std::uint64_t kMemoryOfNpz = 20;
+constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
+
+// later entries of a clip count more, so this one must be later than those that are known
+std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return finished_after(std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count(),
+                        finished.last_finished(entry.relative, entry.robot));
+}
+
+bool is_archive(const std::string& name) {
+  return name.size() > 4 && (name.ends_with("z") || name.ends_with("Z"));
+}
+
+bool is_bvh(const std::string& name) {
+  return name.size() > 4 && strcasecmp(name.c_str() + name.size() - 4, ".bvh") == 0;
+}
+
+std::uint64_t memory_of(const BatchInput& input) {
+  return kMemoryOfClip + input.bytes * (is_archive(input.relative) ? kMemoryOfNpz : kMemoryOfBvh);
+}
+
+// what an answer begins with; the manifest's line follows
+constexpr char kFinished = 'f', kUnchanged = 'u';
+
+// a process may take this beside what all clips may need together: the tool itself, and what an
+// estimate misses
+constexpr std::uint64_t kMemoryOfProcess = std::uint64_t{1} << 30U;
+
+// what a clip's run says, for its line of the manifest
+class ClipNotes : public Observer {
+ public:
+  explicit ClipNotes(const Observer& batch) : batch_(batch) {}
+
+  void line(std::string_view label, std::string_view text) override {
+    if (label == "taken as") taken_as = text;
+  }
+  void warn(const std::vector<Warning>& told, std::string_view file) override {
+    // files and summaries are for people at the command line
+    for (const Warning& each : told) warnings.push_back(describe(each, file, option_as_flag));
+  }
+  [[nodiscard]] bool is_stopped() const override { return batch_.is_stopped(); }
+
+  std::string taken_as;
+  std::vector<std::string> warnings;
+
+ private:
+  const Observer& batch_;
+};
+
+class BatchWorker {
+ public:
+  BatchWorker(const BatchContext& context, const BatchRequest& request, int threads)
+      : context_(context), request_(request), threads_(threads) {}
+
+  // in a process of its own
+  void work(const BatchTask& task, double memory_gb);
+  [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
+  // in the batch's process
+  void take(const BatchTask& task, const TaskEnd& end);
+  [[nodiscard]] bool keep_going();
+  [[nodiscard]] Result<void> result();
+
+ private:
+  [[nodiscard]] ManifestEntry entry_of(const BatchTask& task) const;
+  Result<void> solve(const BatchTask& task, double memory_gb, ManifestEntry& entry) const;
+  Result<void> run(const BatchTask& task, double memory_gb, const std::string& output,
+                   ManifestEntry& entry) const;
+  void remove_outputs(const BatchTask& task) const;
+  bool is_done_already(const BatchTask& task);
+  void answer(char kind, const ManifestEntry& entry);
+  [[nodiscard]] ManifestEntry entry_of_ended(const BatchTask& task, const TaskEnd& end) const;
+
+  const BatchContext& context_;
+  const BatchRequest& request_;
+  const int threads_;   // of one clip
+  std::string answer_;  // of the clip that was done
+  std::optional<Error> fatal_;
+};
+
+ManifestEntry BatchWorker::entry_of(const BatchTask& task) const {
+  ManifestEntry entry;
+  entry.relative = task.input->relative;
+  entry.robot = task.robot->name;
+  entry.options_hash = task.robot->fingerprint.hash;
+  entry.input.file = task.input->path;
+  entry.input.bytes = task.input->bytes;
+  return entry;
+}
+
+Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std::string& output,
+                              ManifestEntry& entry) const {
+  Run one = task.robot->run;
+  one.motion = task.input->path;
+  one.output = output;
+  SourceOptions& source = one.options.source;
+  // it is for the SMPL motions among the clips
+  if (is_bvh(task.input->relative)) source.smpl_model.clear();
+  source.memory_gb = memory_gb;
+  RunRequest request = task.robot->request;
+  request.threads = threads_;
+  ClipNotes notes(context_.observer);
+  const auto outcome = run_to_files(one, request, task.robot->setup, notes);
+  entry.taken_as = std::move(notes.taken_as);
+  const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMostWarnings);
+  notes.warnings.resize(notes.warnings.size() - more);
+  if (more > 0) notes.warnings.push_back("and " + std::to_string(more) + " more warnings");
+  entry.warnings = std::move(notes.warnings);
+  if (!outcome) return failure(outcome.error());
+  entry.frames = outcome->frames;
+  entry.fps = outcome->fps;
+  entry.mapping = recorded_name(outcome->mapping, task.robot->setup.loaded.data_folder);
+  if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
+  std::vector<std::string> files;
+  for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
+  files.insert(files.end(), outcome->others.begin(), outcome->others.end());
+  for (const std::string& file : files) {
+    auto record = record_file(file, file.substr(context_.output_folder.size() + 1));
+    if (!record) return failure(record.error());
+    entry.outputs.push_back(std::move(*record));
+  }
+  return {};
+}
+
+// what earlier runs made of a clip whose file is no longer good, unless somebody changed it since
+void BatchWorker::remove_outputs(const BatchTask& task) const {
+  std::error_code ignored;
+  for (const std::string& file :
+       context_.finished.verified_outputs_of(task.input->relative, task.robot->name)) {
+    fs::remove(context_.output_folder + "/" + file, ignored);
+  }
+}
+
+Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
+                                ManifestEntry& entry) const {
+  auto input = record_file(task.input->path, task.input->path);
+  if (!input) return failure(input.error());
+  entry.input = std::move(*input);
+  const std::string output = context_.output_folder + "/" + task.robot->folder +
+                             batch_output(task.robot->run.options.save, task.input->relative);
+  std::error_code error;
+  fs::create_directories(fs::path(output).parent_path(), error);
+  if (error) {
+    return run_failure(fs::path(output).parent_path().string(),
+                       "cannot make the folder: " + std::generic_category().message(error.value()));
+  }
+  auto done = run(task, memory_gb, output, entry);
+  if (!done) {
+    if (done.error().location.file.empty()) done.error().location.file = task.input->path;
+    // a wrong option or a full disk says nothing about the motion that is there
+    if (done.error().kind == ErrorKind::kInput) remove_outputs(task);
+  }
+  return done;
+}
+
+bool BatchWorker::is_done_already(const BatchTask& task) {
+  if (task.candidate == nullptr) return false;
+  if (!context_.finished.still_holds(*task.candidate, task.input->path)) return false;
+  // the new times spare the next run the reading
+  ManifestEntry entry = *task.candidate;
+  const auto input = record_file(task.input->path, task.input->path);
+  if (!input || input->hash != entry.input.hash) return false;
+  entry.input = *input;
+  for (FileRecord& output : entry.outputs) {
+    const auto now = record_file(context_.output_folder + "/" + output.file, output.file);
+    if (!now || now->hash != output.hash) return false;
+    output = *now;
+  }
+  answer(kUnchanged, entry);
+  return true;
+}
+
+void BatchWorker::answer(char kind, const ManifestEntry& entry) {
+  answer_ = kind + manifest_line(entry);
+}
+
+// of a clip that took its process with it
+ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& end) const {
+  ManifestEntry entry = entry_of(task);
+  Error& error = entry.error.emplace();
+  error.location.file = task.input->path;
+  if (end.timed_out) {
+    error.message =
+        "the clip took longer than " + number_text(request_.clip_timeout_s, 3) + " s and was ended";
+    error.hint = OPTION("clip-timeout") " gives it more";
+  } else if (end.signal == SIGKILL) {
+    error.message = "the clip's process was killed from outside, for want of memory perhaps";
+    error.hint = "fewer " OPTION("jobs") " leave more for each";
+  } else {
+    error.message = "the clip ended its process" +
+                    (end.signal == 0 ? std::string()
+                                     : " by signal " + std::to_string(end.signal) + " (" +
+                                           ::strsignal(end.signal) + ")");
+    error.hint = "that is a fault of this tool; the other clips are not touched by it";
+  }
+  entry.exit_code = request_.exit_code(error.kind);
+  entry.finished = finished_now(context_.finished, entry);
+  return entry;
+}
+
+void BatchWorker::take(const BatchTask& task, const TaskEnd& end) {
+  // nothing: it was interrupted
+  if (end.answered && end.answer.empty()) return;
+  if (!end.answered && context_.observer.is_stopped()) return;
+  std::optional<ManifestEntry> entry;
+  if (end.answered) entry = parse_manifest_line(std::string_view(end.answer).substr(1));
+  if (!entry) entry = entry_of_ended(task, end);
+  // without a manifest a clip would be done for nothing
+  if (auto appended = context_.manifest.append(*entry); !appended) {
+    if (!fatal_) fatal_ = std::move(appended.error());
+    return;
+  }
+  if (end.answered && end.answer.front() == kUnchanged) {
+    context_.progress.skipped(task.input->bytes);
+  } else {
+    context_.progress.finished(*entry);
+  }
+}
+
+void BatchWorker::work(const BatchTask& task, double memory_gb) {
+  const auto start = std::chrono::steady_clock::now();
+  ManifestEntry entry = entry_of(task);
+  Result<void> done;
+  try {
+    if (is_done_already(task)) return;
+    done = solve(task, memory_gb, entry);
+  } catch (const std::bad_alloc&) {
+    done = run_failure(task.input->path, "there is not enough memory for this clip",
+                       "fewer " OPTION("jobs") " leave more for each");
+  } catch (const std::exception& error) {
+    done = run_failure(task.input->path, error.what());
+  }
+  if (!done && done.error().kind == ErrorKind::kInterrupted) return;
+  entry.done = done.has_value();
+  if (!done) {
+    entry.exit_code = request_.exit_code(done.error().kind);
+    entry.error = std::move(done.error());
+    // files and summaries are for people at the command line
+    for (std::string* text : {&entry.error->message, &entry.error->hint}) {
+      *text = spell_options(*text, option_as_flag);
+    }
+  }
+  entry.finished = finished_now(context_.finished, entry);
+  entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  answer(kFinished, entry);
+}
+
+bool BatchWorker::keep_going() {
+  context_.progress.show();
+  return !fatal_ && !context_.observer.is_stopped();
+}
+
+Result<void> BatchWorker::result() {
+  if (fatal_) return failure(*fatal_);
+  if (context_.observer.is_stopped()) return interrupted_failure();
+  return {};
+}
+
+}  // namespace
+
+std::string batch_output(const SaveOptions& options, const std::string& relative) {
+  // of several formats each has an ending of its own in place of this one
+  const MotionFormat format =
+      options.formats.size() == 1 ? options.formats.front() : MotionFormat::kCsv;
+  return output_stem(relative) + std::string(format_ending(format));
+}
+
+Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchRequest& request,
+                             const BatchContext& context) {
+  const int cores = usable_cores();
+  ProcessPoolOptions pool;
+  pool.workers = std::min(request.jobs > 0 ? request.jobs : cores,
+                          static_cast<int>(std::max<std::size_t>(1, tasks.size())));
+  pool.memory = memory_bound(request.run.options.source.memory_gb);
+  // what a clip is thought to need is what it gets, and no less than an even part
+  const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
+  std::vector<std::uint64_t> memory;
+  memory.reserve(tasks.size());
+  for (const BatchTask& task : tasks) memory.push_back(std::max(memory_of(*task.input), even));
+  if (pool.memory > 0) {
+    const std::uint64_t largest = memory.empty() ? 0 : *std::ranges::max_element(memory);
+    pool.most_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
+  }
+  pool.timeout_s = request.clip_timeout_s;
+  pool.end_process = ::_exit;
+  pool.begin_worker = request.begin_worker;
+  BatchWorker worker(context, request, std::max(1, cores / pool.workers));
+  pool.keep_going = [&] { return worker.keep_going(); };
+  const auto work = [&](std::size_t task) {
+    // one that needs more than there is runs alone
+    const std::uint64_t most = std::min(memory[task], pool.memory);
+    worker.work(tasks[task], static_cast<double>(most) / 1e9);
+    return worker.take_answer();
+  };
+  const auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {
+    worker.take(tasks[task], end);
+  });
+  if (!ran) return ran;
+  context.progress.show();
+  return worker.result();
+}
+
+}  // namespace retarget

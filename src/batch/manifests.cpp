@@ -1,0 +1,215 @@
+#include "batch/manifests.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <regex>
+#include <system_error>
+
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "batch/leftovers.h"
+#include "batch/summary.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStem = "manifest";
+constexpr const char* kEnd = ".jsonl";
+constexpr std::size_t kNamedWorst = 3;
+
+Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observer& observer) {
+  auto content = read_manifest(path);
+  if (!content) return failure(content.error());
+  if (content->unreadable > 0) {
+    observer.line("manifest", path + ": " + count_text(content->unreadable, "line") +
+                                  " cannot be read and counts for nothing");
+  }
+  if (content->outside > 0) {
+    observer.warn({{0, 0,
+                    count_text(content->outside, "line") + " with a name that is not inside the " +
+                        "output folder, as \"" + content->outside_name +
+                        "\", counts for nothing: no batch writes such"}},
+                  path);
+  }
+  return std::move(content->entries);
+}
+
+// of a whole batch or of a part; other names are other people's
+bool is_manifest_name(const std::string& name) {
+  static const std::regex kNames(R"(manifest(\.[1-9][0-9]*-of-[1-9][0-9]*)?\.jsonl)");
+  return std::regex_match(name, kNames);
+}
+
+// manifests in a folder but one, sorted
+std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    const std::string path = (fs::path(folder) / name).string();
+    if (is_manifest_name(name) && path != own) found.push_back(path);
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+void append_to(std::vector<ManifestEntry>& all, std::vector<ManifestEntry> more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+std::string lines_of(const std::vector<ManifestEntry>& entries) {
+  std::string text;
+  for (const ManifestEntry& entry : entries) text += manifest_line(entry);
+  return text;
+}
+
+std::size_t failed_among(const std::vector<ManifestEntry>& entries) {
+  return static_cast<std::size_t>(std::ranges::count(entries, false, &ManifestEntry::done));
+}
+
+// which clips to look at first
+void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) {
+  std::vector<const ManifestEntry*> missed;
+  for (const ManifestEntry& entry : entries) {
+    if (entry.done && entry.quality && !entry.quality->missed.empty()) missed.push_back(&entry);
+  }
+  const auto measured = std::ranges::count_if(
+      entries, [](const ManifestEntry& entry) { return entry.quality.has_value(); });
+  if (measured == 0) return;
+  observer.line("quality", std::to_string(missed.size()) + " of " + std::to_string(measured) +
+                               " motions miss a gate");
+  std::ranges::stable_sort(missed, std::ranges::greater{}, [](const ManifestEntry* entry) {
+    return std::pair(entry->quality->missed.size(), entry->quality->worst_ratio);
+  });
+  for (std::size_t i = 0; i < std::min(kNamedWorst, missed.size()); ++i) {
+    const ManifestEntry& entry = *missed[i];
+    observer.line(i == 0 ? "worst" : "",
+                  entry.relative + " on " + entry.robot + ": " +
+                      count_text(static_cast<long>(entry.quality->missed.size()), "gate") +
+                      " missed, furthest " + entry.quality->worst);
+  }
+}
+
+Result<void> write_summary(const std::string& folder, const std::vector<ManifestEntry>& entries,
+                           Observer& observer) {
+  const std::string path = folder + "/summary.csv";
+  if (auto written = write_file(path, summary_csv(entries)); !written) return written;
+  print_worst(entries, observer);
+  observer.line("wrote", path + ", the worst clips first");
+  return {};
+}
+
+}  // namespace
+
+std::string shard_file_name(const std::string& stem, const Shard& shard, const std::string& end) {
+  if (shard.count == 1) return stem + end;
+  return stem + "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + end;
+}
+
+Result<BatchManifests> open_manifests(const std::string& folder, const Shard& shard,
+                                      const BatchRequest& request, Observer& observer) {
+  BatchManifests manifests;
+  manifests.path = folder + "/" + shard_file_name(kStem, shard, kEnd);
+  const std::string whole = folder + "/" + kStem + kEnd;
+  std::error_code ignored;
+  if (request.redo) {
+    if (shard.count > 1) return manifests;
+    for (const std::string& other : manifests_beside(folder, whole)) fs::remove(other, ignored);
+    return manifests;
+  }
+  if (!request.resume) {
+    std::vector<std::string> there = {manifests.path, whole};
+    if (shard.count == 1) there = manifests_beside(folder, {});
+    for (const std::string& path : there) {
+      if (!fs::exists(path, ignored)) continue;
+      return usage_failure(
+          path + " is there: the folder holds a batch already",
+          OPTION("resume") " goes on with it, " OPTION("redo") " does all of it again");
+    }
+    return manifests;
+  }
+  auto own = read_entries(manifests.path, observer);
+  if (!own) return failure(own.error());
+  manifests.own = std::move(*own);
+  for (const std::string& other : manifests_beside(folder, manifests.path)) {
+    auto entries = read_entries(other, observer);
+    if (!entries) return failure(entries.error());
+    append_to(manifests.others, std::move(*entries));
+  }
+  return manifests;
+}
+
+bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
+  if (entry.done || known.contains(entry.relative)) return false;
+  std::error_code ignored;
+  return !fs::exists(fs::symlink_status(entry.input.file, ignored));
+}
+
+Result<void> finish_manifests(const std::string& folder, const Shard& shard,
+                              const std::set<std::string>& known, Observer& observer) {
+  const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
+  auto own = read_entries(path, observer);
+  if (!own) return failure(own.error());
+  std::vector<ManifestEntry> entries = std::move(*own);
+  std::vector<std::string> parts;
+  if (shard.count == 1) parts = manifests_beside(folder, path);
+  for (const std::string& part : parts) {
+    auto more = read_entries(part, observer);
+    if (!more) return failure(more.error());
+    append_to(entries, std::move(*more));
+  }
+  entries = latest_entries(std::move(entries));
+  std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
+  if (auto written = write_file(path, lines_of(entries)); !written) return written;
+  // what they say is on the disk by now
+  std::error_code ignored;
+  for (const std::string& part : parts) fs::remove(part, ignored);
+  observer.line("wrote", path);
+  if (shard.count > 1) return {};
+  return write_summary(folder, entries, observer);
+}
+
+Result<std::size_t> merge_manifests(const std::string& folder,
+                                    const std::vector<std::string>& further, Observer& observer) {
+  const std::string path = folder + "/" + kStem + kEnd;
+  const std::vector<std::string> parts = manifests_beside(folder, path);
+  std::error_code ignored;
+  // of entries of one time the later in this list counts: parts are newer than the whole
+  std::vector<std::string> all;
+  if (fs::exists(path, ignored)) all.push_back(path);
+  all.insert(all.end(), parts.begin(), parts.end());
+  for (const std::string& name : further) {
+    if (!fs::exists(name, ignored)) return input_failure(name, "there is no such manifest");
+    all.push_back(name);
+  }
+  std::vector<ManifestEntry> entries;
+  for (const std::string& name : all) {
+    auto read = read_entries(name, observer);
+    if (!read) return failure(read.error());
+    append_to(entries, std::move(*read));
+  }
+  if (entries.empty()) return input_failure(folder, "there is no manifest of a batch to merge");
+  entries = latest_entries(std::move(entries));
+  if (auto written = write_file(path, lines_of(entries)); !written) {
+    return failure(written.error());
+  }
+  // what they say is on the disk by now
+  for (const std::string& part : parts) fs::remove(part, ignored);
+  remove_unfinished(folder, output_folders(folder, entries));
+  const std::size_t failed = failed_among(entries);
+  observer.line("merged", count_text(static_cast<long>(all.size()), "manifest") + ", " +
+                              count_text(static_cast<long>(entries.size()), "clip") + ", " +
+                              std::to_string(failed) + " failed");
+  observer.line("wrote", path);
+  if (auto written = write_summary(folder, entries, observer); !written) {
+    return failure(written.error());
+  }
+  return failed;
+}
+
+}  // namespace retarget

@@ -1,0 +1,398 @@
+#include "batch/run_batch.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "batch/batch_runner.h"
+#include "batch/folder_lock.h"
+#include "batch/leftovers.h"
+#include "batch/manifests.h"
+#include "batch/shard.h"
+#include "plan/check_options.h"
+#include "plan/mapping_files.h"
+#include "plan/output_files.h"
+#include "run/written_files.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockName = ".retarget-batch.lock";
+constexpr const char* kLockStem = ".retarget-batch";
+
+Result<void> check_request(const BatchRequest& request) {
+  const SolveOptions& solve = request.run.options.solve;
+  if (request.inputs.empty() && request.lists.empty()) {
+    return usage_failure("no motion files are given",
+                         "retarget batch clips/ -o out/ " OPTION("robot") " unitree_g1; "
+                         "retarget batch " OPTION("help") " shows more");
+  }
+  if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_mapping_kind(solve.ik_config)) {
+    return usage_failure(OPTION("ik-config") " is a mapping to one robot, and there are several",
+                         "run a batch for each robot");
+  }
+  if (request.resume && request.redo) {
+    return usage_failure(OPTION("resume") " and " OPTION("redo") " exclude each other",
+                         "give one of them");
+  }
+  if (std::ranges::find(request.inputs, "-") != request.inputs.end()) {
+    return usage_failure("a batch reads no motion from standard input",
+                         OPTION("list") " - reads names of files there");
+  }
+  const SaveOptions& save = request.run.options.save;
+  TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
+  TRY(check_options(request.run.options));
+  RobotChoice robot = request.run.robot;
+  if (!request.robots.empty()) robot.name = request.robots.front();
+  TRY(check_robot_choice(robot));
+  return check_mapping_choice(robot, solve);
+}
+
+std::string without_last_slash(std::string folder) {
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return folder;
+}
+
+Result<std::string> make_output_folder(const std::string& given) {
+  std::string folder = without_last_slash(given);
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    return usage_failure("the output \"" + folder + "\" is not a folder");
+  }
+  fs::create_directories(folder, error);
+  if (!error) return folder;
+  return run_failure(folder,
+                     "cannot make the folder: " + std::generic_category().message(error.value()));
+}
+
+// robots, loaded once; in a list, since tasks point to them
+Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Observer& observer) {
+  std::vector<std::string> names = request.robots;
+  if (names.empty()) names.emplace_back();
+  std::list<BatchRobot> robots;
+  for (const std::string& name : names) {
+    BatchRobot robot;
+    robot.run = request.run;
+    robot.run.robot.name = name;
+    robot.request = request.of_clip;
+    robot.request.measure = request.quality;
+    TRY_ASSIGN(LoadedRobot loaded, load_robot(robot.run.robot, {request.data_folder, {}}));
+    observer.lines(loaded.notes);
+    observer.warn(loaded.warnings, loaded.model);
+    if (!name.empty()) robot.run.robot.name = loaded.name;
+    TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
+    robot.name = fs::path(robot.setup.loaded.robot->name()).filename().string();
+    if (names.size() > 1) robot.folder = robot.name + "/";
+    TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.setup));
+    if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
+      return usage_failure("the robot \"" + robot.name + "\" is given twice");
+    }
+    observer.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
+                               robot.setup.mapping.file);
+    if (const auto& of_others = robot.setup.mapping_of_others) {
+      observer.line("", "of sources that are not LAFAN1: " + of_others->file);
+    }
+    robots.push_back(std::move(robot));
+  }
+  return robots;
+}
+
+// all that a batch needs before its first clip
+struct BatchPlan {
+  std::vector<BatchInput> inputs;
+  std::set<std::string> known;  // relative names, those of other parts too
+  std::list<BatchRobot> robots;
+  std::vector<BatchTask> tasks;  // that are left to do
+  std::size_t unchanged = 0;
+  std::uint64_t bytes = 0;
+};
+
+// every file that a batch would write: no two are one, and none is where a folder is to be
+class OutputTree {
+ public:
+  explicit OutputTree(const BatchRequest& request) : request_(request) {
+    // with several robots clips have folders of their own
+    if (request.robots.size() > 1) return;
+    for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) files_[own] = {};
+  }
+
+  Result<void> add(const BatchInput& input) {
+    const SaveOptions& save = request_.run.options.save;
+    TRY_ASSIGN(const auto items, plan_outputs(batch_output(save, input.relative), save));
+    for (const OutputItem& item : items) {
+      if (auto added = add_file(item.path, input); !added) return added;
+      if (!request_.of_clip.sidecar) continue;
+      if (auto added = add_file(item.path + ".json", input); !added) return added;
+    }
+    return {};
+  }
+
+  // once all are there
+  [[nodiscard]] Result<void> check_folders() const {
+    for (const auto& [folder, input] : folders_) {
+      const auto file = files_.find(folder);
+      if (file == files_.end()) continue;
+      return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
+                               "\", which is " + what_is(file->second),
+                           "rename one of them or leave it out with " OPTION("exclude"));
+    }
+    return {};
+  }
+
+ private:
+  static std::string what_is(const BatchInput* owner) {
+    return owner == nullptr ? "a file of the batch itself"
+                            : "the output of \"" + owner->path + "\"";
+  }
+
+  Result<void> add_file(const std::string& path, const BatchInput& input) {
+    const auto [owner, is_new] = files_.emplace(path, &input);
+    if (!is_new) {
+      return usage_failure("the output of \"" + input.path + "\" would be called \"" + path +
+                               "\", which is " + what_is(owner->second),
+                           "rename one of them, leave it out with " OPTION(
+                               "exclude") ", or write one format at a time");
+    }
+    for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
+         folder = folder.parent_path()) {
+      if (!folders_.emplace(folder.string(), &input).second) break;
+    }
+    return {};
+  }
+
+  const BatchRequest& request_;
+  std::map<std::string, const BatchInput*> files_;  // and of which clip; null: of the batch
+  std::map<std::string, const BatchInput*> folders_;
+};
+
+Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const BatchRequest& request) {
+  OutputTree tree(request);
+  for (const BatchInput& input : inputs) {
+    if (auto added = tree.add(input); !added) return added;
+  }
+  return tree.check_folders();
+}
+
+// no file that is there already is one that is read: a link into the clips' folder, say
+Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequest& request,
+                          const std::list<BatchRobot>& robots) {
+  std::vector<std::string> read = request.lists;
+  for (const BatchInput& input : inputs) read.push_back(input.path);
+  for (const BatchRobot& robot : robots) {
+    const std::vector<std::string> of_robot = files_of(robot.run, robot.setup.loaded.data_folder);
+    read.insert(read.end(), of_robot.begin(), of_robot.end());
+  }
+  const WrittenFiles written(read);
+  const std::string folder = without_last_slash(request.output) + "/";
+  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
+    if (auto spared = written.check_spared(folder + own); !spared) return spared;
+  }
+  for (const BatchRobot& robot : robots) {
+    const SaveOptions& save = robot.run.options.save;
+    for (const BatchInput& input : inputs) {
+      TRY_ASSIGN(const auto items,
+                 plan_outputs(folder + robot.folder + batch_output(save, input.relative), save));
+      for (const OutputItem& item : items) {
+        if (auto spared = written.check_spared(item.path); !spared) return spared;
+        if (!request.of_clip.sidecar) continue;
+        if (auto spared = written.check_spared(item.path + ".json"); !spared) return spared;
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchPlan& plan,
+                         Observer& observer) {
+  InputSearch search{request.inputs, request.lists, request.base, request.exclude, request.output};
+  auto found = find_inputs(search);
+  if (!found) return failure(found.error());
+  for (const std::string& note : found->notes) observer.line("inputs", note);
+  if (auto distinct = check_distinct_outputs(found->inputs); !distinct) {
+    return failure(distinct.error());
+  }
+  if (auto distinct = check_outputs_of(found->inputs, request); !distinct) {
+    return failure(distinct.error());
+  }
+  if (auto spared = check_spared(found->inputs, request, plan.robots); !spared) return spared;
+  const std::size_t all = found->inputs.size();
+  for (const BatchInput& input : found->inputs) plan.known.insert(input.relative);
+  plan.inputs = take_shard(std::move(found->inputs), shard);
+  observer.line("inputs",
+                count_text(static_cast<long>(plan.inputs.size()), "clip") +
+                    (shard.count > 1 ? " of " + std::to_string(all) + ", part " + request.shard
+                                     : std::string()));
+  return {};
+}
+
+// longest first, what is done already left out
+void plan_tasks(const FinishedClips& finished, BatchPlan& plan) {
+  for (const BatchInput& input : plan.inputs) {
+    for (const BatchRobot& robot : plan.robots) {
+      const auto found =
+          finished.find(input.relative, robot.name, robot.fingerprint.hash, input.path);
+      if (found.state == RecordState::kSame) {
+        ++plan.unchanged;
+        continue;
+      }
+      plan.tasks.push_back({&input, &robot, found.entry});
+      plan.bytes += input.bytes;
+    }
+  }
+}
+
+// own entries that stay: all but those of clips that are done again, or are gone
+std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const BatchPlan& plan) {
+  std::set<std::pair<std::string, std::string>> redone;
+  for (const BatchTask& task : plan.tasks) {
+    if (task.candidate == nullptr) redone.emplace(task.input->relative, task.robot->name);
+  }
+  std::vector<ManifestEntry> kept = latest_entries(manifests.own);
+  std::erase_if(kept, [&](const ManifestEntry& entry) {
+    return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.known);
+  });
+  return kept;
+}
+
+// of outputs whose files no option of this call makes any more
+void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
+                           const FinishedClips& finished, Observer& observer) {
+  const auto files = files_of_earlier_options(folder, plan.tasks, finished);
+  if (files.empty()) return;
+  constexpr std::size_t kShown = 3;
+  observer.warn({{0, 0,
+                  count_text(static_cast<long>(files.size()), "file") +
+                      " that earlier options made of these clips stay as they are and are no "
+                      "longer in the manifest: " +
+                      list_names(files, kShown)}},
+                folder);
+}
+
+Result<void> write_options_file(const std::string& folder, const std::list<BatchRobot>& robots) {
+  std::string text = "[";
+  for (const BatchRobot& robot : robots) {
+    text += (text.size() > 1 ? ",\n" : "\n") + robot.fingerprint.description;
+  }
+  return write_file(folder + "/options.json", text + "\n]\n");
+}
+
+// what keeps other batches out of the folder, or of one part of it
+struct BatchLocks {
+  FolderLock folder;
+  std::optional<FolderLock> part;
+};
+
+Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Observer& observer) {
+  const bool is_part = shard.count > 1;
+  auto lock = FolderLock::take(folder, kLockName,
+                               is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
+  if (!lock) return failure(lock.error());
+  if (!lock->is_held()) {
+    observer.line("lock", "none: the file system of " + folder +
+                              " has no locks; do not start a second batch there");
+  }
+  BatchLocks locks{std::move(*lock), std::nullopt};
+  if (!is_part) return locks;
+  auto part = FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
+                               FolderLock::Kind::kAlone);
+  if (!part) return failure(part.error());
+  locks.part = std::move(*part);
+  return locks;
+}
+
+// robots and inputs
+Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Observer& observer) {
+  BatchPlan plan;
+  auto robots = load_batch_robots(request, observer);
+  if (!robots) return failure(robots.error());
+  plan.robots = std::move(*robots);
+  if (auto planned = plan_inputs(request, shard, plan, observer); !planned) {
+    return failure(planned.error());
+  }
+  return plan;
+}
+
+// leaves out what is done, and begins the manifest with it
+Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& manifests,
+                                                       const FinishedClips& finished,
+                                                       BatchPlan& plan, Observer& observer) {
+  plan_tasks(finished, plan);
+  if (plan.unchanged > 0) {
+    observer.line("resume", std::to_string(plan.unchanged) + " of " +
+                                std::to_string(plan.unchanged + plan.tasks.size()) +
+                                " are done and have not changed");
+  }
+  return ManifestWriter::begin(manifests.path, kept_entries(manifests, plan));
+}
+
+// the clips of the plan, and what is told of them
+Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& request,
+                                 const std::string& folder, const FinishedClips& finished,
+                                 ManifestWriter& manifest, Observer& observer) {
+  if (plan.tasks.empty()) return std::size_t{0};
+  BatchProgress progress(observer, plan.tasks.size(), plan.bytes);
+  const auto ran =
+      run_batch_tasks(plan.tasks, request, {folder, finished, manifest, progress, observer});
+  observer.end_progress();
+  observer.line("done", std::to_string(progress.done() + progress.unchanged()) + " of " +
+                            count_text(static_cast<long>(plan.tasks.size()), "clip") + ", " +
+                            std::to_string(progress.failed()) + " failed; " + progress.work_text());
+  if (ran) return progress.failed();
+  if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());
+  Error stopped = ran.error();
+  stopped.message = "interrupted; clips that were not done have no output";
+  stopped.hint = "the same call with " OPTION("resume") " goes on from here";
+  return failure(std::move(stopped));
+}
+
+}  // namespace
+
+Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
+  TRY(check_request(request));
+  Shard shard;
+  if (!request.shard.empty()) {
+    TRY_ASSIGN(shard, parse_shard(request.shard));
+  }
+  TRY_ASSIGN(BatchPlan plan, plan_batch(request, shard, observer));
+  TRY_ASSIGN(const std::string folder, make_output_folder(request.output));
+  TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
+  TRY_ASSIGN(const BatchManifests manifests, open_manifests(folder, shard, request, observer));
+  std::vector<ManifestEntry> known = manifests.own;
+  known.insert(known.end(), manifests.others.begin(), manifests.others.end());
+  const FinishedClips finished(std::move(known), folder);
+  TRY_ASSIGN(const auto manifest, begin_manifest(manifests, finished, plan, observer));
+  const bool alone = shard.count == 1 && locks.folder.is_held();
+  const std::set<fs::path> folders = output_folders(folder, plan.tasks);
+  if (alone) remove_unfinished(folder, folders);
+  warn_of_earlier_files(folder, plan, finished, observer);
+  TRY(write_options_file(folder, plan.robots));
+  const auto failed = work_through(plan, request, folder, finished, *manifest, observer);
+  // a clip whose process was ended could not take back what it had begun
+  if (alone) remove_unfinished(folder, folders);
+  if (failed) TRY(finish_manifests(folder, shard, plan.known, observer));
+  return failed;
+}
+
+Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer) {
+  const std::string folder = without_last_slash(request.output);
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return usage_failure("\"" + folder + "\" is not the output folder of a batch");
+  }
+  TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
+  return merge_manifests(folder, request.inputs, observer);
+}
+
+}  // namespace retarget

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "retarget/error.h"
+#include "run/observer.h"
+#include "run/run_to_files.h"
+
+namespace retarget {
+
+/// Many clips, to one robot or several.
+struct BatchRequest {
+  Run run;  ///< Of every clip but for its file, robot and output; its memory is that of all.
+  RunRequest of_clip;                ///< Whether sidecars are written.
+  std::string data_folder;           ///< With robots/ and configs/.
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
+  std::vector<std::string> lists;    ///< Files of names.
+  std::string base;                  ///< Folder below which named files keep their tree.
+  std::vector<std::string> exclude;  ///< Shell patterns.
+  std::vector<std::string> robots;   ///< Names or folders; empty: the run's own.
+  std::string output;                ///< Folder.
+  int jobs = 0;                      ///< Clips at a time; 0: as many as there are processors.
+  double clip_timeout_s = 0.0;       ///< After which a clip has failed; 0: never.
+  bool resume = false;               ///< Skip clips that are done and have not changed.
+  bool redo = false;                 ///< Forget an earlier batch in the folder.
+  std::string shard;                 ///< `I/N`; empty: all of it.
+  bool quality = true;               ///< Measure the motions.
+
+  /// Recorded of clips that failed; as of a process that does one clip alone.
+  std::function<int(ErrorKind)> exit_code;
+  /// Called first in each worker process.
+  std::function<void()> begin_worker;
+};
+
+/// Retargets all clips, each in a process of its own, and writes the manifest and the summary
+/// (docs/batch.md). A clip that fails is no error. Errors: kUsage, requests that contradict each other
+/// or would write one file twice; a manifest that cannot be written; kInterrupted.
+/// @return how many clips failed.
+[[nodiscard]] Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer);
+
+/// Joins the manifests of all parts in the output folder, and those that are inputs.
+/// @return how many clips failed.
+[[nodiscard]] Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer);
+
+}  // namespace retarget

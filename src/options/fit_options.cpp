@@ -1,0 +1,179 @@
+#include "options/fit_options.h"
+
+#include <algorithm>
+
+#include "base/json.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "options/options_json.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLargest = 1e6;
+constexpr double kAbove0 = 1e-9;
+
+Option term(const char* name, bool& on, const char* help) {
+  return option(name, on, {.group = "Terms", .help = help});
+}
+
+Option number(const char* group, const char* name, double& value, const char* help,
+              double least = 0.0, double most = kLargest) {
+  return option(name, value, {.group = group, .help = help, .least = least, .most = most});
+}
+
+Option count(const char* name, int& value, const char* help, int least, int most) {
+  return option(name, value, {.group = "Solver", .help = help, .least = double(least),
+                              .most = double(most)});
+}
+
+OptionTable term_table(FitOptions& o) {
+  return {term("tracking", o.tracking, "Bodies follow their targets"),
+          term("foot-height", o.foot_height, "Heel and toe follow the source's clearance"),
+          term("contact", o.contact, "Planted heels and toes stay where they are, on the floor"),
+          term("floor", o.floor, "Nothing goes below the floor"),
+          term("self-collision", o.self_collision, "Parts of the robot stay out of each other"),
+          term("smoothness", o.smoothness, "Velocities change slowly"),
+          term("speed", o.speed, "Joints stay below speed_soft")};
+}
+
+OptionTable weight_table(TrackingWeights& w) {
+  constexpr const char* kGroup = "Tracking, per metre or radian";
+  return {
+      number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
+      number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
+      number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
+      number(kGroup, "thigh_position", w.thigh_position, "Hips of the legs"),
+      number(kGroup, "shank_position", w.shank_position, "Knees"),
+      number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
+      number(kGroup, "shank_rotation", w.shank_rotation, "Shanks"),
+      number(kGroup, "foot_position", w.foot_position,
+             "Ankles: horizontally, and in height for a foot that does not stand"),
+      number(kGroup, "foot_rotation", w.foot_rotation, "Feet"),
+      number(kGroup, "upper_arm_position", w.upper_arm_position, "Shoulders"),
+      number(kGroup, "upper_arm_rotation", w.upper_arm_rotation, "Upper arms"),
+      number(kGroup, "forearm_position", w.forearm_position, "Elbows"),
+      number(kGroup, "forearm_rotation", w.forearm_rotation, "Forearms"),
+      number(kGroup, "hand_position", w.hand_position, "Wrists"),
+      number(kGroup, "hand_rotation", w.hand_rotation, "Hands"),
+      number(kGroup, "other_position", w.other_position, "Whatever else a mapping has"),
+      number(kGroup, "other_rotation", w.other_rotation, "Whatever else a mapping has")};
+}
+
+OptionTable foot_table(FitOptions& o) {
+  constexpr const char* kGroup = "Feet, floor and body";
+  return {
+      number(kGroup, "foot_height_near", o.foot_height_near,
+             "Clearance of a foot near the floor, per metre"),
+      number(kGroup, "foot_height_far", o.foot_height_far,
+             "The same foot_height_range above the floor"),
+      number(kGroup, "foot_height_range", o.foot_height_range, "Metres", kAbove0),
+      number(kGroup, "contact_weight", o.contact_weight,
+             "Planted heel or toe to its place, per metre"),
+      number(kGroup, "contact_height_weight", o.contact_height_weight,
+             "Planted heel or toe to the floor, per metre"),
+      number(kGroup, "sole_floor_weight", o.sole_floor_weight,
+             "Sole points below sole_margin, per metre"),
+      number(kGroup, "sole_margin", o.sole_margin, "Metres; of feet that are not planted", -1.0,
+             1.0),
+      number(kGroup, "body_floor_weight", o.body_floor_weight,
+             "Other bodies below body_margin, per metre"),
+      number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
+      number(kGroup, "self_collision_weight", o.self_collision_weight,
+             "Overlap of two shapes, per metre"),
+      number(kGroup, "self_collision_margin", o.self_collision_margin,
+             "Metres; nearer counts as overlap", -1.0, 1.0)};
+}
+
+OptionTable motion_table(FitOptions& o) {
+  constexpr const char* kGroup = "Smoothness and speed";
+  return {
+      number(kGroup, "smoothness_leg", o.smoothness_leg,
+             "Legs and waist, per rad/s of deviation from the smoothed velocity"),
+      number(kGroup, "smoothness_arm", o.smoothness_arm, "Arms, per rad/s"),
+      number(kGroup, "smoothness_wrist", o.smoothness_wrist, "Wrists, per rad/s"),
+      number(kGroup, "smoothness_root_position", o.smoothness_root_position, "Root, per m/s"),
+      number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
+      number(kGroup, "smoothing_time", o.smoothing_time,
+             "Seconds; velocities are smoothed over about this time", 0.0, 10.0),
+      number(kGroup, "speed_soft", o.speed_soft, "rad/s; faster joints are slowed down", kAbove0),
+      number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above speed_soft"),
+      number(kGroup, "speed_most", o.speed_most,
+             "rad/s; no joint is ever faster, whatever its own limit", kAbove0),
+      number(kGroup, "largest_step", o.largest_step,
+             "rad; no joint ever moves farther from a frame to the next", kAbove0)};
+}
+
+OptionTable contact_table(FitOptions& o) {
+  constexpr const char* kGroup = "Contacts of the source, of a body with legs 0.85 m long";
+  return {
+      number(kGroup, "contact_speed", o.contact_speed,
+             "m/s; a slower heel or toe may be planted"),
+      number(kGroup, "contact_release_speed", o.contact_release_speed,
+             "m/s; a planted one stays so below"),
+      number(kGroup, "contact_height", o.contact_height, "Metres above its standing height"),
+      number(kGroup, "contact_release_height", o.contact_release_height,
+             "Metres; a planted one stays so below"),
+      number(kGroup, "contact_time", o.contact_time, "Seconds; what is shorter is no contact"),
+      number(kGroup, "support_time", o.support_time,
+             "Seconds that a foot above the floor is slow, at least, to stand on something"),
+      number(kGroup, "support_drift", o.support_drift,
+             "Metres that it moves in that time, at most")};
+}
+
+OptionTable solver_table(FitOptions& o) {
+  OptionTable table = {
+      number("Solver", "window", o.window, "Seconds that are solved together", 0.1),
+      number("Solver", "seam", o.seam,
+             "Seconds on either side of a window's end that are solved again"),
+      count("iterations", o.iterations, "Gauss-Newton steps", 0, 10000),
+      count("anchor_iterations", o.anchor_iterations,
+            "Of these, how many also move the places of contacts", 0, 10000),
+      count("threads", o.threads, "0: as many as the machine has; the result is the same", 0, 1024),
+      count("decimals", o.decimals, "Digits at which limits hold for the numbers as printed", 3,
+            17)};
+  return table;
+}
+
+}  // namespace
+
+OptionTable fit_table(FitOptions& options) {
+  OptionTable table = term_table(options);
+  append(table, weight_table(options.weights));
+  append(table, foot_table(options));
+  append(table, motion_table(options));
+  append(table, contact_table(options));
+  append(table, solver_table(options));
+  return table;
+}
+
+Result<FitOptions> parse_fit_options(std::string_view text, const std::string& file,
+                                     FitOptions options) {
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  TRY(read_options(json, fit_table(options), file, "the options of the fit"));
+  return options;
+}
+
+const std::vector<std::string>& fit_term_names() {
+  static const std::vector<std::string> names = [] {
+    FitOptions options;
+    return option_names(term_table(options));
+  }();
+  return names;
+}
+
+Result<void> leave_out_terms(FitOptions& options, std::span<const std::string> names) {
+  const OptionTable terms = term_table(options);
+  for (const std::string& name : names) {
+    const Option* row = find_option(terms, name);
+    if (row == nullptr) {
+      return usage_failure(
+          "a fit has no term \"" + name + "\"" + did_you_mean(name, fit_term_names()),
+          "it has " + list_names(fit_term_names()));
+    }
+    TRY(row->set(false));
+  }
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,120 @@
+#include "options/option_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/suggest.h"
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+Failure unexpected(const Option& row, const OptionValue& found) {
+  const auto* word = std::get_if<std::string>(&found);
+  return usage_failure(fmt::format("expected {}, found \"{}\"{}", expectation(row), to_text(found),
+                                   word ? did_you_mean(*word, row.choices) : std::string()));
+}
+
+template <typename Number>
+std::optional<Number> number_from(const std::string& text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
+
+std::string expectation(const Option& row) {
+  const OptionValue now = row.get();
+  if (std::holds_alternative<bool>(now)) return "true or false";
+  if (!row.choices.empty()) {
+    return (row.is_list() ? "some of " : "one of ") + list_names(row.choices);
+  }
+  const bool is_count = std::holds_alternative<std::int64_t>(now);
+  if (!is_count && !std::holds_alternative<double>(now)) return "a text";
+  std::string text = is_count ? "a whole number" : "a number";
+  const auto& [least, most] = std::pair(row.info.least, row.info.most);
+  const bool above = most < std::numeric_limits<double>::max();
+  if (above) return fmt::format("{} from {} to {}", text, least, most);
+  if (least > std::numeric_limits<double>::lowest()) text += fmt::format(" of at least {}", least);
+  return text;
+}
+
+Result<void> check_option(const Option& row, const OptionValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) {
+    // written so that NaN is in no range
+    const bool sound = *number >= row.info.least && *number <= row.info.most;
+    if (!sound) return unexpected(row, value);
+  } else if (const auto* count = std::get_if<std::int64_t>(&value)) {
+    const double least = std::max(row.info.least, double{std::numeric_limits<int>::min()});
+    const double most = std::min(row.info.most, double{std::numeric_limits<int>::max()});
+    const auto size = static_cast<double>(*count);
+    if (size < least || size > most) return unexpected(row, value);
+  }
+  if (row.choices.empty()) return {};
+  const auto is_known = [&](const std::string& word) {
+    return std::ranges::find(row.choices, word) != row.choices.end();
+  };
+  // an optional without a value has none
+  const auto* word = std::get_if<std::string>(&value);
+  if (word != nullptr && !word->empty() && !is_known(*word)) return unexpected(row, value);
+  if (const auto* words = std::get_if<std::vector<std::string>>(&value)) {
+    for (const std::string& each : *words) {
+      if (!is_known(each)) return unexpected(row, each);
+    }
+  }
+  return {};
+}
+
+std::string to_text(const OptionValue& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* count = std::get_if<std::int64_t>(&value)) return std::to_string(*count);
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  std::string all;
+  for (const std::string& word : std::get<std::vector<std::string>>(value)) {
+    all += (all.empty() ? "" : ",") + word;
+  }
+  return all;
+}
+
+Result<OptionValue> option_value(const Option& row, const std::string& text) {
+  const OptionValue now = row.get();
+  std::optional<OptionValue> value;
+  if (std::holds_alternative<bool>(now)) {
+    if (text == "true" || text == "false") value = text == "true";
+  } else if (std::holds_alternative<std::int64_t>(now)) {
+    if (const auto count = number_from<std::int64_t>(text)) value = *count;
+  } else if (std::holds_alternative<double>(now)) {
+    if (const auto number = number_from<double>(text)) value = *number;
+  } else if (std::holds_alternative<std::string>(now)) {
+    value = text;
+  } else {
+    value = std::vector<std::string>{text};
+  }
+  if (!value) return unexpected(row, text);
+  TRY(check_option(row, *value));
+  return *value;
+}
+
+const Option* find_option(const OptionTable& table, std::string_view name) {
+  const auto found = std::ranges::find(table, name, &Option::name);
+  return found == table.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> option_names(const OptionTable& table) {
+  std::vector<std::string> names;
+  names.reserve(table.size());
+  for (const Option& row : table) names.push_back(row.name);
+  return names;
+}
+
+void append(OptionTable& table, OptionTable rows) {
+  std::ranges::move(rows, std::back_inserter(table));
+}
+
+}  // namespace retarget

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "options/option_table.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// Groups of options in help and docs.
+inline constexpr const char* kInputGroup = "Input";
+inline constexpr const char* kHumanGroup = "Human (all of it is found and printed; this overrides)";
+inline constexpr const char* kRobotGroup = "Robot and method";
+inline constexpr const char* kTimeGroup = "Time";
+inline constexpr const char* kOutputGroup = "Output";
+inline constexpr const char* kGeneralGroup = "General";
+
+/// The rows of each struct of options; they are bound to the struct, which must outlive them.
+[[nodiscard]] OptionTable source_table(SourceOptions& options);
+[[nodiscard]] OptionTable human_table(HumanOptions& options);
+[[nodiscard]] OptionTable part_table(PartOptions& options);
+[[nodiscard]] OptionTable robot_table(RobotChoice& options);
+[[nodiscard]] OptionTable solve_table(SolveOptions& options);
+[[nodiscard]] OptionTable time_table(TimeOptions& options);
+[[nodiscard]] OptionTable save_table(SaveOptions& options);
+/// All of a run, in the order in which a sidecar has them.
+[[nodiscard]] OptionTable run_table(Run& run);
+
+/// `30`, `23.976`; of nothing `source`.
+[[nodiscard]] std::string rate_text(const std::optional<double>& fps);
+[[nodiscard]] Result<std::optional<double>> rate_from_text(const std::string& text);
+
+/// Metres that a unit's name or number means; nothing for an empty text.
+[[nodiscard]] Result<std::optional<double>> unit_from_text(const std::string& text);
+
+}  // namespace retarget

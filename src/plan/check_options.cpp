@@ -1,0 +1,89 @@
+#include "plan/check_options.h"
+
+#include <limits>
+
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/text_size.h"
+#include "base/try.h"
+#include "motion/clip_range.h"
+#include "options/run_tables.h"
+#include "plan/fit_choice.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kOneOfThem = "give one of them";
+
+}  // namespace
+
+Result<void> check_human_options(const HumanOptions& options) {
+  TRY(unit_from_text(options.unit));
+  const bool has_frame = options.tpose_frame >= 0, has_rest = options.rest != RestPose::kAuto;
+  if (has_frame && has_rest) {
+    return usage_failure(OPTION("rest") " and " OPTION("tpose-frame") " both choose a rest pose",
+                         kOneOfThem);
+  }
+  if (!options.tpose_file.empty() && (has_frame || has_rest)) {
+    return usage_failure(OPTION("tpose-file") " and another rest pose exclude each other",
+                         kOneOfThem);
+  }
+  return {};
+}
+
+Result<void> check_robot_choice(const RobotChoice& robot) {
+  if (robot.name.empty() && robot.model.empty()) {
+    return usage_failure("no robot is given",
+                         "add " OPTION("robot") " NAME or " OPTION("robot-xml") " FILE");
+  }
+  if (!robot.name.empty() && !robot.model.empty()) {
+    return usage_failure(OPTION("robot") " and " OPTION("robot-xml") " both name a robot",
+                         kOneOfThem);
+  }
+  if (!robot.profile.empty() && robot.model.empty()) {
+    return usage_failure(OPTION("robot-profile") " belongs to " OPTION("robot-xml"),
+                         "add " OPTION("robot-xml") " FILE");
+  }
+  return {};
+}
+
+Result<void> check_mapping_choice(const RobotChoice& robot, const SolveOptions& options) {
+  if (robot.model.empty() || !options.ik_config.empty()) return {};
+  return usage_failure(OPTION("robot-xml") " comes without a mapping",
+                       "add " OPTION("ik-config")
+                       " FILE, or make a robot of the model: retarget robots add NAME "
+                       "--model FILE");
+}
+
+Result<void> check_solving_options(const Options& options) {
+  const SolveOptions& solve = options.solve;
+  if (solve.method != Method::kFit &&
+      (!solve.fit_config.empty() || !solve.without.empty() || solve.fit_window_s > 0.0)) {
+    return usage_failure(OPTION("fit-config") ", " OPTION("without") " and " OPTION(
+                             "window") " belong to " OPTION("method") " fit",
+                         "leave out " OPTION("method"));
+  }
+  if (!options.part.frames.empty() && (options.part.start_s >= 0.0 || options.part.end_s >= 0.0)) {
+    return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
+                             "end") " both choose a part of the clip",
+                         kOneOfThem);
+  }
+  return {};
+}
+
+Result<void> check_options(const Options& options) {
+  TRY(check_solving_options(options));
+  TRY(check_human_options(options.human));
+  for (const std::string* file : {&options.human.map, &options.human.tpose_file}) {
+    if (!file->empty()) TRY(read_file(*file, ErrorKind::kConfig, kMostTextBytes));
+  }
+  const std::string& body = options.source.smpl_model;
+  if (!body.empty()) TRY(check_readable(body, ErrorKind::kConfig));
+  constexpr int kAnyLength = std::numeric_limits<int>::max();
+  if (!options.part.frames.empty()) TRY(frame_range_from_text(options.part.frames, kAnyLength));
+  if (options.solve.method == Method::kFit) TRY(choose_fit(options));
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "retarget/error.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// What can be told of the options without a clip: contradictions are kUsage errors, files that
+/// cannot be read kConfig.
+[[nodiscard]] Result<void> check_human_options(const HumanOptions& options);
+
+/// Options of method and time that contradict each other (kUsage).
+[[nodiscard]] Result<void> check_solving_options(const Options& options);
+
+/// One robot, by its name or its model, and a model with a mapping (kUsage).
+[[nodiscard]] Result<void> check_robot_choice(const RobotChoice& robot);
+[[nodiscard]] Result<void> check_mapping_choice(const RobotChoice& robot,
+                                                const SolveOptions& options);
+
+}  // namespace retarget

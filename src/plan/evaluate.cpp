@@ -1,0 +1,40 @@
+#include <filesystem>
+#include <utility>
+
+#include "base/try.h"
+#include "human/human_clip.h"
+#include "plan/gates.h"
+#include "plan/mapping_files.h"
+#include "quality/measure.h"
+#include "retarget/motion_io.h"
+#include "retarget/solve.h"
+#include "robot/normalize_start.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+Result<Gates> default_gates(const std::string& data_folder) {
+  Gates gates;
+  TRY(gates.add_file((fs::path(data_folder) / "configs" / "quality" / "default.json").string()));
+  return gates;
+}
+
+Result<QualityReport> evaluate(const Motion& motion) {
+  const Plan& plan = motion.plan;
+  TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));
+  // what counts is what is printed, digits cut off and all
+  RobotClip moved = motion.clip;
+  if (plan.options.save.normalize_start) normalize_start(moved);
+  TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
+  const HumanClip human = to_human(*motion.source, plan.human.calibration.mapping);
+  const QualitySource source{&human, &plan.mapping, plan.scale};
+  QualityReport report = measure_quality(printed, plan.limits, &source);
+  report.source = fs::path(motion.source->name()).filename().string();
+  report.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
+  report.fit = motion.fit;
+  gates.judge(report);
+  return report;
+}
+
+}  // namespace retarget

@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <utility>
+
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/text_size.h"
+#include "base/try.h"
+#include "bvh/read_bvh.h"
+#include "human/bone_map_file.h"
+#include "human/limb_directions.h"
+#include "human/recognise.h"
+#include "options/run_tables.h"
+#include "plan/check_options.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+namespace {
+
+Result<CalibrationOptions> calibration_options(const HumanOptions& options, const Clip& clip) {
+  TRY(check_human_options(options));
+  CalibrationOptions result;
+  TRY_ASSIGN(result.metres_per_unit, unit_from_text(options.unit));
+  result.unit_optional = options.unit_optional;
+  result.up = options.up;
+  result.forward = options.forward;
+  result.height =
+      options.height > 0.0 ? std::optional<double>(options.height) : clip.origin().body_height;
+  result.rest = options.tpose_frame >= 0 ? RestPose::kFrame : options.rest;
+  result.rest_frame = std::max(options.tpose_frame, 0);
+  if (options.tpose_file.empty()) return result;
+  BvhReadOptions read;
+  read.motion_optional = true;
+  TRY_ASSIGN(BvhFile tpose, load_bvh(options.tpose_file, read));
+  result.tpose = std::move(tpose.clip);
+  return result;
+}
+
+Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
+                           const std::string& data_folder) {
+  if (!options.map.empty()) return read_bone_map(options.map, clip.skeleton());
+  TRY_ASSIGN(const auto known, load_dialects(data_folder + "/configs/skeletons"));
+  RecogniseOptions recognise;
+  recognise.partial = options.partial;
+  return recognise_skeleton(clip, known, clip.name(), recognise);
+}
+
+}  // namespace
+
+Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
+                               const std::string& data_folder) {
+  TRY_ASSIGN(const CalibrationOptions how, calibration_options(options, clip));
+  TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
+  const auto doubt = let_directions_win(clip, map);
+  TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how, clip.name()));
+  auto& doubts = calibration.mapping.doubts;
+  if (doubt) doubts.insert(doubts.begin(), *doubt);
+  return HumanInClip{std::move(map), std::move(calibration)};
+}
+
+bool HumanInClip::is_lafan1() const {
+  const std::string& dialect = calibration.mapping.dialect;
+  // joints like LAFAN1's of a body that is not as tall are not its
+  return (dialect == "lafan1" || dialect == "lafan1_resolved") &&
+         calibration.rest_pose != "lafan1 axes";
+}
+
+}  // namespace retarget

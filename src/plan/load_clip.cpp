@@ -1,0 +1,86 @@
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "bvh/read_bvh.h"
+#include "plan/memory.h"
+#include "retarget/load.h"
+#include "smpl/read_smpl.h"
+
+namespace retarget {
+namespace {
+
+std::optional<double> given_rate(const SourceOptions& options) {
+  return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
+}
+
+Result<Clip> load_bvh_clip(std::string_view bytes, const std::string& name,
+                           const SourceOptions& options, bool skeleton_only) {
+  BvhReadOptions read;
+  read.lenient = options.lenient;
+  read.motion_optional = skeleton_only;
+  read.root = options.root;
+  read.source_fps = given_rate(options);
+  read.most_clip_bytes = memory_share(options.memory_gb);
+  TRY_ASSIGN(BvhFile file, read_bvh(bytes, name, read));
+  file.clip.set_origin({name, bytes.size(), std::nullopt, std::move(file.warnings)});
+  return std::move(file.clip);
+}
+
+Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
+                            const SourceOptions& options) {
+  SmplReadOptions read;
+  read.source_fps = given_rate(options);
+  read.most_clip_bytes = memory_share(options.memory_gb);
+  std::optional<SmplBody> body;
+  if (!options.smpl_model.empty()) {
+    TRY_ASSIGN(body, load_smpl_body(options.smpl_model));
+    read.body = &*body;
+  }
+  TRY_ASSIGN(SmplMotion motion, read_smpl(bytes, name, read));
+  if (motion.approximate_body) {
+    motion.warnings.push_back({0, 0,
+                               "bone lengths are those of a generic body, approximately; " OPTION(
+                                   "smpl-model") " FILE takes them from your body model"});
+  }
+  motion.clip.set_origin({name, bytes.size(), motion.height, std::move(motion.warnings)});
+  return std::move(motion.clip);
+}
+
+Result<Clip> load(const std::string& file, const SourceOptions& options, bool skeleton_only) {
+  const std::string name = file == "-" ? "standard input" : file;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    return input_failure(file, "expected a motion file, found a directory",
+                         "retarget batch " + file + " -o OUT --robot NAME takes a folder of clips");
+  }
+  auto bytes = read_file(file, ErrorKind::kInput, memory_share(options.memory_gb));
+  if (!bytes) {
+    add_memory_hint(bytes.error());
+    return failure(std::move(bytes).error());
+  }
+  // archives hold NPZ, and no BVH file begins like one
+  const bool is_smpl = options.smpl || bytes->view().starts_with("PK\x03\x04");
+  if (is_smpl) return load_smpl_clip(bytes->view(), name, options);
+  if (!options.smpl_model.empty()) {
+    return usage_failure(
+        OPTION("smpl-model") " is a body of SMPL motions, and \"" + name + "\" is none",
+        "leave it out");
+  }
+  return load_bvh_clip(bytes->view(), name, options, skeleton_only);
+}
+
+}  // namespace
+
+Result<Clip> load_clip(const std::string& file, const SourceOptions& options) {
+  return load(file, options, false);
+}
+
+Result<Clip> load_skeleton(const std::string& file, const SourceOptions& options) {
+  return load(file, options, true);
+}
+
+}  // namespace retarget

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "motion/lead_in.h"
+#include "motion/resample.h"
+#include "pipeline/limb_lengths.h"
+#include "plan/check_options.h"
+#include "plan/memory.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+namespace {
+
+// frames that are none of the motion, unless the user says where it begins
+int frames_to_leave_out(const Clip& clip, const Options& options) {
+  const PartOptions& part = options.part;
+  // the published method takes every frame
+  const bool keep = part.lead_in == LeadIn::kKeep ||
+                    (part.lead_in == LeadIn::kAuto && options.solve.method == Method::kGmr);
+  if (keep || !part.frames.empty() || part.start_s >= 0.0) return 0;
+  const int count = count_lead_in_frames(clip);
+  // an end among them is meant
+  const bool ends_there = part.end_s >= 0.0 && part.end_s * clip.rate().fps() < count;
+  return ends_there ? 0 : count;
+}
+
+Result<FrameRange> chosen_part(const Clip& clip, const PartOptions& part) {
+  if (!part.frames.empty()) return frame_range_from_text(part.frames, clip.frame_count());
+  const auto given = [](double seconds) {
+    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
+  };
+  if (part.start_s < 0.0 && part.end_s < 0.0) return FrameRange{0, clip.frame_count()};
+  return frame_range_from_seconds(given(part.start_s), given(part.end_s), clip.rate(),
+                                  clip.frame_count());
+}
+
+// How the body's size scales the motion: as the options say, else as is best for the clip.
+HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const IkTables& mapping,
+                         const Options& options) {
+  const SolveOptions& solve = options.solve;
+  if (solve.scale == ScaleRule::kTable) return HeightScale::kPublished;
+  if (solve.scale == ScaleRule::kHeight) return HeightScale::kNormalised;
+  if (solve.scale == ScaleRule::kLimbs) return HeightScale::kLimbs;
+  // the published method takes every body of LAFAN1 for one, and the tables that are made for it do
+  const bool as_published =
+      solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");
+  if (as_published && human.is_lafan1()) return HeightScale::kPublished;
+  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
+    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  });
+  if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
+  const auto limbs = robot_limbs(robot, mapping);
+  // robots whose arms end at the elbow: a fit measures them as far as they go
+  const bool by_limbs = limbs && (limbs->forearms || solve.method != Method::kGmr);
+  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
+}
+
+// of a partial body: rows of bones that it lacks
+void leave_out_missing(Plan& plan) {
+  std::vector<std::string> missing;
+  for (int bone = 0; bone < kBoneCount; ++bone) {
+    const auto& source = plan.human.calibration.mapping.bones[static_cast<std::size_t>(bone)];
+    if (source.position_joint < 0) missing.emplace_back(kBoneNames[bone]);
+  }
+  const int dropped = leave_out_bones(plan.mapping, missing);
+  if (dropped == 0) return;
+  plan.notes.push_back(
+      {"partial", fmt::format("{} row{} of the mapping left out, for there is no {}", dropped,
+                              dropped == 1 ? "" : "s", list_names(missing))});
+}
+
+Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
+  plan.lead_in_frames = frames_to_leave_out(clip, options);
+  TRY_ASSIGN(plan.part, chosen_part(clip, options.part));
+  if (plan.lead_in_frames > 0) {
+    plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
+    const bool one = plan.lead_in_frames == 1;
+    plan.notes.push_back(
+        {"lead-in",
+         fmt::format("{} frame{} in front left out, from which the motion jumps away; " OPTION(
+                         "lead-in") " keep takes {}",
+                     plan.lead_in_frames, one ? "" : "s", one ? "it" : "them")});
+  }
+  const auto& fps = options.time.fps;
+  plan.rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
+  return {};
+}
+
+}  // namespace
+
+std::int64_t Plan::frame_count() const {
+  const FrameRate& source = clip ? clip->rate() : rate;
+  return resampled_frame_count(part.end - part.begin, source, rate);
+}
+
+Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options) {
+  TRY(check_solving_options(options));
+  if (clip.frame_count() == 0) {
+    return input_failure(clip.name(), "the clip has no frames to retarget",
+                         "retarget inspect shows its skeleton");
+  }
+  Plan plan;
+  plan.robot = robot.loaded;
+  plan.options = options;
+  plan.limits = robot.limits;
+  plan.fit = robot.fit;
+  // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
+  TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
+  plan.doubts = plan.human.calibration.mapping.doubts;
+  plan.mapping = robot.mapping_for(plan.human);
+  plan.is_mapping_of_others =
+      robot.mapping_of_others && plan.mapping.file == robot.mapping_of_others->file;
+  TRY(choose_frames(clip, options, plan));
+  if (plan.human.map.partial) leave_out_missing(plan);
+  plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.mapping, options);
+  const std::uint64_t bytes = clip.origin().bytes;
+  plan.clip = std::make_shared<const Clip>(std::move(clip));
+  TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},
+                 options.source.memory_gb, options.save));
+  return plan;
+}
+
+Result<Plan> make_plan(Clip clip, const LoadedRobot& robot, const Options& options) {
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(robot, options));
+  return make_plan(std::move(clip), setup, options);
+}
+
+std::vector<SummaryLine> Plan::lines() const {
+  std::vector<SummaryLine> lines = {{"taken as", human.calibration.mapping.description}};
+  for (const std::string& note : human.map.notes) lines.push_back({"", note});
+  lines.insert(lines.end(), notes.begin(), notes.end());
+  const std::size_t joints = robot.robot->output_joints().size();
+  lines.push_back(
+      {"robot", fmt::format("{}, {} joint{}, limits {}, mapping {}", robot.robot->name(), joints,
+                            joints == 1 ? "" : "s", limits.name, mapping.file)});
+  if (is_mapping_of_others) {
+    lines.push_back({"", "the derived mapping, for the source is not LAFAN1; " OPTION(
+                             "ik-config") " published takes the published one"});
+  }
+  return lines;
+}
+
+std::string Plan::summary() const {
+  constexpr std::size_t kLabelWidth = 9;
+  std::string text;
+  for (const auto& [label, words] : lines()) {
+    text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
+  }
+  for (const Warning& doubt : doubts) text += describe(doubt, clip ? clip->name() : "") + "\n";
+  return text;
+}
+
+}  // namespace retarget

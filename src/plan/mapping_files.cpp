@@ -1,0 +1,85 @@
+#include "plan/mapping_files.h"
+
+#include <system_error>
+
+#include "base/option_name.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kPublished = "published";
+constexpr const char* kDerived = "derived";
+constexpr const char* kMappingHint = OPTION(
+    "ik-config") " FILE takes a mapping of your own; retarget robots add makes a robot with one";
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+// a file that cannot be looked at is none that is not there: another would be taken in its place
+Result<void> check_look(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::status_known(status)) return {};
+  return config_failure(path.string(), "cannot look at the file: " + error.message());
+}
+
+// a robot of the data folder, not one of that name that somebody made
+bool is_of_folder(const fs::path& robot_folder, const fs::path& robots) {
+  const fs::path parent = robot_folder.parent_path();
+  std::error_code ignored;
+  return fs::equivalent(parent.empty() ? fs::path(".") : parent, robots, ignored);
+}
+
+}  // namespace
+
+bool is_mapping_kind(const std::string& ik_config) {
+  return ik_config == kPublished || ik_config == kDerived;
+}
+
+Result<MappingFiles> find_mappings(const std::string& ik_config, Method method,
+                                   const fs::path& robot_folder, const fs::path& data_folder,
+                                   const std::string& robot) {
+  if (!ik_config.empty() && !is_mapping_kind(ik_config)) return MappingFiles{ik_config, {}};
+  const fs::path own = robot_folder / "ik.json";
+  const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
+  for (const fs::path& path : {own, published}) {
+    if (auto looked = check_look(path); !looked) return failure(looked.error());
+  }
+  if (!ik_config.empty()) {
+    const fs::path& chosen = ik_config == kPublished ? published : own;
+    const fs::path& other = ik_config == kPublished ? own : published;
+    if (is_file(chosen)) return MappingFiles{chosen.string(), {}};
+    return config_failure("",
+                          "there is no " + ik_config + " mapping for the robot \"" + robot +
+                              "\": no " + chosen.string(),
+                          is_file(other) ? std::string(OPTION("ik-config") " ") +
+                                               (ik_config == kPublished ? kDerived : kPublished) +
+                                               " takes the one that there is, " OPTION(
+                                                   "ik-config") " FILE one of your own"
+                                         : kMappingHint);
+  }
+  if (method == Method::kGmr && is_file(own) && is_file(published) &&
+      is_of_folder(robot_folder, data_folder / "robots")) {
+    return MappingFiles{published.string(), own.string()};
+  }
+  for (const fs::path& path : {own, published}) {
+    if (is_file(path)) return MappingFiles{path.string(), {}};
+  }
+  return config_failure("",
+                        "there is no mapping for the robot \"" + robot + "\": neither " +
+                            own.string() + " nor " + published.string(),
+                        kMappingHint);
+}
+
+std::string recorded_name(const fs::path& path, const fs::path& data_folder) {
+  const fs::path relative = path.lexically_relative(data_folder);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return below ? relative.generic_string() : path.string();
+}
+
+}  // namespace retarget

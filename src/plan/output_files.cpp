@@ -1,0 +1,132 @@
+#include "plan/output_files.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/lower_case.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "options/enum_names.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kEndings[] = {".csv", ".npz", ".pkl"};
+
+// other names that files of the same kinds have
+constexpr std::pair<std::string_view, std::string_view> kOtherEndings[] = {
+    {".pickle", ".pkl"}, {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}};
+
+// endings of what is no robot's motion
+constexpr std::string_view kForeignEndings[] = {".bvh",  ".json", ".jsonl", ".npy", ".xml",
+                                                ".urdf", ".html", ".fbx",   ".pt",  ".zip",
+                                                ".gz",   ".xlsx", ".hdf5",  ".h5"};
+
+// of a file's name, in lower case; empty: none
+std::string ending_of(const std::string& path) {
+  return lower_case(fs::path(path).extension().string());
+}
+
+// `.csv`, `.npz` or `.pkl` by a name; empty: it does not say
+std::string_view kind_of(const std::string& path) {
+  const std::string ending = ending_of(path);
+  for (const std::string_view known : kEndings) {
+    if (ending == known) return known;
+  }
+  for (const auto& [other, known] : kOtherEndings) {
+    if (ending == other) return known;
+  }
+  return {};
+}
+
+// the formats of files with this ending
+std::string formats_ending_in(std::string_view ending) {
+  std::vector<std::string> names;
+  for (const auto& [format, name] : named_values(MotionFormat())) {
+    if (format_ending(format) == ending) names.emplace_back(name);
+  }
+  return list_names(names);
+}
+
+Result<MotionFormat> only_format(const std::string& output, const SaveOptions& options) {
+  if (!options.formats.empty()) return options.formats.front();
+  const std::string_view kind = kind_of(output);
+  if (kind.empty() || kind == format_ending(MotionFormat::kCsv)) return MotionFormat::kCsv;
+  return usage_failure("the output \"" + output +
+                           "\" may be of several formats, and " OPTION("format") " is not given",
+                       "add " OPTION("format") " with one of: " + formats_ending_in(kind));
+}
+
+Result<void> check_ending(const OutputItem& item) {
+  const std::string_view kind = kind_of(item.path);
+  const std::string ending = ending_of(item.path);
+  const bool foreign = std::ranges::find(kForeignEndings, ending) != std::end(kForeignEndings);
+  if (!foreign && (kind.empty() || kind == format_ending(item.format))) return {};
+  return usage_failure("the output \"" + item.path + "\" ends in " +
+                           fs::path(item.path).extension().string() +
+                           ", and " OPTION("format") " " + std::string(format_name(item.format)) +
+                           " makes a " + std::string(format_ending(item.format)) + " file",
+                       "give a name that says what it is");
+}
+
+}  // namespace
+
+Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
+                                             const SaveOptions& options) {
+  if (output.empty()) {
+    return usage_failure("no output is given",
+                         "add " OPTION("output") " FILE, or - for standard output");
+  }
+  if (options.formats.size() <= 1) {
+    TRY_ASSIGN(const MotionFormat format, only_format(output, options));
+    OutputItem item{format, output};
+    TRY(check_ending(item));
+    return std::vector<OutputItem>{std::move(item)};
+  }
+  if (output == "-") {
+    return usage_failure("several formats cannot go to standard output",
+                         "name a file with " OPTION("output"));
+  }
+  std::string base = output;
+  const std::string given = ending_of(base);
+  if (std::ranges::find(kEndings, given) != std::end(kEndings)) {
+    base.erase(base.size() - given.size());
+  }
+  std::vector<OutputItem> items;
+  for (const MotionFormat format : options.formats) {
+    if (std::ranges::find(items, format, &OutputItem::format) != items.end()) {
+      return usage_failure(OPTION("format") " names " + std::string(format_name(format)) +
+                           " twice");
+    }
+    items.push_back({format, base + std::string(format_long_ending(format))});
+  }
+  return items;
+}
+
+WriteMotionOptions write_options(const std::string& output, const SaveOptions& options) {
+  WriteMotionOptions write;
+  write.csv.precision = options.precision;
+  write.csv.delimiter = options.delimiter == Delimiter::kComma   ? ','
+                        : options.delimiter == Delimiter::kSpace ? ' '
+                                                                 : '\t';
+  write.csv.header = options.header;
+  write.csv.quaternion_order = options.quaternion;
+  write.csv.frame_column = options.frame_column;
+  write.csv.degrees = options.degrees;
+  write.csv.centimetres = options.centimetres;
+  write.tracking.rate = {options.npz_fps, 1};
+  write.tracking.velocity_of = options.npz_velocity;
+  write.name = options.motion_name;
+  if (write.name.empty() && output != "-") {
+    // walk.pbhc.pkl holds the motion `walk`
+    const std::string file = fs::path(output).filename().string();
+    write.name = file.substr(0, file.find('.'));
+  }
+  return write;
+}
+
+}  // namespace retarget

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// A file that a motion is written to.
+struct OutputItem {
+  MotionFormat format = MotionFormat::kCsv;
+  std::string path;  ///< `-`: standard output.
+};
+
+/// Which files an output and its formats name. One format: the output is the file's name. Several:
+/// each name is that of the output, without .csv, .npz or .pkl at its end, and the format's long
+/// ending: walk.csv, walk.mjlab.npz.
+///
+/// Usage errors: a format twice, an ending that says another kind of file than the format, .npz and
+/// .pkl without a format, several formats to standard output.
+[[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
+                                                           const SaveOptions& options);
+
+/// How the options want a motion to be written.
+/// @param output  whose name the motion takes where it needs one.
+[[nodiscard]] WriteMotionOptions write_options(const std::string& output,
+                                               const SaveOptions& options);
+
+}  // namespace retarget

@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "base/file.h"
+#include "base/text_size.h"
+#include "base/try.h"
+#include "options/fit_options.h"
+#include "plan/check_options.h"
+#include "plan/fit_choice.h"
+#include "plan/mapping_files.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+Result<FitOptions> choose_fit(const Options& options) {
+  const SolveOptions& solve = options.solve;
+  FitOptions fit = solve.fit;
+  // limits hold for what is written; coarser numbers than these serve nobody
+  constexpr int kFewestDecimals = 3;
+  fit.decimals = std::max(kFewestDecimals, options.save.precision);
+  if (!solve.fit_config.empty()) {
+    TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMostTextBytes));
+    TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));
+  }
+  if (solve.fit_window_s > 0.0) fit.window = solve.fit_window_s;
+  TRY(leave_out_terms(fit, solve.without));
+  return fit;
+}
+
+const IkTables& RobotSetup::mapping_for(const HumanInClip& human) const {
+  return mapping_of_others && !human.is_lafan1() ? *mapping_of_others : mapping;
+}
+
+Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
+  TRY(check_solving_options(options));
+  const Robot& robot = *loaded.robot;
+  const SolveOptions& solve = options.solve;
+  RobotSetup setup;
+  // the published method judges by its own, tighter set where the robot has one
+  const std::string method(enum_name(solve.method));
+  TRY_ASSIGN(setup.limits,
+             load_limits(robot, solve.limits.empty() ? robot.limits_for(method) : solve.limits));
+  TRY_ASSIGN(const MappingFiles files,
+             find_mappings(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
+                           loaded.data_folder, fs::path(robot.name()).filename().string()));
+  TRY_ASSIGN(setup.mapping, load_ik_tables(files.of_lafan1, &robot));
+  if (!files.of_others.empty()) {
+    TRY_ASSIGN(setup.mapping_of_others, load_ik_tables(files.of_others, &robot));
+  }
+  if (solve.method == Method::kFit) {
+    TRY_ASSIGN(setup.fit, choose_fit(options));
+  }
+  setup.loaded = std::move(loaded);
+  return setup;
+}
+
+}  // namespace retarget

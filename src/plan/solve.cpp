@@ -1,0 +1,118 @@
+#include "retarget/solve.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/machine.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "motion/resample.h"
+#include "pipeline/retarget.h"
+#include "refine/fit.h"
+
+namespace retarget {
+namespace {
+
+// a motion so far away that no reader of robot motions takes it, and its numbers tell no steps apart
+Result<void> check_place(const Clip& clip, const Plan& plan) {
+  const double metres_per_unit = plan.human.calibration.mapping.metres_per_unit;
+  const double most = plan.options.save.centimetres ? 5e3 : 5e5;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const bool far = std::ranges::any_of(clip.translations(frame), [&](const auto& place) {
+      return !(place.cwiseAbs().maxCoeff() * metres_per_unit <= most);
+    });
+    if (!far) continue;
+    return input_failure(
+        clip.name(),
+        "in frame " + std::to_string(frame) + " the body is more than " +
+            number_text(most / 1000.0, 0) + " km away from the origin",
+        "bring the motion to the origin first; or " OPTION("unit") " says what its numbers are");
+  }
+  return {};
+}
+
+RetargetOptions pass_options(const Plan& plan, const SolveControl& control, int frames) {
+  RetargetOptions options;
+  options.engine = plan.options.solve.engine;
+  options.targets_ahead = control.threads != 1;
+  options.height_scale = plan.scale;
+  if (control.keep_going) {
+    options.keep_going = [&control, frames](int frame) {
+      return control.keep_going({Stage::kFrames, frame, frames});
+    };
+  }
+  return options;
+}
+
+Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& motion) {
+  FitOptions options = plan.fit;
+  if (options.threads == 0) {
+    options.threads = control.threads > 0 ? control.threads : usable_cores();
+  }
+  FitRun run;
+  run.retarget = pass_options(plan, control, motion.source->frame_count());
+  if (control.keep_going) {
+    run.keep_going = [&control](double done) {
+      return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
+    };
+  }
+  TRY_ASSIGN(FitResult fitted,
+             fit(*motion.source, plan.human.calibration.mapping, motion.source->name(),
+                 plan.robot.robot, plan.mapping, plan.limits, options, run));
+  motion.clip = std::move(fitted.clip);
+  motion.ik_steps = fitted.steps;
+  motion.fit = std::move(fitted.report);
+  if (!control.frame_solved) return {};
+  for (int frame = 0; frame < motion.clip.frame_count(); ++frame) {
+    control.frame_solved(frame, std::as_const(motion.clip).qpos(frame));
+  }
+  return {};
+}
+
+Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion& motion) {
+  RetargetOptions options = pass_options(plan, control, motion.source->frame_count());
+  options.frame_solved = control.frame_solved;
+  TRY_ASSIGN(RetargetResult result,
+             retarget(*motion.source, plan.human.calibration.mapping, motion.source->name(),
+                      plan.robot.robot, plan.mapping, plan.limits, options));
+  motion.clip = std::move(result.clip);
+  motion.ik_steps = result.steps;
+  return {};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
+  std::shared_ptr<const Clip> clip = plan.clip;
+  const bool whole = plan.part == FrameRange{0, clip->frame_count()};
+  const TimeOptions& time = plan.options.time;
+  if (!whole || time.fps) {
+    Clip part = whole ? *clip : cut(*clip, plan.part.begin, plan.part.end);
+    if (time.fps) {
+      auto resampled =
+          resample(std::move(part), plan.rate, {time.interpolation, !time.no_antialias});
+      if (!resampled) {
+        resampled.error().location.file = clip->name();
+        return failure(std::move(resampled).error());
+      }
+      part = std::move(*resampled);
+    }
+    clip = std::make_shared<const Clip>(std::move(part));
+  }
+  TRY(check_place(*clip, plan));
+  return clip;
+}
+
+Result<Motion> solve(Plan plan, const SolveControl& control) {
+  Motion motion;
+  TRY_ASSIGN(motion.source, prepare_clip(plan));
+  // nobody looks at what was read any more
+  plan.clip = nullptr;
+  const bool is_fit = plan.options.solve.method == Method::kFit;
+  TRY(is_fit ? solve_fit(plan, control, motion) : solve_frames(plan, control, motion));
+  motion.plan = std::move(plan);
+  return motion;
+}
+
+}  // namespace retarget

@@ -1,0 +1,129 @@
+#include "run/fingerprint.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+
+#include "base/hash.h"
+#include "base/try.h"
+#include "options/fit_options.h"
+#include "options/options_json.h"
+#include "options/run_tables.h"
+#include "retarget/version.h"
+#include "run/folder_hash.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// what differs from clip to clip or is taken by what it leads to: the robot, its limits, mapping
+// and fit
+constexpr std::array<std::string_view, 11> kTakenByMeaning = {
+    "motion", "smpl",      "output",     "robot",  "robot-xml", "robot-profile",
+    "dof",    "ik-config", "fit-config", "window", "without"};
+
+std::string json_text(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// the model as compiled, with all that it includes
+Result<std::string> model_hash(const Robot& robot) {
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(robot.model())), '\0');
+  mj_saveModel(robot.model(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  return hash_bytes(bytes);
+}
+
+// soles, and shapes in the place of meshes: both may have been found in meshes, which the model as
+// compiled has lost. The model's own shapes are in its hash.
+Result<std::string> soles_hash(const Robot& robot) {
+  Json json = Json::array();
+  for (const Sole& sole : robot.profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      json.push_back({sole.body, point.x(), point.y(), point.z()});
+    }
+  }
+  for (const CollisionShape& shape : robot.collision_shapes()) {
+    if (shape.geom >= 0) continue;
+    const Eigen::Vector3d& place = shape.body_from_shape.translation;
+    const Eigen::Quaterniond& turn = shape.body_from_shape.rotation;
+    const Eigen::Vector3d& size = shape.half_size;
+    json.push_back({static_cast<int>(shape.type), shape.body, place.x(), place.y(), place.z(),
+                    turn.w(), turn.x(), turn.y(), turn.z(), shape.radius, shape.half_length,
+                    size.x(), size.y(), size.z()});
+  }
+  return hash_bytes(json_text(json));
+}
+
+// what goes into the hash; names of files are added for people afterwards
+struct Fingerprint {
+  Json hashed = Json::object();
+  Json paths = Json::object();
+
+  Result<void> add_file(const std::string& role, const std::string& path) {
+    if (path.empty()) return {};
+    TRY_ASSIGN(hashed["files"][role], hash_file(path, ErrorKind::kConfig));
+    paths[role] = path;
+    return {};
+  }
+};
+
+Result<void> add_options(const Run& run, const RobotSetup& setup, Fingerprint& print) {
+  Run copy = run;
+  if (copy.options.save.formats.empty()) copy.options.save.formats = {MotionFormat::kCsv};
+  std::error_code ignored;
+  for (const Option& row : run_table(copy)) {
+    if (!row.info.decides || std::ranges::count(kTakenByMeaning, row.name) > 0) continue;
+    const std::string value = to_text(row.get());
+    if (row.info.file != OptionFile::kNone && fs::is_regular_file(value, ignored)) {
+      TRY(print.add_file(row.name, value));
+    } else {
+      print.hashed["options"][row.name] = value;
+    }
+  }
+  print.hashed["options"]["limits"] = setup.limits.name;
+  if (run.options.solve.method != Method::kFit) return {};
+  FitOptions fit = setup.fit;
+  fit.threads = 0;
+  print.hashed["fit"] = options_json(fit_table(fit));
+  return {};
+}
+
+Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
+  const Robot& robot = *setup.loaded.robot;
+  print.hashed["robot"] = robot.name();
+  print.hashed["dof"] = robot.variant().name;
+  TRY_ASSIGN(print.hashed["model"], model_hash(robot));
+  TRY_ASSIGN(print.hashed["soles"], soles_hash(robot));
+  TRY(print.add_file("profile", setup.loaded.profile));
+  TRY(print.add_file("mapping", setup.mapping.file));
+  if (setup.mapping_of_others) {
+    TRY(print.add_file("mapping_of_others", setup.mapping_of_others->file));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RunFingerprint> run_fingerprint(const Run& run, const RobotSetup& setup) {
+  Fingerprint print;
+  print.hashed["tool"] = version_text();
+  TRY(add_options(run, setup, print));
+  TRY(add_robot(setup, print));
+  const fs::path configs = fs::path(setup.loaded.data_folder) / "configs";
+  TRY_ASSIGN(print.hashed["skeletons"], folder_hash(configs / "skeletons", ""));
+  TRY_ASSIGN(print.hashed["quality"], folder_hash(configs / "quality", ""));
+  TRY_ASSIGN(std::string hash, hash_bytes(json_text(print.hashed)));
+  Json shown = {{"options_hash", hash}};
+  shown.update(print.hashed);
+  shown["paths"] = print.paths;
+  return RunFingerprint{std::move(hash), json_text(shown, 2)};
+}
+
+}  // namespace retarget

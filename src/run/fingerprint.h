@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "retarget/options.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+
+/// All that decides, beside a clip itself, what becomes of it for one robot.
+struct RunFingerprint {
+  std::string hash;         ///< Changes with any of it.
+  std::string description;  ///< JSON, one object: tool, options, files with their hashes, robot.
+};
+
+/// Options are taken by what they mean, so that a default that is given is none that is changed;
+/// files (mapping, limits, fit options, dialects, ...) by their content, the robot by its compiled
+/// model and its profile, the tool by its version.
+/// @param run  its motion, robot and output do not count.
+[[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RobotSetup& setup);
+
+}  // namespace retarget

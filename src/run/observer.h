@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/solve.h"
+
+namespace retarget {
+
+/// Who follows a run: is told what is found and how far it is, and may stop it. Texts have options
+/// marked (spell_options).
+class Observer {
+ public:
+  virtual ~Observer() = default;
+
+  /// A line of the summary: a short label, then what there is to say.
+  virtual void line(std::string_view /*label*/, std::string_view /*text*/) {}
+  void lines(const std::vector<SummaryLine>& lines) {
+    for (const auto& [label, text] : lines) line(label, text);
+  }
+  virtual void warn(const std::vector<Warning>& /*warnings*/, std::string_view /*file*/) {}
+  /// An error that does not end the work.
+  virtual void fault(const Error& /*error*/) {}
+  virtual void progress(const Progress& /*progress*/) {}
+  /// How far a longer work is, in words.
+  virtual void status(std::string_view /*text*/) {}
+  virtual void end_progress() {}
+  /// Whether the work should end; asked often, from any thread.
+  [[nodiscard]] virtual bool is_stopped() const { return false; }
+  /// Whether anybody reads the summary: what costs time for it alone is left out otherwise.
+  [[nodiscard]] virtual bool is_read() const { return false; }
+};
+
+}  // namespace retarget

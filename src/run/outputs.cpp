@@ -1,0 +1,120 @@
+#include "run/outputs.h"
+
+#include <utility>
+
+#include "base/hash.h"
+#include "base/suggest.h"
+#include "robot/normalize_start.h"
+
+namespace retarget {
+namespace {
+
+bool is_csv(MotionFormat format) {
+  return format == MotionFormat::kCsv || format == MotionFormat::kCsvSoma;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const std::string& output,
+                                                           const SaveOptions& options,
+                                                           std::shared_ptr<const Robot> robot,
+                                                           const FrameRate& rate, bool in_memory) {
+  std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
+  outputs->options_ = options;
+  outputs->in_memory_ = in_memory;
+  auto items = plan_outputs(output, options);
+  if (!items) return failure(items.error());
+  outputs->items_ = std::move(*items);
+  outputs->write_options_ = write_options(output, options);
+  for (const OutputItem& item : outputs->items_) {
+    outputs->sinks_.push_back(nullptr);
+    if (!is_csv(item.format)) {
+      // fails now rather than after the work
+      outputs->others_.emplace_back();
+      if (in_memory) continue;
+      auto file = OutputFile::create(item.path);
+      if (!file) return failure(file.error());
+      outputs->others_.back() = std::move(*file);
+      continue;
+    }
+    const RobotCsvOptions& csv = outputs->write_options_.csv;
+    const CsvSink::Options sink_options{
+        item.format == MotionFormat::kCsvSoma ? soma_csv_options(rate, csv.precision) : csv,
+        options.normalize_start};
+    outputs->others_.emplace_back();
+    auto sink = CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options);
+    if (!sink) return failure(sink.error());
+    outputs->sinks_.back() = std::move(*sink);
+  }
+  return outputs;
+}
+
+void MotionOutputs::add(std::span<const double> qpos) {
+  for (const auto& sink : sinks_) {
+    if (sink) sink->add(qpos);
+  }
+}
+
+Result<void> MotionOutputs::write_others(const RobotClip& motion) {
+  RobotClip moved = motion;
+  if (options_.normalize_start) normalize_start(moved);
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (sinks_[i]) continue;
+    auto bytes = format_robot_motion(moved, items_[i].format, write_options_);
+    if (!bytes) {
+      if (bytes.error().location.file.empty()) bytes.error().location.file = items_[i].path;
+      return failure(bytes.error());
+    }
+    auto hash = hash_bytes(*bytes);
+    if (!hash) return failure(hash.error());
+    written_[i] = {items_[i], std::move(*hash)};
+    if (in_memory_) continue;
+    if (auto done = others_[i]->write(*bytes); !done) return done;
+  }
+  return {};
+}
+
+Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
+                                                       const SidecarText& sidecar) {
+  written_.resize(items_.size());
+  if (auto written = write_others(motion); !written) return failure(written.error());
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (!sinks_[i]) continue;
+    auto hash = sinks_[i]->flush();
+    if (!hash) return failure(hash.error());
+    written_[i] = {items_[i], std::move(*hash)};
+  }
+  if (sidecar && !in_memory_) {
+    for (const WrittenFile& written : written_) {
+      const auto text = sidecar(written);
+      if (!text) return failure(text.error());
+      auto file = OutputFile::create(written.item.path + ".json");
+      if (!file) return failure(file.error());
+      if (auto done = file->write(*text); !done) return failure(done.error());
+      sidecars_.push_back(std::move(*file));
+    }
+  }
+  if (in_memory_) return written_;
+  for (const auto& sink : sinks_) {
+    if (!sink) continue;
+    if (auto done = sink->commit(); !done) return failure(done.error());
+  }
+  for (auto& file : others_) {
+    if (!file) continue;
+    if (auto done = file->commit(); !done) return failure(done.error());
+  }
+  for (OutputFile& file : sidecars_) {
+    if (auto done = file.commit(); !done) return failure(done.error());
+  }
+  return written_;
+}
+
+std::string outputs_text(std::span<const WrittenFile> files) {
+  std::vector<std::string> names;
+  for (const WrittenFile& file : files) {
+    names.push_back(file.item.path == "-" ? "standard output" : file.item.path);
+  }
+  return list_names(names);
+}
+
+}  // namespace retarget

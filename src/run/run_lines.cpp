@@ -1,0 +1,179 @@
+#include "run/run_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "base/number_text.h"
+#include "human/bones.h"
+#include "pipeline/limit_diagnosis.h"
+#include "robot/limit_distance.h"
+
+namespace retarget {
+namespace {
+
+// joints that are at a limit in less than this share of the frames are not named
+constexpr double kNamedAtLimit = 0.05;
+constexpr std::size_t kMostLines = 5;
+
+std::string push_text(const LimitPush& push) {
+  const double degrees = push.shortfall * 180.0 / std::numbers::pi;
+  return "task " + std::string(kBoneNames[static_cast<std::size_t>(push.bone)]) +
+         (push.rotation ? " rotation, " + number_text(degrees, 1) + " degrees short"
+                        : " position, " + number_text(100.0 * push.shortfall, 1) + " cm short");
+}
+
+std::string wider_text(const JointAtLimit& found, const RobotJoint& joint, const LimitSet& limits) {
+  if (std::isinf(found.wider_by)) return "limit set " + found.wider_set + " has no limit there";
+  const std::string unit = joint.type == RobotJoint::Type::kHinge ? " rad" : " m";
+  return "limit set " + limits.name + " is " + number_text(found.wider_by, 2) + unit +
+         " tighter than " + found.wider_set;
+}
+
+// how near the motion comes to its limits
+std::vector<SummaryLine> distance_lines(const RobotClip& clip, const LimitSet& limits) {
+  const auto nearest = nearest_limit(clip, limits);
+  if (!nearest) return {};
+  // what rounds to nothing in the file is neither before the limit nor beyond it
+  constexpr double kNothing = 5e-7;
+  const std::string side = nearest->at_upper ? "upper limit" : "lower limit";
+  const std::string distance = number_text(std::abs(nearest->distance), 6);
+  const std::string where = std::abs(nearest->distance) < kNothing ? " is at its " + side
+                            : nearest->distance > 0.0
+                                ? " comes nearest, " + distance + " from its " + side
+                                : " goes " + distance + " beyond its " + side;
+  return {{"limits", limits.name + ": " + nearest->joint + where + " in frame " +
+                         std::to_string(nearest->frame) + "; joints at a limit in " +
+                         number_text(100.0 * nearest->frames_at_limit, 1) + " % of frames"}};
+}
+
+// `targets lowered by 4 cm`
+std::string floor_text(const FitReport& report) {
+  const std::string size = number_text(100.0 * std::abs(report.floor_height), 1);
+  if (size == "0") return "targets stay at their height";
+  return std::string("targets ") + (report.floor_height > 0.0 ? "lowered" : "raised") + " by " +
+         size + " cm";
+}
+
+constexpr int kDecimals = 3, kMostDecimals = 9;
+
+// two digits at least that say something
+std::string bound_text(double bound) {
+  int decimals = kDecimals;
+  for (double size = std::abs(bound) * 1000.0;
+       size > 0.0 && size < 10.0 && decimals < kMostDecimals; size *= 10.0) {
+    ++decimals;
+  }
+  return number_text(bound, decimals);
+}
+
+// `jumps 3 (at most 0)`
+std::string missed_text(const GateResult& gate) {
+  // written so that NaN is below every bound
+  const bool too_little = gate.least && !(*gate.value >= *gate.least);
+  const double bound = too_little ? *gate.least : *gate.most;
+  // as many digits as it takes to see that it was missed
+  int decimals = kDecimals;
+  while (decimals < kMostDecimals &&
+         number_text(*gate.value, decimals) == number_text(bound, decimals)) {
+    ++decimals;
+  }
+  return gate.metric + " " + number_text(*gate.value, decimals) +
+         (too_little ? " (at least " : " (at most ") + bound_text(bound) + ")";
+}
+
+// without the ending that many models' joints have
+std::string short_name(const std::string& joint) {
+  constexpr std::string_view kEnding = "_joint";
+  const bool has_it = joint.size() > kEnding.size() && joint.ends_with(kEnding);
+  return has_it ? joint.substr(0, joint.size() - kEnding.size()) : joint;
+}
+
+}  // namespace
+
+SummaryLine clip_line(const Clip& clip) {
+  return {"read", clip.name() + ": " + count_text(clip.skeleton().joint_count(), "joint") + ", " +
+                      count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
+                      " fps, " + number_text(clip.duration(), 2) + " s"};
+}
+
+std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose) {
+  std::vector<SummaryLine> lines;
+  for (const std::string& note : report.notes) lines.push_back({"fit", note});
+  lines.push_back({"floor", floor_text(report) + (report.floor_found ? "" : " (a guess)") + ", " +
+                                count_text(report.contact_phases, "contact phase")});
+  for (const FitTermReport& term : report.terms) {
+    if (!verbose) break;
+    std::string worst;
+    for (const int frame : term.worst) worst += (worst.empty() ? "" : ", ") + std::to_string(frame);
+    lines.push_back({&term == &report.terms.front() ? "costs" : "",
+                     term.name + " " + number_text(term.before, 3) + " -> " +
+                         number_text(term.after, 3) +
+                         (worst.empty() ? "" : ", worst in " + worst)});
+  }
+  for (const FitBoundReport& bound : report.bounded) {
+    lines.push_back({"bounded", bound.joint + " in " + count_text(bound.frames, "frame") +
+                                    ", most in " + std::to_string(bound.worst_frame) + " by " +
+                                    number_text(bound.largest, 3)});
+  }
+  return lines;
+}
+
+std::vector<SummaryLine> limit_lines(const Motion& motion) {
+  const Plan& plan = motion.plan;
+  const Robot& robot = *plan.robot.robot;
+  const LimitSet& limits = plan.limits;
+  std::vector<SummaryLine> lines = distance_lines(motion.clip, limits);
+  const auto joints = joints_at_limits(
+      motion.clip, *motion.source, plan.human.calibration.mapping, plan.mapping, plan.scale,
+      plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines, limits,
+      kNamedAtLimit);
+  std::size_t named = 0;
+  for (const JointAtLimit& found : joints) {
+    // where a joint merely rests at a limit, as fingers do, nothing is missed
+    if (!found.push || named++ == kMostLines) continue;
+    const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
+    std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
+                       " limit in " + number_text(100.0 * found.share, 0) + " % of frames";
+    text += "; " + push_text(*found.push);
+    if (!found.wider_set.empty()) text += "; " + wider_text(found, joint, limits);
+    lines.push_back({"", text});
+  }
+  return lines;
+}
+
+std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::string& file) {
+  std::vector<SummaryLine> lines;
+  const std::string name = file.empty() ? file : file + ": ";
+  std::string missed;
+  long kept = 0, unmeasured = 0;
+  for (const GateResult& gate : report.gates) {
+    if (!gate.value) {
+      ++unmeasured;
+    } else if (gate.passed) {
+      ++kept;
+    } else {
+      missed += (missed.empty() ? "" : ", ") + missed_text(gate);
+    }
+  }
+  if (!missed.empty()) lines.push_back({"missed", name + missed});
+  const auto all = static_cast<long>(report.gates.size());
+  std::string text =
+      name +
+      (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept");
+  if (unmeasured > 0) text += ", " + std::to_string(unmeasured) + " not measured";
+  // a joint that nothing pushes merely rests there, as fingers do
+  const auto limited = std::ranges::find_if(
+      report.limited_joints, [](const LimitedJoint& joint) { return !joint.task.empty(); });
+  if (limited != report.limited_joints.end()) {
+    text += "; " + short_name(limited->joint) + " at its limit in " +
+            number_text(limited->frames_pct, 0) + " % of frames";
+  }
+  lines.push_back({"verdict", text});
+  return lines;
+}
+
+}  // namespace retarget

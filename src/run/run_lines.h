@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quality/measure.h"
+#include "retarget/solve.h"
+
+namespace retarget {
+
+/// Lines of the summary of a run.
+
+/// The clip as it was read.
+[[nodiscard]] SummaryLine clip_line(const Clip& clip);
+/// What a fit found and what is left; verbose: also what its terms cost.
+[[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose);
+/// How near the motion comes to the joint limits, which joints stay at one, and why.
+[[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
+
+/// Gates that were missed, with their figures, and in one line whether the gates were kept and which
+/// joint is at its limit most: `16 of 16 gates kept; waist_pitch at its limit in 46 % of frames`.
+/// @param file  the motion that it is about, where there may be several.
+[[nodiscard]] std::vector<SummaryLine> verdict_lines(const QualityReport& report,
+                                                     const std::string& file = {});
+
+}  // namespace retarget

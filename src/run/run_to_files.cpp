@@ -1,0 +1,149 @@
+#include "run/run_to_files.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/try.h"
+#include "human/bone_map_file.h"
+#include "retarget/load.h"
+#include "run/run_lines.h"
+#include "run/sidecar.h"
+
+namespace retarget {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void tell_plan(const Plan& plan, Observer& observer) {
+  const auto lines = plan.lines();
+  // doubts follow what the human was taken as
+  const auto next = std::find_if(lines.begin() + 1, lines.end(),
+                                 [](const SummaryLine& line) { return !line.label.empty(); });
+  for (auto line = lines.begin(); line != lines.end(); ++line) {
+    if (line == next) observer.warn(plan.doubts, plan.clip->name());
+    observer.line(line->label, line->text);
+  }
+}
+
+Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs& outputs,
+                              Observer& observer) {
+  SolveControl control;
+  control.threads = request.threads;
+  control.keep_going = [&](const Progress& progress) {
+    observer.progress(progress);
+    return !observer.is_stopped();
+  };
+  control.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
+  auto motion = solve(std::move(plan), control);
+  observer.end_progress();
+  if (!motion) return motion;
+  if (motion->fit) observer.lines(fit_lines(*motion->fit, request.verbose));
+  const int frames = motion->clip.frame_count();
+  observer.line("solved", count_text(frames, "frame") + " at " + to_text(motion->clip.rate()) +
+                              " fps, " +
+                              number_text(static_cast<double>(motion->ik_steps) / frames, 2) +
+                              " IK steps a frame");
+  if (observer.is_read()) observer.lines(limit_lines(*motion));
+  return motion;
+}
+
+// complete before the motion's files appear
+Result<OutputFile> write_report(const std::string& path, const QualityReport& report,
+                                Observer& observer) {
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(report_json({&report, 1})));
+  const auto missed =
+      std::ranges::count_if(report.gates, [](const GateResult& gate) { return !gate.passed; });
+  observer.line("report", path + ": " + count_text(missed, "gate") + " of " +
+                              std::to_string(report.gates.size()) + " missed");
+  return file;
+}
+
+Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
+                                             const RunRequest& request, const Observer& observer) {
+  // who reads the summary is told its verdict, which must not make a run fail
+  const bool asked = request.measure || request.sidecar || !request.report.empty();
+  if (!asked && !observer.is_read()) return std::optional<QualityReport>();
+  auto report = evaluate(motion);
+  if (!report && !asked) return std::optional<QualityReport>();
+  if (!report) {
+    if (report.error().location.file.empty()) report.error().location.file = run.output;
+    return failure(std::move(report).error());
+  }
+  report->file = run.output == "-" ? "-" : std::filesystem::path(run.output).filename().string();
+  return std::optional<QualityReport>(std::move(*report));
+}
+
+Result<RunOutcome> write_results(const Run& run, const RunRequest& request, const Motion& motion,
+                                 MotionOutputs& outputs, Observer& observer) {
+  RunOutcome outcome{motion.clip.frame_count(),
+                     motion.clip.rate().fps(),
+                     motion.plan.mapping.file,
+                     {},
+                     {},
+                     std::nullopt};
+  TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
+  SidecarText sidecar;
+  if (request.sidecar) {
+    TRY_ASSIGN(auto read, files_read(run, motion.plan));
+    sidecar = [&, read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
+      return sidecar_text(run, motion, file, *outcome.quality, read);
+    };
+  }
+  std::optional<OutputFile> report;
+  if (!request.report.empty()) {
+    TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
+    outcome.others.push_back(request.report);
+  }
+  TRY_ASSIGN(outcome.motions, outputs.finish(motion.clip, sidecar));
+  for (const WrittenFile& file : outcome.motions) {
+    if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
+  }
+  if (report) TRY(report->commit());
+  return outcome;
+}
+
+}  // namespace
+
+Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
+                           Observer& observer) {
+  TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source));
+  observer.warn(clip.origin().warnings, clip.name());
+  const SummaryLine read = clip_line(clip);
+  observer.line(read.label, read.text);
+  TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
+  tell_plan(plan, observer);
+  if (!request.write_map.empty()) {
+    TRY(write_file(request.write_map, format_bone_map(plan.human.map, plan.clip->skeleton())));
+  }
+  return plan;
+}
+
+Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const RobotSetup& robot,
+                                Observer& observer) {
+  const auto start = std::chrono::steady_clock::now();
+  TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
+  TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
+                                                     plan.rate, request.hashes_only));
+  TRY_ASSIGN(const Motion motion, solve_observed(std::move(plan), request, *outputs, observer));
+  if (observer.is_stopped()) return interrupted_failure();
+  auto outcome = write_results(run, request, motion, *outputs, observer);
+  if (!outcome || request.hashes_only) return outcome;
+  for (const WrittenFile& file : outcome->motions) {
+    for (const std::string& loss : format_losses(motion.clip, file.item.format)) {
+      observer.warn({{0, 0, loss}}, file.item.path);
+    }
+  }
+  observer.line("wrote", outputs_text(outcome->motions) + " in " +
+                             number_text(seconds_since(start), 2) + " s");
+  if (outcome->quality) observer.lines(verdict_lines(*outcome->quality));
+  return outcome;
+}
+
+}  // namespace retarget

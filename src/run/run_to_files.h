@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "retarget/options.h"
+#include "retarget/report.h"
+#include "retarget/solve.h"
+#include "run/observer.h"
+#include "run/outputs.h"
+
+namespace retarget {
+
+/// What is written, said and measured beside the motion of a run.
+struct RunRequest {
+  std::string report;     ///< JSON of the motion's quality; empty: none.
+  std::string write_map;  ///< Where to write which joint was taken for which bone; empty: nowhere.
+  bool sidecar = false;   ///< Write `<output>.json` beside each file.
+  bool measure = false;   ///< Measure the motion's quality, whether it is written or not.
+  bool verbose = false;   ///< Say what the terms of the fit cost.
+  bool hashes_only = false;  ///< Write nothing, make the hashes alone.
+  int threads = 0;           ///< Of one clip; 0: as many as serve. The result is the same.
+};
+
+/// What became of a run.
+struct RunOutcome {
+  int frames = 0;                        ///< Of the motion that was written,
+  double fps = 0.0;                      ///< and its rate.
+  std::string mapping;                   ///< The mapping's file.
+  std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
+  std::vector<std::string> others;       ///< Sidecars and the report.
+  std::optional<QualityReport> quality;  ///< Where it was asked for.
+};
+
+/// Reads the clip of a run and decides what becomes of it; tells what was found.
+[[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
+                                         const RobotSetup& robot, Observer& observer);
+
+/// One clip from its file to the files that a run names: the motion, sidecars, the report. All appear
+/// once everything was solved and written, or none.
+[[nodiscard]] Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request,
+                                              const RobotSetup& robot, Observer& observer);
+
+}  // namespace retarget

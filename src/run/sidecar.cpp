@@ -1,0 +1,176 @@
+#include "run/sidecar.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/hash.h"
+#include "base/json_bounds.h"
+#include "base/plain_name.h"
+#include "base/try.h"
+#include "options/options_json.h"
+#include "options/run_tables.h"
+#include "plan/mapping_files.h"
+#include "retarget/version.h"
+#include "run/folder_hash.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// files that are found for a robot, whatever option named them
+constexpr std::array<std::string_view, 3> kOfTheRobot = {"robot-xml", "robot-profile", "ik-config"};
+
+Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
+                      const std::string& path, const std::string& data_folder) {
+  if (path.empty()) return {};
+  ReadFile file{role, recorded_name(path, data_folder), path, {}};
+  // of a pipe nothing is left to be hashed; a file that was read must give its hash
+  std::error_code ignored;
+  if (path != "-" && !fs::is_fifo(path, ignored)) {
+    TRY_ASSIGN(file.hash, hash_file(path));
+  }
+  files.push_back(std::move(file));
+  return {};
+}
+
+const char* scale_name(HeightScale scale) {
+  return scale == HeightScale::kPublished    ? "table"
+         : scale == HeightScale::kNormalised ? "height"
+                                             : "limbs";
+}
+
+// what was found in the motion or chosen for it
+Json found_json(const Plan& plan) {
+  const Calibration& calibration = plan.human.calibration;
+  Json found;
+  found["skeleton"] = calibration.mapping.description;
+  found["dialect"] = calibration.mapping.dialect;
+  found["unit"] = calibration.unit;
+  found["metres_per_unit"] = calibration.mapping.metres_per_unit;
+  found["up"] = to_text(calibration.up);
+  found["forward"] = to_text(calibration.forward);
+  found["rest_pose"] = calibration.rest_pose;
+  found["height"] = calibration.mapping.height;
+  found["scale"] = scale_name(plan.scale);
+  found["limits"] = plan.limits.name;
+  found["fps"] = plan.rate.fps();
+  found["lead_in_frames"] = plan.lead_in_frames;
+  Json doubts = Json::array();
+  for (const Warning& doubt : plan.doubts) {
+    doubts.push_back(spell_options(doubt.message, option_as_flag));
+  }
+  found["doubts"] = doubts;
+  return found;
+}
+
+Json build_json() {
+  Json build = Json::array();
+  const std::string facts = version_text();
+  for (std::size_t begin = 0; begin < facts.size();) {
+    const std::size_t end = std::min(facts.find('\n', begin), facts.size());
+    build.push_back(facts.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return build;
+}
+
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+Result<std::vector<ReadFile>> files_read(const Run& run, const Plan& plan) {
+  const std::string& data_folder = plan.robot.data_folder;
+  std::vector<ReadFile> files;
+  TRY(add_file(files, "motion", run.motion, data_folder));
+  TRY(add_file(files, "model", plan.robot.model, data_folder));
+  TRY(add_file(files, "profile", plan.robot.profile, data_folder));
+  TRY(add_file(files, "mapping", plan.mapping.file, data_folder));
+  Run copy = run;
+  for (const Option& row : run_table(copy)) {
+    if (row.info.file == OptionFile::kNone || std::ranges::count(kOfTheRobot, row.name)) continue;
+    const std::string path = to_text(row.get());
+    std::error_code ignored;
+    // a name may be that of a set
+    if (row.info.file == OptionFile::kOrName && !fs::is_regular_file(path, ignored)) continue;
+    TRY(add_file(files, row.name, path, data_folder));
+  }
+  const fs::path dialects = fs::path(data_folder) / "configs" / "skeletons";
+  TRY_ASSIGN(std::string hash, folder_hash(dialects, ".json"));
+  files.push_back(
+      {"skeletons", recorded_name(dialects, data_folder), dialects.string(), std::move(hash)});
+  return files;
+}
+
+std::string sidecar_text(const Run& run, const Motion& motion, const WrittenFile& output,
+                         const QualityReport& report, const std::vector<ReadFile>& files) {
+  Json json;
+  json["retarget"] = version_number();
+  json["build"] = build_json();
+  json["output"] = Json::object();
+  put_name(json["output"], "file", fs::path(output.item.path).filename().string());
+  json["output"]["format"] = format_name(output.item.format);
+  json["output"]["hash"] = output.hash;
+  Json inputs = Json::array();
+  for (const ReadFile& file : files) {
+    Json& input = inputs.emplace_back(Json::object());
+    input["role"] = file.role;
+    put_name(input, "file", file.file);
+    input["hash"] = file.hash.empty() ? Json() : Json(file.hash);
+  }
+  json["inputs"] = inputs;
+  Run copy = run;
+  json["options"] = options_json(run_table(copy));
+  json["found"] = found_json(motion.plan);
+  json["quality"] = Json::parse(report_json({&report, 1}), nullptr, false);
+  // names of skeletons' parts may be anything: what is no UTF-8 is replaced
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
+  const auto as_input = [](Error error) {
+    error.kind = ErrorKind::kInput;
+    return failure(std::move(error));
+  };
+  if (auto bounds = check_json_bounds(text, file); !bounds) return as_input(bounds.error());
+  const Json json = Json::parse(text, nullptr, false);
+  const bool sound = json.is_object() && json.contains("output") && json["output"].is_object() &&
+                     json.contains("options") && json.contains("inputs") &&
+                     json["inputs"].is_array();
+  if (!sound) {
+    return input_failure(file, "the file is no sidecar of a run",
+                         "a run writes one beside its output, such as walk.csv.json");
+  }
+  Sidecar sidecar;
+  sidecar.version = text_of(json, "retarget");
+  sidecar.output = name_from(json["output"], "file");
+  // it lies beside the sidecar
+  if (!is_plain_name(sidecar.output)) {
+    return input_failure(file, "the sidecar's output \"" + sidecar.output +
+                                   "\" is not the name of a file beside it");
+  }
+  sidecar.format = text_of(json["output"], "format");
+  sidecar.hash = text_of(json["output"], "hash");
+  // runs whose options were recorded before there was a choice took every frame
+  sidecar.run.options.part.lead_in = LeadIn::kKeep;
+  auto options =
+      read_options(json["options"], run_table(sidecar.run), file, "the sidecar's options");
+  if (!options) return as_input(options.error());
+  for (const Json& each : json["inputs"]) {
+    if (!each.is_object()) continue;
+    sidecar.files.push_back(
+        {text_of(each, "role"), name_from(each, "file"), {}, text_of(each, "hash")});
+  }
+  return sidecar;
+}
+
+}  // namespace retarget

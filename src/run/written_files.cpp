@@ -1,0 +1,146 @@
+#include "run/written_files.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <optional>
+#include <system_error>
+
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "options/run_tables.h"
+#include "plan/mapping_files.h"
+#include "plan/output_files.h"
+#include "robot/find_robot.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Identity = std::pair<dev_t, ino_t>;
+
+// of a regular file; of pipes and devices nothing is overwritten
+std::optional<Identity> identity_of(const std::string& path, int stream) {
+  struct stat info {};
+  const int found = path == "-" ? ::fstat(stream, &info) : ::stat(path.c_str(), &info);
+  if (found != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+  return Identity{info.st_dev, info.st_ino};
+}
+
+std::string whole_path(const std::string& path) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? fs::path(path).lexically_normal().string() : whole.string();
+}
+
+// files of a folder of ours, which are all read
+void append_folder(std::vector<std::string>& files, const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    files.push_back(at->path().string());
+  }
+}
+
+// model, profile and mappings of a robot that has a folder
+void append_robot(std::vector<std::string>& files, const std::string& name,
+                  const fs::path& data_folder) {
+  if (name.empty()) return;
+  const auto robot = find_robot(name, data_folder / "robots");
+  if (!robot) return;
+  files.insert(files.end(), {robot->model.string(), robot->profile.string()});
+  const fs::path place = robot->model.parent_path();
+  const auto mappings =
+      find_mappings({}, Method::kGmr, place, data_folder, fs::absolute(place).filename().string());
+  if (mappings) files.insert(files.end(), {mappings->of_lafan1, mappings->of_others});
+}
+
+}  // namespace
+
+void KnownFiles::add(const std::string& path, int stream) {
+  if (path.empty()) return;
+  if (const auto identity = identity_of(path, stream)) by_identity_.emplace(*identity, path);
+  if (path != "-") by_path_.emplace(whole_path(path), path);
+}
+
+const std::string* KnownFiles::find(const std::string& path, int stream) const {
+  if (path.empty()) return nullptr;
+  if (const auto identity = identity_of(path, stream)) {
+    const auto found = by_identity_.find(*identity);
+    return found == by_identity_.end() ? nullptr : &found->second;
+  }
+  if (path == "-") return nullptr;
+  const auto found = by_path_.find(whole_path(path));
+  return found == by_path_.end() ? nullptr : &found->second;
+}
+
+WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) inputs_.add(input, STDIN_FILENO);
+}
+
+Result<void> WrittenFiles::check_spared(const std::string& output) const {
+  const std::string* input = inputs_.find(output, STDOUT_FILENO);
+  if (input == nullptr) return {};
+  const std::string by_name = *input == output ? "" : " \"" + output + "\"";
+  return usage_failure("the output" + by_name + " would overwrite the input \"" + *input + "\"",
+                       "give another name");
+}
+
+Result<void> WrittenFiles::take(const std::string& output) {
+  if (output.empty()) return {};
+  if (auto spared = check_spared(output); !spared) return spared;
+  if (output == "-") return {};
+  if (outputs_.find(output, STDOUT_FILENO) != nullptr) {
+    return usage_failure("two outputs are the file \"" + output + "\"");
+  }
+  outputs_.add(output, STDOUT_FILENO);
+  return check_output_folder(output);
+}
+
+Result<void> check_written(const std::vector<std::string>& outputs,
+                           const std::vector<std::string>& inputs) {
+  WrittenFiles written(inputs);
+  for (const std::string& output : outputs) {
+    if (auto taken = written.take(output); !taken) return taken;
+  }
+  return {};
+}
+
+std::vector<std::string> files_of(const Run& run, const std::string& data_folder) {
+  std::vector<std::string> files = {run.motion};
+  Run copy = run;
+  for (const Option& row : run_table(copy)) {
+    if (row.info.file != OptionFile::kNone) files.push_back(to_text(row.get()));
+  }
+  if (data_folder.empty()) return files;
+  append_robot(files, run.robot.name, data_folder);
+  append_folder(files, fs::path(data_folder) / "configs" / "skeletons");
+  append_folder(files, fs::path(data_folder) / "configs" / "quality");
+  return files;
+}
+
+Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::string>& inputs,
+                           const std::vector<std::string>& others) {
+  WrittenFiles written(inputs);
+  // before what its name says: whoever names an input has mistaken something else
+  if (run.output != "-" && run.options.save.formats.size() <= 1) {
+    TRY(written.check_spared(run.output));
+  }
+  TRY_ASSIGN(const auto items, plan_outputs(run.output, run.options.save));
+  for (const std::string& other : others) TRY(written.take(other));
+  for (const OutputItem& item : items) {
+    TRY(written.take(item.path));
+    if (!sidecar) continue;
+    if (item.path == "-") {
+      return usage_failure(OPTION("sidecar") " needs a file to stand beside",
+                           "name a file with " OPTION("output"));
+    }
+    TRY(written.take(item.path + ".json"));
+  }
+  return {};
+}
+
+}  // namespace retarget

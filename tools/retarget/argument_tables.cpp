@@ -1,0 +1,191 @@
+#include "argument_tables.h"
+
+#include "declare_table.h"
+#include "options/run_tables.h"
+
+namespace retarget::cli {
+namespace {
+
+constexpr const char* kBatchGroup = "Batch";
+constexpr const char* kFoundGroup = "Motion files (all of it is found and printed; this overrides)";
+
+Option row(const char* name, auto& member, OptionInfo info) {
+  info.decides = false;
+  return option(name, member, std::move(info));
+}
+
+}  // namespace
+
+OptionTable common_table(CommonArguments& arguments) {
+  return {row("quiet", arguments.quiet,
+              {.group = kGeneralGroup, .help = "Print errors only", .letter = "q"}),
+          row("data-dir", arguments.data_dir,
+              {.type = "DIR",
+               .group = kGeneralGroup,
+               .help = "Folder that holds robots/ and configs/ (default: $RETARGET_DATA_DIR, else "
+                       "found beside the program)"})};
+}
+
+OptionTable request_table(RunArguments& arguments) {
+  RunRequest& request = arguments.request;
+  return {row("write-map", request.write_map,
+              {.type = "FILE",
+               .group = kHumanGroup,
+               .help = "Write the mapping that was used, to be edited"}),
+          row("sidecar", request.sidecar,
+              {.group = kOutputGroup,
+               .help = "Write FILE.json beside each output: hashes, options, what was found, "
+                       "quality; retarget verify checks it"}),
+          row("report", request.report,
+              {.type = "FILE",
+               .group = kOutputGroup,
+               .help = "Write how good the motion is, JSON as of retarget evaluate"}),
+          row("verbose", request.verbose,
+              {.group = kGeneralGroup,
+               .help = "Say as well what each term of the fit costs, before and after, and its "
+                       "worst frames",
+               .letter = "v"})};
+}
+
+OptionTable run_command_table(RunArguments& arguments) {
+  OptionTable table = {row("bvh", arguments.run.motion,
+                           {.type = "FILE",
+                            .group = kInputGroup,
+                            .help = "Motion to retarget; - reads standard input",
+                            .basic = true}),
+                       row("smpl", arguments.smpl_file,
+                           {.type = "FILE",
+                            .group = kInputGroup,
+                            .help = "SMPL or SMPL-X motion to retarget, NPZ as in AMASS",
+                            .basic = true})};
+  append(table, without(run_table(arguments.run), {"motion", "smpl"}));
+  append(table, request_table(arguments));
+  append(table, common_table(arguments.common));
+  return table;
+}
+
+OptionTable batch_table(BatchArguments& arguments) {
+  return {
+      row("list", arguments.lists,
+          {.type = "FILE",
+           .group = kInputGroup,
+           .help = "File of names of files and folders, one a line; - reads standard input"}),
+      row("base", arguments.base,
+          {.type = "DIR",
+           .group = kInputGroup,
+           .help = "Files that are named one by one keep their tree below this folder "
+                   "(default: their names alone)"}),
+      row("exclude", arguments.exclude,
+          {.type = "PATTERN",
+           .group = kInputGroup,
+           .help = "Leave out files whose name, or path below its folder, matches; "
+                   "repeatable"}),
+      row("robot", arguments.robots,
+          {.type = "NAME,...",
+           .group = kRobotGroup,
+           .help = "Robots by name or folder; each of several gets a folder of its own",
+           .basic = true}),
+      row("output", arguments.output,
+          {.type = "DIR",
+           .group = kOutputGroup,
+           .help = "Folder to write; made where it is not there",
+           .basic = true,
+           .letter = "o"}),
+      row("jobs", arguments.jobs,
+          {.type = "N",
+           .group = kBatchGroup,
+           .help = "Clips at a time (default: one for each processor)",
+           .least = 1.0,
+           .most = 4096.0,
+           .basic = true,
+           .letter = "j"}),
+      row("memory", arguments.run.run.options.source.memory_gb,
+          {.type = "GB",
+           .group = kBatchGroup,
+           .help = "Begin no clip that would need more than this together with those that run, "
+                   "GB, and let none take more (default: three quarters of what there is)",
+           .least = 0.001,
+           .most = 1e6}),
+      row("clip-timeout", arguments.clip_timeout_s,
+          {.type = "SECONDS",
+           .group = kBatchGroup,
+           .help = "A clip that takes longer has failed, and the others go on (default: none "
+                   "does)",
+           .least = 0.001,
+           .most = 1e9}),
+      row("resume", arguments.resume,
+          {.group = kBatchGroup,
+           .help = "Go on with a batch: skip clips that are done and have not changed",
+           .basic = true}),
+      row("redo", arguments.redo,
+          {.group = kBatchGroup, .help = "Forget an earlier batch in the folder, do all again"}),
+      row("shard", arguments.shard,
+          {.type = "I/N",
+           .group = kBatchGroup,
+           .help = "Do one of N parts of about the same length, I from 1 to N, with a manifest "
+                   "of its own"}),
+      row("merge", arguments.merge,
+          {.group = kBatchGroup,
+           .help = "Join the manifests of all parts in the output folder, and write the "
+                   "summary"}),
+      row("no-quality", arguments.no_quality,
+          {.group = kBatchGroup,
+           .help = "Do not measure the motions: faster, but the summary knows failures "
+                   "alone"})};
+}
+
+OptionTable reading_table(ReadingArguments& arguments) {
+  OptionTable table = {
+      row("source-fps", arguments.source_fps,
+          {.type = "N",
+           .group = kFoundGroup,
+           .help = "Frames per second of the file (default: what it says; of a CSV 30, of SOMA's "
+                   "120)",
+           .least = 0.001,
+           .most = 1e6}),
+      row("from", arguments.from,
+          {.group = kFoundGroup, .help = "NPZ: whose order of joints it has"}),
+      row("source-quat", arguments.quaternion,
+          {.group = kFoundGroup, .help = "Order of the root quaternion in the file"}),
+      row("source-angles", arguments.angles,
+          {.group = kFoundGroup, .help = "Unit of the joints in a CSV or pickle"}),
+      row("source-unit", arguments.unit,
+          {.group = kFoundGroup, .help = "Unit of the root position in a CSV or pickle"}),
+      row("source-dof", arguments.dof,
+          {.type = "NAME",
+           .group = kFoundGroup,
+           .help = "Variant of the robot whose joints the file has"}),
+      row("motion", arguments.motion,
+          {.type = "NAME",
+           .group = kFoundGroup,
+           .help = "One of several motions in a PBHC pickle"}),
+      row("ignore-header", arguments.ignore_header,
+          {.group = kFoundGroup,
+           .help = "Take the columns of a CSV by their number, whatever its header says"})};
+  table[1].choices = {"npz-mjlab", "npz-beyondmimic"};
+  table[3].choices = {"rad", "deg"};
+  table[4].choices = {"m", "cm", "mm"};
+  return table;
+}
+
+OptionTable evaluate_table(EvaluateArguments& arguments) {
+  return {row("fps", arguments.fps,
+              {.type = "N|source",
+               .group = kTimeGroup,
+               .help = "Rate of motions whose files say none, in frames per second, or `source`; "
+                       "the source is resampled to it (default: 30; of SOMA's 120)"}),
+          row("json", arguments.json,
+              {.type = "FILE",
+               .group = kOutputGroup,
+               .help = "Write the report as JSON; - writes standard output, in place of the table",
+               .basic = true}),
+          row("gate", arguments.gates,
+              {.type = "FILE|METRIC=N",
+               .group = kOutputGroup,
+               .help = "What to ask for beyond configs/quality/default.json, or instead: a file "
+                       "like it, METRIC=MOST, METRIC=none, or none for no gates at all; "
+                       "repeatable",
+               .basic = true})};
+}
+
+}  // namespace retarget::cli

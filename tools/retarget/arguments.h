@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "retarget/options.h"
+#include "run/run_to_files.h"
+
+namespace retarget::cli {
+
+/// Arguments that all commands share.
+struct CommonArguments {
+  bool quiet = false;
+  std::string data_dir;  ///< Folder that holds robots/ and configs/; empty: found.
+};
+
+/// The default command: one clip to the files of a robot's motion.
+struct RunArguments {
+  CommonArguments common;
+  Run run;
+  RunRequest request;
+  std::string smpl_file;             ///< In place of the run's motion.
+  std::array<std::string, 2> words;  ///< Motion and robot that are named without an option.
+};
+
+/// `retarget batch`: many clips, to one robot or several.
+struct BatchArguments {
+  /// Of every clip but for its file, robot and output; its memory is that of all together.
+  RunArguments run;
+  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
+  std::vector<std::string> lists;    ///< Files of names.
+  std::string base;                  ///< Folder below which named files keep their tree.
+  std::vector<std::string> exclude;  ///< Shell patterns.
+  std::vector<std::string> robots;
+  std::string output;           ///< Folder.
+  int jobs = 0;                 ///< Clips at a time; 0: as many as there are processors.
+  double clip_timeout_s = 0.0;  ///< After which a clip has failed; 0: never.
+  bool resume = false;
+  bool redo = false;
+  std::string shard;  ///< `I/N`; empty: all of it.
+  bool merge = false;
+  bool no_quality = false;
+};
+
+/// What a file of a robot's motion does not say; nothing: found.
+struct ReadingArguments {
+  std::optional<MotionFormat> from;  ///< Format in place of what the content says.
+  double source_fps = 0.0;           ///< 0: as the file says.
+  std::optional<QuaternionOrder> quaternion;
+  std::string angles;  ///< `rad`, `deg`.
+  std::string unit;    ///< `m`, `cm`, `mm`.
+  std::string dof;     ///< Variant of the robot that the columns are of.
+  std::string motion;  ///< One of several in a PBHC file.
+  bool ignore_header = false;
+};
+
+/// `retarget evaluate`: how good robot motions are.
+struct EvaluateArguments {
+  RunArguments run;                  ///< Robot, limits, source and its start; the rate.
+  std::string fps;                   ///< As given; empty: not.
+  ReadingArguments reading;          ///< But for the rate.
+  std::vector<std::string> motions;  ///< Files of robot motions.
+  std::string json;                  ///< Report to write; empty: none, `-`: standard output.
+  std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
+};
+
+/// `retarget verify`: whether a run still gives the same bytes.
+struct VerifyArguments {
+  CommonArguments common;
+  std::string file;  ///< The sidecar.
+};
+
+}  // namespace retarget::cli

@@ -1,0 +1,107 @@
+#include "declare_table.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "retarget/error.h"
+
+namespace retarget::cli {
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : "|") + word;
+  return text;
+}
+
+// throws what the parser shows as the option's fault
+void set_value(const Option& row, const std::vector<std::string>& words) {
+  const std::string flag = option_as_flag(row.name);
+  OptionValue value = words;
+  if (!row.is_list()) {
+    auto read = option_value(row, words.back());
+    if (!read) throw CLI::ValidationError(flag, read.error().message);
+    value = std::move(*read);
+  } else if (auto sound = check_option(row, value); !sound) {
+    throw CLI::ValidationError(flag, sound.error().message);
+  }
+  if (auto set = row.set(value); !set) throw CLI::ValidationError(flag, set.error().message);
+}
+
+// what the member has without the option, where that is a value that the option may have
+std::string default_text(const Option& row) {
+  const OptionValue value = row.get();
+  const bool is_unset = row.is_list() || row.is_flag() || !check_option(row, value);
+  return is_unset ? std::string() : to_text(value);
+}
+
+void declare(CLI::App& command, const Option& row) {
+  const std::string letter = row.info.letter.empty() ? "" : "-" + row.info.letter + ",";
+  const std::string names = letter + option_as_flag(row.name);
+  const std::string help = spell_options(row.info.help, option_as_flag);
+  if (row.is_flag()) {
+    command
+        .add_flag_function(
+            names, [row](std::int64_t count) { static_cast<void>(row.set(count > 0)); }, help)
+        ->group(row.info.group);
+    return;
+  }
+  CLI::Option* declared = command.add_option(
+      names,
+      [row](const std::vector<std::string>& words) {
+        set_value(row, words);
+        return true;
+      },
+      help);
+  declared->type_name(row.info.type.empty() ? joined(row.choices) : row.info.type)
+      ->group(row.info.group);
+  if (const std::string text = default_text(row); !text.empty()) declared->default_str(text);
+  if (!row.is_list()) return;
+  declared->type_size(1)
+      ->expected(1, CLI::detail::expected_max_vector_size)
+      ->take_all()
+      ->allow_extra_args(false);
+  // texts of people have commas
+  if (row.info.type.ends_with(",...")) declared->delimiter(',');
+}
+
+template <typename Keep>
+OptionTable filtered(OptionTable rows, const Keep& keep) {
+  std::erase_if(rows, [&](const Option& row) { return !keep(row.name); });
+  return rows;
+}
+
+}  // namespace
+
+void declare(CLI::App& command, const OptionTable& rows) {
+  for (const Option& row : rows) declare(command, row);
+}
+
+OptionTable without(OptionTable rows, std::initializer_list<std::string_view> names) {
+  return filtered(std::move(rows), [&](std::string_view name) {
+    return std::ranges::find(names, name) == names.end();
+  });
+}
+
+OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names) {
+  return filtered(std::move(rows), [&](std::string_view name) {
+    return std::ranges::find(names, name) != names.end();
+  });
+}
+
+OptionTable renamed(OptionTable rows, const char* name) {
+  rows.front().name = name;
+  return rows;
+}
+
+void refuse_empty_values(CLI::App& app) {
+  const auto check = [](const std::string& text) -> std::string {
+    return text.empty() ? "expected a value, found an empty word" : "";
+  };
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_expected_max() > 0) option->check(CLI::Validator(check, ""));
+  }
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
+}
+
+}  // namespace retarget::cli

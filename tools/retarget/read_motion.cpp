@@ -1,0 +1,53 @@
+#include "read_motion.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "base/number_text.h"
+#include "plan/memory.h"
+
+namespace retarget::cli {
+
+ReadMotionOptions read_motion_options(const ReadingArguments& arguments, double memory_gb) {
+  ReadMotionOptions read;
+  read.most_bytes = memory_share(memory_gb);
+  read.format = arguments.from;
+  if (arguments.source_fps > 0.0) read.rate = frame_rate_from_fps(arguments.source_fps);
+  read.quaternion = arguments.quaternion;
+  if (!arguments.angles.empty()) read.degrees = arguments.angles == "deg";
+  if (arguments.unit == "m") read.metres_per_unit = 1.0;
+  if (arguments.unit == "cm") read.metres_per_unit = 0.01;
+  if (arguments.unit == "mm") read.metres_per_unit = 0.001;
+  read.variant = arguments.dof;
+  read.motion = arguments.motion;
+  read.ignore_header = arguments.ignore_header;
+  return read;
+}
+
+Result<RobotMotion> read_motion(const std::string& file, const std::shared_ptr<const Robot>& robot,
+                                const ReadMotionOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    return input_failure(file, "expected a robot's motion, found a directory",
+                         "name files in it, such as " +
+                             (std::filesystem::path(file) / "*.csv").string() +
+                             "; folders of human motions are for retarget batch");
+  }
+  auto motion = load_robot_motion(file, robot, options);
+  if (!motion) add_memory_hint(motion.error());
+  return motion;
+}
+
+void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
+                  const std::string& rate_option) {
+  console.line("read",
+               (file == "-" ? "standard input" : file) + ": " +
+                   std::string(format_name(motion.format)) + ", " +
+                   count_text(motion.clip.frame_count(), "frame") + " at " +
+                   to_text(motion.clip.rate()) + " fps" +
+                   (motion.rate_known ? "" : ", which the file does not say: " + rate_option));
+  for (const std::string& note : motion.notes) console.line("", note);
+  for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
+}
+
+}  // namespace retarget::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "arguments.h"
+#include "console.h"
+#include "retarget/plan.h"
+
+namespace retarget::cli {
+
+/// What several commands do with their arguments.
+
+/// The folder that holds robots/ and configs/.
+[[nodiscard]] Result<std::string> data_folder_of(const CommonArguments& common);
+
+/// Makes the file of --smpl the motion; --bvh beside it is refused (kUsage).
+[[nodiscard]] Result<void> take_smpl_file(RunArguments& arguments);
+
+/// Error (kInput): the path is a folder; the hint names the command that takes folders.
+[[nodiscard]] Result<void> check_no_folder(const std::string& path);
+
+/// Loads the robot of a run and says what was found for it.
+[[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
+                                             const CommonArguments& common, Console& console,
+                                             Soles soles = Soles::kFound);
+
+/// The same with limits, mappings and the fit's options.
+[[nodiscard]] Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common,
+                                              Console& console);
+
+}  // namespace retarget::cli
