@@ -137,8 +137,4 @@ void Console::end_progress() {
   progress_shown_ = false;
 }
 
-std::string count_text(long count, std::string_view noun) {
-  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
-}
-
 }  // namespace retarget::cli
