@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/try.h"
 #include "edit/rest_frames.h"
 #include "human/bone_map.h"
 
@@ -50,10 +51,9 @@ std::optional<Eigen::Matrix3d> of_axes(const Eigen::Matrix3d& guess) {
 
 class MirrorFinder {
  public:
-  MirrorFinder(const Skeleton& skeleton, const HumanMapping& mapping, const std::string& file)
+  MirrorFinder(const Skeleton& skeleton, const HumanMapping& mapping)
       : skeleton_(skeleton),
         mapping_(mapping),
-        file_(file),
         t_pose_(t_pose_rotations(skeleton, mapping)),
         children_(static_cast<std::size_t>(skeleton.joint_count())),
         mates_(children_.size(), -1),
@@ -68,7 +68,7 @@ class MirrorFinder {
 
   Result<BodyMirror> run() {
     for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-      if (auto paired = pair_bones(bone); !paired) return failure(paired.error());
+      TRY(pair_bones(bone));
     }
     const std::optional<Eigen::Matrix3d> all = of_zero_pose();
     for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
@@ -80,15 +80,15 @@ class MirrorFinder {
         axes_[joint] = axes_[mates_[joint]].transpose();
         continue;
       }
-      if (auto decided = decide(joint, all); !decided) return failure(decided.error());
+      TRY(decide(joint, all));
     }
     return BodyMirror{std::move(mates_), std::move(axes_)};
   }
 
  private:
   [[nodiscard]] Failure lonely(int joint) const {
-    return input_failure(file_, "the joint \"" + skeleton_.joint(joint).name +
-                                    "\" has no counterpart on the other side of the body");
+    return input_failure({}, "the joint \"" + skeleton_.joint(joint).name +
+                                 "\" has no counterpart on the other side of the body");
   }
 
   // the bone's joint with the other side's, and what lies above both
@@ -158,10 +158,9 @@ class MirrorFinder {
     ChildPairs best;
     best.cost = std::numeric_limits<double>::infinity();
     for (const Eigen::Matrix3d& axes : candidates) {
-      auto pairs = pair_children(joint, axes);
-      if (!pairs) return failure(pairs.error());
-      if (pairs->cost >= best.cost) continue;
-      best = std::move(*pairs);
+      TRY_ASSIGN(auto pairs, pair_children(joint, axes));
+      if (pairs.cost >= best.cost) continue;
+      best = std::move(pairs);
       axes_[joint] = axes;
       if (agrees_all(axes, leaving(joint, best))) break;
     }
@@ -288,7 +287,6 @@ class MirrorFinder {
 
   const Skeleton& skeleton_;
   const HumanMapping& mapping_;
-  const std::string& file_;
   const std::vector<Eigen::Quaterniond> t_pose_;
   std::vector<std::vector<int>> children_;
   std::vector<int> mates_;
@@ -298,9 +296,8 @@ class MirrorFinder {
 
 }  // namespace
 
-Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping,
-                               const std::string& file) {
-  return MirrorFinder(skeleton, mapping, file).run();
+Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping) {
+  return MirrorFinder(skeleton, mapping).run();
 }
 
 }  // namespace retarget

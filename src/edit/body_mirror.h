@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "human/human_clip.h"
@@ -29,9 +28,7 @@ struct BodyMirror {
 /// its parent (for joints of the middle and such as turn no bone before all others); that of the
 /// T-pose as it is, turned as little as it takes.
 ///
-/// @param file  for messages.
 /// @return a kInput error naming a joint without a counterpart.
-[[nodiscard]] Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping,
-                                             const std::string& file);
+[[nodiscard]] Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping);
 
 }  // namespace retarget

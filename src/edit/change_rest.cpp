@@ -1,11 +1,12 @@
-#include "edit/change_rest.h"
-
 #include <algorithm>
 #include <vector>
 
+#include "base/number_text.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "edit/rest_frames.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -87,7 +88,7 @@ Leaving RestChanger::leaving(int joint) const {
 }
 
 RestChange RestChanger::run() const {
-  RestChange result{Clip(target_, clip_.rate(), clip_.frame_count())};
+  RestChange result{{Clip(target_, clip_.rate(), clip_.frame_count())}};
   for (int frame = 0; frame < clip_.frame_count(); ++frame) {
     const auto source = clip_.rotations(frame);
     const auto rotations = result.clip.rotations(frame);
@@ -104,6 +105,8 @@ RestChange RestChanger::run() const {
     }
     result.largest_distance = std::max(result.largest_distance, distance(result.clip, frame));
   }
+  result.notes = {
+      {"moved", "no joint by more than " + number_text(result.largest_distance, 6) + " units"}};
   return result;
 }
 
@@ -128,9 +131,8 @@ double RestChanger::distance(const Clip& changed, int frame) const {
 
 Result<RestChange> change_rest(const Clip& clip, const std::shared_ptr<const Skeleton>& target,
                                const std::string& file, const std::string& target_file) {
-  auto twins = match_joints(clip.skeleton(), *target, file, target_file);
-  if (!twins) return failure(twins.error());
-  return RestChanger(clip, target, std::move(*twins)).run();
+  TRY_ASSIGN(auto twins, match_joints(clip.skeleton(), *target, file, target_file));
+  return RestChanger(clip, target, std::move(twins)).run();
 }
 
 }  // namespace retarget

@@ -1,14 +1,14 @@
-#include "edit/concatenate.h"
-
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
-#include "edit/goes_on.h"
-#include "edit/join_clips.h"
-#include "edit/put_on_floor.h"
-#include "edit/seam_check.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "edit/seam.h"
 
 namespace retarget {
 namespace {
@@ -16,18 +16,15 @@ namespace {
 class Joiner {
  public:
   Joiner(const Clip& a, const Clip& b, const HumanMapping& mapping, const BodyMover& mover,
-         const ConcatenateOptions& options, const std::string& a_file, const std::string& b_file)
+         const ConcatenateOptions& options)
       : a_(a),
         b_(b),
         mapping_(mapping),
         mover_(mover),
         options_(options),
-        a_file_(a_file),
-        b_file_(b_file),
         motion_a_(a, mapping),
         human_b_(to_human(b, mapping)) {
-    const auto floor_a = floor_height(a, mapping, a_file),
-               floor_b = floor_height(b, mapping, b_file);
+    const auto floor_a = floor_height(a, mapping), floor_b = floor_height(b, mapping);
     if (!floor_a || !floor_b) return;
     const double lift = *floor_a - *floor_b;
     if (std::abs(lift) <= options.same_floor) return;
@@ -39,13 +36,12 @@ class Joiner {
   // as wide as it takes for a good seam; without one as narrow as can be
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
-    auto first = join(seam);
-    if (!first) return first;
+    TRY_ASSIGN(auto first, join(seam));
     if (goes_on(motion_a_.human, human_b_)) {
-      auto whole = put_together(first->map);
+      auto whole = put_together(first.map);
       if (whole.check.faults.empty()) return whole;
     }
-    if (first->check.faults.empty() || seam.search_all) return first;
+    if (first.check.faults.empty() || seam.search_all) return first;
     const double longest = std::max(a_.duration(), b_.duration());
     while (seam.band > 0.0 && seam.band < std::min(longest, options_.widest_band)) {
       seam.band = std::min(2.0 * seam.band, options_.widest_band);
@@ -53,7 +49,7 @@ class Joiner {
       // too much to search
       if (!wider) break;
       if (wider->check.faults.empty()) return wider;
-      first->band = seam.band;
+      first.band = seam.band;
     }
     return first;
   }
@@ -73,32 +69,28 @@ class Joiner {
     region.begin = region.end = region.b_shift = seam.a_frame;
     SeamCheck check =
         check_motion(motion_a_.human, human_b_, to_human(whole, mapping_), region, options_.limits);
-    return {std::move(whole), seam, std::move(map), 0.0, 0.0, std::move(check)};
+    return {{std::move(whole)}, seam, std::move(map), 0.0, 0.0, std::move(check)};
   }
 
   Result<Concatenation> join(const SeamOptions& options) {
     const Clip* on_floor = &b_;
-    auto search = find_seam(motion_a_.human, human_b_, options, a_file_, b_file_);
-    if (!search) return failure(search.error());
+    TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options));
     if (raised_) {
-      auto other =
-          find_seam(motion_a_.human, to_human(*raised_, mapping_), options, a_file_, b_file_);
-      if (!other) return failure(other.error());
-      if (other->seams[0].distance < search->seams[0].distance) {
+      TRY_ASSIGN(auto other, find_seam(motion_a_.human, to_human(*raised_, mapping_), options));
+      if (other.seams[0].distance < search.seams[0].distance) {
         search = std::move(other);
         on_floor = &*raised_;
       }
     }
     // the best of those that turn out well
     std::optional<Concatenation> best;
-    for (const Seam& seam : search->seams) {
-      auto joined = join_at(seam, *on_floor);
-      if (!joined) return joined;
-      const bool good = joined->check.faults.empty();
-      if (!best || good) best = std::move(*joined);
+    for (const Seam& seam : search.seams) {
+      TRY_ASSIGN(auto joined, join_at(seam, *on_floor));
+      const bool good = joined.check.faults.empty();
+      if (!best || good) best = std::move(joined);
       if (good) break;
     }
-    best->map = std::move(search->map);
+    best->map = std::move(search.map);
     best->lift = on_floor == &b_ ? 0.0 : lift_;
     best->band = options.band;
     return std::move(*best);
@@ -106,10 +98,9 @@ class Joiner {
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
     mover_.move_all(moved, seam.a_from_b.in_space());
-    auto joined = join_clips(motion_a_, HumanMotion(moved, mapping_), seam, mapping_, mover_,
-                             options_, a_file_);
-    if (!joined) return failure(joined.error());
-    return Concatenation{std::move(joined->clip), seam, {}, 0.0, 0.0, std::move(joined->check)};
+    TRY_ASSIGN(auto joined, join_clips(motion_a_, HumanMotion(moved, mapping_), seam, mapping_,
+                                       mover_, options_));
+    return Concatenation{{std::move(joined.clip)}, seam, {}, 0.0, 0.0, std::move(joined.check)};
   }
 
   const Clip& a_;
@@ -117,30 +108,141 @@ class Joiner {
   const HumanMapping& mapping_;
   const BodyMover& mover_;
   const ConcatenateOptions& options_;
-  const std::string& a_file_;
-  const std::string& b_file_;
   const HumanMotion motion_a_;
   const HumanClip human_b_;
   double lift_ = 0.0;           // from b's floor to a's, metres,
   std::optional<Clip> raised_;  // and b there, where that is not the same
 };
 
+void tell_seam(Concatenation& joined, const FrameRate& rate) {
+  const Seam& seam = joined.seam;
+  auto& notes = joined.notes;
+  if (seam.overlap == 0) {
+    notes = {{"seam", "the second goes on where the first ends: put together as they are"}};
+    return;
+  }
+  const auto frame_text = [&rate](int frame) {
+    return "frame " + std::to_string(frame) + " (" + number_text(rate.time_of(frame), 3) + " s)";
+  };
+  const std::string lifted =
+      joined.lift == 0.0 ? std::string()
+                         : (joined.lift < 0.0 ? ", and lowered by " : ", and raised by ") +
+                               number_text(std::abs(joined.lift), 3) + " m to the first's floor";
+  const SeamCheck& check = joined.check;
+  notes = {
+      {"seam", frame_text(seam.a_frame) + " meets " + frame_text(seam.b_frame) + ", " +
+                   count_text(seam.overlap, "frame") + " in common"},
+      {"", "the second is turned by " +
+               number_text(seam.a_from_b.heading * 180.0 / std::numbers::pi, 2) +
+               " degrees about its hips at the seam and moved by " + number_text(seam.way.x(), 3) +
+               ", " + number_text(seam.way.y(), 3) + " m" + lifted},
+      {"", number_text(100.0 * seam.distance, 2) + " cm apart, " +
+               (seam.same_support ? "the same feet on the floor" : "other feet on the floor")},
+      {"", "fastest for what it does: " + check.fastest_bone + " " +
+               number_text(check.largest_speed, 2) + " m/s (in the clips " +
+               number_text(check.usual_speed, 2) + "); planted feet slip at " +
+               number_text(check.slip, 3) + " m/s"}};
+  if (check.jolted_bone.empty()) return;
+  notes.push_back({"", "largest acceleration for what it does: " + check.jolted_bone + " " +
+                           number_text(check.largest_acceleration, 1) + " m/s2 (in the clips " +
+                           number_text(check.usual_acceleration, 1) + ")"});
+}
+
+// @param longest  of the clips, seconds
+void judge_seam(Concatenation& joined, bool searched_all, double longest, const std::string& a_name,
+                const std::string& b_name) {
+  const std::vector<std::string>& faults = joined.check.faults;
+  joined.doubts = as_warnings(faults);
+  if (faults.empty()) return;
+  // a band as long as the clips leaves nothing to look at
+  const bool everywhere = searched_all || joined.band >= longest;
+  joined.misfit =
+      run_failure(b_name,
+                  "does not fit to " + a_name + " " +
+                      (everywhere ? "anywhere" : "within " + number_text(joined.band, 1) + " s") +
+                      ": " + list_names(faults),
+                  std::string(OPTION("force") " joins them all the same") +
+                      (everywhere ? "" : "; " OPTION("search") " all looks everywhere"))
+          .value();
+}
+
+bool same_skeleton(const Skeleton& a, const Skeleton& b) {
+  if (a.joint_count() != b.joint_count()) return false;
+  for (int i = 0; i < a.joint_count(); ++i) {
+    const Joint &one = a.joint(i), &other = b.joint(i);
+    if (one.name != other.name || one.parent != other.parent || one.channels != other.channels ||
+        (i > 0 && (one.offset - other.offset).norm() > 1e-6 * one.offset.norm())) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool same_body(const Subject& a, const Subject& b) {
+  return same_skeleton(a.clip.skeleton(), b.clip.skeleton()) &&
+         a.mapping.human_from_source.isApprox(b.mapping.human_from_source, 1e-9) &&
+         std::abs(a.mapping.metres_per_unit - b.mapping.metres_per_unit) <=
+             1e-9 * a.mapping.metres_per_unit;
+}
+
 }  // namespace
 
+Result<Edited> like_first(const Subject& next, const Subject& first) {
+  Edited result{next.clip};
+  if (!same_body(next, first)) {
+    Transferred moved = transfer(next, first);
+    result = {std::move(moved.clip),
+              {{"", "brought to the first clip's skeleton through the T-pose"}}};
+    result.notes.insert(result.notes.end(), moved.notes.begin(), moved.notes.end());
+  }
+  const FrameRate from = next.clip.rate(), to = first.clip.rate();
+  if (same_rate(from, to)) return result;
+  result.notes.push_back({"", "from " + to_text(from) + " to " + to_text(to) + " fps"});
+  TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.rate = to}));
+  return result;
+}
+
+Result<void> ConcatenateOptions::search(std::string_view text) {
+  if (text.empty()) return {};
+  if (text == "all") {
+    seam.search_all = true;
+    seam.cost_of_second = 0.001;
+    return {};
+  }
+  constexpr double kLongest = 1e5;
+  const auto seconds = number_from_text(text);
+  if (!seconds || !(*seconds >= 0.0 && *seconds <= kLongest)) {
+    return usage_failure(OPTION("search") " must be seconds from 0 to 100000 or `all`, found \"" +
+                         std::string(text) + "\"");
+  }
+  seam.band = widest_band = *seconds;
+  return {};
+}
+
 Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMapping& mapping,
-                                  const ConcatenateOptions& options, const std::string& a_file,
-                                  const std::string& b_file) {
+                                  const ConcatenateOptions& options, const std::string& a_name,
+                                  const std::string& b_name) {
   if (!same_rate(a.rate(), b.rate())) {
-    return input_failure(b_file, "has " + to_text(b.rate()) + " frames per second, " + a_file +
+    return input_failure(b_name, "has " + to_text(b.rate()) + " frames per second, " + a_name +
                                      " " + to_text(a.rate()));
   }
   if (a.skeleton().names() != b.skeleton().names() ||
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
-    return input_failure(b_file, "has another skeleton than " + a_file);
+    return input_failure(b_name, "has another skeleton than " + a_name);
   }
-  const auto mover = BodyMover::of(a, mapping, a_file, &b);
-  if (!mover) return failure(mover.error());
-  return Joiner(a, b, mapping, *mover, options, a_file, b_file).run();
+  auto mover = BodyMover::of(a, mapping, &b);
+  if (!mover) {
+    mover.error().location.file = a_name;
+    return failure(std::move(mover).error());
+  }
+  for (const auto& [clip, name] : {std::pair(&a, &a_name), std::pair(&b, &b_name)}) {
+    if (clip->frame_count() > 0) continue;
+    return input_failure(*name, "the clip has no frames to be joined to another");
+  }
+  TRY_ASSIGN(auto joined, Joiner(a, b, mapping, *mover, options).run());
+  tell_seam(joined, a.rate());
+  judge_seam(joined, options.seam.search_all, std::max(a.duration(), b.duration()), a_name, b_name);
+  return joined;
 }
 
 }  // namespace retarget

@@ -1,4 +1,4 @@
-#include "edit/find_seam.h"
+#include "edit/seam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,6 @@ class SeamFinder {
     band_b_ = {0, options.search_all ? b.frame_count : std::min(b.frame_count, band + 1)};
   }
 
-  [[nodiscard]] const std::vector<int>& bones() const { return bones_; }
   [[nodiscard]] std::int64_t pair_count() const { return band_a_.size() * band_b_.size(); }
 
   SeamSearch run() const {
@@ -155,28 +154,14 @@ class SeamFinder {
     seam.distance = aligned.distance;
     seam.same_support = same_support(pair.a, pair.b);
     const Pose to_a = seam.a_from_b.in_space();
-    double squares = 0.0;
     for (std::size_t k = 0; k < bones_.size(); ++k) {
       const Eigen::Vector3d apart = in_a_.frame(pair.a)[k] - to_a * in_b_.frame(pair.b)[k];
       if (apart.norm() >= seam.worst_distance) {
         seam.worst_distance = apart.norm();
         seam.worst_bone = kBoneNames[static_cast<std::size_t>(bones_[k])];
       }
-      squares +=
-          (velocity(in_a_, pair.a, k) - to_a.rotation * velocity(in_b_, pair.b, k)).squaredNorm();
     }
-    seam.speed_difference = std::sqrt(squares / static_cast<double>(bones_.size()));
     return seam;
-  }
-
-  // m/s, central where there are neighbours
-  [[nodiscard]] Eigen::Vector3d velocity(const PoseClouds& clouds, int frame,
-                                         std::size_t point) const {
-    const int before = std::max(frame - 1, 0),
-              after = std::min(frame + 1, clouds.frame_count() - 1);
-    if (after == before) return Eigen::Vector3d::Zero();
-    return (clouds.frame(after)[point] - clouds.frame(before)[point]) * a_.rate.fps() /
-           (after - before);
   }
 
   const HumanClip& a_;
@@ -192,17 +177,8 @@ class SeamFinder {
 
 }  // namespace
 
-Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options,
-                             const std::string& a_file, const std::string& b_file) {
-  for (const auto& [human, file] : {std::pair(&a, &a_file), std::pair(&b, &b_file)}) {
-    if (human->frame_count == 0) {
-      return input_failure(*file, "the clip has no frames to be joined to another");
-    }
-  }
+Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options) {
   const SeamFinder finder(a, b, options);
-  if (finder.bones().empty()) {
-    return input_failure(b_file, "has no bones in common with " + a_file);
-  }
   constexpr std::int64_t kMostPairs = 16'000'000;
   if (finder.pair_count() > kMostPairs) {
     return usage_failure("the seam is looked for among " + std::to_string(finder.pair_count()) +

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/number_text.h"
 #include "edit/cubic_chain.h"
+#include "edit/ground_pose.h"
 #include "math/filter.h"
 
 namespace retarget {
@@ -152,9 +154,23 @@ double turn_like(double from, double to, double like) {
 
 }  // namespace
 
-Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options,
-                            const std::string& file) {
-  if (human.frame_count == 0) return input_failure(file, "the clip has no frames, hence no path");
+std::string path_text(const GroundPath& path) {
+  return number_text(path.length(), 3) + " m in " +
+         count_text(static_cast<long>(path.segment_count()), "segment");
+}
+
+std::string PathMotion::summary() const {
+  return path_text(path) + ", within " + number_text(100.0 * largest_distance, 1) +
+         " cm of the hips' track";
+}
+
+Result<PathMotion> fit_path(const Clip& clip, const HumanMapping& mapping,
+                            const PathFitOptions& options) {
+  return fit_path(to_human(clip, mapping), options);
+}
+
+Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options) {
+  if (human.frame_count == 0) return input_failure({}, "the clip has no frames, hence no path");
   const std::vector<GroundPose> hips = hips_over_ground(human);
   const ThinTrack thin =
       thin_out(ground_track(hips, human.rate, options.low_pass), options.still_step);

@@ -1,4 +1,4 @@
-#include "edit/goes_on.h"
+#include "edit/seam.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

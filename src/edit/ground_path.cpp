@@ -1,4 +1,4 @@
-#include "edit/ground_path.h"
+#include "retarget/ground_path.h"
 
 #include <algorithm>
 #include <array>

@@ -70,8 +70,7 @@ BodyMover::BodyMover(int joint, const HumanMapping& mapping)
       metres_per_unit_(mapping.metres_per_unit),
       human_from_source_(mapping.human_from_source) {}
 
-Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping,
-                                const std::string& file, const Clip* with) {
+Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, const Clip* with) {
   const Skeleton& skeleton = clip.skeleton();
   std::vector<int> chain;
   for (int joint = mapping.bones[0].position_joint; joint >= 0;
@@ -90,7 +89,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping,
     moves_all = is_below(skeleton, bone.position_joint, chain.back());
   }
   if (!moves_all) {
-    return input_failure(file,
+    return input_failure({},
                          "no joint moves the body as a whole: neither the root nor a joint between "
                          "it and the hips has three position and three rotation channels",
                          "retarget edit transfer brings the motion to a skeleton that has them");

@@ -1,9 +1,8 @@
-#include "edit/join_clips.h"
+#include "edit/seam.h"
 
 #include <utility>
 
-#include "edit/seam_blend.h"
-#include "edit/seam_check.h"
+#include "base/try.h"
 #include "human/foot_contacts.h"
 
 namespace retarget {
@@ -26,14 +25,13 @@ HumanMotion::HumanMotion(const Clip& of, const HumanMapping& mapping)
 
 Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b, const Seam& seam,
                                const HumanMapping& mapping, const BodyMover& mover,
-                               const ConcatenateOptions& options, const std::string& file) {
+                               const ConcatenateOptions& options) {
   const FrameRate& rate = a.clip.rate();
   const SeamRegion region = seam_region(seam, options, rate, b.clip.frame_count());
   Clip joined = blend_clips(a.clip, b.clip, region, mapping, mover);
   const ClipFeet blended = feet_of(joined, mapping, to_human(joined, mapping));
   const auto plants = joined_plants(a.feet, b.feet, blended, region, rate);
-  const auto planted = plant_feet(joined, mapping, plants, options.plant, file);
-  if (!planted) return failure(planted.error());
+  TRY(plant_feet(joined, mapping, plants, options.plant));
 
   const HumanMotion result(joined, mapping);
   SeamCheck check = check_motion(a.human, b.human, result.human, region, options.limits);

@@ -1,12 +1,13 @@
-#include "edit/lafan1_clip.h"
-
 #include <array>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "base/suggest.h"
+#include "base/try.h"
 #include "human/canonical_pose.h"
+#include "human/human_clip.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -57,7 +58,7 @@ std::shared_ptr<const Skeleton> make_skeleton(
   return std::make_shared<const Skeleton>(std::move(joints));
 }
 
-Result<void> check_limbs(const HumanClip& human, const std::string& file) {
+Result<void> check_limbs(const HumanClip& human) {
   std::vector<std::string> missing;
   for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm"}) {
     for (const std::string side : {"Left", "Right"}) {
@@ -67,13 +68,14 @@ Result<void> check_limbs(const HumanClip& human, const std::string& file) {
   if (!human.has(0)) missing.emplace_back("Hips");
   if (missing.empty()) return {};
   return input_failure(
-      file, "a clip in LAFAN1's shape needs " + list_names(missing) + ", which the source lacks");
+      {}, "a clip in LAFAN1's shape needs " + list_names(missing) + ", which the source lacks");
 }
 
 }  // namespace
 
-Result<Clip> lafan1_clip(const HumanClip& human, const std::string& file) {
-  if (auto checked = check_limbs(human, file); !checked) return failure(checked.error());
+Result<Clip> lafan1_clip(const Clip& source, const HumanMapping& mapping) {
+  const HumanClip human = to_human(source, mapping);
+  TRY(check_limbs(human));
   const double scale = kCentimetresPerMetre * kPublishedHeight / human.size;
   std::array<Eigen::Vector3d, kMappedBoneCount> offsets;
   offsets.fill(Eigen::Vector3d::Zero());

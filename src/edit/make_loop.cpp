@@ -1,5 +1,3 @@
-#include "edit/make_loop.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,8 +5,11 @@
 #include <vector>
 
 #include "base/number_text.h"
-#include "edit/join_clips.h"
+#include "base/option_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
 #include "edit/pose_distance.h"
+#include "edit/seam.h"
 #include "math/so3.h"
 
 namespace retarget {
@@ -192,19 +193,34 @@ Clip repeated(const Clip& cycle, const LoopOptions& options, const GroundPose& a
   return result;
 }
 
+void tell(Loop& loop, const FrameRate& rate, bool in_place) {
+  loop.notes = {
+      {"cycle", count_text(loop.cycle, "frame") + ", " + number_text(rate.time_of(loop.cycle), 3) +
+                    " s; its ends were " + number_text(100.0 * loop.distance, 2) + " cm apart"},
+      {"advance", number_text(loop.way.norm(), 3) + " m and " +
+                      number_text(loop.advance.heading * 180.0 / std::numbers::pi, 2) +
+                      " degrees a cycle" + (in_place ? ", taken out" : "")}};
+  loop.doubts = as_warnings(loop.check.faults);
+  if (loop.check.faults.empty()) return;
+  loop.misfit = run_failure(
+                    {}, "its end does not fit to its beginning: " + list_names(loop.check.faults),
+                    OPTION("start") " and " OPTION("end")
+                    " choose a part that comes back to its first pose; " OPTION("force")
+                    " closes it all the same")
+                    .value();
+}
+
 }  // namespace
 
-Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options,
-                       const std::string& file) {
-  const auto mover = BodyMover::of(clip, mapping, file);
-  if (!mover) return failure(mover.error());
+Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
   const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
   const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
   if (wanted >= clip.frame_count() || clip.frame_count() <= kFewest) {
     return input_failure(
-        file, "a clip of " + number_text(clip.duration(), 3) + " s is too short for a cycle" +
-                  (options.shortest > 0.0 ? " of " + number_text(options.shortest, 3) + " s or more"
-                                          : std::string()));
+        {}, "a clip of " + number_text(clip.duration(), 3) + " s is too short for a cycle" +
+                (options.shortest > 0.0 ? " of " + number_text(options.shortest, 3) + " s or more"
+                                        : std::string()));
   }
   constexpr std::int64_t kMostFrames = 10'000'000;
   if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMostFrames) {
@@ -228,24 +244,26 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   seam.a_from_b = advance;
   seam.distance = end.aligned.distance;
   Clip next = clip;
-  mover->move_all(next, advance.in_space());
-  auto joined = join_clips(motion, HumanMotion(next, mapping), seam, mapping, *mover, how, file);
-  if (!joined) return failure(joined.error());
+  mover.move_all(next, advance.in_space());
+  TRY_ASSIGN(auto joined,
+             join_clips(motion, HumanMotion(next, mapping), seam, mapping, mover, how));
 
   const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));
-  const int quiet = quiet_frame(to_human(joined->clip, mapping), end.frame, advance);
-  Clip cycle = cycle_of(joined->clip, quiet, end.frame, advance, *mover, settle);
+  const int quiet = quiet_frame(to_human(joined.clip, mapping), end.frame, advance);
+  Clip cycle = cycle_of(joined.clip, quiet, end.frame, advance, mover, settle);
   if (options.in_place) {
     for (int frame = 0; frame < end.frame; ++frame) {
       const double share = static_cast<double>(frame) / end.frame;
-      mover->move(cycle, frame, part_of(advance, share).inverse());
+      mover.move(cycle, frame, part_of(advance, share).inverse());
     }
   }
-  Clip whole = repeated(cycle, options, advance, *mover);
+  Clip whole = repeated(cycle, options, advance, mover);
   const Eigen::Vector2d start = motion.human.frame(0)[0].translation.head<2>();
-  return Loop{std::move(whole),        end.frame,
-              end.aligned.distance,    advance,
-              advance * start - start, std::move(joined->check)};
+  Loop loop{{std::move(whole)},      end.frame,
+            end.aligned.distance,    advance,
+            advance * start - start, std::move(joined.check)};
+  tell(loop, clip.rate(), options.in_place);
+  return loop;
 }
 
 }  // namespace retarget

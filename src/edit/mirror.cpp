@@ -1,10 +1,8 @@
-#include "edit/mirror.h"
-
-#include <utility>
-
+#include "base/try.h"
 #include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -71,24 +69,15 @@ class Mirroring {
 
 }  // namespace
 
-Result<std::vector<int>> mirrored_joints(const Skeleton& skeleton, const HumanMapping& mapping,
-                                         const std::string& file) {
-  auto body = body_mirror(skeleton, mapping, file);
-  if (!body) return failure(body.error());
-  return std::move(body->mates);
-}
-
-Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping, const std::string& file) {
-  const auto body = body_mirror(clip.skeleton(), mapping, file);
-  if (!body) return failure(body.error());
-  const auto mover = BodyMover::of(clip, mapping, file);
-  if (!mover) return failure(mover.error());
-  Clip result = Mirroring(clip, mapping, *body).run();
+Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping) {
+  TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), mapping));
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+  Clip result = Mirroring(clip, mapping, body).run();
   if (clip.frame_count() == 0) return result;
   // to where it began
   const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), mapping)).front();
   const GroundPose is = hips_over_ground(to_human(cut(result, 0, 1), mapping)).front();
-  mover->move_all(result, (was * is.inverse()).in_space());
+  mover.move_all(result, (was * is.inverse()).in_space());
   return result;
 }
 

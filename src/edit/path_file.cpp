@@ -7,7 +7,8 @@
 #include "base/json.h"
 #include "base/option_name.h"
 #include "base/text_size.h"
-#include "edit/ground_path.h"
+#include "base/try.h"
+#include "retarget/ground_path.h"
 
 namespace retarget {
 namespace {
@@ -35,10 +36,9 @@ std::optional<Eigen::Vector2d> point_from(const Json& json) {
 }  // namespace
 
 Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  const bool controls = json->is_object() && json->contains("control_points");
-  const bool waypoints = json->is_object() && json->contains("waypoints");
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  const bool controls = json.is_object() && json.contains("control_points");
+  const bool waypoints = json.is_object() && json.contains("waypoints");
   if (controls == waypoints) {
     return config_failure(file,
                           controls ? "has both \"control_points\" and \"waypoints\""
@@ -46,7 +46,7 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
                           kHint);
   }
   const std::string name = controls ? "control_points" : "waypoints";
-  const Json& list = (*json)[name];
+  const Json& list = json[name];
   if (!list.is_array()) {
     return config_failure(
         file, "\"" + name + "\" must be a list of points, found " + short_text(list), kHint);
@@ -72,9 +72,8 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
 }
 
 Result<GroundPath> load_path(const std::string& path) {
-  const auto content = read_file(path, ErrorKind::kConfig, kMostTextBytes);
-  if (!content) return failure(content.error());
-  return parse_path(content->view(), path);
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  return parse_path(content.view(), path);
 }
 
 std::string format_path(const GroundPath& path) {

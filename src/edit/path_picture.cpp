@@ -1,4 +1,4 @@
-#include "edit/path_picture.h"
+// motions seen from above
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,6 +6,8 @@
 
 #include "base/number_text.h"
 #include "human/foot_contacts.h"
+#include "human/human_clip.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -107,15 +109,21 @@ void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
   }
 }
 
-Eigen::AlignedBox2d box_of(const std::vector<PathDrawing>& drawings) {
+// a drawing whose human is posed
+struct PosedDrawing {
+  std::optional<HumanClip> human;
+  const GroundPath* path;
+};
+
+Eigen::AlignedBox2d box_of(const std::vector<PosedDrawing>& drawings) {
   Eigen::AlignedBox2d box;
-  for (const PathDrawing& drawing : drawings) {
-    if (drawing.human != nullptr) {
-      for (const Eigen::Vector2d& point : hips_track(*drawing.human)) box.extend(point);
+  for (const auto& [human, path] : drawings) {
+    if (human) {
+      for (const Eigen::Vector2d& point : hips_track(*human)) box.extend(point);
     }
-    if (drawing.path == nullptr) continue;
-    for (const Eigen::Vector2d& point : path_points(*drawing.path)) box.extend(point);
-    for (const Eigen::Vector2d& point : drawing.path->control_points()) box.extend(point);
+    if (path == nullptr) continue;
+    for (const Eigen::Vector2d& point : path_points(*path)) box.extend(point);
+    for (const Eigen::Vector2d& point : path->control_points()) box.extend(point);
   }
   if (box.isEmpty()) box.extend(Eigen::Vector2d(0.0, 0.0));
   const Eigen::Vector2d margin(kMargin, kMargin);
@@ -136,14 +144,19 @@ void draw_path(Canvas& canvas, const GroundPath& path, const Colours& colours) {
 
 }  // namespace
 
-std::string draw_paths(const std::vector<PathDrawing>& drawings) {
-  Canvas canvas(box_of(drawings));
-  for (std::size_t i = 0; i < drawings.size(); ++i) {
-    const Colours& colours = i == 0 && drawings.size() > 1 ? kPale : kStrong;
-    if (drawings[i].path != nullptr) draw_path(canvas, *drawings[i].path, colours);
-    if (drawings[i].human == nullptr) continue;
-    canvas.line(hips_track(*drawings[i].human), colours.track, "stroke-width=\"1.5\"");
-    draw_feet(canvas, *drawings[i].human, colours);
+std::string draw_paths(const HumanMapping& mapping, const std::vector<PathDrawing>& drawings) {
+  std::vector<PosedDrawing> posed;
+  for (const PathDrawing& drawing : drawings) {
+    posed.push_back({std::nullopt, drawing.path});
+    if (drawing.clip != nullptr) posed.back().human = to_human(*drawing.clip, mapping);
+  }
+  Canvas canvas(box_of(posed));
+  for (std::size_t i = 0; i < posed.size(); ++i) {
+    const Colours& colours = i == 0 && posed.size() > 1 ? kPale : kStrong;
+    if (posed[i].path != nullptr) draw_path(canvas, *posed[i].path, colours);
+    if (!posed[i].human) continue;
+    canvas.line(hips_track(*posed[i].human), colours.track, "stroke-width=\"1.5\"");
+    draw_feet(canvas, *posed[i].human, colours);
   }
   return canvas.finish();
 }

@@ -1,11 +1,13 @@
-// ready paths, and paths through points
+// ready paths, paths through points, and the choice of one to follow
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "edit/ground_path.h"
+#include "base/option_name.h"
+#include "base/try.h"
 #include "math/trigonometry.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -80,6 +82,27 @@ GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
     control.push_back(places[i + 1]);
   }
   return GroundPath(std::move(control));
+}
+
+Result<void> PathChange::check() const {
+  constexpr double kSmallestRadius = 0.01;
+  if (std::abs(radius) >= kSmallestRadius) return {};
+  return usage_failure(OPTION("radius") " must be 0.01 m at least");
+}
+
+Result<GroundPath> change_path(const GroundPath& own, const PathChange& change) {
+  TRY(change.check());
+  const GroundPose start = own.at(0.0);
+  const auto shaped = [&]() -> Result<GroundPath> {
+    if (change.to.empty()) return own;
+    if (change.to == "line") return line_path(start, own.length());
+    if (change.to == "circle") return circle_path(start, change.radius, own.length());
+    if (change.to == "figure8") return figure8_path(start, own.length());
+    return load_path(change.to);
+  };
+  TRY_ASSIGN(const GroundPath path, shaped());
+  const double angle = change.degrees / 180.0 * std::numbers::pi;
+  return path.scaled(change.scale).moved(turn_about(path.control_points().front(), angle));
 }
 
 }  // namespace retarget

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/number_text.h"
+#include "base/try.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/two_bone_leg.h"
@@ -191,25 +193,28 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
   return legs;
 }
 
-std::vector<Pose> joint_poses(const Clip& clip, const HumanMapping& mapping, int joint) {
+std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
   const Eigen::Quaterniond human_from_source(mapping.human_from_source);
-  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count())), of_joint;
-  of_joint.reserve(static_cast<std::size_t>(clip.frame_count()));
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count())), ankles;
+  ankles.reserve(static_cast<std::size_t>(clip.frame_count()));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     forward_kinematics(clip, frame, poses);
-    const Pose& pose = poses[joint];
-    of_joint.push_back({(human_from_source * pose.rotation).normalized(),
-                        human_from_source * pose.translation * mapping.metres_per_unit});
+    const Pose& pose = poses[leg.ankle];
+    ankles.push_back({(human_from_source * pose.rotation).normalized(),
+                      human_from_source * pose.translation * mapping.metres_per_unit});
   }
-  return of_joint;
+  return ankles;
 }
 
 Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
-                                std::span<const PlantedFoot> plants, const PlantOptions& options,
-                                const std::string& file) {
-  const auto mover = BodyMover::of(clip, mapping, file);
-  if (!mover) return failure(mover.error());
-  return FootPlanter(clip, mapping, *mover, options).run(plants);
+                                std::span<const PlantedFoot> plants, const PlantOptions& options) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+  return FootPlanter(clip, mapping, mover, options).run(plants);
+}
+
+std::string planted_text(const PlantSummary& feet) {
+  return "moved by up to " + number_text(100.0 * feet.largest_correction, 1) +
+         " cm to stand, hips lowered by up to " + number_text(100.0 * feet.largest_drop, 1) + " cm";
 }
 
 std::vector<ContactPhase> without_short_breaks(const std::vector<ContactPhase>& phases,

@@ -10,6 +10,7 @@
 #include "human/human_clip.h"
 #include "motion/contact_phases.h"
 #include "retarget/clip.h"
+#include "retarget/edit.h"
 #include "retarget/error.h"
 #include "retarget/pose.h"
 
@@ -25,14 +26,9 @@ struct LegJoints {
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                                 const HumanMapping& mapping);
 
-/// World poses of a joint, such as a leg's ankle (the file's joint and its axes), metres, z up,
-/// every frame.
-[[nodiscard]] std::vector<Pose> joint_poses(const Clip& clip, const HumanMapping& mapping,
-                                            int joint);
-[[nodiscard]] inline std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping,
-                                                   const LegJoints& leg) {
-  return joint_poses(clip, mapping, leg.ankle);
-}
+/// World poses of a leg's ankle (the file's joint and its axes), metres, z up, every frame.
+[[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping,
+                                            const LegJoints& leg);
 
 /// What of a foot is on the floor.
 enum class FootStance : std::uint8_t { kHeel, kSole, kToes };
@@ -51,25 +47,6 @@ struct PlantedFoot {
   [[nodiscard]] int end() const { return begin + static_cast<int>(world_from_foot.size()); }
 };
 
-struct PlantOptions {
-  /// In which a foot leaves its place for where its leg would have it, and comes to it, seconds.
-  double release = 0.3;
-  /// Legs are stretched to this share of thigh and shin as it is asked for, and less and less from
-  /// there to the longest one; where they were stretched farther before, from there to their
-  /// length.
-  double soft_reach = 0.96;
-  double longest_reach = 0.995;
-  double pelvis_blend = 0.25;   ///< Before and after a frame in which the hips are low, seconds.
-  double deepest_pelvis = 0.1;  ///< How far the hips are lowered at most, metres.
-};
-
-/// How well the feet could be planted.
-struct PlantSummary {
-  double largest_correction = 0.0;  ///< Of an ankle, metres.
-  double largest_drop = 0.0;        ///< Of the hips, metres.
-  double largest_miss = 0.0;        ///< Of a place that a leg does not reach, metres.
-};
-
 /// Brings feet to where they have to stand, in place.
 ///
 /// The way from where a foot is to where it has to be is known in the frames in which it is
@@ -81,11 +58,13 @@ struct PlantSummary {
 /// stretch a leg takes less and less. Frames without a correction keep every bit.
 ///
 /// @param plants  of each foot in order of time, without overlap; feet without a leg are left out.
-/// @param file    for messages.
 /// @return kInput errors as BodyMover::of.
 [[nodiscard]] Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
                                               std::span<const PlantedFoot> plants,
-                                              const PlantOptions& options, const std::string& file);
+                                              const PlantOptions& options);
+
+/// What was done to plant feet, for people.
+[[nodiscard]] std::string planted_text(const PlantSummary& feet);
 
 /// Contacts with breaks shorter than `seconds` closed: no step is as short, the foot stands on.
 [[nodiscard]] std::vector<ContactPhase> without_short_breaks(

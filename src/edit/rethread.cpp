@@ -1,13 +1,13 @@
-#include "edit/rethread.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/number_text.h"
-#include "edit/change_speed.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "edit/fit_path.h"
 #include "edit/foot_stands.h"
-#include "edit/seam_check.h"
+#include "edit/seam.h"
 
 namespace retarget {
 namespace {
@@ -56,59 +56,74 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
   return plants;
 }
 
+std::vector<Warning> doubts_about(const PlantSummary& feet) {
+  std::vector<Warning> doubts;
+  constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
+  if (feet.largest_miss > kNotedMiss) {
+    doubts.push_back({0, 0,
+                      "a leg is too short for its place by " +
+                          number_text(100.0 * feet.largest_miss, 1) + " cm"});
+  }
+  if (feet.largest_correction > kNotedCorrection) {
+    doubts.push_back({0, 0,
+                      "a foot had to be moved by " +
+                          number_text(100.0 * feet.largest_correction, 0) +
+                          " cm to stand: the new path turns or hurries where these steps do not; "
+                          "a gentler path or " OPTION("keep") " stride suits them better"});
+  }
+  return doubts;
+}
+
 }  // namespace
 
 Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping, const GroundPath& path,
-                            const RethreadOptions& options, const std::string& file) {
-  const auto mover = BodyMover::of(clip, mapping, file);
-  if (!mover) return failure(mover.error());
+                            const RethreadOptions& options) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
   const HumanClip human = to_human(clip, mapping);
-  auto own = fit_path(human, options.fit, file);
-  if (!own) return failure(own.error());
-
-  const auto speed = playing_speed(options.keep, own->path.length(), path.length());
-  if (!speed) return failure(speed.error());
+  TRY_ASSIGN(auto own, fit_path(human, options.fit));
+  TRY_ASSIGN(const double speed, playing_speed(options.keep, own.path.length(), path.length()));
 
   // turns while standing: of the own path as the body turns, of the new one as the own path does
   std::vector<double> body_turns, own_turns;
-  for (const StillPhase& phase : own->still) body_turns.push_back(phase.turn);
-  auto own_frames = path_frames(own->path, own->along, own->still, body_turns);
+  for (const StillPhase& phase : own.still) body_turns.push_back(phase.turn);
+  auto own_frames = path_frames(own.path, own.along, own.still, body_turns);
   spread_turns(own_frames, clip.rate());
   const auto last = static_cast<int>(own_frames.size()) - 1;
-  for (const StillPhase& phase : own->still) {
+  for (const StillPhase& phase : own.still) {
     own_turns.push_back(own_frames[std::min(phase.end, last)].heading -
                         own_frames[std::max(phase.begin - 1, 0)].heading);
   }
   const double stretch =
-      options.keep == PathKeep::kStride ? 1.0 : path.length() / own->path.length();
+      options.keep == PathKeep::kStride ? 1.0 : path.length() / own.path.length();
   std::vector<double> along;
-  for (const double place : own->along) along.push_back(stretch * place);
+  for (const double place : own.along) along.push_back(stretch * place);
 
-  Rethreaded result{clip, std::move(*own), {}, {}, {}};
+  Rethreaded result{{clip}, std::move(own), {}, {}, {}};
   result.frames = path_frames(path, along, result.source.still, own_turns);
   spread_turns(result.frames, clip.rate());
   std::vector<GroundPose> moves;
   for (std::size_t frame = 0; frame < own_frames.size(); ++frame) {
     moves.push_back(result.frames[frame] * own_frames[frame].inverse());
-    mover->move(result.clip, static_cast<int>(frame), moves.back());
+    mover.move(result.clip, static_cast<int>(frame), moves.back());
   }
   // feet are planted in what is played: no filter comes after
   std::vector<PlantedFoot> plants;
-  if (*speed == 1.0) {
+  if (speed == 1.0) {
     plants = moved_plants(clip, mapping, human, moves, 1.0, options.same_stand);
   } else {
-    const auto played = change_speed(clip, *speed);
-    auto moved = change_speed(std::move(result.clip), *speed);
-    if (!played || !moved) return failure(played ? moved.error() : played.error());
-    result.clip = std::move(*moved);
-    plants = moved_plants(*played, mapping, to_human(*played, mapping), moves, *speed,
-                          options.same_stand);
+    TRY_ASSIGN(const auto played, change_timing(clip, {.speed = speed}));
+    TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.speed = speed}));
+    plants =
+        moved_plants(played, mapping, to_human(played, mapping), moves, speed, options.same_stand);
   }
-  const auto feet = plant_feet(result.clip, mapping, plants, options.plant, file);
-  if (!feet) return failure(feet.error());
-  result.feet = *feet;
+  TRY_ASSIGN(result.feet, plant_feet(result.clip, mapping, plants, options.plant));
   result.check = check_motion(human, human, to_human(result.clip, mapping),
                               {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
+  result.notes = {
+      {"new path", path_text(path) + ", " + number_text(result.clip.duration(), 3) + " s"},
+      {"feet", planted_text(result.feet)}};
+  result.doubts = as_warnings(result.check.faults);
+  for (Warning& doubt : doubts_about(result.feet)) result.doubts.push_back(std::move(doubt));
   return result;
 }
 

@@ -1,4 +1,4 @@
-#include "edit/seam_blend.h"
+#include "edit/seam.h"
 
 #include <algorithm>
 #include <cmath>

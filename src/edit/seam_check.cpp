@@ -1,4 +1,4 @@
-#include "edit/seam_check.h"
+#include "edit/seam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -147,6 +147,13 @@ void check_feet(SeamCheck& check, const ClipFeet& a, const ClipFeet& b, const Cl
   }
   check.slip = speeds.empty() ? 0.0 : mean(speeds);
   check.own_slip = own_speeds.empty() ? 0.0 : mean(own_speeds);
+}
+
+std::vector<Warning> as_warnings(const std::vector<std::string>& faults) {
+  std::vector<Warning> warnings;
+  warnings.reserve(faults.size());
+  for (const std::string& fault : faults) warnings.push_back({0, 0, fault});
+  return warnings;
 }
 
 void find_faults(SeamCheck& check, const Seam& seam, const ConcatenateOptions& options) {

@@ -1,10 +1,9 @@
-#include "edit/seam_feet.h"
+#include "edit/seam.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "edit/fading_offset.h"
-#include "edit/ground_pose.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
 

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "base/suggest.h"
+#include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/shared_joints.h"
 
@@ -198,6 +202,25 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
     if (carried[joint] || is_above_hips(source, joint, mapping.bones[0].position_joint)) continue;
     if (is_turned_or_moved(clip, joint)) result.left_out.push_back(source.joint(joint).name);
   }
+  return result;
+}
+
+Transferred transfer(const Subject& source, const Subject& target) {
+  const TransferTarget onto{target.clip.shared_skeleton(), target.map, target.mapping};
+  Transferred result{{transfer(source.clip, source.mapping, onto)}, {}, {}, {}};
+  UncarriedJoints uncarried = uncarried_joints(source.clip, source.mapping, onto);
+  for (const auto& [label, joints, of] : {std::tuple("left out", &uncarried.left_out, "target"),
+                                          {"at rest", &uncarried.at_rest, "source"}}) {
+    if (joints->empty()) continue;
+    result.notes.push_back(
+        {label, list_names(*joints) + ": the " + of + " has no such joint below the same parent"});
+  }
+  result.left_out = std::move(uncarried.left_out);
+  result.at_rest = std::move(uncarried.at_rest);
+  const auto feet = plant_transferred_feet(result.clip, onto, source.clip, source.mapping, {});
+  if (feet) result.feet = *feet;
+  result.notes.push_back(
+      {"feet", feet ? planted_text(*feet) : "not planted: " + feet.error().message});
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "edit/foot_stands.h"
+#include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/transfer.h"
 
@@ -76,7 +77,7 @@ class TransferredFoot {
 
 Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
                                             const Clip& clip, const HumanMapping& mapping,
-                                            const PlantOptions& options, const std::string& file) {
+                                            const PlantOptions& options) {
   const HumanClip source = to_human(clip, mapping), human = to_human(moved, target.mapping);
   const double scale = target.mapping.size / mapping.size;
   const auto part_of = [&](int bone) -> std::optional<PartTrack> {
@@ -116,7 +117,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
       plants.push_back(std::move(plant));
     }
   }
-  return plant_feet(moved, target.mapping, plants, options, file);
+  return plant_feet(moved, target.mapping, plants, options);
 }
 
 }  // namespace retarget

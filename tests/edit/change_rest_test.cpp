@@ -1,4 +1,3 @@
-#include "edit/change_rest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +5,7 @@
 #include <random>
 
 #include "motion/forward_kinematics.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {

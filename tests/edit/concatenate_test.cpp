@@ -1,13 +1,13 @@
-#include "edit/concatenate.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 
-#include "edit/mirror.h"
-#include "edit/rethread.h"
+#include "edit/ground_pose.h"
+#include "edit/plant_feet.h"
 #include "edit_sample.h"
+#include "retarget/edit.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -32,7 +32,7 @@ TEST(Concatenation, FindsWhereAClipWasCut) {
     Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
     // somewhere else, for the alignment to be found
     const GroundPose away{{3.0, -4.0}, 1.3};
-    BodyMover::of(b, sample.mapping, "b").value().move_all(b, away.in_space());
+    BodyMover::of(b, sample.mapping).value().move_all(b, away.in_space());
     for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
       ConcatenateOptions options;
       options.blend = blend;
@@ -230,7 +230,7 @@ TEST(Concatenation, LooksFartherForAGoodSeam) {
 }
 
 Clip raised(const EditSample& sample, Clip clip, double height) {
-  BodyMover::of(clip, sample.mapping, "clip")
+  BodyMover::of(clip, sample.mapping)
       .value()
       .move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
   return clip;
@@ -254,7 +254,7 @@ TEST(Concatenation, ClipsAreBroughtToOneFloor) {
 TEST(Concatenation, AClipThatClimbsStaysAsItWas) {
   const EditSample& sample = data_sample("walk");
   Clip climbing = sample.clip;
-  const auto mover = BodyMover::of(climbing, sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(climbing, sample.mapping).value();
   for (int frame = 160; frame < climbing.frame_count(); ++frame) {
     const double height = std::min(0.5, 0.01 * (frame - 160));
     mover.move(climbing, frame, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
@@ -365,15 +365,15 @@ TEST(EditsAndTransfer, Commute) {
   const EditSample& walk = data_sample("walk");
   const TransferTarget other = turned_axes();
   const auto transferred = [&](const Clip& clip) { return transfer(clip, walk.mapping, other); };
-  const GroundPath circle = circle_path(fit_path(walk.human(), {}, "clip")->path.at(0.0), 3.0, 7.0);
+  const GroundPath circle = circle_path(fit_path(walk.clip, walk.mapping)->path.at(0.0), 3.0, 7.0);
   const Clip& waving = data_sample("wave").clip;
   using EditOf = std::function<Clip(const Clip&, const HumanMapping&)>;
   const std::vector<std::pair<const char*, EditOf>> edits = {
-      {"mirror", [](const Clip& clip,
-                    const HumanMapping& mapping) { return mirror(clip, mapping, "clip").value(); }},
+      {"mirror",
+       [](const Clip& clip, const HumanMapping& mapping) { return mirror(clip, mapping).value(); }},
       {"path",
        [&](const Clip& clip, const HumanMapping& mapping) {
-         return rethread(clip, mapping, circle, {}, "clip").value().clip;
+         return rethread(clip, mapping, circle, {}).value().clip;
        }},
       {"concatenate",
        [&](const Clip& clip, const HumanMapping& mapping) {

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/rethread.h"
+#include "edit/plant_feet.h"
 #include "edit_sample.h"
 #include "motion/clip_range.h"
+#include "retarget/edit.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -70,11 +71,11 @@ double largest_knee_acceleration(const HumanClip& human) {
 }
 
 Clip follow(const EditSample& sample, const GroundPath& path) {
-  return rethread(sample.clip, sample.mapping, path, {}, "clip").value().clip;
+  return rethread(sample.clip, sample.mapping, path, {}).value().clip;
 }
 
 GroundPath own_path(const EditSample& sample) {
-  return fit_path(sample.human(), {}, "clip").value().path;
+  return fit_path(sample.clip, sample.mapping).value().path;
 }
 
 TEST(FeetOnPaths, ToesStandWhileTheHeelIsUp) {
@@ -154,7 +155,7 @@ TEST(FeetAfterATransfer, StandAsTheSources) {
   Clip moved = transfer(sample.clip, sample.mapping, other.as_target());
   const HumanClip slid = other.human_of(moved);
   const auto feet =
-      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.mapping, {}, "other");
+      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.mapping, {});
   ASSERT_TRUE(feet) << describe(feet.error());
   const HumanClip planted = other.human_of(moved);
   EXPECT_LT(feet->largest_miss, 0.002);
@@ -166,7 +167,7 @@ TEST(FeetAfterATransfer, StandAsTheSources) {
   // who has the same body stands already
   Clip same = transfer(sample.clip, sample.mapping, sample.as_target());
   const auto none =
-      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.mapping, {}, "same");
+      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.mapping, {});
   ASSERT_TRUE(none);
   EXPECT_LT(none->largest_correction, 1e-9);
 }

@@ -1,4 +1,3 @@
-#include "edit/lafan1_clip.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +5,8 @@
 
 #include "bvh/read_bvh.h"
 #include "bvh/write_bvh.h"
+#include "human/human_clip.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -19,8 +20,9 @@ Clip sample(const std::string& name) {
 TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
-    const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), name).value());
-    const auto shaped = lafan1_clip(human, name);
+    const HumanMapping mapping = lafan1_mapping(clip.skeleton(), name).value();
+    const HumanClip human = to_human(clip, mapping);
+    const auto shaped = lafan1_clip(clip, mapping);
     ASSERT_TRUE(shaped) << describe(shaped.error());
     const Clip read = read_bvh(format_bvh(*shaped).value(), name).value().clip;
     const HumanClip again = to_human(read, lafan1_mapping(read.skeleton(), name).value());
@@ -34,12 +36,12 @@ TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
 
 TEST(Lafan1Clip, BringsBodiesToOneSize) {
   const Clip clip = sample("walk");
-  HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "walk").value());
-  const Clip expected = lafan1_clip(human, "walk").value();
+  HumanMapping mapping = lafan1_mapping(clip.skeleton(), "walk").value();
+  const Clip expected = lafan1_clip(clip, mapping).value();
   // a child that moves alike
-  human.size *= 0.5;
-  for (Pose& pose : human.world_from_bone) pose.translation *= 0.5;
-  const Clip child = lafan1_clip(human, "walk").value();
+  mapping.size *= 0.5;
+  mapping.metres_per_unit *= 0.5;
+  const Clip child = lafan1_clip(clip, mapping).value();
   for (int joint = 0; joint < expected.skeleton().joint_count(); ++joint) {
     EXPECT_LT(
         (child.skeleton().joint(joint).offset - expected.skeleton().joint(joint).offset).norm(),
@@ -50,15 +52,15 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
 
 TEST(Lafan1Clip, FillsWhatIsMissingButLimbs) {
   const Clip clip = sample("walk");
-  HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "walk").value());
-  human.sources[find_bone("Neck").value()].clear();
-  human.sources[find_bone("LeftToe").value()].clear();
-  const auto shaped = lafan1_clip(human, "walk");
+  HumanMapping mapping = lafan1_mapping(clip.skeleton(), "walk").value();
+  mapping.bones[find_bone("Neck").value()] = {};
+  mapping.bones[find_bone("LeftToe").value()] = {};
+  const auto shaped = lafan1_clip(clip, mapping);
   ASSERT_TRUE(shaped);
   EXPECT_EQ(shaped->skeleton().joint_count(), 22);
   EXPECT_EQ(shaped->skeleton().joint(4).offset.norm(), 0.0);
-  human.sources[find_bone("LeftArm").value()].clear();
-  const auto armless = lafan1_clip(human, "walk");
+  mapping.bones[find_bone("LeftArm").value()] = {};
+  const auto armless = lafan1_clip(clip, mapping);
   ASSERT_FALSE(armless);
   EXPECT_NE(armless.error().message.find("LeftArm"), std::string::npos);
 }

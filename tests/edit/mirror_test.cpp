@@ -1,11 +1,12 @@
-#include "edit/mirror.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
+#include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
+#include "retarget/edit.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -23,8 +24,8 @@ int mate_of_bone(int bone) {
 TEST(Mirror, TwiceIsTheSame) {
   for (const char* name : {"walk", "get_up", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
-    const Clip once = mirror(sample.clip, sample.mapping, "clip").value();
-    const Clip twice = mirror(once, sample.mapping, "clip").value();
+    const Clip once = mirror(sample.clip, sample.mapping).value();
+    const Clip twice = mirror(once, sample.mapping).value();
     EXPECT_LT(largest_distance(twice, sample.clip, 0.01), 1e-8) << name;
     for (int frame = 0; frame < twice.frame_count(); ++frame) {
       for (int joint = 0; joint < twice.skeleton().joint_count(); ++joint) {
@@ -40,7 +41,7 @@ TEST(Mirror, TwiceIsTheSame) {
 // the synthetic body is symmetric: every bone is where the mirror shows its counterpart
 TEST(Mirror, BonesAreMirrorImages) {
   const EditSample& sample = data_sample("wave");
-  const Clip image = mirror(sample.clip, sample.mapping, "clip").value();
+  const Clip image = mirror(sample.clip, sample.mapping).value();
   const HumanClip before = sample.human(), after = sample.human_of(image);
   const GroundPose start = hips_over_ground(before).front();
   for (int frame = 0; frame < before.frame_count; frame += 7) {
@@ -61,8 +62,8 @@ TEST(Mirror, NamesPlayNoPart) {
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) joints[i].name = "j" + std::to_string(i);
   const Skeleton nameless(joints);
-  EXPECT_EQ(mirrored_joints(nameless, sample.mapping, "clip").value(),
-            mirrored_joints(sample.clip.skeleton(), sample.mapping, "clip").value());
+  EXPECT_EQ(body_mirror(nameless, sample.mapping).value().mates,
+            body_mirror(sample.clip.skeleton(), sample.mapping).value().mates);
 }
 
 TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
@@ -81,12 +82,12 @@ TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
   const int thumb = add(left, "a", {3.0, 2.0, 1.0}), ring = add(left, "b", {9.0, 0.0, -2.0});
   const int other_ring = add(right, "c", {9.0, 0.0, 2.0});
   const int other_thumb = add(right, "d", {3.0, 2.0, -1.0});
-  const auto mates = mirrored_joints(Skeleton(joints), sample.mapping, "clip").value();
+  const auto mates = body_mirror(Skeleton(joints), sample.mapping).value().mates;
   EXPECT_EQ(mates[thumb], other_thumb);
   EXPECT_EQ(mates[other_ring], ring);
   // one finger more on one hand has no counterpart
   add(right, "sixth", {4.0, -2.0, 0.0});
-  const auto lonely = mirrored_joints(Skeleton(joints), sample.mapping, "hand.bvh");
+  const auto lonely = body_mirror(Skeleton(joints), sample.mapping);
   ASSERT_FALSE(lonely);
   EXPECT_EQ(lonely.error().kind, ErrorKind::kInput);
   EXPECT_THAT(lonely.error().message, testing::HasSubstr("counterpart"));
@@ -101,9 +102,9 @@ TEST(Mirror, TwiceIsTheSameOnEveryDialect) {
     const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
     const Clip clip = load_bvh(path.string()).value().clip;
     const EditSample sample(cut(clip, 0, std::min(clip.frame_count(), 200)));
-    const auto once = mirror(sample.clip, sample.mapping, file);
+    const auto once = mirror(sample.clip, sample.mapping);
     ASSERT_TRUE(once) << describe(once.error());
-    const Clip twice = mirror(*once, sample.mapping, file).value();
+    const Clip twice = mirror(*once, sample.mapping).value();
     EXPECT_LT(largest_distance(twice, sample.clip, sample.mapping.metres_per_unit), 1e-7) << file;
     EXPECT_LT(largest_distance(through_bvh(*once), *once, sample.mapping.metres_per_unit), 1e-7);
     // the mirrored body is a human that walks upright, its left at the left
@@ -125,11 +126,11 @@ TEST(Mirror, TwiceIsTheSameFromFileToFile) {
     const int frames = read->clip.frame_count();
     const EditSample sample(cut(read->clip, std::min(10, frames - 1), std::min(frames, 100)));
     const std::string file = entry.path().filename().string();
-    const auto once = mirror(sample.clip, sample.mapping, file);
+    const auto once = mirror(sample.clip, sample.mapping);
     if (!once) continue;
     ++tried;
     const EditSample again(through_bvh(*once));
-    const auto twice = mirror(again.clip, again.mapping, file);
+    const auto twice = mirror(again.clip, again.mapping);
     ASSERT_TRUE(twice) << describe(twice.error());
     EXPECT_LT(largest_distance(*twice, sample.clip, sample.mapping.metres_per_unit), 1e-4) << file;
   }

@@ -3,11 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "edit/path_picture.h"
-#include "edit/rethread.h"
+#include "edit/fit_path.h"
+#include "edit/ground_pose.h"
+#include "edit/plant_feet.h"
 #include "edit_sample.h"
 #include "human/foot_contacts.h"
 #include "math/statistics.h"
+#include "retarget/edit.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -18,14 +20,14 @@ using namespace edit_test;
 constexpr double kPi = std::numbers::pi;
 
 PathMotion path_of(const EditSample& sample) {
-  return fit_path(sample.human(), {}, "clip").value();
+  return fit_path(sample.clip, sample.mapping).value();
 }
 
 Rethreaded follow(const EditSample& sample, const GroundPath& path,
                   PathKeep keep = PathKeep::kTime) {
   RethreadOptions options;
   options.keep = keep;
-  return rethread(sample.clip, sample.mapping, path, options, "clip").value();
+  return rethread(sample.clip, sample.mapping, path, options).value();
 }
 
 double angle_between(double a, double b) {
@@ -138,7 +140,7 @@ TEST(Rethreading, ARigidlyMovedPathMovesTheMotionRigidly) {
   for (const char* name : {"walk", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
     Clip wanted = sample.clip;
-    BodyMover::of(wanted, sample.mapping, "clip").value().move_all(wanted, move.in_space());
+    BodyMover::of(wanted, sample.mapping).value().move_all(wanted, move.in_space());
     const Clip found = follow(sample, path_of(sample).path.moved(move)).clip;
     EXPECT_LT(largest_distance(found, wanted, 0.01), 1e-6) << name;
     EXPECT_LT(largest_distance(through_bvh(found), found, 0.01), 1e-7) << name;
@@ -210,7 +212,7 @@ TEST(Rethreading, PlantingHoldsTheFeet) {
   const FootContacts contacts = find_foot_contacts(sample.human());
   EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
   Clip slid = sample.clip;
-  const auto mover = BodyMover::of(slid, sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(slid, sample.mapping).value();
   const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
   for (int i = 0; i < slid.frame_count(); ++i) {
     mover.move(slid, i, round.frames[i] * frames[i].inverse());
@@ -395,7 +397,7 @@ TEST(Rethreading, OddClipsAndPaths) {
   const auto try_it = [&](const Clip& clip, const GroundPath& path, PathKeep keep) {
     RethreadOptions options;
     options.keep = keep;
-    const auto result = rethread(clip, walk.mapping, path, options, "clip");
+    const auto result = rethread(clip, walk.mapping, path, options);
     if (!result) {
       EXPECT_FALSE(result.error().message.empty());
       return;
@@ -420,14 +422,13 @@ TEST(Rethreading, OddClipsAndPaths) {
       }
     }
   }
-  EXPECT_FALSE(fit_path(walk.human_of(cut(walk.clip, 0, 0)), {}, "empty.bvh"));
+  EXPECT_FALSE(fit_path(cut(walk.clip, 0, 0), walk.mapping));
 }
 
 TEST(PathPictures, AreSvg) {
   const EditSample& sample = data_sample("walk");
-  const HumanClip human = sample.human();
   const GroundPath path = path_of(sample).path;
-  const std::string svg = draw_paths({{&human, &path}});
+  const std::string svg = draw_paths(sample.mapping, {{&sample.clip, &path}});
   EXPECT_TRUE(svg.starts_with("<svg"));
   EXPECT_THAT(svg, testing::HasSubstr("polyline"));
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr("nan")));

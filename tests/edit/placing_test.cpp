@@ -6,10 +6,9 @@
 
 #include "base/option_name.h"
 #include "edit/ground_pose.h"
-#include "edit/make_loop.h"
-#include "edit/put_on_floor.h"
 #include "edit_sample.h"
 #include "human/foot_contacts.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 
 Clip moved(const EditSample& sample, const GroundPose& move) {
   Clip clip = sample.clip;
-  BodyMover::of(clip, sample.mapping, "clip").value().move_all(clip, move.in_space());
+  BodyMover::of(clip, sample.mapping).value().move_all(clip, move.in_space());
   return clip;
 }
 
@@ -68,39 +67,39 @@ TEST(BodyMoves, NeedAJointThatMovesTheBody) {
   const EditSample& sample = data_sample("walk");
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   std::erase_if(joints[0].channels, is_position);
-  const auto mover =
-      BodyMover::of(Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1),
-                    sample.mapping, "fixed.bvh");
+  const auto mover = BodyMover::of(
+      Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1), sample.mapping);
   ASSERT_FALSE(mover);
-  EXPECT_EQ(mover.error().location.file, "fixed.bvh");
+  EXPECT_EQ(mover.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(mover.error().message, testing::HasSubstr("no joint moves the body"));
 }
 
 TEST(Floor, IsWhereTheFeetStand) {
   const EditSample& sample = data_sample("walk");
   Clip raised = sample.clip;
-  const auto mover = BodyMover::of(raised, sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(raised, sample.mapping).value();
   mover.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.37}});
-  const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
-  EXPECT_NEAR(floor_height(raised, sample.mapping, "clip").value(), floor + 0.37, 1e-9);
-  const Clip grounded = put_on_floor(raised, sample.mapping, floor + 0.37, "clip").value();
-  EXPECT_NEAR(floor_height(grounded, sample.mapping, "clip").value(), 0.0, 1e-9);
+  const double floor = floor_height(sample.clip, sample.mapping).value();
+  EXPECT_NEAR(floor_height(raised, sample.mapping).value(), floor + 0.37, 1e-9);
+  const Clip grounded = put_on_floor(raised, sample.mapping, floor + 0.37).value();
+  EXPECT_NEAR(floor_height(grounded, sample.mapping).value(), 0.0, 1e-9);
 }
 
 TEST(Floor, OfAFlyingBodyIsAsked) {
   const EditSample& sample = data_sample("walk");
   Clip flying = cut(sample.clip, 0, 60);
-  const auto mover = BodyMover::of(flying, sample.mapping, "clip").value();
+  const auto mover = BodyMover::of(flying, sample.mapping).value();
   for (int i = 0; i < flying.frame_count(); ++i)
     mover.move(flying, i, {{}, {0.2 * i, 0.0, 0.1 * i}});
-  const auto floor = floor_height(flying, sample.mapping, "clip");
+  const auto floor = floor_height(flying, sample.mapping);
   ASSERT_FALSE(floor);
   EXPECT_THAT(floor.error().hint, testing::HasSubstr(OPTION("floor")));
 }
 
 TEST(Floor, OfASingleFrameIsUnderItsLowerFoot) {
   const EditSample& sample = data_sample("walk");
-  const double floor = floor_height(cut(sample.clip, 0, 1), sample.mapping, "clip").value();
-  EXPECT_NEAR(floor, floor_height(sample.clip, sample.mapping, "clip").value(), 0.01);
+  const double floor = floor_height(cut(sample.clip, 0, 1), sample.mapping).value();
+  EXPECT_NEAR(floor, floor_height(sample.clip, sample.mapping).value(), 0.01);
 }
 
 // frames 100.. of the walk are periodic strides
@@ -110,7 +109,7 @@ TEST(Loops, AWalkHasNoSeam) {
   LoopOptions options;
   options.shortest = 0.6;
   options.times = 3;
-  const Loop loop = make_loop(strides, sample.mapping, options, "clip").value();
+  const Loop loop = make_loop(strides, sample.mapping, options).value();
   EXPECT_LT(loop.distance, 0.02);
   EXPECT_EQ(loop.clip.frame_count(), 3 * loop.cycle);
   EXPECT_NEAR(loop.advance.position.norm(), 1.2 * loop.cycle / 30.0, 0.05);
@@ -139,12 +138,12 @@ TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   options.shortest = 2.4;
   options.times = 2;
   const Clip part = cut(sample.clip, 100, 181);
-  const Loop loop = make_loop(part, sample.mapping, options, "clip").value();
+  const Loop loop = make_loop(part, sample.mapping, options).value();
   const HumanClip human = sample.human_of(loop.clip), source = sample.human_of(part);
   const FootContacts contacts = find_foot_contacts(source);
   int seen = 0;
-  const double floor = floor_height(sample.clip, sample.mapping, "clip").value();
-  EXPECT_NEAR(floor_height(loop.clip, sample.mapping, "clip").value(), floor, 0.01);
+  const double floor = floor_height(sample.clip, sample.mapping).value();
+  EXPECT_NEAR(floor_height(loop.clip, sample.mapping).value(), floor, 0.01);
   for (int foot = 0; foot < 2; ++foot) {
     const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
     for (const ContactPhase& phase : contacts.phases[foot]) {
@@ -161,7 +160,7 @@ TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   }
   EXPECT_GT(seen, 1);
   const EditSample& up = data_sample("get_up");
-  const Loop bad = make_loop(up.clip, up.mapping, {}, "clip").value();
+  const Loop bad = make_loop(up.clip, up.mapping, {}).value();
   EXPECT_GT(bad.distance, 0.2);
   EXPECT_FALSE(bad.check.faults.empty());
 }
@@ -172,7 +171,7 @@ TEST(Loops, InPlaceTheBodyComesBack) {
   options.shortest = 0.6;
   options.in_place = true;
   options.times = 2;
-  const Loop loop = make_loop(cut(sample.clip, 100, 220), sample.mapping, options, "clip").value();
+  const Loop loop = make_loop(cut(sample.clip, 100, 220), sample.mapping, options).value();
   EXPECT_LT(largest_distance(cut(loop.clip, 0, loop.cycle),
                              cut(loop.clip, loop.cycle, 2 * loop.cycle), 0.01),
             1e-12);
@@ -184,18 +183,18 @@ TEST(Loops, InPlaceTheBodyComesBack) {
 
 TEST(Loops, OddClips) {
   const EditSample& sample = data_sample("walk");
-  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.mapping, {}, "clip"));
-  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.mapping, {}, "clip"));
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.mapping, {}));
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.mapping, {}));
   LoopOptions too_long;
   too_long.shortest = 100.0;
-  EXPECT_FALSE(make_loop(sample.clip, sample.mapping, too_long, "clip"));
+  EXPECT_FALSE(make_loop(sample.clip, sample.mapping, too_long));
   // who stands still goes on standing
   Clip still = cut(sample.clip, 0, 30);
   for (int i = 0; i < 30; ++i) {
     std::ranges::copy(sample.clip.rotations(0), still.rotations(i).begin());
     std::ranges::copy(sample.clip.translations(0), still.translations(i).begin());
   }
-  const Loop loop = make_loop(still, sample.mapping, {}, "clip").value();
+  const Loop loop = make_loop(still, sample.mapping, {}).value();
   EXPECT_LT(largest_distance(loop.clip, cut(still, 0, loop.cycle), 0.01), 1e-12);
 }
 

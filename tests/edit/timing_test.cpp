@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "edit/change_speed.h"
 #include "edit_sample.h"
 #include "motion/clip_sampler.h"
 #include "motion/resample.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 namespace {
@@ -12,6 +12,10 @@ namespace {
 using namespace edit_test;
 
 constexpr double kPi = std::numbers::pi;
+
+Result<Clip> change_speed(Clip clip, double speed) {
+  return change_timing(std::move(clip), {.speed = speed});
+}
 
 // one joint that swings about z and along x
 Clip swinging(FrameRate rate, int frames, double hertz) {

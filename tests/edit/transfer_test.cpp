@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "bvh/read_bvh.h"
-#include "edit/put_on_floor.h"
 #include "edit_sample.h"
 #include "human/calibrate.h"
 #include "human/recognise.h"
 #include "human/twins.h"
+#include "retarget/edit.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -207,7 +207,7 @@ TEST(Transfer, TheHumanSurvivesEveryDialect) {
   const Clip walk = sample("walk");
   const TransferTarget source = understood(walk);
   const HumanClip human = human_of(walk, source);
-  const double floor = floor_height(walk, source.mapping, "walk").value();
+  const double floor = floor_height(walk, source.mapping).value();
   for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
                            "xsens_boxing_120fps", "vicon_mixed_orders_zup_inch_1"}) {
     const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
@@ -215,7 +215,7 @@ TEST(Transfer, TheHumanSurvivesEveryDialect) {
     const TransferTarget target = understood(clip);
     const Clip moved = transfer(walk, source.mapping, target);
     const double scale = target.mapping.size / human.size;
-    EXPECT_NEAR(floor_height(moved, target.mapping, file).value(), scale * floor, 0.02) << file;
+    EXPECT_NEAR(floor_height(moved, target.mapping).value(), scale * floor, 0.02) << file;
     EXPECT_EQ(moved.skeleton().names(), clip.skeleton().names());
     const HumanClip again = to_human(moved, target.mapping);
     for (int frame = 0; frame < human.frame_count; frame += 10) {

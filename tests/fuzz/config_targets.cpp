@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "edit/ground_path.h"
 #include "fuzz/fuzz_target.h"
 #include "human/bone_map_file.h"
 #include "human/dialect.h"
 #include "options/fit_options.h"
 #include "pipeline/ik_tables.h"
+#include "retarget/ground_path.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "rig/urdf_speeds.h"

@@ -1,99 +1,250 @@
 // `retarget edit`: BVH in, BVH out.
 
-#include <memory>
+#include <algorithm>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 #include "base/file.h"
+#include "base/try.h"
 #include "bvh/read_bvh.h"
 #include "bvh/write_bvh.h"
 #include "commands.h"
-#include "edit/change_rest.h"
-#include "edit/lafan1_clip.h"
-#include "edits.h"
 #include "human_source.h"
+#include "run_setup.h"
 #include "written_files.h"
 
 namespace retarget::cli {
 namespace {
 
-// of what brings one body to the size of another one
-HumanOptions without_unit(HumanOptions options) {
-  options.unit_optional = true;
-  return options;
+// a clip that is edited, and the human in it
+struct EditSource {
+  Clip clip;
+  HumanSource human;
+
+  [[nodiscard]] const HumanMapping& mapping() const { return human.calibration.mapping; }
+  [[nodiscard]] Subject subject() const { return {clip, human.map, mapping()}; }
+};
+
+// an error of the motion itself, at its file
+Error placed(Error error, const std::string& file) {
+  const bool of_motion = error.kind == ErrorKind::kInput || error.kind == ErrorKind::kRun;
+  if (of_motion && error.location.file.empty()) error.location.file = file;
+  return error;
 }
 
-Result<Clip> to_rest(const EditOptions& options, Console& console) {
-  auto motion = read_source(options.source, false, console);
-  if (!motion) return failure(motion.error());
-  BvhReadOptions read_options;
-  read_options.motion_optional = true;
-  const auto like = load_bvh(options.like, read_options);
-  if (!like) return failure(like.error());
-  auto changed = change_rest(motion->clip, like->clip.shared_skeleton(),
-                             source_name(options.source), options.like);
-  if (!changed) return failure(changed.error());
-  console.line("moved",
-               "no joint by more than " + number_text(changed->largest_distance, 6) + " units");
-  return std::move(changed->clip);
-}
+class EditRun {
+ public:
+  EditRun(const EditOptions& options, Console& console)
+      : options_(options), console_(console), file_(source_name(options.source)) {}
 
-Result<Clip> to_lafan1(const EditOptions& options, Console& console) {
-  auto motion = read_source(options.source, false, console);
-  if (!motion) return failure(motion.error());
-  const auto human =
-      understand(*motion, options.source, without_unit(options.human), options.common, console);
-  if (!human) return failure(human.error());
-  return lafan1_clip(to_human(motion->clip, human->calibration.mapping),
-                     source_name(options.source));
-}
-
-Result<Clip> to_other(const EditOptions& options, Console& console) {
-  auto motion = read_source(options.source, false, console);
-  if (!motion) return failure(motion.error());
-  const auto human =
-      understand(*motion, options.source, without_unit(options.human), options.common, console);
-  if (!human) return failure(human.error());
-  SourceOptions target_options;
-  target_options.file = options.like;
-  auto target = read_source(target_options, true, console);
-  if (!target) return failure(target.error());
-  const auto of_target =
-      understand(*target, target_options, without_unit({}), options.common, console);
-  if (!of_target) return failure(of_target.error());
-  return to_skeleton(
-      motion->clip, human->calibration.mapping,
-      {target->clip.shared_skeleton(), of_target->map, of_target->calibration.mapping},
-      options.like, console);
-}
-
-// nothing: what was asked for is written already
-Result<std::optional<Clip>> edited(const EditOptions& options, Console& console) {
-  switch (options.edit) {
-    case Edit::kRest:
-      return to_rest(options, console);
-    case Edit::kTransfer:
-      return to_other(options, console);
-    case Edit::kLafan1:
-      return to_lafan1(options, console);
-    case Edit::kConcat:
-      return edit_concat(options, console);
-    case Edit::kPath:
-      return edit_path(options, console);
-    default:
-      return edit_time_or_place(options, console);
+  // nothing: what was asked for is written already
+  Result<std::optional<Clip>> run() {
+    switch (options_.edit) {
+      case Edit::kRest:
+        return to_rest();
+      case Edit::kConcat:
+        return concat();
+      case Edit::kPath:
+        return path();
+      case Edit::kResample:
+      case Edit::kTrim:
+        return edit_time();
+      default:
+        return edit_body();
+    }
   }
-}
+
+ private:
+  // says what an edit tells; a seam that is not good is an error unless it is forced
+  template <typename SomeEdited>
+  Result<Clip> told(Result<SomeEdited> edited, const std::string& file) {
+    if (!edited) return failure(placed(edited.error(), file));
+    for (const auto& [label, text] : edited->notes) console_.line(label, text);
+    if (edited->misfit && !options_.force) return failure(placed(*edited->misfit, file));
+    console_.warn(edited->doubts, file);
+    return std::move(edited->clip);
+  }
+
+  Result<EditSource> read_human(const SourceOptions& source, const HumanOptions& how,
+                                bool skeleton_only) {
+    TRY_ASSIGN(auto motion, read_source(source, skeleton_only, console_));
+    TRY_ASSIGN(const auto data, data_folder_of(options_.common));
+    TRY_ASSIGN(auto human, find_human(motion, source, how, data / "configs" / "skeletons"));
+    console_.line("taken as", human.calibration.mapping.description);
+    for (const std::string& note : human.map.notes) console_.line("", note);
+    console_.warn(human.calibration.mapping.doubts, source_name(source));
+    return EditSource{std::move(motion.clip), std::move(human)};
+  }
+
+  // cut to the part that was asked for, after the human was recognised in the whole
+  Result<EditSource> read(const SourceOptions& file, HumanOptions how) {
+    const Edit edit = options_.edit;
+    // what is told or shown in metres needs a unit; all else is done in the file's own
+    how.unit_optional =
+        edit != Edit::kMove && edit != Edit::kPath && !(edit == Edit::kGround && options_.floor);
+    TRY_ASSIGN(auto source, read_human(file, how, false));
+    TRY_ASSIGN(source.clip, trim(std::move(source.clip), options_.part));
+    // what looks at the motion as a whole must not take a T-pose in front for a part of it
+    const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
+                                 edit == Edit::kConcat || edit == Edit::kGround;
+    if (options_.part.begun() || !looks_at_motion) return source;
+    // clips that are joined have no --start
+    const bool can_start = edit != Edit::kConcat;
+    TRY_ASSIGN(source.clip,
+               told(Result<Edited>(cut_lead_in(std::move(source.clip), can_start)), file_));
+    return source;
+  }
+
+  Result<Clip> to_rest() {
+    TRY_ASSIGN(const auto motion, read_source(options_.source, false, console_));
+    BvhReadOptions read_options;
+    read_options.motion_optional = true;
+    TRY_ASSIGN(const auto like, load_bvh(options_.like, read_options));
+    return told(change_rest(motion.clip, like.clip.shared_skeleton(), file_, options_.like), file_);
+  }
+
+  Result<Clip> to_other(const EditSource& source) {
+    SourceOptions file;
+    file.file = options_.like;
+    HumanOptions how;
+    how.unit_optional = true;
+    TRY_ASSIGN(const auto target, read_human(file, how, true));
+    return told(Result<Transferred>(transfer(source.subject(), target.subject())), options_.like);
+  }
+
+  Result<Clip> edit_time() {
+    const bool resample = options_.edit == Edit::kResample;
+    TimingOptions timing = options_.timing;
+    if (resample && options_.fps.empty() && !timing.speed) {
+      return usage_failure("edit resample needs --fps or --speed");
+    }
+    if (!resample && !options_.part.any()) {
+      return usage_failure("edit trim needs --start, --end or --frames");
+    }
+    TRY_ASSIGN(timing.rate, output_rate(options_.fps.empty() ? "source" : options_.fps));
+    TRY_ASSIGN(auto motion, read_source(options_.source, false, console_));
+    TRY_ASSIGN(auto clip, trim(std::move(motion.clip), options_.part));
+    if (!resample) return clip;
+    console_.line("source", summary(clip));
+    return change_timing(std::move(clip), timing);
+  }
+
+  Result<Clip> edit_body() {
+    TRY_ASSIGN(auto source, read(options_.source, options_.human));
+    const HumanMapping& mapping = source.mapping();
+    switch (options_.edit) {
+      case Edit::kTransfer:
+        return to_other(source);
+      case Edit::kLafan1:
+        return lafan1_clip(source.clip, mapping);
+      case Edit::kMirror:
+        return mirror(source.clip, mapping);
+      case Edit::kTurn:
+        return turn_clip(std::move(source.clip), mapping,
+                         options_.degrees / 180.0 * std::numbers::pi);
+      case Edit::kLoop:
+        return told(make_loop(source.clip, mapping, options_.loop), file_);
+      case Edit::kMove: {
+        TRY_ASSIGN(const auto way, way_from_text(options_.shift));
+        return move_clip(std::move(source.clip), mapping, way);
+      }
+      default: {
+        TRY_ASSIGN(const double floor, options_.floor ? Result<double>(*options_.floor)
+                                                      : floor_height(source.clip, mapping));
+        console_.line("floor", "was at " + number_text(floor, 4) + " m");
+        return put_on_floor(std::move(source.clip), mapping, floor);
+      }
+    }
+  }
+
+  Result<EditSource> read_one(std::size_t index) {
+    SourceOptions source = options_.source;
+    source.file = options_.files[index];
+    HumanOptions human = options_.human;
+    // a mapping file is of the first clip's joints
+    if (index > 0) human.map = human.write_map = {};
+    console_.line("motion", source.file);
+    return read(source, human);
+  }
+
+  Result<Clip> concat() {
+    ConcatenateOptions how = options_.concat;
+    TRY(how.search(options_.search));
+    const std::vector<std::string>& files = options_.files;
+    if (files.size() < 2) return usage_failure("edit concat joins two files or more");
+    if (std::ranges::count(files, "-") > 1) {
+      return usage_failure("standard input is one clip, `-` stands for two");
+    }
+    TRY_ASSIGN(auto first, read_one(0));
+    for (std::size_t i = 1; i < files.size(); ++i) {
+      TRY_ASSIGN(const auto source, read_one(i));
+      TRY_ASSIGN(const auto next, told(like_first(source.subject(), first.subject()), files[i]));
+      const std::string before = i == 1 ? files[0] : "what goes before";
+      auto joined = concatenate(first.clip, next, first.mapping(), how, before, files[i]);
+      if (joined && i == 1 && !options_.matrix.empty()) {
+        TRY(write_file(options_.matrix, format_pgm(joined->map)));
+      }
+      TRY_ASSIGN(first.clip, told(std::move(joined), files[i]));
+    }
+    console_.line("result", count_text(first.clip.frame_count(), "frame"));
+    return first.clip;
+  }
+
+  [[nodiscard]] Result<void> check_path() const {
+    const bool follows = options_.path.any(), writes = !options_.output.empty();
+    if (!writes && options_.fit.empty() && options_.svg.empty()) {
+      return usage_failure("edit path needs --fit, --svg or -o",
+                           "--fit and --svg show the motion's own path; -o follows another");
+    }
+    if (writes && !follows) {
+      return usage_failure("edit path -o needs a path to follow", "--to, --scale or --rotate");
+    }
+    if (!writes && follows && options_.svg.empty()) {
+      return usage_failure("edit path needs -o for the motion on its new path");
+    }
+    return options_.path.check();
+  }
+
+  Result<std::optional<Clip>> path() {
+    TRY(check_path());
+    TRY_ASSIGN(const auto source, read(options_.source, options_.human));
+    TRY_ASSIGN(const auto own, fit_path(source.clip, source.mapping(), options_.rethread.fit));
+    console_.line("path", own.summary());
+    if (!options_.fit.empty()) TRY(write_file(options_.fit, format_path(own.path)));
+    std::vector<PathDrawing> drawings = {{&source.clip, &own.path}};
+    std::optional<GroundPath> path;
+    std::optional<Clip> clip;
+    if (options_.path.any()) {
+      TRY_ASSIGN(path, change_path(own.path, options_.path));
+      TRY_ASSIGN(clip,
+                 told(rethread(source.clip, source.mapping(), *path, options_.rethread), file_));
+      drawings.push_back({&*clip, &*path});
+    }
+    if (!options_.svg.empty())
+      TRY(write_file(options_.svg, draw_paths(source.mapping(), drawings)));
+    if (options_.output.empty()) return std::nullopt;
+    return clip;
+  }
+
+  const EditOptions& options_;
+  Console& console_;
+  const std::string file_;
+};
 
 }  // namespace
 
 ExitCode edit(const EditOptions& options, Console& console) {
-  const auto good = check_written({options.output, options.concat.matrix, options.path.fit,
-                                   options.path.svg, options.human.write_map},
-                                  files_of(options));
+  const auto good = check_written(
+      {options.output, options.matrix, options.fit, options.svg, options.human.write_map},
+      files_of(options));
   if (!good) return console.fail(good.error());
-  const auto clip = edited(options, console);
-  if (!clip) return console.fail(clip.error());
+  const auto clip = EditRun(options, console).run();
+  if (!clip) return console.fail(placed(clip.error(), source_name(options.source)));
   if (!*clip) return kDone;
+  if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
+    console.line("result", summary(**clip));
+  }
   const auto written = save_bvh(options.output, **clip);
   if (!written) return console.fail(written.error());
   console.line("wrote", options.output == "-" ? "standard output" : options.output);

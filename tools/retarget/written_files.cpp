@@ -137,7 +137,7 @@ std::vector<std::string> files_of(const RunOptions& options) {
 std::vector<std::string> files_of(const EditOptions& options) {
   std::vector<std::string> files = files_of(options.source, options.human);
   append(files, {options.like, options.path.to});
-  append(files, options.concat.files);
+  append(files, options.files);
   append(files, files_of(options.common));
   return files;
 }

@@ -1,20 +1,23 @@
-#include "edit/put_on_floor.h"
+// edits of place: the floor, turns, moves
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
 
+#include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "edit/ground_pose.h"
 #include "human/foot_contacts.h"
 #include "math/statistics.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
+#include "retarget/edit.h"
 
 namespace retarget {
-Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
-                            const std::string& file) {
+
+Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
   const Skeleton& skeleton = clip.skeleton();
   // who is there for less than a contact stands if still
   ContactOptions standing;
@@ -40,17 +43,38 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping,
     }
   }
   if (heights.empty()) {
-    return input_failure(file, "no foot ever stands: the floor cannot be told",
+    return input_failure({}, "no foot ever stands: the floor cannot be told",
                          OPTION("floor") " H says how high the floor is, in metres");
   }
   return median(std::move(heights));
 }
 
-Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor,
-                          const std::string& file) {
-  const auto mover = BodyMover::of(clip, mapping, file);
-  if (!mover) return failure(mover.error());
-  mover->move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
+Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+  mover.move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
+  return clip;
+}
+
+Result<Clip> turn_clip(Clip clip, const HumanMapping& mapping, double angle) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+  if (clip.frame_count() == 0) return clip;
+  const HumanClip first = to_human(cut(clip, 0, 1), mapping);
+  mover.move_all(clip, turn_about(hips_over_ground(first).front().position, angle).in_space());
+  return clip;
+}
+
+Result<Eigen::Vector2d> way_from_text(std::string_view text) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const auto x = number_from_text(text.substr(0, comma)),
+             y = number_from_text(text.substr(std::min(comma + 1, text.size())));
+  if (x && y) return Eigen::Vector2d(*x, *y);
+  return usage_failure("a move is X,Y in metres, up to 1000000, found \"" + std::string(text) +
+                       "\"");
+}
+
+Result<Clip> move_clip(Clip clip, const HumanMapping& mapping, const Eigen::Vector2d& way) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+  mover.move_all(clip, GroundPose{way, 0.0}.in_space());
   return clip;
 }
 

@@ -6,10 +6,28 @@
 #include <string_view>
 #include <vector>
 
-#include "edit/ground_pose.h"
 #include "retarget/error.h"
+#include "retarget/pose.h"
 
 namespace retarget {
+
+/// A place on the ground and a heading, or the rigid motion over the ground that leads from the
+/// origin there: p goes to Rz(heading) p + position. In the canonical human's world (metres, x and
+/// y on the ground, z up); of a y-up file x is the file's x and y its -z.
+struct GroundPose {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double heading = 0.0;  ///< Radians from x towards y.
+
+  [[nodiscard]] GroundPose inverse() const;
+  /// The rigid motion in space, metres.
+  [[nodiscard]] Pose in_space() const;
+};
+
+[[nodiscard]] GroundPose operator*(const GroundPose& a, const GroundPose& b);
+[[nodiscard]] Eigen::Vector2d operator*(const GroundPose& pose, const Eigen::Vector2d& point);
+
+/// The motion that turns about a point on the ground.
+[[nodiscard]] GroundPose turn_about(const Eigen::Vector2d& point, double angle);
 
 /// A curve over the ground, a chain of cubic Bezier segments, by its length: metres, in the
 /// canonical human's world.

@@ -1,0 +1,469 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/ground_path.h"
+
+// What `retarget edit` does: clips in, clips out (docs/editing.md). Defaults are the command's.
+//
+// Most edits look at the human in a clip and take its mapping, as recognition and calibration found
+// it in the whole clip. Errors of a single clip name no file: the caller knows which it is.
+
+namespace retarget {
+
+struct BoneMap;
+struct HumanMapping;
+
+/// A line of what an edit has to tell: a short label (none: it belongs to the line before) and text.
+struct EditNote {
+  std::string label, text;
+};
+
+/// An edited clip and what there is to say about it.
+struct Edited {
+  Clip clip;
+  std::vector<EditNote> notes = {};
+  std::vector<Warning> doubts = {};  ///< What may be wrong with it.
+  /// Of a seam that is not good (kRun): why. Who wants it all the same takes the clip.
+  std::optional<Error> misfit = std::nullopt;
+};
+
+/// A clip and the human in it; refers to them.
+struct Subject {
+  const Clip& clip;
+  const BoneMap& map;
+  const HumanMapping& mapping;
+  std::string name = {};  ///< In messages about two clips.
+};
+
+// --- time ---
+
+struct TimingOptions {
+  std::optional<FrameRate> rate = {};  ///< Nothing: the source's.
+  std::optional<double> speed = {};    ///< How many times as fast, 0.01 to 100.
+  bool linear = false;    ///< Straight lines and slerp between source frames, not splines.
+  bool antialias = true;  ///< Low-pass a source that is faster than the output.
+};
+
+/// The clip at another frame rate, or faster or slower: frame i is the source at the time
+/// i * speed / rate. Both are one resampling, the source taken as a clip of speed times its rate:
+/// times are exact, and faster motion is low-passed first.
+/// @return kUsage errors: a speed out of range. kInput errors: more samples
+///     than anybody means.
+[[nodiscard]] Result<Clip> change_timing(Clip clip, const TimingOptions& options);
+
+/// Which part of a clip is meant; by times or by frames. Nothing given: all of it.
+struct TrimOptions {
+  std::optional<double> start = {}, end = {};  ///< Seconds; the end counts.
+  std::string frames = {};                     ///< `a:b`, as Python slices; empty: not given.
+
+  [[nodiscard]] bool any() const { return start || end || !frames.empty(); }
+  /// Whether the part's beginning was chosen.
+  [[nodiscard]] bool begun() const { return start || !frames.empty(); }
+};
+
+/// @return kUsage errors: times and frames both, a part without frames.
+[[nodiscard]] Result<Clip> trim(Clip clip, const TrimOptions& options);
+
+/// The clip without frames in front that are none of its motion: a T-pose or a frame of zeros that
+/// it jumps away from. Edits that look at a motion as a whole want this before: put_on_floor,
+/// make_loop, concatenate, rethread. A note where there were any.
+/// @param can_start  the note tells of the option that keeps them.
+[[nodiscard]] Edited cut_lead_in(Clip clip, bool can_start = true);
+
+/// For people: frames, rate, seconds.
+[[nodiscard]] std::string summary(const Clip& clip);
+
+// --- skeleton ---
+
+/// A clip on another skeleton, and how well it fits.
+struct RestChange : Edited {
+  /// Largest distance, over joints, end sites and frames, between where they are and where they
+  /// were; file units. 0 but for rounding where bone lengths agree and the bones that leave one
+  /// joint form the same angles in both skeletons.
+  double largest_distance = 0.0;
+};
+
+/// The same movement on a skeleton with other rest directions (A-pose to T-pose), joint order or
+/// channels. Joints are matched by name and must form the same tree.
+///
+/// With R the local rotations and Q_i the rotation that takes the rest directions of what leaves
+/// joint i (children and end sites) from the source to the target,
+///     R_target,i = Q_parent(i) R_source,i Q_i^-1,
+/// Q being the identity above the root and for joints that nothing leaves. Then the world rotation
+/// of joint i is that of the source times Q_i^-1, and what leaves it points as before. Q_i is the
+/// least rotation for one direction, the best by least squares (Kabsch) for several.
+/// A translation of its own keeps its world value; bone lengths are the target's.
+///
+/// @param file, target_file  of the clip and of the target, for messages.
+/// @return kInput errors: names that are missing, doubled, or below another parent.
+[[nodiscard]] Result<RestChange> change_rest(const Clip& clip,
+                                             const std::shared_ptr<const Skeleton>& target,
+                                             const std::string& file,
+                                             const std::string& target_file);
+
+/// How far feet and hips were moved for feet to stand, metres.
+struct PlantSummary {
+  double largest_correction = 0.0;  ///< Of an ankle.
+  double largest_drop = 0.0;        ///< Of the hips.
+  double largest_miss = 0.0;        ///< Of a place that a leg does not reach.
+};
+
+/// A clip on another body.
+struct Transferred : Edited {
+  std::vector<std::string> left_out;  ///< Joints of the source that turn or move and have no twin.
+  std::vector<std::string> at_rest;   ///< Joints of the target that stay as they are.
+  std::optional<PlantSummary> feet;   ///< Nothing: they could not be planted.
+};
+
+/// A human's movement on another skeleton, through the T-pose: with world rotations of source and
+/// target in their T-poses S_T and G_T, each mapped joint turns by R_target = R_source S_T^-1 G_T.
+/// Both sides know their T-pose as the canonical human's, so this is the canonical bone's rotation
+/// times the inverse of the target's joint_from_bone.
+///
+/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by what
+/// the soles are farther below the hips than the source's, so that who stood on the floor stands on
+/// it, and put on the hips, or on the root above them where they have no position channels.
+///
+/// Joints that are no bone (fingers, a second neck joint, helpers) but have a twin in the source,
+/// of the same name below a joint of the same name, turn as it does; so do translations of twins,
+/// scaled. The others keep their rest rotation (zero). Joint order, offsets and channels are the
+/// target's.
+///
+/// Then feet are planted, for bodies of other proportions slide where the source stands: each foot
+/// that stands on its toes, sole or heel moves over the floor no more than the source's, in
+/// proportion, and is as high over it.
+[[nodiscard]] Transferred transfer(const Subject& source, const Subject& target);
+
+/// A human's movement as a clip in the shape of LAFAN1: its 22 joints in its order, names and axes,
+/// centimetres, y up, rotations z y x. What reads LAFAN1 reads any source this way.
+///
+/// The body is brought to the size that readers of LAFAN1 take for granted (HumanMapping::size
+/// becomes 1.75 m); offsets are the means of the bones' places over the clip, so lengths are the
+/// source's own in proportion. Joints that the source lacks stand at their parents and turn with
+/// them. The path over the floor is scaled along.
+/// @return a kInput error when the hips, a leg or an arm is missing.
+[[nodiscard]] Result<Clip> lafan1_clip(const Clip& clip, const HumanMapping& mapping);
+
+/// The movement of the mirror image, on the same skeleton: left does what right did. The mirror
+/// stands upright along the heading of the first frame, at its hips, so that the clip begins where
+/// it began; mirroring twice changes nothing. Joints are paired by the mapping, then by place and
+/// shape; names play no part.
+///
+/// With W the world rotation of a joint, M the mirror and S the reflection between the axes of the
+/// joint and of its counterpart, the counterpart's world rotation is M W S^-1. S comes from the
+/// skeleton: most zero poses are their own mirror image; only else does the T-pose say more, and
+/// where that is guessed, the nearest reflection of axes is meant.
+/// @return a kInput error naming a joint without a counterpart; as turn_clip.
+[[nodiscard]] Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping);
+
+// --- place ---
+
+/// The clip turned about the vertical through its hips in the first frame; radians, positive to the
+/// left.
+/// @return a kInput error for a body that no joint moves as a whole.
+[[nodiscard]] Result<Clip> turn_clip(Clip clip, const HumanMapping& mapping, double angle);
+
+/// The clip moved over the ground, metres along the axes of GroundPose. Errors as turn_clip.
+[[nodiscard]] Result<Clip> move_clip(Clip clip, const HumanMapping& mapping,
+                                     const Eigen::Vector2d& way);
+
+/// What `X,Y` means, metres; else a kUsage error.
+[[nodiscard]] Result<Eigen::Vector2d> way_from_text(std::string_view text);
+
+/// Height of the floor that a human stands on, metres: the median, over the frames in which a foot
+/// is planted, of the lowest of that foot's joints and end sites. In a clip that is shorter than a
+/// contact a foot is planted that stands still in all of it: in a single frame the lower one.
+/// @return a kInput error when no foot ever stands.
+[[nodiscard]] Result<double> floor_height(const Clip& clip, const HumanMapping& mapping);
+
+/// The clip raised or lowered so that the floor is at height 0, which `floor` (metres) is now.
+/// Errors as turn_clip.
+[[nodiscard]] Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor);
+
+/// How feet are brought to where they stand.
+struct PlantOptions {
+  /// In which a foot leaves its place for where its leg would have it, and comes to it, seconds.
+  double release = 0.3;
+  /// Legs are stretched to this share of thigh and shin as it is asked for, and less and less from
+  /// there to the longest one; where they were stretched farther before, from there to their
+  /// length.
+  double soft_reach = 0.96;
+  double longest_reach = 0.995;
+  double pelvis_blend = 0.25;   ///< Before and after a frame in which the hips are low, seconds.
+  double deepest_pelvis = 0.1;  ///< How far the hips are lowered at most, metres.
+};
+
+// --- seams ---
+
+struct SeamOptions {
+  double window = 1.0 / 3.0;  ///< Of the frames that are compared and blended, seconds.
+  double band = 2.0;          ///< Searched at the end of a and at the beginning of b, seconds.
+  bool search_all = false;    ///< Search both clips as a whole.
+  /// What it costs to leave out a second of either clip, metres of distance: of equally good seams
+  /// the one that keeps most is taken.
+  double cost_of_second = 0.01;
+  double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
+  /// Where other feet are planted in the one than in the other, the distance counts so much more.
+  double other_support = 0.5;
+  int most_seams = 4;  ///< How many places are tried.
+};
+
+/// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
+struct Seam {
+  int a_frame = 0, b_frame = 0;
+  int overlap = 1;      ///< Frames, from these on, that both clips have (at most the window).
+  GroundPose a_from_b;  ///< Brings b over the ground to a: of the world, about its origin.
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< The same of b's hips at b_frame, metres.
+  double distance = 0.0;                          ///< Root mean square of the bones', metres.
+  bool same_support = true;                       ///< The same feet are planted in both.
+  std::string worst_bone;                         ///< Farthest from its counterpart at the seam,
+  double worst_distance = 0.0;                    ///< by so many metres.
+};
+
+/// Distances of all windows that were searched, row by row: rows are frames of a.
+struct SeamMap {
+  int a_begin = 0, b_begin = 0;  ///< The frames of the first row and column.
+  int width = 0;                 ///< Frames of b.
+  std::vector<float> distances;  ///< Metres.
+};
+
+/// The map as a picture (binary PGM, 8 bit): black is the least distance, white the largest.
+[[nodiscard]] std::string format_pgm(const SeamMap& map);
+
+/// How one clip becomes the next.
+enum class SeamBlend : std::uint8_t {
+  kCrossfade,  ///< Both are mixed over the frames that they share.
+  kInertial,   ///< At once; what the second lacks to the first fades in it.
+};
+
+/// What joints may do at a seam or on a path, times their 99.9th percentile in the clips.
+struct MotionLimits {
+  double speed = 3.0;
+  double acceleration = 3.0;
+};
+
+struct ConcatenateOptions {
+  SeamOptions seam;
+  /// Where no good seam is within seam.band, twice as much is searched, and again, up to so many
+  /// seconds: recordings often begin with seconds of a T-pose that nothing goes on to.
+  double widest_band = 32.0;
+  SeamBlend blend = SeamBlend::kCrossfade;
+  double fade = 0.35;      ///< Of kInertial: how long the difference fades, seconds.
+  double threshold = 0.2;  ///< Largest distance of a seam, metres.
+  MotionLimits limits;     ///< Of the joints at the seam.
+  /// Of planted feet at the seam: mean speed over the floor, m/s, beyond what they slip in the
+  /// clips.
+  double slip = 0.1;
+  double jump = 0.5;  ///< Of a planted foot at the seam, beyond what it does in the clips, m/s.
+  /// Clips whose floors are farther apart are tried on one floor too, metres.
+  double same_floor = 0.02;
+  PlantOptions plant;
+
+  /// Looks for the seam within so many seconds and no more, or, for `all`, everywhere, and there
+  /// rather for a good one than for one that keeps all of both clips; empty: as it is.
+  /// kUsage errors: anything else.
+  [[nodiscard]] Result<void> search(std::string_view text);
+};
+
+/// What a seam became.
+struct SeamCheck {
+  double usual_speed = 0.0;    ///< 99.9th percentile of the clips' joint speeds, m/s: the joint's
+                               ///< own, or that of all joints where this is less.
+  double largest_speed = 0.0;  ///< Of the joint at the seam that is fastest for what it does, m/s,
+  std::string fastest_bone;    ///< and which it is.
+  double usual_acceleration = 0.0;    ///< The same of accelerations, m/s2; where a clip itself has
+  double largest_acceleration = 0.0;  ///< as large a one at that time it does not count.
+  std::string jolted_bone;
+  double slip = 0.0;      ///< Mean speed over the floor of planted ankles at the seam, m/s,
+  double own_slip = 0.0;  ///< and of the same in the clips.
+  double jump = 0.0;      ///< Largest speed of a planted ankle beyond that in either clip, m/s.
+  std::vector<std::string> faults;  ///< What is wrong with it, a phrase each; none: it is good.
+};
+
+/// Two clips as one.
+struct Concatenation : Edited {
+  Seam seam;
+  SeamMap map;
+  double lift = 0.0;  ///< By which b was raised to stand on a's floor, metres.
+  double band = 0.0;  ///< That was searched in the end, seconds.
+  SeamCheck check;
+};
+
+/// Joins b to a where they fit best: frames of a up to the seam, then those of b, moved over the
+/// ground to where a has come. The result has seam.a_frame + frames of b - seam.b_frame frames.
+/// Where the floors of the clips differ, b is raised or lowered to a's floor if the seam is the
+/// better for it (a clip cut in two on a stair stays as it was).
+///
+/// The seam has the least distance of Kovar, Gleicher and Pighin (2002) over windows of bone
+/// positions (all bones alike), each window turned and moved over the ground as fits best. Where the
+/// clips share less than a window, the distance counts more by half the share that is missing, and
+/// so it does where other feet are on the floor. Frames that both clips have, at the end of a and
+/// the beginning of b, are found before all else.
+///
+/// kCrossfade mixes the frames that both have from the seam on (at most the window): with k of them
+/// a weighs 2 ((p + 1) / k)^3 - 3 ((p + 1) / k)^2 + 1 in the p-th; translations are mixed linearly,
+/// local rotations the shorter way round. kInertial follows b from the seam on and adds to each
+/// channel a cubic from the difference of values and velocities at the seam to rest; so does
+/// kCrossfade where the clips share less than the window.
+///
+/// Where b begins one frame after a's end, as the parts of a clip do that was cut in two, and no
+/// joint is too fast across the cut, the two are put together as they lie (seam.overlap is 0).
+///
+/// Feet that are planted near the seam stay there: one that stands in both clips stays where a has
+/// it until it leaves the floor. Then the seam is checked; one that is not good is a misfit.
+///
+/// @param b  of the same skeleton and rate as a (like_first).
+/// @param a_name, b_name  for messages.
+/// @return kInput errors: a clip without frames, b on another skeleton or rate; as turn_clip. kUsage
+///     errors: more than 16 million pairs of frames to search.
+[[nodiscard]] Result<Concatenation> concatenate(const Clip& a, const Clip& b,
+                                                const HumanMapping& mapping,
+                                                const ConcatenateOptions& options,
+                                                const std::string& a_name,
+                                                const std::string& b_name);
+
+/// A clip on the skeleton and at the rate of another one, to be joined to it: transferred where the
+/// skeletons or what was found of them differ. Errors as change_timing.
+[[nodiscard]] Result<Edited> like_first(const Subject& next, const Subject& first);
+
+struct LoopOptions {
+  double shortest = 0.0;    ///< Of the cycle, seconds; 0: half the clip.
+  ConcatenateOptions seam;  ///< How end and beginning are joined, and when that is good.
+  bool in_place = false;    ///< The cycle neither advances nor turns.
+  int times = 1;            ///< How often the cycle is played.
+};
+
+/// A cycle without a seam.
+struct Loop : Edited {  ///< `cycle` frames for each time: the next one would be the first again.
+  int cycle = 0;        ///< Frames of one cycle: the source's from its first one on, but for those
+                        ///< around the seam.
+  double distance = 0.0;  ///< Between beginning and end before they were joined, as of a seam.
+  GroundPose advance;     ///< Of one cycle over the ground, before `in_place`: of the world, as it
+                          ///< turns about its origin,
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< and of the hips, metres: how far the body
+                                                  ///< comes in a cycle.
+  SeamCheck check;                                ///< Of where the end meets the beginning.
+};
+
+/// Makes a cycle of the clip from its first frame to where the body is most like that,
+/// after `shortest` or later. The clip is joined there to itself as by `concatenate`: frames around
+/// the seam are blended, feet that stand stay where they stand, the seam is checked. Positions and
+/// velocities of all joints go on steadily from each cycle to the next. Where a foot stands all
+/// through the cycle, the advance is that which leaves it in its place.
+/// @return kInput errors: fewer than 4 frames, or than `shortest` needs; as turn_clip.
+///     kUsage errors: `times` below 1 or that make more than 10 million frames.
+[[nodiscard]] Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping,
+                                     const LoopOptions& options);
+
+// --- the way over the ground ---
+
+struct PathFitOptions {
+  double tolerance = 0.05;       ///< Largest distance of the curve from the track, metres.
+  double low_pass = 0.5;         ///< Cut-off for the hips' track, Hz: what strides sway is no path.
+  double still_step = 0.03;      ///< The track goes on when the hips have come so far, metres.
+  double first_piece = 2.0;      ///< Length of the segments that are tried first, metres,
+  double shortest_piece = 0.25;  ///< and of the shortest into which they are split.
+  double still_speed = 0.1;      ///< Slower than this a body has no direction of its way, m/s.
+};
+
+/// Frames [begin, end) in which the body does not go anywhere.
+struct StillPhase {
+  int begin = 0, end = 0;
+  double turn = 0.0;  ///< Of the hips, from the frame before to the frame after, radians.
+};
+
+/// The way of a human over the ground.
+struct PathMotion {
+  GroundPath path;
+  std::vector<double> along;  ///< Metres along the path, per frame; never decreasing.
+  std::vector<StillPhase> still;
+  double largest_distance = 0.0;  ///< Of the path from the smoothed track, metres.
+
+  /// For people: length, segments, how near to the track.
+  [[nodiscard]] std::string summary() const;
+};
+
+/// Fits a path to the track of the hips (Gleicher: Motion Path Editing, 2001).
+///
+/// The track is low-passed without delay and thinned to steps of `still_step`, so that who stands
+/// makes no path. A chain of cubics by chord length, with one tangent at each joint and hence
+/// without corners, is fitted to it by least squares; segments that leave the track by more than
+/// the tolerance are split and all is fitted again. A body that stays within a step gets a path of
+/// a millimetre in the direction it faces.
+/// @return a kInput error for a clip without frames.
+[[nodiscard]] Result<PathMotion> fit_path(const Clip& clip, const HumanMapping& mapping,
+                                          const PathFitOptions& options = {});
+
+/// The path to follow in place of a motion's own; begins where that does unless it is a file's.
+struct PathChange {
+  std::string to = {};   ///< `line`, `circle` or `figure8`, as long as the own; a JSON file; empty:
+                         ///< the own.
+  double radius = 3.0;   ///< Of a circle, metres; to the right when negative.
+  double scale = 1.0;    ///< Larger or smaller, from its beginning.
+  double degrees = 0.0;  ///< Turned about its beginning, to the left.
+
+  [[nodiscard]] bool any() const { return !to.empty() || scale != 1.0 || degrees != 0.0; }
+  /// kUsage errors: a radius below a centimetre.
+  [[nodiscard]] Result<void> check() const;
+};
+
+/// @return kUsage errors as PathChange::check, kConfig errors of a file.
+[[nodiscard]] Result<GroundPath> change_path(const GroundPath& own, const PathChange& change);
+
+/// What stays as it is when a path becomes longer or shorter.
+enum class PathKeep : std::uint8_t {
+  kTime,    ///< How long the motion takes: all of the path is gone in it.
+  kSpeed,   ///< How fast it goes: it is played slower on a longer path.
+  kStride,  ///< How far each frame is along the path: the motion ends where its own way is gone,
+            ///< or goes straight on from the path's end.
+};
+
+struct RethreadOptions {
+  PathKeep keep = PathKeep::kTime;
+  PathFitOptions fit;
+  PlantOptions plant;
+  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break are one, seconds.
+  MotionLimits limits;      ///< Of the joints.
+};
+
+/// A motion on another path.
+struct Rethreaded : Edited {
+  PathMotion source;               ///< The motion's own path.
+  std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
+  PlantSummary feet;
+  SeamCheck check;  ///< Speeds and accelerations in the whole clip; faults where a path hurries.
+};
+
+/// Sends a motion along another path: the body keeps its pose relative to the frame that moves
+/// along the path (place and tangent), so the body at s(t) on its own path moves by
+/// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s. Only the channels
+/// that move the whole body change; then feet that stand are planted where the frame in the middle
+/// of each contact brings them.
+/// @return kInput errors as fit_path and turn_clip; kUsage errors: kSpeed for a motion without
+///     a way of its own, or for a path more than 100 times longer or shorter.
+[[nodiscard]] Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping,
+                                          const GroundPath& path, const RethreadOptions& options);
+
+/// A motion, and the path that it follows, as seen from above; either may be left out.
+struct PathDrawing {
+  const Clip* clip = nullptr;
+  const GroundPath* path = nullptr;
+};
+
+/// Motions of one human seen from above as SVG: the track of the hips, the path with its control
+/// points, and the feet where they stand (toes where there are any, left and right in colours of
+/// their own). x goes to the right, y up; a scale is drawn. The first motion is drawn paler than
+/// those after it.
+[[nodiscard]] std::string draw_paths(const HumanMapping& mapping,
+                                     const std::vector<PathDrawing>& drawings);
+
+}  // namespace retarget

@@ -1,0 +1,60 @@
+// edits of time: rate, speed, parts
+
+#include <utility>
+
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "motion/clip_range.h"
+#include "motion/lead_in.h"
+#include "motion/resample.h"
+#include "retarget/edit.h"
+
+namespace retarget {
+
+Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
+  const FrameRate rate = options.rate.value_or(clip.rate());
+  if (options.speed) {
+    constexpr double kSlowest = 0.01, kFastest = 100.0;
+    if (!(*options.speed >= kSlowest && *options.speed <= kFastest)) {
+      return usage_failure("a speed must be from 0.01 to 100, found " +
+                           number_text(*options.speed, 4));
+    }
+    clip.set_rate(frame_rate_from_fps(clip.rate().fps() * *options.speed));
+  }
+  return resample(
+      std::move(clip), rate,
+      {options.linear ? Interpolation::kLinear : Interpolation::kCubic, options.antialias});
+}
+
+Result<Clip> trim(Clip clip, const TrimOptions& options) {
+  const bool times = options.start || options.end;
+  if (options.frames.empty() && !times) return clip;
+  if (!options.frames.empty() && times) {
+    return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
+                             "end") " both choose a part of the clip",
+                         "give one of them");
+  }
+  TRY_ASSIGN(const auto range, times ? frame_range_from_seconds(options.start, options.end,
+                                                                clip.rate(), clip.frame_count())
+                                     : frame_range_from_text(options.frames, clip.frame_count()));
+  return cut(clip, range.begin, range.end);
+}
+
+Edited cut_lead_in(Clip clip, bool can_start) {
+  const int count = count_lead_in_frames(clip);
+  if (count == 0) return {std::move(clip)};
+  const std::string take =
+      std::string("; " OPTION("start") " 0 takes ") + (count == 1 ? "it" : "them");
+  return {cut(clip, count, clip.frame_count()),
+          {{"lead-in", count_text(count, "frame") +
+                           " in front left out, from which the motion jumps away" +
+                           (can_start ? take : std::string())}}};
+}
+
+std::string summary(const Clip& clip) {
+  return count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) + " fps, " +
+         number_text(clip.duration(), 3) + " s";
+}
+
+}  // namespace retarget
