@@ -6,7 +6,7 @@ find_program(RETARGET_CLANG_TIDY_PROGRAM
 if(NOT RETARGET_CLANG_TIDY_PROGRAM)
   message(FATAL_ERROR "RETARGET_CLANG_TIDY is on, but there is no clang-tidy: tools/setup.sh --dev installs it")
 endif()
-foreach(target IN ITEMS retarget retarget_cli)
+foreach(target IN LISTS retarget_libraries ITEMS retarget_cli)
   if(TARGET ${target})
     set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY ${RETARGET_CLANG_TIDY_PROGRAM})
   endif()

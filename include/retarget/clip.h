@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace retarget {
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
 
 /// An exact frame rate: `frames` frames in `seconds` seconds, both positive, in lowest terms.
 ///

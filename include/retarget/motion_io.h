@@ -11,9 +11,10 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/motion.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// Files that hold a robot's motion; docs/formats.md describes each.
 enum class MotionFormat : unsigned char {
@@ -183,6 +184,14 @@ struct WriteMotionOptions {
 /// The robot that PBHC's files are of: see kPklPbhc.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> pbhc_robot(
     const std::shared_ptr<const Robot>& robot);
+
+/// Joints of a motion that move and that a variant of its robot holds: how many, by how much at most,
+/// which; nothing: none.
+[[nodiscard]] std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant);
+
+/// What a format cannot hold of a motion, a line each: PBHC's files have fewer joints, SOMA's no rate
+/// but 120 frames a second and what divides it.
+[[nodiscard]] std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format);
 
 /// What a motion file does not say, or says wrongly. Nothing: found, or as the format has it.
 struct ReadMotionOptions {

@@ -18,4 +18,8 @@ std::string number_text(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
+std::string count_text(long count, std::string_view noun) {
+  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 }  // namespace retarget

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <vector>
 
-#include "base/hash.h"
 #include "fit_run.h"
+#include "provenance/hash.h"
 #include "retarget/motion_io.h"
 #include "retarget/version.h"
 #include "robot/find_robot.h"

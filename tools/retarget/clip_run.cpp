@@ -9,11 +9,11 @@
 
 #include "base/suggest.h"
 #include "fit_run.h"
-#include "format_losses.h"
 #include "interrupt.h"
-#include "limit_lines.h"
+#include "pipeline/limit_lines.h"
 #include "pipeline/retarget.h"
 #include "robot/limit_distance.h"
+#include "robot_motion_options.h"
 #include "run_report.h"
 #include "run_setup.h"
 #include "sidecar.h"
@@ -109,7 +109,9 @@ void print_joints(const RobotClip& motion, const Source& source, const ClipSetup
       motion, source.clip, source.human.calibration.mapping, setup.tables,
       choose_scale(source.human, *setup.robot, setup.tables, options),
       options.method == "gmr" ? TrunkRule::kBones : TrunkRule::kLines, setup.limits, kNamedAtLimit);
-  print_joints_at_limits(at_limits, *setup.robot, setup.limits, console);
+  for (const std::string& line : limit_lines(at_limits, *setup.robot, setup.limits)) {
+    console.line("", line);
+  }
 }
 
 // the motion's files, their sidecars, the report

@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "base/printable.h"
-#include "wrapped_text.h"
+#include "base/wrapped_text.h"
 
 namespace retarget::cli {
 namespace {
@@ -135,10 +135,6 @@ void Console::status(std::string_view text) {
 void Console::end_progress() {
   if (progress_shown_) put("\r\033[K");
   progress_shown_ = false;
-}
-
-std::string count_text(long count, std::string_view noun) {
-  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
 }
 
 }  // namespace retarget::cli

@@ -65,7 +65,4 @@ class Console {
   double last_progress_s_ = 0.0;
 };
 
-/// `1 frame`, `2 frames`.
-[[nodiscard]] std::string count_text(long count, std::string_view noun);
-
 }  // namespace retarget::cli

@@ -202,7 +202,7 @@ QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
 
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
                                       Console& console) {
-  auto motion = read_motion(file, measures.robot, measures.reading);
+  auto motion = load_robot_motion(file, measures.robot, measures.reading);
   if (!motion) return failure(motion.error());
   // a rate that --fps gave is no guess
   const bool rate_known = motion->rate_known;

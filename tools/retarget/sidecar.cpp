@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "retarget/version.h"
 #include "robot/find_robot.h"
 #include "robot_mapping.h"

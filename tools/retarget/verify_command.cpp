@@ -4,11 +4,11 @@
 #include <filesystem>
 
 #include "base/file.h"
-#include "base/hash.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "clip_run.h"
 #include "commands.h"
+#include "provenance/hash.h"
 #include "read_sidecar.h"
 #include "retarget/version.h"
 #include "run_setup.h"

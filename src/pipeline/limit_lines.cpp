@@ -1,12 +1,13 @@
-#include "limit_lines.h"
+#include "pipeline/limit_lines.h"
 
 #include <cmath>
 #include <numbers>
-#include <string>
+#include <utility>
 
+#include "base/number_text.h"
 #include "human/bones.h"
 
-namespace retarget::cli {
+namespace retarget {
 namespace {
 
 constexpr std::size_t kMostLines = 5;
@@ -27,19 +28,20 @@ std::string wider_text(const JointAtLimit& found, const RobotJoint& joint, const
 
 }  // namespace
 
-void print_joints_at_limits(std::span<const JointAtLimit> joints, const Robot& robot,
-                            const LimitSet& limits, Console& console) {
-  std::size_t lines = 0;
+std::vector<std::string> limit_lines(std::span<const JointAtLimit> joints, const Robot& robot,
+                                     const LimitSet& limits) {
+  std::vector<std::string> lines;
   for (const JointAtLimit& found : joints) {
     // where a joint merely rests at a limit, as fingers do, nothing is missed
-    if (!found.push || lines++ == kMostLines) continue;
+    if (!found.push || lines.size() == kMostLines) continue;
     const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
     std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
                        " limit in " + number_text(100.0 * found.share, 0) + " % of frames";
     text += "; " + push_text(*found.push);
     if (!found.wider_set.empty()) text += "; " + wider_text(found, joint, limits);
-    console.line("", text);
+    lines.push_back(std::move(text));
   }
+  return lines;
 }
 
-}  // namespace retarget::cli
+}  // namespace retarget

@@ -1,18 +1,19 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
-#include "console.h"
 #include "pipeline/limit_diagnosis.h"
 
-namespace retarget::cli {
+namespace retarget {
 
 /// Joints that are at a limit in less than this share of the frames are not named.
 inline constexpr double kNamedAtLimit = 0.05;
 
 /// A line for each of the worst joints at a limit: how often, what pushes it, what other limit set
 /// would let it move on.
-void print_joints_at_limits(std::span<const JointAtLimit> joints, const Robot& robot,
-                            const LimitSet& limits, Console& console);
+[[nodiscard]] std::vector<std::string> limit_lines(std::span<const JointAtLimit> joints,
+                                                   const Robot& robot, const LimitSet& limits);
 
-}  // namespace retarget::cli
+}  // namespace retarget
