@@ -80,7 +80,8 @@ bool poses_pass_between(const retarget::Robot& robot) {
   std::array<retarget::Pose, 3> poses;
   retarget::forward_kinematics(robot, qpos, poses);
   const retarget::Pose arm = poses[1].inverse() * poses[2];
-  return std::abs(poses[2].rotation.angularDistance(Eigen::Quaterniond::Identity()) - 0.5) < 1e-12 &&
+  return std::abs(poses[2].rotation.angularDistance(Eigen::Quaterniond::Identity()) - 0.5) <
+             1e-12 &&
          (arm.translation - Eigen::Vector3d::UnitZ()).norm() < 1e-12;
 }
 
