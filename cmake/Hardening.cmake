@@ -35,11 +35,8 @@ target_compile_options(retarget_hardening INTERFACE
 target_compile_definitions(retarget_hardening INTERFACE _GLIBCXX_ASSERTIONS)
 
 # the tool lies anywhere in memory (its own CMakeLists.txt), and so must what it links
-if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE)
-  get_target_property(library_type retarget TYPE)
-  if(library_type STREQUAL STATIC_LIBRARY)
-    target_compile_options(retarget_hardening INTERFACE -fPIE)
-  endif()
+if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE AND NOT BUILD_SHARED_LIBS)
+  target_compile_options(retarget_hardening INTERFACE -fPIE)
 endif()
 check_pie_supported(LANGUAGES CXX)
 # tables of addresses are filled at the start and cannot be written to afterwards

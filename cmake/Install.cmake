@@ -2,7 +2,7 @@
 #
 #   bin/retarget                   the tool
 #   lib/libretarget.a              the library; include/retarget/ its headers
-#   lib/libretarget_edit.a         edits of clips, retarget::edit
+#   lib/libretarget_*.a            edit, rig, batch (Library.cmake)
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
 #   share/retarget/                robots/ and configs/
@@ -12,7 +12,7 @@ set(retarget_package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/retarget)
 set(retarget_mujoco_folder ${CMAKE_INSTALL_LIBDIR}/retarget)
 set(retarget_data_folder ${CMAKE_INSTALL_DATADIR}/retarget)
 
-install(TARGETS ${retarget_libraries} EXPORT retargetTargets
+install(TARGETS ${retarget_exported} EXPORT retargetTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

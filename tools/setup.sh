@@ -29,6 +29,7 @@ ninja-build        | ninja-build    | ninja         | ninja         | has_comman
 libeigen3-dev      | eigen3-devel   | eigen         | eigen         | has_header eigen3/Eigen/Core Eigen/Core
 nlohmann-json3-dev | json-devel     | nlohmann-json | nlohmann-json | has_header nlohmann/json.hpp
 libcli11-dev       | cli11-devel    | cli11         | cli11         | has_header CLI/CLI.hpp
+libfmt-dev         | fmt-devel      | fmt           | fmt           | has_header fmt/format.h
 libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header tl/expected.hpp
 zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header zlib.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// An exact frame rate: `frames` frames in `seconds` seconds, both positive, in lowest terms.
 ///

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
-namespace retarget {
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
 
 /// Whose fault an error is. Each kind has one exit code in the command line tool.
 enum class ErrorKind {

@@ -6,10 +6,11 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A line of a summary for people: a short label, then what there is to say. A line without a label
 /// goes on with what the line before is about. Options in texts are marked (spell_options).

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/export.h"
 #include "retarget/robot.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A motion of a robot: one configuration per frame (layout as Robot says), root quaternions
 /// sign-continuous.

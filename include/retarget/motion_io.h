@@ -11,10 +11,11 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// As on the command line: `csv`, `csv-soma`, `npz-mjlab`, ...
 [[nodiscard]] std::string_view format_name(MotionFormat format);

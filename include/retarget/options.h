@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 
 // Everything that a program can ask for. Defaults are those of the command line; the names of its
 // options, their ranges and what they do are in docs/options.md, made from the same tables
 // (src/options).
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// How a robot's motion is made.
 enum class Method : unsigned char {

@@ -12,10 +12,11 @@
 #include "pipeline/targets.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// Which bones a clip has, and how they become the canonical human.
 struct HumanInClip {

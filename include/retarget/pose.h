@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace retarget {
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
 
 /// A rigid transform `a_from_b`: maps coordinates in frame b to coordinates in frame a.
 ///

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A figure that a motion is judged by.
 struct Metric {

@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/pose.h"
 
 struct mjModel_;
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 class Robot;
 

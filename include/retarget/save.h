@@ -4,11 +4,12 @@
 #include <string>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/solve.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// Writes a motion: in the format that the file's ending or the options name, in several formats to
 /// files named after it. Each file appears whole or not at all.

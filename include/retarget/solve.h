@@ -6,11 +6,12 @@
 #include <span>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/motion.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// What solve() is at.
 enum class Stage : unsigned char {

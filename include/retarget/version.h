@@ -2,7 +2,9 @@
 
 #include <string>
 
-namespace retarget {
+#include "retarget/export.h"
+
+namespace RETARGET_API retarget {
 
 /// The version of this library and tool, `major.minor.patch`.
 [[nodiscard]] std::string version_number();

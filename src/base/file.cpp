@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/try.h"
+
 namespace retarget {
 namespace {
 
@@ -35,11 +37,13 @@ Failure write_failure(const std::string& name, int error_number) {
                      full ? "nothing was left behind; free some space or write elsewhere" : "");
 }
 
-Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most) {
+Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most,
+                          std::string_view hint) {
   Error error;
   error.kind = kind;
   error.location.file = path == "-" ? "standard input" : path;
   error.message = "expected at most " + std::to_string(most) + " bytes, found more";
+  error.hint = hint;
   return failure(std::move(error));
 }
 
@@ -108,7 +112,8 @@ int create_named(const std::string& target, std::string& name) {
 
 }  // namespace
 
-Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t most) {
+Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t most,
+                              std::string_view too_large) {
   const bool standard_input = path == "-";
   Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
                 !standard_input};
@@ -121,7 +126,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
 
   const bool regular = S_ISREG(info.st_mode);
   if (regular && static_cast<std::size_t>(info.st_size) > most) {
-    return too_large_failure(kind, path, most);
+    return too_large_failure(kind, path, most, too_large);
   }
 
   // the size is a guess that saves copies; the file may be a pipe, or grow
@@ -140,7 +145,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
     if (count < 0) return read_failure(kind, path, errno);
     if (count == 0) break;
     used += static_cast<std::size_t>(count);
-    if (used > most) return too_large_failure(kind, path, most);
+    if (used > most) return too_large_failure(kind, path, most, too_large);
   }
   return FileContent(std::move(bytes), used);
 }
@@ -174,7 +179,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     file.direct_ = true;
     return file;
   }
-  if (auto folder = check_output_folder(path); !folder) return failure(folder.error());
+  TRY(check_output_folder(path));
   struct stat info {};
   std::optional<mode_t> mode;  // of the file that is replaced
   if (::stat(path.c_str(), &info) == 0) {
@@ -196,7 +201,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
 
   // a link is kept and the file that it names is replaced
   file.target_ = follow_links(path);
-  if (auto folder = check_output_folder(file.target_); !folder) return failure(folder.error());
+  TRY(check_output_folder(file.target_));
 
 #ifdef O_TMPFILE
   file.descriptor_ =
@@ -288,10 +293,9 @@ bool is_temporary_name(std::string_view name) {
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes) {
-  auto file = OutputFile::create(path);
-  if (!file) return failure(file.error());
-  if (auto written = file->write(bytes); !written) return written;
-  return file->commit();
+  TRY_ASSIGN(auto file, OutputFile::create(path));
+  TRY(file.write(bytes));
+  return file.commit();
 }
 
 }  // namespace retarget

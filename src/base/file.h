@@ -30,9 +30,10 @@ class FileContent {
 /// Folders, missing and unreadable files are errors of the given kind, and so are files of more
 /// than `most` bytes, which a pipe without an end is in the end: no more than about three times
 /// `most` is ever taken.
+/// @param too_large  hint of the error for such files.
 [[nodiscard]] Result<FileContent> read_file(
     const std::string& path, ErrorKind kind = ErrorKind::kInput,
-    std::size_t most = std::numeric_limits<std::size_t>::max());
+    std::size_t most = std::numeric_limits<std::size_t>::max(), std::string_view too_large = {});
 
 /// Whether a file can be opened for reading; the error says why not.
 [[nodiscard]] Result<void> check_readable(const std::string& path, ErrorKind kind);

@@ -6,6 +6,8 @@
 
 #include "base/file.h"
 #include "base/json_bounds.h"
+#include "base/printable.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -110,7 +112,7 @@ Result<void> check_json_bounds(std::string_view text, const std::string& file) {
 }
 
 Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::string& file) {
-  if (auto bounds = check_json_bounds(text, file); !bounds) return failure(bounds.error());
+  TRY(check_json_bounds(text, file));
   try {
     return nlohmann::ordered_json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
@@ -124,9 +126,12 @@ Result<nlohmann::ordered_json> parse_json(std::string_view text, const std::stri
 
 Result<nlohmann::ordered_json> load_json(const std::string& path) {
   // what is beyond the bound says so with its place
-  const auto text = read_file(path, ErrorKind::kConfig, 2 * kMaxBytes);
-  if (!text) return failure(text.error());
-  return parse_json(text->view(), path);
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, 2 * kMaxBytes));
+  return parse_json(text.view(), path);
+}
+
+std::string printable_dump(const nlohmann::ordered_json& json) {
+  return printable_json(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace)) + "\n";
 }
 
 std::string short_text(const nlohmann::ordered_json& json) {

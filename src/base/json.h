@@ -18,6 +18,10 @@ namespace retarget {
 /// parse_json of a file.
 [[nodiscard]] Result<nlohmann::ordered_json> load_json(const std::string& path);
 
+/// For people and other programs: two blanks a level, a line end at the end. What would command a
+/// terminal, and bytes that are no UTF-8, are escaped or replaced.
+[[nodiscard]] std::string printable_dump(const nlohmann::ordered_json& json);
+
 /// A value for a message: as JSON, cut short where it is long.
 [[nodiscard]] std::string short_text(const nlohmann::ordered_json& json);
 

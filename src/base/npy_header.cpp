@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -224,42 +225,38 @@ std::string shape_text(std::span<const std::size_t> shape) {
 
 Result<NpyHeader> read_npy_header(const ReadBytes& read) {
   constexpr std::size_t kVersionBytes = 2;
-  const Result<std::string> start = read(kMagic.size() + kVersionBytes);
-  if (!start) return failure(start.error());
-  if (!start->starts_with(kMagic)) {
+  TRY_ASSIGN(const auto start, read(kMagic.size() + kVersionBytes));
+  if (!start.starts_with(kMagic)) {
     return format_failure("expected an NPY array, which begins with \"\\x93NUMPY\"");
   }
-  const int version = static_cast<unsigned char>((*start)[kMagic.size()]);
+  const int version = static_cast<unsigned char>(start[kMagic.size()]);
   if (version < 1 || version > 3) {
     return format_failure("expected NPY version 1, 2 or 3, found " + std::to_string(version));
   }
   const std::size_t length_bytes = version == 1 ? 2 : 4;
-  const Result<std::string> length_text = read(length_bytes);
-  if (!length_text) return failure(length_text.error());
-  const std::size_t length = little_endian(*length_text, 0, length_bytes);
+  TRY_ASSIGN(const auto length_text, read(length_bytes));
+  const std::size_t length = little_endian(length_text, 0, length_bytes);
   if (length > kMostHeaderBytes) {
     return format_failure("its NPY header claims " + bytes_text(length) + ", at most " +
                           std::to_string(kMostHeaderBytes) + " are read");
   }
-  const Result<std::string> text = read(length);
-  if (!text) return failure(text.error());
-  Result<NpyHeader> header = DictionaryParser(*text).parse();
-  if (header) header->byte_count = start->size() + length_bytes + length;
+  TRY_ASSIGN(const auto text, read(length));
+  Result<NpyHeader> header = DictionaryParser(text).parse();
+  if (header) header->byte_count = start.size() + length_bytes + length;
   return header;
 }
 
 Result<NpyLayout> npy_layout(const NpyHeader& header) {
-  const Result<NpyType> type = type_from_text(header.type);
-  if (!type) return failure(type.error());
-  const auto size = total_size(header.shape, type->item_size);
+  TRY_ASSIGN(const auto type, type_from_text(header.type));
+  const auto size = total_size(header.shape, type.item_size);
   if (!size) {
     return format_failure("its shape " + shape_text(header.shape) +
                           " has more elements than any memory");
   }
   NpyLayout layout;
-  layout.array = {type->kind, type->item_size, header.shape, {}};
+  layout.array = {type.kind, type.item_size, header.shape, {}};
   layout.data_size = *size;
-  layout.big_endian = type->big_endian;
+  layout.big_endian = type.big_endian;
   return layout;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/npy_stream.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "base/zip.h"
 
 namespace retarget {
@@ -210,9 +211,7 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
                              bytes_text(entry.packed_size) + " of it",
                          std::string(kBombHint));
   }
-  if (auto fits = contents_->check_numbers(name, *layout, entry); !fits) {
-    return failure(fits.error());
-  }
+  TRY(contents_->check_numbers(name, *layout, entry));
   Result<std::string> data = reader->read(layout->data_size);
   if (!data) return contents_->complete(data.error(), name);
   const Result<void> whole = reader->finish();

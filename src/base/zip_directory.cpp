@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "base/npy_stream.h"
+#include "base/try.h"
 #include "base/zip.h"
 
 namespace retarget {
@@ -81,9 +82,8 @@ Result<Place> find_directory(std::string_view archive) {
   }
   const bool in64 = place.entries == kShortIn64 || place.size == kIn64 || place.offset == kIn64;
   if (in64) {
-    const Result<Place> long_place = place_from_zip64(archive, *end);
-    if (!long_place) return failure(long_place.error());
-    place = *long_place;
+    TRY_ASSIGN(const auto long_place, place_from_zip64(archive, *end));
+    place = long_place;
   }
   if (place.offset > place.end || place.size != place.end - place.offset) {
     return damaged("its directory should have " + std::to_string(place.size) + " bytes from byte " +
@@ -140,17 +140,15 @@ Result<ZipEntry> take_entry(std::string_view& rest) {
 }  // namespace
 
 Result<std::vector<ZipEntry>> read_zip_directory(std::string_view archive) {
-  const Result<Place> place = find_directory(archive);
-  if (!place) return failure(place.error());
-  std::string_view rest = archive.substr(place->offset, place->size);
+  TRY_ASSIGN(const auto place, find_directory(archive));
+  std::string_view rest = archive.substr(place.offset, place.size);
   std::vector<ZipEntry> entries;
   while (!rest.empty()) {
-    Result<ZipEntry> entry = take_entry(rest);
-    if (!entry) return failure(entry.error());
-    entries.push_back(std::move(*entry));
+    TRY_ASSIGN(auto entry, take_entry(rest));
+    entries.push_back(std::move(entry));
   }
-  if (entries.size() != place->entries) {
-    return damaged("its directory claims " + std::to_string(place->entries) + " entries and has " +
+  if (entries.size() != place.entries) {
+    return damaged("its directory claims " + std::to_string(place.entries) + " entries and has " +
                    std::to_string(entries.size()));
   }
   return entries;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/try.h"
 #include "base/zip.h"
 
 namespace retarget {
@@ -78,13 +79,12 @@ Result<ZipEntryReader> ZipEntryReader::open(std::string_view archive, const ZipE
         "its compression (ZIP method " + std::to_string(entry.method) + ") is not supported",
         "numpy.savez and numpy.savez_compressed write what is read here");
   }
-  const Result<std::string_view> packed = packed_bytes(archive, entry);
-  if (!packed) return failure(packed.error());
+  TRY_ASSIGN(const auto packed, packed_bytes(archive, entry));
   if (entry.method == kStored && entry.size != entry.packed_size) {
     return format_failure("it is not compressed, but has " + std::to_string(entry.packed_size) +
                           " bytes packed and " + std::to_string(entry.size) + " unpacked");
   }
-  ZipEntryReader reader(*packed, entry);
+  ZipEntryReader reader(packed, entry);
   if (reader.inflater_ && !reader.inflater_->ready) {
     return format_failure("zlib cannot start: out of memory");
   }
@@ -131,11 +131,10 @@ Result<std::string> ZipEntryReader::read(std::size_t size) {
     const std::size_t begin = bytes.size();
     const std::size_t chunk = std::min(size - begin, std::max(kFirstChunk, begin));
     bytes.resize(begin + chunk);
-    const Result<std::size_t> count = fill(bytes.data() + begin, chunk);
-    if (!count) return failure(count.error());
-    if (*count < chunk) {
+    TRY_ASSIGN(const auto count, fill(bytes.data() + begin, chunk));
+    if (count < chunk) {
       return format_failure("it ends early: expected " + bytes_text(size) + ", found " +
-                            std::to_string(begin + *count));
+                            std::to_string(begin + count));
     }
   }
   crc_ = static_cast<std::uint32_t>(
@@ -145,10 +144,9 @@ Result<std::string> ZipEntryReader::read(std::size_t size) {
 
 Result<void> ZipEntryReader::finish() {
   char more = 0;
-  const Result<std::size_t> count = fill(&more, 1);
-  if (!count) return failure(count.error());
+  TRY_ASSIGN(const auto count, fill(&more, 1));
   const bool ended = !inflater_ || inflater_->ended;
-  if (*count > 0 || !packed_.empty() || !ended) {
+  if (count > 0 || !packed_.empty() || !ended) {
     return format_failure("its packed data do not end where it ends");
   }
   if (crc_ != expected_crc_) {

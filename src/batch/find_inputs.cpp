@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/option_name.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -171,9 +172,8 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     }
     std::string relative;
     if (!base.empty()) {
-      const auto found = below(path, base);
-      if (!found) return failure(found.error());
-      if (*found != ".") relative = *found;
+      TRY_ASSIGN(const auto found, below(path, base));
+      if (found != ".") relative = found;
       while (relative.ends_with('/')) relative.pop_back();
     }
     add_folder(path, relative);
@@ -183,9 +183,8 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     return input_failure(path, "a batch reads files, and this is a pipe or a device",
                          "retarget " OPTION("bvh") " reads one");
   }
-  const auto relative = below(path, base);
-  if (!relative) return failure(relative.error());
-  add_input(path, *relative, there ? &info : nullptr);
+  TRY_ASSIGN(const auto relative, below(path, base));
+  add_input(path, relative, there ? &info : nullptr);
   return {};
 }
 
@@ -208,9 +207,8 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
-  const auto content = read_file(file, ErrorKind::kInput, kMostListBytes);
-  if (!content) return failure(content.error());
-  std::string_view text = content->view();
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMostListBytes));
+  std::string_view text = content.view();
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {
     const std::size_t length = std::min(text.find(end), text.size());
@@ -218,7 +216,7 @@ Result<void> InputFinder::add_list(const std::string& file) {
     text.remove_prefix(std::min(length + 1, text.size()));
     if (end == '\n' && line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty() || (end == '\n' && line.starts_with('#'))) continue;
-    if (auto added = add_existing(std::string(line), search_.base, false); !added) return added;
+    TRY(add_existing(std::string(line), search_.base, false));
   }
   return {};
 }
@@ -234,10 +232,10 @@ Result<void> InputFinder::add_name(const std::string& name) {
 
 Result<FoundInputs> InputFinder::run() {
   for (const std::string& name : search_.names) {
-    if (auto added = add_name(name); !added) return failure(added.error());
+    TRY(add_name(name));
   }
   for (const std::string& list : search_.lists) {
-    if (auto added = add_list(list); !added) return failure(added.error());
+    TRY(add_list(list));
   }
   if (hidden_ > 0) {
     found_.notes.push_back("passed over " + std::to_string(hidden_) +

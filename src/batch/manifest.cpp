@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/option_name.h"
 #include "base/plain_name.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -51,9 +52,8 @@ Result<ManifestContent> read_manifest(const std::string& path) {
   ManifestContent content;
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0 && errno == ENOENT) return content;
-  const auto file = read_file(path, ErrorKind::kRun);
-  if (!file) return failure(file.error());
-  std::string_view text = file->view();
+  TRY_ASSIGN(const auto file, read_file(path, ErrorKind::kRun));
+  std::string_view text = file.view();
   while (!text.empty()) {
     const std::size_t length = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, length);
@@ -96,7 +96,7 @@ Result<std::unique_ptr<ManifestWriter>> ManifestWriter::begin(
     const std::string& path, std::span<const ManifestEntry> entries) {
   std::string text;
   for (const ManifestEntry& entry : entries) text += manifest_line(entry);
-  if (auto written = write_file(path, text); !written) return failure(written.error());
+  TRY(write_file(path, text));
   auto state = std::make_unique<State>();
   state->path = path;
   state->descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);

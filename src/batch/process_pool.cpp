@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/sanitizer.h"
+#include "base/try.h"
 #include "batch/worker_process.h"
 
 namespace retarget {
@@ -85,9 +86,8 @@ class Pool {
           bound_memory(options_.most_memory);
           if (options_.begin_worker) options_.begin_worker();
         };
-        auto started = WorkerProcess::start({options_.end_process, begin, work_});
-        if (!started) return failure(started.error());
-        slot.process.emplace(std::move(*started));
+        TRY_ASSIGN(auto started, WorkerProcess::start({options_.end_process, begin, work_}));
+        slot.process.emplace(std::move(started));
       }
       if (!slot.process->give(*next)) {
         slot.process.reset();

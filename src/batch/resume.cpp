@@ -7,8 +7,9 @@
 #include <set>
 #include <system_error>
 
-#include "base/hash.h"
 #include "base/plain_name.h"
+#include "base/try.h"
+#include "provenance/hash.h"
 
 namespace retarget {
 namespace {
@@ -26,10 +27,9 @@ Result<FileRecord> record_file(const std::string& path, std::string name) {
   }
   if (S_ISDIR(info.st_mode)) return input_failure(path, "this folder cannot be read");
   if (!S_ISREG(info.st_mode)) return input_failure(path, "cannot read the file: not a file");
-  auto hash = hash_file(path);
-  if (!hash) return failure(hash.error());
+  TRY_ASSIGN(auto hash, hash_file(path));
   return FileRecord{std::move(name), static_cast<std::uint64_t>(info.st_size), modified_ns(info),
-                    std::move(*hash)};
+                    std::move(hash)};
 }
 
 RecordState look_at(const FileRecord& record, const std::string& path) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/try.h"
 #include "bvh/euler_angles.h"
 #include "bvh/joint_positions.h"
 #include "bvh/source_text.h"
@@ -115,7 +116,7 @@ Result<void> BvhWriter::check() const {
   }
   if (skeleton_.joint_count() == 0) return run_failure({}, "a skeleton without joints is no BVH");
   for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
-    if (Result<void> good = check_joint(joint); !good) return good;
+    TRY(check_joint(joint));
   }
   if (skeleton_.channel_count() == 0 && clip_.frame_count() > 0) {
     return run_failure({}, "cannot write frames as BVH: no joint has a channel to move by");
@@ -224,7 +225,7 @@ Result<void> BvhWriter::find_angles(int frame, int joint) {
 Result<void> BvhWriter::write_values(int frame, int joint) {
   const Result<Eigen::Vector3d> translation = written_translation(frame, joint);
   if (!translation) return Failure(translation.error());
-  if (Result<void> found = find_angles(frame, joint); !found) return found;
+  TRY(find_angles(frame, joint));
   std::size_t turn = 0;
   for (const Channel channel : skeleton_.joint(joint).channels) {
     if (!text_.ends_with('\n')) text_ += ' ';
@@ -241,7 +242,7 @@ Result<void> BvhWriter::write_values(int frame, int joint) {
 
 Result<void> BvhWriter::write_frame(int frame) {
   for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
-    if (Result<void> written = write_values(frame, joint); !written) return written;
+    TRY(write_values(frame, joint));
   }
   text_ += '\n';
   return {};
@@ -261,7 +262,7 @@ Result<void> BvhWriter::write_motion() {
     turns.now = turns.before;
   }
   for (int frame = 0; frame < clip_.frame_count(); ++frame) {
-    if (Result<void> written = write_frame(frame); !written) return written;
+    TRY(write_frame(frame));
   }
   return {};
 }

@@ -10,6 +10,7 @@
 
 #include "base/npz.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "io/csv_table.h"
 #include "io/pickle.h"
 
@@ -123,16 +124,14 @@ MotionTable table_of_csv(CsvTable csv) {
 }
 
 Result<MotionTable> table_of_npz(std::string_view bytes, const std::string& file) {
-  const auto npz = NpzFile::open(bytes, file);
-  if (!npz) return failure(npz.error());
+  TRY_ASSIGN(const auto npz, NpzFile::open(bytes, file));
   std::vector<NpyArray> arrays;
-  for (const std::string& name : npz->names()) {
-    auto array = npz->read(name);
-    if (!array) return failure(array.error());
-    arrays.push_back(std::move(*array));
+  for (const std::string& name : npz.names()) {
+    TRY_ASSIGN(auto array, npz.read(name));
+    arrays.push_back(std::move(array));
   }
   TableBuilder builder;
-  for (std::size_t i = 0; i < arrays.size(); ++i) builder.add(npz->names()[i], arrays[i]);
+  for (std::size_t i = 0; i < arrays.size(); ++i) builder.add(npz.names()[i], arrays[i]);
   return builder.build();
 }
 
@@ -183,15 +182,13 @@ namespace {
 Result<MotionTable> any_table(std::string_view bytes, const std::string& file) {
   if (bytes.starts_with("PK")) return table_of_npz(bytes, file);
   if (looks_like_pickle(bytes)) {
-    const auto document = read_pickle(bytes, file);
-    if (!document) return failure(document.error());
+    TRY_ASSIGN(const auto document, read_pickle(bytes, file));
     TableBuilder builder;
-    add_dictionary(*document, document->root(), "", 0, builder);
+    add_dictionary(document, document.root(), "", 0, builder);
     return builder.build();
   }
-  auto csv = read_csv_table(bytes, file);
-  if (!csv) return failure(csv.error());
-  return table_of_csv(std::move(*csv));
+  TRY_ASSIGN(auto csv, read_csv_table(bytes, file));
+  return table_of_csv(std::move(csv));
 }
 
 // numbers that are no columns, held against each other by name
@@ -244,6 +241,7 @@ Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable
   MotionDifference difference;
   difference.frames_a = a.frames;
   difference.frames_b = b.frames;
+  difference.column_count = width;
   std::vector<ColumnDifference> columns(width);
   std::vector<double> sign(width);
   for (std::size_t frame = 0; frame < std::min(a.frames, b.frames); ++frame) {

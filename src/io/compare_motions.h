@@ -44,6 +44,7 @@ struct ColumnDifference {
 
 struct MotionDifference {
   std::size_t frames_a = 0, frames_b = 0;  ///< The frames that both have are compared.
+  std::size_t column_count = 0;
   double largest = 0.0;
   std::vector<ColumnDifference> columns;  ///< Those beyond the tolerance, the worst first.
   /// Not beyond it, and with as many frames.
@@ -54,5 +55,13 @@ struct MotionDifference {
 /// take rounding, is not beyond it. Errors (kInput): other columns.
 [[nodiscard]] Result<MotionDifference> compare_motions(const MotionTable& a, const MotionTable& b,
                                                        double tolerance);
+
+/// What was compared and the largest difference; below, a line for each of the worst columns.
+[[nodiscard]] std::vector<std::string> difference_lines(const MotionDifference& difference);
+
+/// Errors (kRun): the motions do not agree; how much, and where.
+/// @param a, b  their names.
+[[nodiscard]] Result<void> check_agreement(const MotionDifference& difference, double tolerance,
+                                           const std::string& a, const std::string& b);
 
 }  // namespace retarget

@@ -2,11 +2,14 @@
 
 #include "io/csv_columns.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "io/csv_names.h"
 
 namespace retarget {
@@ -205,9 +208,7 @@ Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const
                          "position and four of its quaternion",
                          "names such as root_x, root_qx are known");
   }
-  if (auto whole = check_joints(columns, robot, file, options); !whole) {
-    return failure(whole.error());
-  }
+  TRY(check_joints(columns, robot, file, options));
   // the dialect has its units without saying so
   if (columns.soma && !columns.degrees) columns.degrees = true;
   if (columns.soma && !columns.metres_per_unit) columns.metres_per_unit = 0.01;
@@ -224,13 +225,13 @@ bool counts_up(const CsvTable& table) {
 // `36: 7 of the root and 29 joints; its variants need 30 (23)`
 std::string needed_columns(const Robot& robot, const std::string& variant) {
   const std::size_t joints = output_joints_of(robot, variant).size();
-  std::string text = std::to_string(kRootColumns + joints) + ": " + std::to_string(kRootColumns) +
-                     " of the root and " + std::to_string(joints) + " joints";
+  const std::string text =
+      fmt::format("{}: {} of the root and {} joints", kRootColumns + joints, kRootColumns, joints);
   if (!variant.empty()) return text + " of its variant " + variant;
   std::vector<std::string> others;
   for (const RobotVariant& each : robot.profile().variants) {
     const std::size_t columns = kRootColumns + output_joints_of(robot, each.name).size();
-    others.push_back(std::to_string(columns) + " (" + each.name + ")");
+    others.push_back(fmt::format("{} ({})", columns, each.name));
   }
   return others.empty() ? text : text + "; its variants need " + list_names(others);
 }
@@ -254,15 +255,16 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
     }
   }
   if (!joints) {
-    if (found > kRootColumns && joints.error().hint.starts_with(OPTION("source-dof"))) {
-      return failure(joints.error());
-    }
-    return failure({.kind = ErrorKind::kInput,
-                    .location = {file, table.lines.front(), 1},
-                    .message = "this line has " + std::to_string(found) + " columns, the robot " +
-                               robot.name() + " needs " + needed_columns(robot, options.variant),
-                    .details = {},
-                    .hint = {}});
+    const bool several =
+        found > kRootColumns &&
+        variants_by_count(robot, found - kRootColumns, csv.format, options.variant).size() > 1;
+    if (several) return failure(joints.error());
+    return failure({ErrorKind::kInput,
+                    {file, table.lines.front(), 1},
+                    fmt::format("this line has {} columns, the robot {} needs {}", found,
+                                robot.name(), needed_columns(robot, options.variant)),
+                    {},
+                    {}});
   }
   if (first == 1) columns.clock = 0;
   for (int i = 0; i < 3; ++i) columns.position[i] = first + i;

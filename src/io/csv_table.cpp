@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/try.h"
 #include "io/csv_cells.h"
 
 namespace retarget {
@@ -37,7 +38,7 @@ class CsvTableReader {
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       ++line_;
-      if (auto done = read_line(text.substr(0, end)); !done) return failure(done.error());
+      TRY(read_line(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (table_.rows() == 0) return input_failure(file_, "the file holds no frames");
@@ -52,11 +53,8 @@ class CsvTableReader {
  private:
   [[nodiscard]] Failure fault(std::size_t column, std::string message,
                               std::string hint = {}) const {
-    return failure({.kind = ErrorKind::kInput,
-                    .location = {file_, line_, column + 1},
-                    .message = std::move(message),
-                    .details = {},
-                    .hint = std::move(hint)});
+    return failure(
+        {ErrorKind::kInput, {file_, line_, column + 1}, std::move(message), {}, std::move(hint)});
   }
 
   Result<void> read_line(std::string_view line) {

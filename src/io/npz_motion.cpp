@@ -9,6 +9,7 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "io/raw_motion.h"
 #include "retarget/motion_io.h"
 #include "robot/variant.h"
@@ -27,26 +28,22 @@ struct TrackingArrays {
 
 Result<std::vector<double>> read_array(const NpzFile& npz, const char* name, std::size_t dimensions,
                                        std::vector<std::size_t>& shape) {
-  const auto array = npz.read(name);
-  if (!array) return failure(array.error());
-  if (!array->is_number() || array->shape.size() != dimensions) {
-    return npz.array_failure(name, "has the shape " + shape_text(array->shape) +
+  TRY_ASSIGN(const auto array, npz.read(name));
+  if (!array.is_number() || array.shape.size() != dimensions) {
+    return npz.array_failure(name, "has the shape " + shape_text(array.shape) +
                                        " and should have " + std::to_string(dimensions) +
                                        " dimensions of numbers");
   }
-  shape = array->shape;
-  return array->numbers();
+  shape = array.shape;
+  return array.numbers();
 }
 
 Result<TrackingArrays> read_arrays(const NpzFile& npz) {
   TrackingArrays arrays;
   std::vector<std::size_t> joints, positions, rotations;
-  auto joint_pos = read_array(npz, "joint_pos", 2, joints);
-  if (!joint_pos) return failure(joint_pos.error());
-  auto body_pos = read_array(npz, "body_pos_w", 3, positions);
-  if (!body_pos) return failure(body_pos.error());
-  auto body_quat = read_array(npz, "body_quat_w", 3, rotations);
-  if (!body_quat) return failure(body_quat.error());
+  TRY_ASSIGN(auto joint_pos, read_array(npz, "joint_pos", 2, joints));
+  TRY_ASSIGN(auto body_pos, read_array(npz, "body_pos_w", 3, positions));
+  TRY_ASSIGN(auto body_quat, read_array(npz, "body_quat_w", 3, rotations));
   const bool fits = joints[0] == positions[0] && joints[0] == rotations[0] &&
                     positions[1] == rotations[1] && positions[1] > 0 && positions[2] == 3 &&
                     rotations[2] == 4;
@@ -55,9 +52,9 @@ Result<TrackingArrays> read_arrays(const NpzFile& npz) {
   arrays.frames = joints[0];
   arrays.joint_count = joints[1];
   arrays.body_count = positions[1];
-  arrays.joint_pos = std::move(*joint_pos);
-  arrays.body_pos = std::move(*body_pos);
-  arrays.body_quat = std::move(*body_quat);
+  arrays.joint_pos = std::move(joint_pos);
+  arrays.body_pos = std::move(body_pos);
+  arrays.body_quat = std::move(body_quat);
   return arrays;
 }
 
@@ -143,42 +140,37 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
                                   const std::string& file, const ReadMotionOptions& options) {
   NpzReadOptions npz_options;
   npz_options.max_number_bytes = options.most_bytes;
-  const auto npz = NpzFile::open(bytes, file, npz_options);
-  if (!npz) return failure(npz.error());
+  TRY_ASSIGN(const auto npz, NpzFile::open(bytes, file, npz_options));
   for (const char* name : {"joint_pos", "body_pos_w", "body_quat_w"}) {
-    if (npz->has(name)) continue;
-    return npz->file_failure(
+    if (npz.has(name)) continue;
+    return npz.file_failure(
         "it is no motion of a robot: there is no array \"" + std::string(name) + "\"",
-        "it has " + list_names(npz->names(), 12));
+        "it has " + list_names(npz.names(), 12));
   }
-  const auto arrays = read_arrays(*npz);
-  if (!arrays) return failure(arrays.error());
-  const auto layout = choose_layout(robot, *arrays, *npz, options);
-  if (!layout) return failure(layout.error());
+  TRY_ASSIGN(const auto arrays, read_arrays(npz));
+  TRY_ASSIGN(const auto layout, choose_layout(robot, arrays, npz, options));
   RawMotion raw;
-  raw.format = layout->format;
-  raw.frames = arrays->frames;
+  raw.format = layout.format;
+  raw.frames = arrays.frames;
   raw.order = raw.usual = QuaternionOrder::kWxyz;
   raw.degrees = false;
   raw.metres_per_unit = 1.0;
-  raw.joint_count = arrays->joint_count;
-  raw.joint_indices = layout->joints;
-  raw.joints = arrays->joint_pos;
-  for (std::size_t frame = 0; frame < arrays->frames; ++frame) {
+  raw.joint_count = arrays.joint_count;
+  raw.joint_indices = layout.joints;
+  raw.joints = arrays.joint_pos;
+  for (std::size_t frame = 0; frame < arrays.frames; ++frame) {
     const auto place =
-        arrays->body_pos.begin() + static_cast<std::ptrdiff_t>(3 * frame * arrays->body_count);
+        arrays.body_pos.begin() + static_cast<std::ptrdiff_t>(3 * frame * arrays.body_count);
     const auto turn =
-        arrays->body_quat.begin() + static_cast<std::ptrdiff_t>(4 * frame * arrays->body_count);
+        arrays.body_quat.begin() + static_cast<std::ptrdiff_t>(4 * frame * arrays.body_count);
     raw.position.insert(raw.position.end(), place, place + 3);
     raw.rotation.insert(raw.rotation.end(), turn, turn + 4);
   }
-  if (npz->has("fps")) {
-    const auto fps = npz->read("fps");
-    if (!fps) return failure(fps.error());
-    const double value =
-        fps->is_number() && fps->element_count() == 1 ? fps->numbers().front() : 0.0;
+  if (npz.has("fps")) {
+    TRY_ASSIGN(const auto fps, npz.read("fps"));
+    const double value = fps.is_number() && fps.element_count() == 1 ? fps.numbers().front() : 0.0;
     if (!(value >= kSlowestFileRate && value <= kFastestFileRate))
-      return npz->array_failure("fps", "is no rate");
+      return npz.array_failure("fps", "is no rate");
     raw.rate = frame_rate_from_fps(value);
   }
   return raw;

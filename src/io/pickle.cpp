@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/try.h"
 #include "io/pickle_reader.h"
 
 namespace retarget {
@@ -125,9 +126,8 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
   PickleDocument document;
   const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
   if (compressed) {
-    auto unpacked = unpack(bytes, file);
-    if (!unpacked) return failure(unpacked.error());
-    document.unpacked_ = std::move(*unpacked);
+    TRY_ASSIGN(auto unpacked, unpack(bytes, file));
+    document.unpacked_ = std::move(unpacked);
     // a short text would move with its object
     document.unpacked_.reserve(64);
     bytes = document.unpacked_;
@@ -142,7 +142,7 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
                                             : "write it with Python 3's pickle.dump(motion, file)");
   }
   PickleReader reader(bytes, file, document);
-  if (auto done = reader.read(); !done) return failure(done.error());
+  TRY(reader.read());
   return document;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/try.h"
 #include "io/pickle_reader.h"
 
 namespace retarget {
@@ -65,12 +66,10 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
 }
 
 Result<void> PickleReader::call() {
-  const auto arguments_node = pop();
-  if (!arguments_node) return failure(arguments_node.error());
-  const auto callee_node = pop();
-  if (!callee_node) return failure(callee_node.error());
-  const PickleNode& arguments = node(*arguments_node);
-  const PickleNode& callee = node(*callee_node);
+  TRY_ASSIGN(const auto arguments_node, pop());
+  TRY_ASSIGN(const auto callee_node, pop());
+  const PickleNode& arguments = node(arguments_node);
+  const PickleNode& callee = node(callee_node);
   if (callee.kind != Kind::kObject || arguments.kind != Kind::kTuple) {
     return fault("the pickle calls what is no function");
   }
@@ -161,10 +160,9 @@ Result<std::size_t> PickleReader::array_size(const PickleNode& type, const Pickl
 
 Result<void> PickleReader::make_array(Node target, const PickleNode& type, const PickleNode& shape,
                                       bool fortran_order, std::string_view data) {
-  const auto size = array_size(type, shape);
-  if (!size) return failure(size.error());
-  if (*size != data.size()) {
-    return fault("an array of the pickle should have " + std::to_string(*size) + " bytes and has " +
+  TRY_ASSIGN(const auto size, array_size(type, shape));
+  if (size != data.size()) {
+    return fault("an array of the pickle should have " + std::to_string(size) + " bytes and has " +
                  std::to_string(data.size()));
   }
   array_bytes_ += data.size();
@@ -190,7 +188,7 @@ Result<void> PickleReader::make_scalar(const PickleNode& arguments) {
   }
   const PickleNode& type = node(arguments.items[0]);
   const std::string_view data = node(arguments.items[1]).text;
-  if (auto pushed = push({}); !pushed) return pushed;
+  TRY(push({}));
   PickleNode no_shape;
   no_shape.kind = Kind::kTuple;
   return make_array(stack_.back(), type, no_shape, false, data);
@@ -204,20 +202,18 @@ Result<void> PickleReader::array_from_buffer(const PickleNode& arguments) {
   const std::string_view data = node(arguments.items[0]).text;
   const PickleNode& type = node(arguments.items[1]);
   const PickleNode& shape = node(arguments.items[2]);
-  if (auto pushed = push({}); !pushed) return pushed;
+  TRY(push({}));
   return make_array(stack_.back(), type, shape, fortran_order, data);
 }
 
 Result<void> PickleReader::build() {
-  const auto state = pop();
-  if (!state) return failure(state.error());
-  const auto target = pop();
-  if (!target) return failure(target.error());
-  stack_.push_back(*target);
-  const PickleNode& object = node(*target);
-  if (is_part(object, Part::kShell)) return fill_shell(*target, node(*state));
-  if (is_part(object, Part::kWrapper)) return fill_wrapper(*target, node(*state));
-  if (is_part(object, Part::kType)) return set_byte_order(*target, node(*state));
+  TRY_ASSIGN(const auto state, pop());
+  TRY_ASSIGN(const auto target, pop());
+  stack_.push_back(target);
+  const PickleNode& object = node(target);
+  if (is_part(object, Part::kShell)) return fill_shell(target, node(state));
+  if (is_part(object, Part::kWrapper)) return fill_wrapper(target, node(state));
+  if (is_part(object, Part::kType)) return set_byte_order(target, node(state));
   return fault("the pickle gives a state to what has none");
 }
 
@@ -243,16 +239,13 @@ Result<void> PickleReader::fill_wrapper(Node wrapper, const PickleNode& state) {
   if (type == nullptr || shape == nullptr || order == nullptr) {
     return fault("the pickle has a NumpyArrayWrapper without dtype, shape or order");
   }
-  const auto size = array_size(*type, *shape);
-  if (!size) return failure(size.error());
+  TRY_ASSIGN(const auto size, array_size(*type, *shape));
   if (alignment != nullptr && alignment->kind != Kind::kNone) {
-    const auto padding = take_size(1);
-    if (!padding) return failure(padding.error());
-    if (auto skipped = take(*padding); !skipped) return failure(skipped.error());
+    TRY_ASSIGN(const auto padding, take_size(1));
+    TRY(take(padding));
   }
-  const auto data = take(*size);
-  if (!data) return failure(data.error());
-  return make_array(wrapper, *type, *shape, order->text == "F", *data);
+  TRY_ASSIGN(const auto data, take(size));
+  return make_array(wrapper, *type, *shape, order->text == "F", data);
 }
 
 // (3, byte order, None, None, None, -1, -1, 0)

@@ -5,6 +5,7 @@
 
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "io/pickle.h"
 #include "io/raw_motion.h"
 
@@ -56,7 +57,7 @@ class PickledMotion {
       if (width == 0) raw.joint_count = array->shape[1];
     }
     if (raw.frames == 0) return input_failure(file_, "the file holds no frames");
-    if (auto rate = read_rate(raw); !rate) return failure(rate.error());
+    TRY(read_rate(raw));
     return raw;
   }
 
@@ -95,26 +96,25 @@ class PickledMotion {
 
 Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& file,
                                      const ReadMotionOptions& options) {
-  const auto document = read_pickle(bytes, file);
-  if (!document) return failure(document.error());
-  const PickleNode& root = document->root();
+  TRY_ASSIGN(const auto document, read_pickle(bytes, file));
+  const PickleNode& root = document.root();
   if (root.kind != PickleNode::Kind::kDict) {
     return input_failure(file, "the pickle holds no dictionary of a motion");
   }
-  if (document->find(root, kGmrKeys.position) != nullptr ||
-      document->find(root, kGmrKeys.joints) != nullptr) {
-    return PickledMotion(*document, root, file).read(kGmrKeys);
+  if (document.find(root, kGmrKeys.position) != nullptr ||
+      document.find(root, kGmrKeys.joints) != nullptr) {
+    return PickledMotion(document, root, file).read(kGmrKeys);
   }
-  if (document->find(root, kPbhcKeys.position) != nullptr) {
-    return PickledMotion(*document, root, file).read(kPbhcKeys);
+  if (document.find(root, kPbhcKeys.position) != nullptr) {
+    return PickledMotion(document, root, file).read(kPbhcKeys);
   }
   std::vector<std::string> motions;
   // a member that stands there many times is looked at once
   std::set<const PickleNode*> seen;
   for (std::size_t i = 0; i + 1 < root.items.size(); i += 2) {
-    const PickleNode &key = document->at(root.items[i]), &member = document->at(root.items[i + 1]);
+    const PickleNode &key = document.at(root.items[i]), &member = document.at(root.items[i + 1]);
     if (key.kind != PickleNode::Kind::kText || !seen.insert(&member).second) continue;
-    if (document->find(member, kPbhcKeys.position) != nullptr) motions.emplace_back(key.text);
+    if (document.find(member, kPbhcKeys.position) != nullptr) motions.emplace_back(key.text);
   }
   if (motions.empty()) {
     return input_failure(file, "the pickle holds no motion of a robot",
@@ -133,7 +133,7 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& 
     return input_failure(file, "the file holds " + std::to_string(motions.size()) + " motions",
                          "choose one with " OPTION("motion") ": " + list_names(motions, 10));
   }
-  auto raw = PickledMotion(*document, *document->find(root, chosen), file).read(kPbhcKeys);
+  auto raw = PickledMotion(document, *document.find(root, chosen), file).read(kPbhcKeys);
   if (raw) raw->notes.push_back("motion \"" + chosen + "\"");
   return raw;
 }

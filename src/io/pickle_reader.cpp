@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -43,9 +44,8 @@ Result<std::string_view> PickleReader::take(std::uint64_t size) {
 }
 
 Result<std::uint64_t> PickleReader::take_size(int bytes) {
-  const auto taken = take(static_cast<std::uint64_t>(bytes));
-  if (!taken) return failure(taken.error());
-  return unsigned_of(*taken);
+  TRY_ASSIGN(const auto taken, take(static_cast<std::uint64_t>(bytes)));
+  return unsigned_of(taken);
 }
 
 Result<std::string_view> PickleReader::take_line() {
@@ -100,22 +100,19 @@ Result<bool> PickleReader::read_plain(PickleOp op) {
       made.kind = Kind::kInteger;
       size = op == PickleOp::kBinInt1 ? 1 : op == PickleOp::kBinInt2 ? 2 : 4;
       if (op == PickleOp::kLong1) {
-        const auto length = take_size(1);
-        if (!length) return failure(length.error());
-        if (*length > 8) return fault("the pickle holds an integer of more than 64 bits");
-        size = static_cast<int>(*length);
+        TRY_ASSIGN(const auto length, take_size(1));
+        if (length > 8) return fault("the pickle holds an integer of more than 64 bits");
+        size = static_cast<int>(length);
       }
-      const auto bytes = take(static_cast<std::uint64_t>(size));
-      if (!bytes) return failure(bytes.error());
+      TRY_ASSIGN(const auto bytes, take(static_cast<std::uint64_t>(size)));
       const bool has_sign = op == PickleOp::kBinInt || op == PickleOp::kLong1;
-      made.integer = has_sign ? signed_of(*bytes) : static_cast<std::int64_t>(unsigned_of(*bytes));
+      made.integer = has_sign ? signed_of(bytes) : static_cast<std::int64_t>(unsigned_of(bytes));
       break;
     }
     case PickleOp::kBinFloat: {
-      const auto bytes = take(8);
-      if (!bytes) return failure(bytes.error());
+      TRY_ASSIGN(const auto bytes, take(8));
       // the only number that is written with its most significant byte first
-      const std::string reversed(bytes->rbegin(), bytes->rend());
+      const std::string reversed(bytes.rbegin(), bytes.rend());
       made.kind = Kind::kNumber;
       made.number = std::bit_cast<double>(unsigned_of(reversed));
       break;
@@ -123,7 +120,7 @@ Result<bool> PickleReader::read_plain(PickleOp op) {
     default:
       return false;
   }
-  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  TRY(push(std::move(made)));
   return true;
 }
 
@@ -157,12 +154,10 @@ Result<bool> PickleReader::read_bytes(PickleOp op) {
     default:
       return false;
   }
-  const auto length = take_size(length_bytes);
-  if (!length) return failure(length.error());
-  const auto bytes = take(*length);
-  if (!bytes) return failure(bytes.error());
-  made.text = *bytes;
-  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  TRY_ASSIGN(const auto length, take_size(length_bytes));
+  TRY_ASSIGN(const auto bytes, take(length));
+  made.text = bytes;
+  TRY(push(std::move(made)));
   return true;
 }
 
@@ -171,20 +166,18 @@ Result<bool> PickleReader::push_sequence(Kind kind, std::size_t count) {
   PickleNode made;
   made.kind = kind;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto item = pop();
-    if (!item) return failure(item.error());
-    made.items.push_back(*item);
+    TRY_ASSIGN(const auto item, pop());
+    made.items.push_back(item);
   }
   std::ranges::reverse(made.items);
-  if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+  TRY(push(std::move(made)));
   return true;
 }
 
 Result<void> PickleReader::add_items(Kind kind, const std::vector<Node>& items) {
-  const auto target = pop();
-  if (!target) return failure(target.error());
-  stack_.push_back(*target);
-  PickleNode& container = node(*target);
+  TRY_ASSIGN(const auto target, pop());
+  stack_.push_back(target);
+  PickleNode& container = node(target);
   if (container.kind != kind || (kind == Kind::kDict && items.size() % 2 != 0)) {
     return fault("the pickle adds values to what cannot hold them");
   }
@@ -214,37 +207,34 @@ Result<bool> PickleReader::read_container(PickleOp op) {
     case PickleOp::kTuple:
     case PickleOp::kList:
     case PickleOp::kDict: {
-      auto items = pop_to_mark();
-      if (!items) return failure(items.error());
-      if (op == PickleOp::kDict && items->size() % 2 != 0) {
+      TRY_ASSIGN(auto items, pop_to_mark());
+      if (op == PickleOp::kDict && items.size() % 2 != 0) {
         return fault("the pickle has a dictionary key without its value");
       }
       PickleNode made;
       made.kind = op == PickleOp::kTuple  ? Kind::kTuple
                   : op == PickleOp::kList ? Kind::kList
                                           : Kind::kDict;
-      made.items = std::move(*items);
-      if (auto pushed = push(std::move(made)); !pushed) return failure(pushed.error());
+      made.items = std::move(items);
+      TRY(push(std::move(made)));
       return true;
     }
     case PickleOp::kAppends:
     case PickleOp::kSetItems: {
-      const auto items = pop_to_mark();
-      if (!items) return failure(items.error());
+      TRY_ASSIGN(const auto items, pop_to_mark());
       const Kind kind = op == PickleOp::kAppends ? Kind::kList : Kind::kDict;
-      if (auto added = add_items(kind, *items); !added) return failure(added.error());
+      TRY(add_items(kind, items));
       return true;
     }
     case PickleOp::kAppend:
     case PickleOp::kSetItem: {
       std::vector<Node> items;
       for (int left = op == PickleOp::kAppend ? 1 : 2; left > 0; --left) {
-        const auto item = pop();
-        if (!item) return failure(item.error());
-        items.insert(items.begin(), *item);
+        TRY_ASSIGN(const auto item, pop());
+        items.insert(items.begin(), item);
       }
       const Kind kind = op == PickleOp::kAppend ? Kind::kList : Kind::kDict;
-      if (auto added = add_items(kind, items); !added) return failure(added.error());
+      TRY(add_items(kind, items));
       return true;
     }
     default:
@@ -259,9 +249,8 @@ Result<bool> PickleReader::read_memo(PickleOp op) {
   std::uint64_t number = memo_.size();
   if (op != PickleOp::kMemoize) {
     const bool is_long = op == PickleOp::kLongBinPut || op == PickleOp::kLongBinGet;
-    const auto index = take_size(is_long ? 4 : 1);
-    if (!index) return failure(index.error());
-    number = *index;
+    TRY_ASSIGN(const auto index, take_size(is_long ? 4 : 1));
+    number = index;
   }
   if (gets) {
     const auto found = memo_.find(number);
@@ -283,22 +272,18 @@ Result<bool> PickleReader::read_object(PickleOp op) {
   Result<void> done;
   switch (op) {
     case PickleOp::kGlobal: {
-      const auto module = take_line();
-      if (!module) return failure(module.error());
-      const auto name = take_line();
-      if (!name) return failure(name.error());
-      done = push_global(*module, *name);
+      TRY_ASSIGN(const auto module, take_line());
+      TRY_ASSIGN(const auto name, take_line());
+      done = push_global(module, name);
       break;
     }
     case PickleOp::kStackGlobal: {
-      const auto name = pop();
-      if (!name) return failure(name.error());
-      const auto module = pop();
-      if (!module) return failure(module.error());
-      if (node(*name).kind != Kind::kText || node(*module).kind != Kind::kText) {
+      TRY_ASSIGN(const auto name, pop());
+      TRY_ASSIGN(const auto module, pop());
+      if (node(name).kind != Kind::kText || node(module).kind != Kind::kText) {
         return fault("the pickle names a function by what is no text");
       }
-      done = push_global(node(*module).text, node(*name).text);
+      done = push_global(node(module).text, node(name).text);
       break;
     }
     case PickleOp::kReduce:
@@ -311,23 +296,21 @@ Result<bool> PickleReader::read_object(PickleOp op) {
     default:
       return false;
   }
-  if (!done) return failure(done.error());
+  TRY(std::move(done));
   return true;
 }
 
 Result<void> PickleReader::read() {
   for (;;) {
     opcode_at_ = at_;
-    const auto byte = take(1);
-    if (!byte) return failure(byte.error());
-    const auto op = static_cast<PickleOp>(static_cast<unsigned char>(byte->front()));
+    TRY_ASSIGN(const auto byte, take(1));
+    const auto op = static_cast<PickleOp>(static_cast<unsigned char>(byte.front()));
     if (op == PickleOp::kStop) break;
     if (op == PickleOp::kProto || op == PickleOp::kFrame) {
       // a frame only tells how much may be read ahead
-      const auto argument = take_size(op == PickleOp::kProto ? 1 : 8);
-      if (!argument) return failure(argument.error());
-      if (op == PickleOp::kProto && (*argument < 2 || *argument > 5)) {
-        return fault("the pickle is of protocol " + std::to_string(*argument) +
+      TRY_ASSIGN(const auto argument, take_size(op == PickleOp::kProto ? 1 : 8));
+      if (op == PickleOp::kProto && (argument < 2 || argument > 5)) {
+        return fault("the pickle is of protocol " + std::to_string(argument) +
                      ", and 2 to 5 are read");
       }
       continue;
@@ -336,9 +319,8 @@ Result<void> PickleReader::read() {
     for (const auto group :
          {&PickleReader::read_plain, &PickleReader::read_bytes, &PickleReader::read_container,
           &PickleReader::read_memo, &PickleReader::read_object}) {
-      const auto done = (this->*group)(op);
-      if (!done) return failure(done.error());
-      known = *done;
+      TRY_ASSIGN(const auto done, (this->*group)(op));
+      known = done;
       if (known) break;
     }
     if (!known) {
@@ -347,9 +329,8 @@ Result<void> PickleReader::read() {
                    "only plain values and NumPy arrays are read, and nothing is executed");
     }
   }
-  const auto root = pop();
-  if (!root) return failure(root.error());
-  document_.root_ = *root;
+  TRY_ASSIGN(const auto root, pop());
+  document_.root_ = root;
   return {};
 }
 

@@ -51,6 +51,12 @@ struct RawMotion {
                                                        const std::string& file,
                                                        const std::string& variant);
 
+/// The robot's variants (`variant` alone, where it is named) that have so many output joints. Of PBHC's
+/// files several are narrowed down to those made for it.
+[[nodiscard]] std::vector<std::string> variants_by_count(const Robot& robot, std::size_t count,
+                                                         MotionFormat format,
+                                                         const std::string& variant);
+
 /// The robot's own or a variant's output joints; `name` empty: the whole robot's.
 [[nodiscard]] std::vector<int> output_joints_of(const Robot& robot, const std::string& name);
 

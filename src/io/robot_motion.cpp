@@ -1,18 +1,24 @@
 #include "retarget/motion_io.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "io/pickle.h"
 #include "io/quaternion_order.h"
 #include "io/raw_motion.h"
 #include "io/units.h"
 #include "math/so3.h"
+#include "motion/clip_size.h"
 #include "robot/variant.h"
 
 namespace retarget {
@@ -31,29 +37,25 @@ class MotionInterpreter {
 
   Result<RobotMotion> interpret() {
     if (raw_.joint_indices.empty()) {
-      auto joints = joints_by_count(*robot_, raw_.joint_count, raw_, file_, options_.variant);
-      if (!joints) return failure(joints.error());
-      raw_.joint_indices = std::move(*joints);
+      TRY_ASSIGN(auto joints,
+                 joints_by_count(*robot_, raw_.joint_count, raw_, file_, options_.variant));
+      raw_.joint_indices = std::move(joints);
     }
-    if (auto sound = check_numbers(); !sound) return failure(sound.error());
+    TRY(check_numbers());
     const bool assumes_metres = !options_.metres_per_unit && !raw_.metres_per_unit;
-    if (auto units = find_units(*robot_, file_, options_, raw_); !units) {
-      return failure(units.error());
-    }
+    TRY(find_units(*robot_, file_, options_, raw_));
     take_euler();
-    if (auto sound = check_rotations(); !sound) return failure(sound.error());
+    TRY(check_rotations());
     note_missing_joints();
     RobotMotion motion;
     motion.format = raw_.format;
     motion.rate_known = options_.rate || raw_.rate;
     motion.clip = RobotClip(robot_, rate(), static_cast<int>(raw_.frames));
     take_joints(motion.clip);
-    const auto order = find_order(motion.clip);
-    if (!order) return failure(order.error());
-    take_rotations(motion.clip, *order);
+    TRY_ASSIGN(const auto order, find_order(motion.clip));
+    take_rotations(motion.clip, order);
     if (assumes_metres) {
-      auto sound = check_assumed_metres(motion.clip, file_, raw_.warnings);
-      if (!sound) return failure(sound.error());
+      TRY(check_assumed_metres(motion.clip, file_, raw_.warnings));
     }
     motion.notes = std::move(raw_.notes);
     motion.warnings = std::move(raw_.warnings);
@@ -237,28 +239,35 @@ std::vector<int> output_joints_of(const Robot& robot, const std::string& name) {
   return joints;
 }
 
+std::vector<std::string> variants_by_count(const Robot& robot, std::size_t count,
+                                           MotionFormat format, const std::string& variant) {
+  std::vector<std::string> fitting;
+  for (const RobotVariant& each : robot.profile().variants) {
+    if (!variant.empty() && each.name != variant) continue;
+    if (output_joints_of(robot, each.name).size() == count) fitting.push_back(each.name);
+  }
+  if (format == MotionFormat::kPklPbhc && fitting.size() > 1) {
+    std::erase_if(fitting, [](const std::string& name) { return !name.ends_with("pbhc"); });
+  }
+  return fitting;
+}
+
 Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
                                          const RawMotion& raw, const std::string& file,
                                          const std::string& variant) {
   const bool whole = variant.empty() || output_joints_of(robot, variant) == robot.output_joints();
   if (whole && robot.output_joints().size() == count) return robot.output_joints();
-  std::vector<std::string> fitting;
-  std::vector<std::string> known;
-  for (const RobotVariant& each : robot.profile().variants) {
-    known.push_back(each.name);
-    if (!variant.empty() && each.name != variant) continue;
-    if (output_joints_of(robot, each.name).size() == count) fitting.push_back(each.name);
-  }
-  if (raw.format == MotionFormat::kPklPbhc && fitting.size() > 1) {
-    std::erase_if(fitting, [](const std::string& name) { return !name.ends_with("pbhc"); });
-  }
+  const std::vector<std::string> fitting = variants_by_count(robot, count, raw.format, variant);
   if (fitting.size() == 1) return output_joints_of(robot, fitting.front());
   if (fitting.empty()) {
-    return input_failure(file,
-                         "the motion has " + std::to_string(count) +
-                             " joints, and neither the robot " + robot.name() +
-                             " nor one of its variants has as many",
-                         known.empty() ? "" : "its variants are " + list_names(known));
+    std::vector<std::string> known;
+    for (const RobotVariant& each : robot.profile().variants) known.push_back(each.name);
+    return input_failure(
+        file,
+        fmt::format("the motion has {} joints, and neither the robot {} nor one of "
+                    "its variants has as many",
+                    count, robot.name()),
+        known.empty() ? "" : "its variants are " + list_names(known));
   }
   return input_failure(
       file, std::to_string(count) + " joints may be those of the variants " + list_names(fitting),
@@ -270,11 +279,10 @@ Result<RobotMotion> parse_robot_motion(std::string_view bytes,
                                        const std::string& file, const ReadMotionOptions& options) {
   // known, or the number of all joints
   if (!options.variant.empty()) {
-    if (auto known = robot_variant(robot, options.variant); !known) return failure(known.error());
+    TRY(robot_variant(robot, options.variant));
   }
-  auto raw = read_raw(bytes, robot, file, options);
-  if (!raw) return failure(raw.error());
-  auto motion = MotionInterpreter(*raw, robot, file, options).interpret();
+  TRY_ASSIGN(auto raw, read_raw(bytes, robot, file, options));
+  auto motion = MotionInterpreter(raw, robot, file, options).interpret();
   if (motion) motion->bytes = bytes.size();
   return motion;
 }
@@ -282,9 +290,16 @@ Result<RobotMotion> parse_robot_motion(std::string_view bytes,
 Result<RobotMotion> load_robot_motion(const std::string& path,
                                       const std::shared_ptr<const Robot>& robot,
                                       const ReadMotionOptions& options) {
-  const auto content = read_file(path, ErrorKind::kInput, options.most_bytes);
-  if (!content) return failure(content.error());
-  return parse_robot_motion(content->view(), robot, path == "-" ? "standard input" : path, options);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return input_failure(path, "expected a robot's motion, found a directory",
+                         "name files in it, such as " +
+                             (std::filesystem::path(path) / "*.csv").string() +
+                             "; folders of human motions are for retarget batch");
+  }
+  TRY_ASSIGN(const auto content,
+             read_file(path, ErrorKind::kInput, options.most_bytes, kLargeFileHint));
+  return parse_robot_motion(content.view(), robot, path == "-" ? "standard input" : path, options);
 }
 
 }  // namespace retarget

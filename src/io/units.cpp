@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "io/touch_points.h"
 
 namespace retarget {
@@ -244,7 +245,7 @@ double mean_speed(const RobotClip& clip) {
 Result<void> find_units(const Robot& robot, const std::string& file,
                         const ReadMotionOptions& options, RawMotion& raw) {
   UnitFinder finder(robot, file, options, raw);
-  if (auto angles = finder.find_angle_unit(); !angles) return angles;
+  TRY(finder.find_angle_unit());
   return finder.find_length_unit();
 }
 

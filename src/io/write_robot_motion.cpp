@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/npz_writer.h"
+#include "base/try.h"
 #include "io/pickle_writer.h"
 #include "math/so3.h"
 #include "robot/variant.h"
@@ -160,15 +161,13 @@ Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat form
     case MotionFormat::kPklGmr:
       return gmr_pickle(clip);
     case MotionFormat::kPklPbhc: {
-      auto robot = pbhc_robot(clip.shared_robot());
-      if (!robot) return failure(robot.error());
-      return pbhc_pickle(with_robot(clip, std::move(*robot)), options.name);
+      TRY_ASSIGN(auto robot, pbhc_robot(clip.shared_robot()));
+      return pbhc_pickle(with_robot(clip, std::move(robot)), options.name);
     }
     case MotionFormat::kNpzMjlab:
     case MotionFormat::kNpzBeyondMimic: {
-      const auto motion = make_tracking_motion(clip, format, options.tracking);
-      if (!motion) return failure(motion.error());
-      return format_tracking_npz(*motion);
+      TRY_ASSIGN(const auto motion, make_tracking_motion(clip, format, options.tracking));
+      return format_tracking_npz(motion);
     }
   }
   return run_failure("", "there is no such format");

@@ -3,9 +3,13 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 
+#include "base/option_name.h"
 #include "retarget/clip.h"
 
 namespace retarget {
+
+/// What to do where a motion's file is larger than its part of the memory.
+inline constexpr const char* kLargeFileHint = OPTION("memory") " gives more; or split the motion";
 
 /// Bytes that a frame of a clip of this skeleton takes in memory.
 [[nodiscard]] inline std::size_t frame_bytes(const Skeleton& skeleton) {

@@ -9,7 +9,7 @@
 #include "base/try.h"
 #include "plan/check_options.h"
 #include "retarget/load.h"
-#include "rig/bare_robot.h"
+#include "anatomy/bare_robot.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"

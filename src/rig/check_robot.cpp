@@ -8,12 +8,12 @@
 #include <set>
 #include <utility>
 
+#include "anatomy/branches.h"
 #include "base/suggest.h"
 #include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
 #include "pipeline/targets.h"
-#include "rig/branches.h"
 #include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "anatomy/branches.h"
 #include "human/bones.h"
-#include "rig/branches.h"
 #include "rig/number_text.h"
 
 namespace retarget {

@@ -99,18 +99,6 @@ std::string rest_section(const RobotFindings& findings) {
 
 }  // namespace
 
-std::string source_text(ShapeSource source) {
-  switch (source) {
-    case ShapeSource::kModel:
-      return "the model's contact geoms";
-    case ShapeSource::kMesh:
-      return "mesh vertices";
-    case ShapeSource::kEstimated:
-      return "estimated from the limbs' lengths";
-  }
-  return {};
-}
-
 std::string degrees_text(double radians) {
   std::string text = number_text(rounded(radians * 180.0 / std::numbers::pi, 1));
   if (text.find('.') == std::string::npos) text += ".0";

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/shapes.h"
 #include "rig/derive_mapping.h"
-#include "rig/shapes.h"
 #include "rig/t_pose.h"
 
 namespace retarget {
@@ -29,9 +29,6 @@ struct RobotFindings {
 /// The text of decisions.md.
 [[nodiscard]] std::string decisions_text(const RobotFindings& findings,
                                          const std::vector<std::string>& notes);
-
-/// Where a shape is from: `mesh vertices`.
-[[nodiscard]] std::string source_text(ShapeSource source);
 
 /// An angle in whole and tenth degrees.
 [[nodiscard]] std::string degrees_text(double radians);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/shapes.h"
 #include "retarget/robot.h"
-#include "rig/shapes.h"
 
 namespace retarget {
 

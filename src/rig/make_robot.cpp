@@ -1,4 +1,4 @@
-#include "rig/make_robot.h"
+#include "retarget/rig.h"
 
 #include <mujoco/mujoco.h>
 
@@ -8,13 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "anatomy/neighbours.h"
+#include "anatomy/shapes.h"
+#include "base/try.h"
 #include "base/utf8.h"
 #include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
-#include "rig/neighbours.h"
 #include "rig/number_text.h"
-#include "rig/shapes.h"
 #include "rig/urdf_speeds.h"
 #include "robot/load_model.h"
 
@@ -43,28 +44,26 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   ModelChanges changes;
   changes.float_base = true;
   changes.name_all = true;
-  auto loaded = load_model(path, changes);
-  if (!loaded) return failure(loaded.error());
-  if (!loaded->closed.empty()) {
+  TRY_ASSIGN(auto loaded, load_model(path, changes));
+  if (!loaded.closed.empty()) {
     return config_failure(path,
                           "the model has a closed chain, which a tree of joints cannot follow: "
                           "an equality ties " +
-                              loaded->closed.front(),
+                              loaded.closed.front(),
                           "take the equality out if the rest of the tree moves without it");
   }
-  const auto joints = check_robot_joints(*loaded->model, path);
-  if (!joints) return failure(joints.error());
-  if (auto names = check_names(*loaded->model, path); !names) return failure(names.error());
-  if (!loaded->floated_body.empty()) {
-    notes.push_back("the model had no free joint: \"" + loaded->floated_body +
+  TRY(check_robot_joints(*loaded.model, path));
+  TRY(check_names(*loaded.model, path));
+  if (!loaded.floated_body.empty()) {
+    notes.push_back("the model had no free joint: \"" + loaded.floated_body +
                     "\" was made to float");
   }
-  for (const std::string& pair : loaded->coupled) {
+  for (const std::string& pair : loaded.coupled) {
     notes.push_back("a coupling of joints is dropped, each moves freely: " + pair);
   }
   RobotProfile profile;
   profile.name = name;
-  return Robot(std::move(loaded->model), std::move(profile), std::move(loaded->warnings));
+  return Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings));
 }
 
 // neighbours in the tree overlap by build
@@ -123,23 +122,21 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
 Result<MadeRobot> make_robot(const std::string& model_path, const std::string& name) {
   MadeRobot made;
   made.name = name;
-  auto robot = import_robot(model_path, name, made.notes);
-  if (!robot) return failure(robot.error());
-  const auto limbs = find_limbs(*robot, model_path);
-  if (!limbs) return failure(limbs.error());
+  TRY_ASSIGN(auto robot, import_robot(model_path, name, made.notes));
+  TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
   const BodyPoints mesh = mesh_points(model_path);
-  const RobotShapes shapes = find_shapes(*robot, *limbs, mesh);
-  const TPose t_pose = solve_t_pose(*robot, *limbs);
+  const RobotShapes shapes = find_shapes(robot, limbs, mesh);
+  const TPose t_pose = solve_t_pose(robot, limbs);
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
-  const IkTables tables = derive_mapping(*robot, *limbs, options);
+  const IkTables tables = derive_mapping(robot, limbs, options);
   const std::map<std::string, double> speeds = urdf_speeds(model_path);
 
   const std::string source = fs::path(model_path).filename().string();
-  made.model = format_model(*robot, name, shapes.shapes);
-  made.profile = profile_text(*robot, source, t_pose, shapes.soles, speeds);
+  made.model = format_model(robot, name, shapes.shapes);
+  made.profile = profile_text(robot, source, t_pose, shapes.soles, speeds);
   made.mapping = format_ik_tables(tables);
-  const RobotFindings findings{*robot, *limbs, t_pose, shapes, tables, speeds.size(), source};
+  const RobotFindings findings{robot, limbs, t_pose, shapes, tables, speeds.size(), source};
   const std::vector<std::string> more = notes_about(findings);
   made.notes.insert(made.notes.end(), more.begin(), more.end());
   made.summary = summary_of(findings);

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -13,7 +14,9 @@
 #include "base/json.h"
 #include "base/option_name.h"
 #include "base/plain_name.h"
-#include "rig/make_robot.h"
+#include "base/try.h"
+#include "base/utf8.h"
+#include "retarget/rig.h"
 
 namespace retarget {
 namespace {
@@ -96,17 +99,40 @@ Result<void> write_files(const MadeRobot& robot, const fs::path& folder) {
                                                            {"ik.json", &robot.mapping},
                                                            {"decisions.md", &robot.decisions}};
   for (const auto& [file, text] : files) {
-    if (auto written = write_file((folder / file).string(), *text); !written) return written;
+    TRY(write_file((folder / file).string(), *text));
   }
   return {};
 }
 
+// whether a file is in a folder or below it, links followed
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path of_file = fs::weakly_canonical(file, error);
+  const fs::path of_folder = fs::weakly_canonical(folder, error);
+  if (error) return false;
+  return std::ranges::mismatch(of_folder, of_file).in1 == of_folder.end();
+}
+
+Failure name_failure(const std::string& name) {
+  return usage_failure("\"" + name + "\" cannot be a robot's name: it becomes a folder's");
+}
+
 }  // namespace
 
-Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
-  if (!is_plain_name(robot.name)) {
-    return usage_failure("\"" + robot.name + "\" cannot be a robot's name: it becomes a folder's");
+Result<void> check_new_robot(const std::string& model_path, const std::string& name,
+                             const fs::path& into) {
+  if (name.empty() || name.starts_with('.') || valid_utf8(name) != name ||
+      name.find_first_of("/\\") != std::string::npos) {
+    return name_failure(name);
   }
+  if (!is_below(model_path, into / name)) return {};
+  return usage_failure(
+      "\"" + model_path + "\" lies in the folder that would be replaced, \"" + name + "\"",
+      "take the model out of it first");
+}
+
+Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
+  if (!is_plain_name(robot.name)) return name_failure(robot.name);
   const fs::path folder = into / robot.name;
   std::error_code error;
   if (!fs::is_directory(into, error)) {

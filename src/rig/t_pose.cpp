@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "anatomy/branches.h"
 #include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/trigonometry.h"
-#include "rig/branches.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "rig/limbs.h"
+#include "anatomy/limbs.h"
 
 namespace retarget {
 

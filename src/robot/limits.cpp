@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "robot/json_ranges.h"
 #include "robot/load_model.h"
 #include "robot/variant.h"
@@ -18,9 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // ranges of the joints that another model of the robot has by the same names; it need not be a
 // robot that can move about
 Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) {
-  const auto other = load_model(path);
-  if (!other) return failure(other.error());
-  const mjModel& model = *other->model;
+  TRY_ASSIGN(const auto other, load_model(path));
+  const mjModel& model = *other.model;
   LimitSet set = robot.model_limits();
   std::vector<std::string> other_names;
   bool common = false;
@@ -43,10 +43,9 @@ Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) 
 }
 
 Result<LimitSet> limits_from_json(const Robot& robot, const std::string& path) {
-  const auto json = load_json(path);
-  if (!json) return failure(json.error());
+  TRY_ASSIGN(const auto json, load_json(path));
   Faults faults;
-  LimitSet set = ranges_from_json(*json, robot, "the joint limits", faults);
+  LimitSet set = ranges_from_json(json, robot, "the joint limits", faults);
   if (!faults.empty()) return faults.failure_in(path, "the joint limits");
   return set;
 }
@@ -68,13 +67,12 @@ Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file
             did_you_mean(name_or_file, names),
         "its sets are " + list_names(names) + "; a file must end in .json or .xml");
   }
-  auto set =
-      is_xml ? limits_from_model(robot, name_or_file) : limits_from_json(robot, name_or_file);
-  if (!set) return failure(set.error());
-  set->name = name_or_file;
-  set->source = name_or_file;
-  hold_locked_joints(robot, *set);
-  return *set;
+  TRY_ASSIGN(auto set, is_xml ? limits_from_model(robot, name_or_file)
+                              : limits_from_json(robot, name_or_file));
+  set.name = name_or_file;
+  set.source = name_or_file;
+  hold_locked_joints(robot, set);
+  return set;
 }
 
 }  // namespace retarget

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/try.h"
 #include "robot/mujoco_messages.h"
 #include "robot/vet_model.h"
 #include "version_numbers.h"
@@ -140,10 +141,9 @@ Result<void> check_file(const std::string& path) {
   if (std::filesystem::is_other(status)) {
     return config_failure(path, "a model must be a regular file");
   }
-  const auto text = read_file(path, ErrorKind::kConfig);
-  if (!text) return failure(text.error());
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig));
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::string_view rest = text->view();
+  std::string_view rest = text.view();
   if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
   if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");
@@ -207,11 +207,9 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 }  // namespace
 
 Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
-  if (const auto version = check_version(); !version) return failure(version.error());
-  if (const auto file = check_file(path); !file) return failure(file.error());
-  if (const auto vetted = vet_model(path, changes.keep_meshes); !vetted) {
-    return failure(vetted.error());
-  }
+  TRY(check_version());
+  TRY(check_file(path));
+  TRY(vet_model(path, changes.keep_meshes));
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;
@@ -230,9 +228,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   loaded.model.reset(mj_compile(spec.get(), nullptr));
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
-  if (const auto sound = check_numbers(*loaded.model, path); !sound) {
-    return failure(sound.error());
-  }
+  TRY(check_numbers(*loaded.model, path));
   loaded.warnings = guard.warnings();
   // some versions tell a warning here, some through the handler, some both ways
   const std::string warning =

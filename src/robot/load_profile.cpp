@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/plain_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "robot/json_ranges.h"
 
 namespace retarget {
@@ -308,11 +309,10 @@ class ProfileReader {
 }  // namespace
 
 Result<RobotProfile> load_profile(const std::string& path, const Robot& bare) {
-  const auto json = load_json(path);
-  if (!json) return failure(json.error());
-  if (!json->is_object()) return config_failure(path, "a robot profile must be a JSON object");
+  TRY_ASSIGN(const auto json, load_json(path));
+  if (!json.is_object()) return config_failure(path, "a robot profile must be a JSON object");
   Faults faults;
-  RobotProfile profile = ProfileReader(*json, bare, faults).read();
+  RobotProfile profile = ProfileReader(json, bare, faults).read();
   if (!faults.empty()) return faults.failure_in(path, "the robot profile");
   return profile;
 }

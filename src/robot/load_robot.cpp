@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/plain_name.h"
+#include "base/try.h"
 #include "robot/load_model.h"
 #include "robot/load_profile.h"
 
@@ -11,21 +12,17 @@ namespace retarget {
 
 Result<std::shared_ptr<const Robot>> load_robot_files(const std::string& model_path,
                                                       const std::string& profile_path) {
-  auto loaded = load_model(model_path);
-  if (!loaded) return failure(loaded.error());
-  if (auto checked = check_robot_joints(*loaded->model, model_path); !checked) {
-    return failure(checked.error());
-  }
+  TRY_ASSIGN(auto loaded, load_model(model_path));
+  TRY(check_robot_joints(*loaded.model, model_path));
   RobotProfile bare;
   bare.name = std::filesystem::path(model_path).stem().string();
   // of a file as `...xml` nothing is left that a folder could be called
   if (!is_plain_name(bare.name)) bare.name = "model";
-  auto robot = std::make_shared<Robot>(std::move(loaded->model), std::move(bare),
-                                       std::move(loaded->warnings));
+  auto robot =
+      std::make_shared<Robot>(std::move(loaded.model), std::move(bare), std::move(loaded.warnings));
   if (profile_path.empty()) return robot;
-  auto profile = load_profile(profile_path, *robot);
-  if (!profile) return failure(profile.error());
-  robot->set_profile(std::move(*profile));
+  TRY_ASSIGN(auto profile, load_profile(profile_path, *robot));
+  robot->set_profile(std::move(profile));
   return robot;
 }
 

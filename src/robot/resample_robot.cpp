@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/try.h"
 #include "retarget/clip.h"
 
 namespace retarget {
@@ -41,13 +42,12 @@ Result<RobotClip> resample_robot(const RobotClip& source, const FrameRate& outpu
     carried.rotations(frame)[0] = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]);
     for (int i = 0; i < values; ++i) points[1 + i / 3][i % 3] = qpos[kRootValues + i];
   }
-  const auto resampled = resample(std::move(carried), output_rate, options);
-  if (!resampled) return failure(resampled.error());
-  RobotClip clip(source.shared_robot(), resampled->rate(), resampled->frame_count());
+  TRY_ASSIGN(const auto resampled, resample(std::move(carried), output_rate, options));
+  RobotClip clip(source.shared_robot(), resampled.rate(), resampled.frame_count());
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
-    const auto points = resampled->translations(frame);
-    const Eigen::Quaterniond& rotation = resampled->rotations(frame)[0];
+    const auto points = resampled.translations(frame);
+    const Eigen::Quaterniond& rotation = resampled.rotations(frame)[0];
     for (int i = 0; i < 3; ++i) qpos[i] = points[0][i];
     qpos[3] = rotation.w();
     for (int i = 0; i < 3; ++i) qpos[4 + i] = rotation.vec()[i];

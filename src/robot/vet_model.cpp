@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/number_text.h"
+#include "base/try.h"
 #include "robot/mujoco_messages.h"
 
 namespace retarget {
@@ -173,15 +174,14 @@ Result<void> ModelVetter::vet_file(const std::string& file, const Place& from) {
   if (!fs::is_regular_file(file, ignored)) {
     return config_failure(file, "expected a regular file, found something else");
   }
-  const auto text = read_file(file, ErrorKind::kConfig, kMostBytes);
-  if (!text) return failure(text.error());
-  bytes_ += text->view().size();
+  TRY_ASSIGN(const auto text, read_file(file, ErrorKind::kConfig, kMostBytes));
+  bytes_ += text.view().size();
   if (bytes_ > kMostBytes) {
     return config_failure(file, "the model has more than " + std::to_string(kMostBytes) +
                                     " bytes with all files that it includes");
   }
   tinyxml2::XMLDocument document;
-  if (document.Parse(text->view().data(), text->view().size()) != tinyxml2::XML_SUCCESS) {
+  if (document.Parse(text.view().data(), text.view().size()) != tinyxml2::XML_SUCCESS) {
     return model_failure(file, "XML parse error: " + std::string(document.ErrorStr()));
   }
   const XMLElement* top = document.RootElement();
@@ -209,13 +209,11 @@ Result<double> ModelVetter::product(const XMLElement& element, const char* attri
 
 Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place) {
   for (const SizeBound& bound : kSizes) {
-    const auto value = product(element, bound.attribute.data(), place, bound.most);
-    if (!value) return failure(value.error());
+    TRY(product(element, bound.attribute.data(), place, bound.most));
   }
   // MuJoCo's bound, which <key>s may raise
-  const auto keys = product(element, "nkey", place, kMostKeyNumbers);
-  if (!keys) return failure(keys.error());
-  keys_ += *keys;
+  TRY_ASSIGN(const auto keys, product(element, "nkey", place, kMostKeyNumbers));
+  keys_ += keys;
   std::string memory = text_of(element, "memory");
   if (memory.empty()) return {};
   const auto power = std::string_view("KMGTPE").find(
@@ -243,7 +241,7 @@ Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place&
                    "names \"" + named.substr(0, 200) + "\", which lies outside the model's folder",
                    "copy the file beside the model");
     }
-    if (auto good = vet_file(file.string(), place); !good) return good;
+    TRY(vet_file(file.string(), place));
     if (folder == place.folder || fs::equivalent(root_, place.folder, ignored)) break;
   }
   return {};
@@ -253,8 +251,8 @@ Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place&
 Result<void> ModelVetter::vet_attached(const XMLElement& element, const Place& place) {
   ModelVetter other(root_, meshes_);
   other.bytes_ = bytes_;
-  if (auto good = other.vet_named_file(element, place); !good) return good;
-  if (auto good = other.check_total(place.file); !good) return good;
+  TRY(other.vet_named_file(element, place));
+  TRY(other.check_total(place.file));
   bytes_ = other.bytes_;
   largest_model_ = std::max(largest_model_, other.total());
   cells_ += other.cells_;
@@ -303,8 +301,7 @@ Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
   if (is("include")) return vet_named_file(element, place);
   if (is("model")) return vet_attached(element, place);
   if (is("mesh")) {
-    const auto detail = product(element, "params", place, kMostDetail);
-    if (!detail) return failure(detail.error());
+    TRY(product(element, "params", place, kMostDetail));
     return vet_mesh(element, place);
   }
   if (is("compiler")) {
@@ -318,22 +315,18 @@ Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
   } else if (is("attach")) {
     (element.Attribute("model") != nullptr ? attached_ : copied_) += place.copies;
   } else if (is("replicate")) {
-    const auto count = product(element, "count", place, kMostElements);
-    if (!count) return failure(count.error());
-    place.copies *= *count;
+    TRY_ASSIGN(const auto count, product(element, "count", place, kMostElements));
+    place.copies *= count;
   } else if (is("composite") || is("flexcomp")) {
-    const auto count = product(element, "count", place, kMostPoints);
-    if (!count) return failure(count.error());
+    TRY_ASSIGN(const auto count, product(element, "count", place, kMostPoints));
     if (element.Attribute("file") != nullptr) {
       return fault(element, place, "reads a file, which no robot's kinematics needs");
     }
-    bodies_ += place.copies * *count;
+    bodies_ += place.copies * count;
   } else if (is("hfield")) {
-    const auto rows = product(element, "nrow", place, kMostCells);
-    if (!rows) return failure(rows.error());
-    const auto columns = product(element, "ncol", place, kMostCells);
-    if (!columns) return failure(columns.error());
-    cells_ += *rows * *columns;
+    TRY_ASSIGN(const auto rows, product(element, "nrow", place, kMostCells));
+    TRY_ASSIGN(const auto columns, product(element, "ncol", place, kMostCells));
+    cells_ += rows * columns;
   } else if (is("sensor")) {
     for (const XMLElement* each = element.FirstChildElement(); each != nullptr;
          each = each->NextSiblingElement()) {
@@ -342,9 +335,8 @@ Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
   } else if (is("key")) {
     keys_ += place.copies;
   } else if (is("numeric")) {
-    const auto count = product(element, "size", place, kMostNumbers);
-    if (!count) return failure(count.error());
-    numbers_ += *count;
+    TRY_ASSIGN(const auto count, product(element, "size", place, kMostNumbers));
+    numbers_ += count;
   }
   return {};
 }
@@ -354,15 +346,15 @@ Result<void> ModelVetter::vet(const XMLElement& element, Place place) {
     return fault(element, place, "is nested more than " + std::to_string(kMostDepth) + " deep");
   }
   elements_ += place.copies;
-  if (auto good = vet_kind(element, place); !good) return good;
-  if (auto good = check_total(place.file); !good) return good;
+  TRY(vet_kind(element, place));
+  TRY(check_total(place.file));
   return vet_children(element, place);
 }
 
 Result<void> ModelVetter::vet_children(const XMLElement& element, const Place& place) {
   for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
        child = child->NextSiblingElement()) {
-    if (auto good = vet(*child, place); !good) return good;
+    TRY(vet(*child, place));
   }
   return {};
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "retarget/motion_io.h"
 #include "robot/normalize_start.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "base/try.h"
 #include "options/fit_options.h"
 #include "options/options_json.h"

@@ -4,7 +4,7 @@
 #include <system_error>
 #include <vector>
 
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "base/try.h"
 
 namespace retarget {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "base/suggest.h"
 #include "robot/normalize_start.h"
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "base/json_bounds.h"
 #include "base/plain_name.h"
 #include "base/try.h"

@@ -9,6 +9,7 @@
 
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -71,27 +72,24 @@ std::size_t width_of(const std::vector<std::size_t>& shape) {
 
 Result<Table> MotionReader::read_table(const char* name, std::span<const std::size_t> widths,
                                        std::size_t used_columns) const {
-  const Result<NpyArray> array = file_.read(name);
-  if (!array) return failure(array.error());
-  const std::size_t width = width_of(array->shape);
-  if (!array->is_number() || std::ranges::find(widths, width) == widths.end()) {
+  TRY_ASSIGN(const auto array, file_.read(name));
+  const std::size_t width = width_of(array.shape);
+  if (!array.is_number() || std::ranges::find(widths, width) == widths.end()) {
     std::string wanted;
     for (const std::size_t possible : widths) {
       wanted += (wanted.empty() ? "" : " or ") + ("(frames, " + std::to_string(possible) + ")");
     }
     return file_.array_failure(name, "expected numbers of shape " + wanted + ", found " +
-                                         (array->is_text() ? "text of " : "") +
-                                         shape_text(array->shape));
+                                         (array.is_text() ? "text of " : "") +
+                                         shape_text(array.shape));
   }
-  const std::size_t rows = array->shape[0];
+  const std::size_t rows = array.shape[0];
   if (rows == 0) return file_.array_failure(name, "it has no frames");
   if (rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return file_.array_failure(name, "it has more frames than can be counted");
   }
-  Table table{array->numbers(), rows, width};
-  if (Result<void> good = check_finite(name, table, used_columns); !good) {
-    return failure(good.error());
-  }
+  Table table{array.numbers(), rows, width};
+  TRY(check_finite(name, table, used_columns));
   return table;
 }
 
@@ -129,23 +127,21 @@ Result<void> MotionReader::read_split_rotations() {
   constexpr std::array kRootWidths = {kRootColumns};
   // 69: with SMPL's two hand joints
   constexpr std::array kBodyWidths = {kBodyColumns, kSmplColumns - kRootColumns};
-  const Result<Table> root = read_table("root_orient", kRootWidths, kRootColumns);
-  if (!root) return failure(root.error());
-  const Result<Table> body = read_table("pose_body", kBodyWidths, kBodyColumns);
-  if (!body) return failure(body.error());
-  if (root->rows != body->rows) {
-    return file_.array_failure("pose_body", "it has " + std::to_string(body->rows) +
+  TRY_ASSIGN(const auto root, read_table("root_orient", kRootWidths, kRootColumns));
+  TRY_ASSIGN(const auto body, read_table("pose_body", kBodyWidths, kBodyColumns));
+  if (root.rows != body.rows) {
+    return file_.array_failure("pose_body", "it has " + std::to_string(body.rows) +
                                                 " frames, root_orient has " +
-                                                std::to_string(root->rows));
+                                                std::to_string(root.rows));
   }
-  if (auto good = check_angles("root_orient", *root, kRootColumns); !good) return good;
-  if (auto good = check_angles("pose_body", *body, kBodyColumns); !good) return good;
-  arrays_.frame_count = static_cast<int>(root->rows);
-  arrays_.rotations.reserve(root->rows * kSmplJointCount);
-  for (std::size_t row = 0; row < root->rows; ++row) {
-    arrays_.rotations.push_back(root->vector(row, 0));
+  TRY(check_angles("root_orient", root, kRootColumns));
+  TRY(check_angles("pose_body", body, kBodyColumns));
+  arrays_.frame_count = static_cast<int>(root.rows);
+  arrays_.rotations.reserve(root.rows * kSmplJointCount);
+  for (std::size_t row = 0; row < root.rows; ++row) {
+    arrays_.rotations.push_back(root.vector(row, 0));
     for (std::size_t column = 0; column < kBodyColumns; column += 3) {
-      arrays_.rotations.push_back(body->vector(row, column));
+      arrays_.rotations.push_back(body.vector(row, column));
     }
   }
   return {};
@@ -153,15 +149,14 @@ Result<void> MotionReader::read_split_rotations() {
 
 Result<void> MotionReader::read_whole_rotations() {
   constexpr std::array kWidths = {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns};
-  const Result<Table> poses = read_table("poses", kWidths, kUsedColumns);
-  if (!poses) return failure(poses.error());
-  if (auto good = check_angles("poses", *poses, kUsedColumns); !good) return good;
-  pose_width_ = poses->width;
-  arrays_.frame_count = static_cast<int>(poses->rows);
-  arrays_.rotations.reserve(poses->rows * kSmplJointCount);
-  for (std::size_t row = 0; row < poses->rows; ++row) {
+  TRY_ASSIGN(const auto poses, read_table("poses", kWidths, kUsedColumns));
+  TRY(check_angles("poses", poses, kUsedColumns));
+  pose_width_ = poses.width;
+  arrays_.frame_count = static_cast<int>(poses.rows);
+  arrays_.rotations.reserve(poses.rows * kSmplJointCount);
+  for (std::size_t row = 0; row < poses.rows; ++row) {
     for (std::size_t column = 0; column < kUsedColumns; column += 3) {
-      arrays_.rotations.push_back(poses->vector(row, column));
+      arrays_.rotations.push_back(poses.vector(row, column));
     }
   }
   return {};
@@ -190,31 +185,29 @@ Result<void> MotionReader::read_rotations() {
 
 Result<void> MotionReader::read_translations() {
   constexpr std::array<std::size_t, 1> kWidths = {3};
-  const Result<Table> trans = read_table("trans", kWidths, 3);
-  if (!trans) return failure(trans.error());
-  if (trans->rows != static_cast<std::size_t>(arrays_.frame_count)) {
-    return file_.array_failure("trans", "it has " + std::to_string(trans->rows) +
+  TRY_ASSIGN(const auto trans, read_table("trans", kWidths, 3));
+  if (trans.rows != static_cast<std::size_t>(arrays_.frame_count)) {
+    return file_.array_failure("trans", "it has " + std::to_string(trans.rows) +
                                             " frames, the rotations have " +
                                             std::to_string(arrays_.frame_count));
   }
-  arrays_.translations.reserve(trans->rows);
-  for (std::size_t row = 0; row < trans->rows; ++row) {
-    arrays_.translations.push_back(trans->vector(row, 0));
+  arrays_.translations.reserve(trans.rows);
+  for (std::size_t row = 0; row < trans.rows; ++row) {
+    arrays_.translations.push_back(trans.vector(row, 0));
   }
   return {};
 }
 
 Result<double> MotionReader::read_rate_array(const char* name) const {
-  const Result<NpyArray> array = file_.read(name);
-  if (!array) return failure(array.error());
-  if (!array->is_number() || array->element_count() != 1) {
+  TRY_ASSIGN(const auto array, file_.read(name));
+  if (!array.is_number() || array.element_count() != 1) {
     return file_.array_failure(name,
                                std::string("expected one number, found ") +
-                                   (array->is_text() ? "text of" : "numbers of") + " shape " +
-                                   shape_text(array->shape),
+                                   (array.is_text() ? "text of" : "numbers of") + " shape " +
+                                   shape_text(array.shape),
                                std::string(kRateHint));
   }
-  const double fps = array->numbers().front();
+  const double fps = array.numbers().front();
   if (std::isfinite(fps) && fps > 0.0) return fps;
   return file_.array_failure(name, "expected a frame rate above 0, found " + std::to_string(fps),
                              std::string(kRateHint));
@@ -228,9 +221,8 @@ Result<void> MotionReader::read_rate(std::optional<double> source_fps) {
   const char* first = nullptr;
   for (const char* name : {"mocap_framerate", "mocap_frame_rate", "fps"}) {
     if (!file_.has(name)) continue;
-    const Result<double> fps = read_rate_array(name);
-    if (!fps) return failure(fps.error());
-    const FrameRate rate = frame_rate_from_fps(*fps);
+    TRY_ASSIGN(const auto fps, read_rate_array(name));
+    const FrameRate rate = frame_rate_from_fps(fps);
     if (first != nullptr && !same_rate(rate, arrays_.rate)) {
       return file_.array_failure(
           name, to_text(rate) + " frames a second, but " + first + " says " + to_text(arrays_.rate),
@@ -250,15 +242,14 @@ Result<void> MotionReader::read_betas() {
     warn("no betas: a body of average shape is assumed");
     return {};
   }
-  const Result<NpyArray> array = file_.read("betas");
-  if (!array) return failure(array.error());
-  const std::vector<std::size_t>& shape = array->shape;
-  if (!array->is_number() || shape.empty() || shape.size() > 2) {
+  TRY_ASSIGN(const auto array, file_.read("betas"));
+  const std::vector<std::size_t>& shape = array.shape;
+  if (!array.is_number() || shape.empty() || shape.size() > 2) {
     return file_.array_failure("betas", "expected a row of numbers, found " +
-                                            std::string(array->is_text() ? "text of " : "") +
+                                            std::string(array.is_text() ? "text of " : "") +
                                             "shape " + shape_text(shape));
   }
-  const std::vector<double> values = array->numbers();
+  const std::vector<double> values = array.numbers();
   const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
   if (bad != values.end()) {
     return file_.array_failure("betas",
@@ -281,14 +272,12 @@ Result<void> MotionReader::read_betas() {
 
 // the first element of a text array, lower case; empty for anything else but a damaged file
 Result<std::string> MotionReader::read_word(const char* name) const {
-  const Result<std::string> type = file_.type_of(name);
-  if (!type) return failure(type.error());
+  TRY_ASSIGN(const auto type, file_.type_of(name));
   // whatever Python object it is, it is not worth refusing a motion
-  if (type->find('O') != std::string::npos) return std::string();
-  const Result<NpyArray> array = file_.read(name);
-  if (!array) return failure(array.error());
-  if (!array->is_text() || array->element_count() == 0) return std::string();
-  std::string word = array->texts().front();
+  if (type.find('O') != std::string::npos) return std::string();
+  TRY_ASSIGN(const auto array, file_.read(name));
+  if (!array.is_text() || array.element_count() == 0) return std::string();
+  std::string word = array.texts().front();
   // str() of Python's bytes
   if (word.starts_with("b'") && word.ends_with('\'')) word = word.substr(2, word.size() - 3);
   for (char& c : word) {
@@ -302,23 +291,21 @@ Result<void> MotionReader::read_gender() {
     warn("no gender");
     return {};
   }
-  Result<std::string> word = read_word("gender");
-  if (!word) return failure(word.error());
+  TRY_ASSIGN(auto word, read_word("gender"));
   constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
-  if (std::ranges::find(kGenders, *word) == kGenders.end()) {
+  if (std::ranges::find(kGenders, word) == kGenders.end()) {
     warn("gender is not the text neutral, female or male, and is ignored");
     return {};
   }
-  arrays_.gender = std::move(*word);
+  arrays_.gender = std::move(word);
   return {};
 }
 
 Result<void> MotionReader::read_family() {
   if (file_.has("surface_model_type")) {
-    const Result<std::string> word = read_word("surface_model_type");
-    if (!word) return failure(word.error());
-    if (word->starts_with("smplx")) arrays_.family = SmplFamily::kSmplx;
-    if (*word == "smpl" || *word == "smplh") arrays_.family = SmplFamily::kSmpl;
+    TRY_ASSIGN(const auto word, read_word("surface_model_type"));
+    if (word.starts_with("smplx")) arrays_.family = SmplFamily::kSmplx;
+    if (word == "smpl" || word == "smplh") arrays_.family = SmplFamily::kSmpl;
     if (arrays_.family != SmplFamily::kUnknown) return {};
   }
   if (pose_width_ == kSmplColumns || pose_width_ == kSmplhColumns) {
@@ -331,12 +318,12 @@ Result<void> MotionReader::read_family() {
 }
 
 Result<MotionArrays> MotionReader::read(std::optional<double> source_fps) {
-  if (auto done = read_rotations(); !done) return failure(done.error());
-  if (auto done = read_translations(); !done) return failure(done.error());
-  if (auto done = read_rate(source_fps); !done) return failure(done.error());
-  if (auto done = read_betas(); !done) return failure(done.error());
-  if (auto done = read_gender(); !done) return failure(done.error());
-  if (auto done = read_family(); !done) return failure(done.error());
+  TRY(read_rotations());
+  TRY(read_translations());
+  TRY(read_rate(source_fps));
+  TRY(read_betas());
+  TRY(read_gender());
+  TRY(read_family());
   return std::move(arrays_);
 }
 

@@ -10,6 +10,7 @@
 #include "base/npz.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "math/so3.h"
 #include "motion/clip_size.h"
 #include "smpl/motion_arrays.h"
@@ -81,26 +82,23 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
                                const SmplReadOptions& options) {
   NpzReadOptions npz;
   npz.max_number_bytes = options.most_clip_bytes;
-  const Result<NpzFile> file = NpzFile::open(bytes, file_name, npz);
-  if (!file) return failure(file.error());
-  Result<MotionArrays> arrays = read_motion_arrays(*file, options.source_fps);
-  if (!arrays) return failure(arrays.error());
-  const Result<SmplRestBody> body = options.body != nullptr
-                                        ? model_rest_body(*options.body, *arrays)
-                                        : generic_rest_body(*file, arrays->betas, options.height);
-  if (!body) return failure(body.error());
+  TRY_ASSIGN(const auto file, NpzFile::open(bytes, file_name, npz));
+  TRY_ASSIGN(auto arrays, read_motion_arrays(file, options.source_fps));
+  TRY_ASSIGN(const auto body, options.body != nullptr
+                                  ? model_rest_body(*options.body, arrays)
+                                  : generic_rest_body(file, arrays.betas, options.height));
   const std::size_t needed =
-      static_cast<std::size_t>(arrays->frame_count) * frame_bytes(*smpl_skeleton(*body));
+      static_cast<std::size_t>(arrays.frame_count) * frame_bytes(*smpl_skeleton(body));
   if (needed > options.most_clip_bytes) {
-    return file->file_failure(
-        std::to_string(arrays->frame_count) + " frames take " +
+    return file.file_failure(
+        std::to_string(arrays.frame_count) + " frames take " +
             number_text(static_cast<double>(needed) / 1e6, 1) + " MB of memory, at most " +
             number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are taken",
         OPTION("memory") " gives more; or split the motion");
   }
-  return SmplMotion{clip_of(*arrays, *body),    arrays->family,          std::move(arrays->gender),
-                    std::move(arrays->betas),   options.body == nullptr, body->height,
-                    std::move(arrays->warnings)};
+  return SmplMotion{clip_of(arrays, body),     arrays.family,           std::move(arrays.gender),
+                    std::move(arrays.betas),   options.body == nullptr, body.height,
+                    std::move(arrays.warnings)};
 }
 
 }  // namespace
@@ -121,9 +119,8 @@ Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_nam
 }
 
 Result<SmplMotion> load_smpl(const std::string& path, const SmplReadOptions& options) {
-  const Result<FileContent> bytes = read_file(path);
-  if (!bytes) return failure(bytes.error());
-  return read_smpl(bytes->view(), path == "-" ? "<stdin>" : path, options);
+  TRY_ASSIGN(const auto bytes, read_file(path));
+  return read_smpl(bytes.view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/npz.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -64,11 +65,10 @@ Result<NpyArray> BodyReader::read_array(const char* name) const {
 // rows are the first index, columns all others; nothing in `shape` means any size above 0
 Result<RowMatrix> BodyReader::read_matrix(const char* name,
                                           std::vector<std::optional<std::size_t>> shape) {
-  const Result<NpyArray> array = read_array(name);
-  if (!array) return failure(array.error());
-  bool fits = array->is_number() && array->shape.size() == shape.size();
+  TRY_ASSIGN(const auto array, read_array(name));
+  bool fits = array.is_number() && array.shape.size() == shape.size();
   for (std::size_t i = 0; fits && i < shape.size(); ++i) {
-    fits = array->shape[i] > 0 && array->shape[i] == shape[i].value_or(array->shape[i]);
+    fits = array.shape[i] > 0 && array.shape[i] == shape[i].value_or(array.shape[i]);
   }
   if (!fits) {
     std::string wanted;
@@ -76,13 +76,13 @@ Result<RowMatrix> BodyReader::read_matrix(const char* name,
       wanted += (wanted.empty() ? "" : ", ") + (size ? std::to_string(*size) : "any");
     }
     return file_.array_failure(name, "expected numbers of shape (" + wanted + "), found " +
-                                         (array->is_text() ? "text of " : "") +
-                                         shape_text(array->shape));
+                                         (array.is_text() ? "text of " : "") +
+                                         shape_text(array.shape));
   }
-  const std::vector<double> values = array->numbers();
+  const std::vector<double> values = array.numbers();
   const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
   if (bad != values.end()) return file_.array_failure(name, "it holds numbers that are not finite");
-  const Eigen::Index rows = static_cast<Eigen::Index>(array->shape.front());
+  const Eigen::Index rows = static_cast<Eigen::Index>(array.shape.front());
   return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), rows,
                                                static_cast<Eigen::Index>(values.size()) / rows));
 }
@@ -93,19 +93,18 @@ Result<void> BodyReader::read_arrays() {
   }
   const auto take = [this](const char* name, RowMatrix& target,
                            std::vector<std::optional<std::size_t>> shape) -> Result<void> {
-    Result<RowMatrix> matrix = read_matrix(name, std::move(shape));
-    if (!matrix) return failure(matrix.error());
-    target = std::move(*matrix);
+    TRY_ASSIGN(auto matrix, read_matrix(name, std::move(shape)));
+    target = std::move(matrix);
     return {};
   };
   constexpr std::nullopt_t any = std::nullopt;
-  if (auto done = take("v_template", vertices_, {any, 3}); !done) return done;
+  TRY(take("v_template", vertices_, {any, 3}));
   const auto vertex_count = static_cast<std::size_t>(vertices_.rows());
-  if (auto done = take("J_regressor", regressor_, {any, vertex_count}); !done) return done;
+  TRY(take("J_regressor", regressor_, {any, vertex_count}));
   const auto joint_count = static_cast<std::size_t>(regressor_.rows());
-  if (auto done = take("kintree_table", tree_, {2, joint_count}); !done) return done;
-  if (auto done = check_joints(); !done) return done;
-  if (auto done = take("shapedirs", directions_, {vertex_count, 3, any}); !done) return done;
+  TRY(take("kintree_table", tree_, {2, joint_count}));
+  TRY(check_joints());
+  TRY(take("shapedirs", directions_, {vertex_count, 3, any}));
   beta_count_ = directions_.cols() / 3;
   return {};
 }
@@ -180,8 +179,8 @@ void BodyReader::add_vertex(SmplBody& body, int point, double weight, Eigen::Ind
 }
 
 Result<SmplBody> BodyReader::read(const std::string& file_name) {
-  if (auto done = read_arrays(); !done) return failure(done.error());
-  if (auto done = find_landmarks(); !done) return failure(done.error());
+  TRY(read_arrays());
+  TRY(find_landmarks());
 
   SmplBody body;
   body.file = file_name;
@@ -222,9 +221,8 @@ Result<SmplBody> read_smpl_body(std::string_view bytes, const std::string& file_
 }
 
 Result<SmplBody> load_smpl_body(const std::string& path) {
-  const Result<FileContent> bytes = read_file(path, ErrorKind::kConfig, kMostFileBytes);
-  if (!bytes) return failure(bytes.error());
-  return read_smpl_body(bytes->view(), path);
+  TRY_ASSIGN(const auto bytes, read_file(path, ErrorKind::kConfig, kMostFileBytes));
+  return read_smpl_body(bytes.view(), path);
 }
 
 SmplRestBody smpl_rest_body(const SmplBody& body, std::span<const double> betas) {

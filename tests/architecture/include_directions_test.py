@@ -12,20 +12,24 @@ MAY_INCLUDE = {
     "base": [],
     "options": ["base"],
     "math": ["base"],
-    "motion": ["math", "options"],
+    "motion": ["math"],
     "bvh": ["motion"],
     "smpl": ["motion"],
     "human": ["bvh", "smpl"],
+    "inspect": ["human"],
     "edit": ["human"],
     "robot": ["motion"],
     "ik": ["robot"],
     "io": ["robot"],
     "pipeline": ["human", "ik"],
-    "rig": ["pipeline"],
+    "anatomy": ["robot"],
+    "rig": ["pipeline", "anatomy"],
     "refine": ["pipeline"],
     "quality": ["refine"],
-    "plan": ["rig", "quality", "io"],
-    "batch": ["refine", "quality", "io"],
+    "plan": ["anatomy", "quality", "io"],
+    "provenance": ["io"],
+    "run": ["plan", "provenance"],
+    "batch": ["run"],
     "view": ["refine", "quality", "io"],
 }
 
@@ -42,6 +46,10 @@ NOT_PORTABLE = re.compile(
     r"(?<![\w:.>])(?:std::|::)"
     r"(sin|cos|tan|asin|acos|atan|atan2|exp|exp2|log|log2|log10|pow|cbrt|hypot|fma|sinh|cosh|tanh)\s*\("
     r"|\b(AngleAxisd?|angularDistance|slerp)\b")
+
+
+# texts for people name an option by its schema (base/option_name.h): other callers have no flags
+FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 
 
 def allowed(module):
@@ -74,6 +82,14 @@ def without_comments(text):
         return '""' if found.startswith('"') else "\n" * found.count("\n")
 
     return pattern.sub(blank, text)
+
+
+def string_literals(text):
+    """(line, literal) for every string literal, the prefixes of raw ones included."""
+    pattern = re.compile(r'//[^\n]*|/\*.*?\*/|R"\((?:.*?)\)"|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+    for match in pattern.finditer(text):
+        if '"' in match.group(0)[:2]:
+            yield text.count("\n", 0, match.start()) + 1, match.group(0)
 
 
 class IncludeDirections(unittest.TestCase):
@@ -112,6 +128,19 @@ class IncludeDirections(unittest.TestCase):
                     faults.append(f"{file.relative_to(SOURCE)}: {match.group(1)}")
         self.assertEqual(faults, [])
 
+    def test_public_headers_are_seen_from_outside_of_a_shared_library(self):
+        for file in sorted((SOURCE / "include").rglob("*.h")):
+            opened = re.findall(r"^namespace (?!\w+ = ).*\bretarget\b.*{$", file.read_text(), re.M)
+            self.assertEqual(set(opened) - {"namespace RETARGET_API retarget {"}, set(), file)
+
+    def test_no_flags_of_the_command_line_in_texts(self):
+        faults = []
+        for _, file in library_files():
+            for number, text in string_literals(file.read_text()):
+                if FLAG.search(text):
+                    faults.append(f"{file.relative_to(SOURCE)}:{number}: {text}")
+        self.assertEqual(faults, [], "name an option by OPTION():\n" + "\n".join(faults))
+
     def test_library_neither_prints_nor_exits(self):
         faults = []
         for _, file in library_files():
@@ -144,6 +173,10 @@ class TheChecksThemselves(unittest.TestCase):
         for good in ("std::snprintf(b, n, f)", "loop.exit()", "on_exit(x)", "file.printf(x)"):
             self.assertFalse(FORBIDDEN.search(good), good)
         self.assertFalse(FORBIDDEN.search(without_comments('x = "exit(1)"; // abort()')))
+
+    def test_flags_in_texts(self):
+        found = [text for _, text in string_literals('a("--fps 30"); // "--x"\nb(R"(use\n--up y)"); c("a -- b")')]
+        self.assertEqual([bool(FLAG.search(text)) for text in found], [True, True, False])
 
     def test_not_portable_words(self):
         for bad in ("std::sin(x)", "return std::pow (a, b);", "Eigen::AngleAxisd(a, b)",

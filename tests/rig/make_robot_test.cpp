@@ -1,4 +1,4 @@
-#include "rig/make_robot.h"
+#include "retarget/rig.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "rig/check_robot.h"
-#include "rig_test_support.h"
 #include "robot/load_robot.h"
+#include "support/humanoids.h"
 
 namespace retarget {
 namespace {

@@ -7,15 +7,15 @@
 #include <map>
 #include <numbers>
 
+#include "anatomy/shapes.h"
 #include "base/file.h"
 #include "bvh/read_bvh.h"
 #include "human/calibrate.h"
 #include "human/recognise.h"
+#include "limb_errors.h"
 #include "motion/resample.h"
 #include "pipeline/retarget.h"
 #include "rig/derive_mapping.h"
-#include "rig/limb_errors.h"
-#include "rig/shapes.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "support/shared_data.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "rig/derive_mapping.h"
-#include "rig_test_support.h"
+#include "support/humanoids.h"
 
 namespace retarget {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "base/printable.h"
-#include "wrapped_text.h"
+#include "base/wrapped_text.h"
 
 namespace retarget::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "wrapped_text.h"
+#include "base/wrapped_text.h"
 
 namespace retarget::cli {
 namespace {

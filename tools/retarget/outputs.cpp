@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "base/hash.h"
 #include "base/suggest.h"
+#include "provenance/hash.h"
 #include "robot/normalize_start.h"
 #include "written_files.h"
 

@@ -1,8 +1,7 @@
 #include "robot_motion_options.h"
 
-#include <filesystem>
-#include <system_error>
-
+#include "base/try.h"
+#include "outputs.h"
 #include "read_source.h"
 
 namespace retarget::cli {
@@ -12,9 +11,7 @@ Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options,
   ReadMotionOptions read;
   read.most_bytes = memory_share(source);
   if (!options.from.empty()) {
-    const auto format = format_from_name(options.from);
-    if (!format) return failure(format.error());
-    read.format = *format;
+    TRY_ASSIGN(read.format, format_from_name(options.from));
   }
   if (options.source_fps > 0.0) read.rate = frame_rate_from_fps(options.source_fps);
   if (options.quaternion == "xyzw") read.quaternion = QuaternionOrder::kXyzw;
@@ -29,20 +26,6 @@ Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options,
   return read;
 }
 
-Result<RobotMotion> read_motion(const std::string& file, const std::shared_ptr<const Robot>& robot,
-                                const ReadMotionOptions& options) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    return input_failure(file, "expected a robot's motion, found a directory",
-                         "name files in it, such as " +
-                             (std::filesystem::path(file) / "*.csv").string() +
-                             "; folders of human motions are for retarget batch");
-  }
-  auto motion = load_robot_motion(file, robot, options);
-  if (!motion) add_memory_hint(motion.error());
-  return motion;
-}
-
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
                   const std::string& rate_option) {
   console.line("read",
@@ -53,6 +36,16 @@ void print_motion(const std::string& file, const RobotMotion& motion, Console& c
                    (motion.rate_known ? "" : ", which the file does not say: " + rate_option));
   for (const std::string& note : motion.notes) console.line("", note);
   for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
+}
+
+void warn_of_losses(const OutputOptions& options, const RobotClip& motion, Console& console) {
+  const auto items = plan_outputs(options);
+  if (!items) return;
+  for (const OutputItem& item : *items) {
+    for (const std::string& loss : format_losses(motion, item.format)) {
+      console.warn({{0, 0, loss}}, item.path);
+    }
+  }
 }
 
 }  // namespace retarget::cli

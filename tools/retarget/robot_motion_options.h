@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "console.h"
@@ -14,14 +13,12 @@ namespace retarget::cli {
 [[nodiscard]] Result<ReadMotionOptions> read_motion_options(const ReadingOptions& options,
                                                             const SourceOptions& source);
 
-/// load_robot_motion; of a folder it says what is wanted in its place.
-[[nodiscard]] Result<RobotMotion> read_motion(const std::string& file,
-                                              const std::shared_ptr<const Robot>& robot,
-                                              const ReadMotionOptions& options);
-
 /// Says what a file was taken for, and what is odd about it.
 /// @param rate_option  that tells the rate where the file does not.
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
                   const std::string& rate_option = "--source-fps");
+
+/// Warns of what the formats that the options name cannot hold of a motion.
+void warn_of_losses(const OutputOptions& options, const RobotClip& motion, Console& console);
 
 }  // namespace retarget::cli

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "anatomy/bare_robot.h"
 #include "base/data_folder.h"
 #include "base/suggest.h"
 #include "memory_need.h"
@@ -13,7 +14,6 @@
 #include "motion/resample.h"
 #include "pipeline/limb_lengths.h"
 #include "read_source.h"
-#include "rig/bare_robot.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/file.h"
-#include "base/hash.h"
+#include "provenance/hash.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"

@@ -1,8 +1,8 @@
-#include "wrapped_text.h"
+#include "base/wrapped_text.h"
 
 #include <algorithm>
 
-namespace retarget::cli {
+namespace retarget {
 namespace {
 
 // of UTF-8: bytes that continue a character take no column
@@ -53,4 +53,4 @@ std::string wrapped_text(std::string_view text, std::size_t used, std::size_t in
   }
 }
 
-}  // namespace retarget::cli
+}  // namespace retarget

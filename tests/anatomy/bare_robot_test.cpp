@@ -1,4 +1,4 @@
-#include "rig/bare_robot.h"
+#include "anatomy/bare_robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rig_test_support.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"
+#include "support/humanoids.h"
 #include "support/test_robots.h"
 
 namespace retarget {

@@ -1,4 +1,4 @@
-#include "base/hash.h"
+#include "provenance/hash.h"
 
 #include <gtest/gtest.h>
 

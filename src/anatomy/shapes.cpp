@@ -1,4 +1,4 @@
-#include "rig/shapes.h"
+#include "anatomy/shapes.h"
 
 #include <mujoco/mujoco.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "rig/branches.h"
+#include "anatomy/branches.h"
 #include "robot/load_model.h"
 
 namespace retarget {
@@ -304,6 +304,18 @@ RobotShapes ShapeFinder::find() {
 }
 
 }  // namespace
+
+std::string source_text(ShapeSource source) {
+  switch (source) {
+    case ShapeSource::kModel:
+      return "the model's contact geoms";
+    case ShapeSource::kMesh:
+      return "mesh vertices";
+    case ShapeSource::kEstimated:
+      return "estimated from the limbs' lengths";
+  }
+  return {};
+}
 
 BodyPoints mesh_points(const std::string& model_path) {
   ModelChanges changes;

@@ -1,4 +1,4 @@
-#include "rig/limb_shape.h"
+#include "anatomy/limb_shape.h"
 
 #include <mujoco/mujoco.h>
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/limbs.h"
 #include "retarget/robot.h"
-#include "rig/limbs.h"
 
 namespace retarget {
 
@@ -17,6 +17,9 @@ enum class ShapeSource : unsigned char {
   kMesh,       ///< Fitted to the vertices of its meshes.
   kEstimated,  ///< Guessed from the lengths of the limbs.
 };
+
+/// Where a shape is from: `mesh vertices`.
+[[nodiscard]] std::string source_text(ShapeSource source);
 
 /// A rough shape of a body.
 struct RoughShape {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "rig/limbs.h"
+#include "anatomy/limbs.h"
 #include "support/test_robots.h"
 
 namespace retarget {

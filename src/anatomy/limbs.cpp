@@ -1,12 +1,13 @@
-#include "rig/limbs.h"
+#include "anatomy/limbs.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <utility>
 
-#include "rig/branches.h"
-#include "rig/limb_shape.h"
+#include "anatomy/branches.h"
+#include "anatomy/limb_shape.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -143,12 +144,10 @@ Result<void> LimbFinder::choose_pairs() {
   const auto arms =
       std::max_element(pairs.begin() + 1, pairs.end(),
                        [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
-  auto shaped_legs = shape(pairs.front(), true);
-  if (!shaped_legs) return failure(shaped_legs.error());
-  auto shaped_arms = shape(*arms, false);
-  if (!shaped_arms) return failure(shaped_arms.error());
-  legs_ = *shaped_legs;
-  arms_ = *shaped_arms;
+  TRY_ASSIGN(auto shaped_legs, shape(pairs.front(), true));
+  TRY_ASSIGN(auto shaped_arms, shape(*arms, false));
+  legs_ = shaped_legs;
+  arms_ = shaped_arms;
   const auto middle = [](const ShapedPair& pair) -> Eigen::Vector3d {
     return 0.5 * (pair.limbs[0].root + pair.limbs[1].root);
   };
@@ -303,7 +302,7 @@ void LimbFinder::note_limbs() {
 }
 
 Result<RobotAnatomy> LimbFinder::find() {
-  if (const auto chosen = choose_pairs(); !chosen) return failure(chosen.error());
+  TRY(choose_pairs());
   find_facing();
   found_.pelvis = legs_.pair.parent;
   found_.torso = arms_.pair.parent;

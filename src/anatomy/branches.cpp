@@ -1,4 +1,4 @@
-#include "rig/branches.h"
+#include "anatomy/branches.h"
 
 #include <Eigen/LU>
 #include <algorithm>

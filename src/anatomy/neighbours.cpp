@@ -1,4 +1,4 @@
-#include "rig/neighbours.h"
+#include "anatomy/neighbours.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "base/hash.h"
+#include "provenance/hash.h"
 
 #include <fcntl.h>
 #include <openssl/evp.h>
@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/try.h"
 #include "base/utf8.h"
 
 namespace retarget {
@@ -80,10 +81,9 @@ Result<std::string> ContentHasher::finish() {
 }
 
 Result<std::string> hash_bytes(std::string_view bytes) {
-  auto hasher = ContentHasher::create();
-  if (!hasher) return failure(hasher.error());
-  hasher->update(bytes);
-  return hasher->finish();
+  TRY_ASSIGN(auto hasher, ContentHasher::create());
+  hasher.update(bytes);
+  return hasher.finish();
 }
 
 Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
@@ -95,17 +95,16 @@ Result<std::string> hash_file(const std::string& path, ErrorKind kind) {
   }
   if (S_ISDIR(info.st_mode)) return file_failure(kind, path, EISDIR);
   if (!S_ISREG(info.st_mode)) return file_failure(kind, path, ENODEV);
-  auto hasher = ContentHasher::create();
-  if (!hasher) return failure(hasher.error());
+  TRY_ASSIGN(auto hasher, ContentHasher::create());
   const auto piece = std::make_unique_for_overwrite<char[]>(kPiece);
   for (;;) {
     const ssize_t count = ::read(file.descriptor, piece.get(), kPiece);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return file_failure(kind, path, errno);
     if (count == 0) break;
-    hasher->update({piece.get(), static_cast<std::size_t>(count)});
+    hasher.update({piece.get(), static_cast<std::size_t>(count)});
   }
-  return hasher->finish();
+  return hasher.finish();
 }
 
 }  // namespace retarget

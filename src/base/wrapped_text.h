@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace retarget::cli {
+namespace retarget {
 
 /// Columns of a terminal that no line for people goes beyond, unless a single word does.
 inline constexpr std::size_t kTextWidth = 80;
@@ -16,4 +16,4 @@ inline constexpr std::size_t kTextWidth = 80;
 [[nodiscard]] std::string wrapped_text(std::string_view text, std::size_t used, std::size_t indent,
                                        std::size_t width = kTextWidth);
 
-}  // namespace retarget::cli
+}  // namespace retarget

@@ -1,24 +1,34 @@
-#include "rig/limb_errors.h"
+#pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
+#include "anatomy/limbs.h"
 #include "human/bones.h"
+#include "human/human_clip.h"
 #include "math/so3.h"
+#include "retarget/motion.h"
 
 namespace retarget {
-namespace {
 
-using Points = std::vector<Eigen::Vector3d>;
+/// How far a robot's limb segment points from the human's, over a motion.
+struct LimbError {
+  std::string segment;  ///< `left thigh`, `right forearm`, `trunk`, ...
+  double mean = 0.0;    ///< Mean angle over the frames, rad.
+};
 
-constexpr std::array<const char*, 11> kSegments = {
+using SegmentPoints = std::vector<Eigen::Vector3d>;
+
+inline constexpr std::array<const char*, 11> kSegments = {
     "left thigh",     "left shin",    "right thigh",     "right shin",
     "left upper arm", "left forearm", "right upper arm", "right forearm",
     "trunk",          "hip line",     "shoulder line"};
 
 // segments from the points of the limbs: left and right leg, left and right arm, each its root,
 // middle and end
-Points segments(const std::array<std::array<Eigen::Vector3d, 3>, 4>& limbs) {
-  Points found;
+inline SegmentPoints segments(const std::array<std::array<Eigen::Vector3d, 3>, 4>& limbs) {
+  SegmentPoints found;
   for (const auto& limb : limbs) {
     found.emplace_back(limb[1] - limb[0]);
     found.emplace_back(limb[2] - limb[1]);
@@ -29,7 +39,7 @@ Points segments(const std::array<std::array<Eigen::Vector3d, 3>, 4>& limbs) {
   return found;
 }
 
-Points human_segments(std::span<const Pose> bones) {
+inline SegmentPoints human_segments(std::span<const Pose> bones) {
   const auto at = [&](const std::string& name) {
     return bones[static_cast<std::size_t>(find_bone(name).value())].translation;
   };
@@ -42,7 +52,8 @@ Points human_segments(std::span<const Pose> bones) {
   return segments(limbs);
 }
 
-Points robot_segments(const RobotAnatomy& limbs, const std::vector<Pose>& world_from_body) {
+inline SegmentPoints robot_segments(const RobotAnatomy& limbs,
+                                    const std::vector<Pose>& world_from_body) {
   std::array<std::array<Eigen::Vector3d, 3>, 4> points;
   for (std::size_t i = 0; i < 4; ++i) {
     const Limb& limb = i < 2 ? limbs.legs[i] : limbs.arms[i - 2];
@@ -58,18 +69,19 @@ Points robot_segments(const RobotAnatomy& limbs, const std::vector<Pose>& world_
   return segments(points);
 }
 
-}  // namespace
-
-std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
-                                   const RobotAnatomy& limbs) {
+/// Angles between the segments of human and robot in the same frames: thighs, shins, upper arms,
+/// forearms, trunk, hip and shoulder line; from joint positions alone, so that no offset or weight
+/// of a mapping plays a part.
+inline std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
+                                          const RobotAnatomy& limbs) {
   std::vector<LimbError> errors;
   for (const char* segment : kSegments) errors.push_back({segment, 0.0});
   std::vector<Pose> world_from_body(robot.robot().bodies().size());
   const int frames = std::min(human.frame_count, robot.frame_count());
   for (int frame = 0; frame < frames; ++frame) {
     forward_kinematics(robot.robot(), robot.qpos(frame), world_from_body);
-    const Points of_human = human_segments(human.frame(frame));
-    const Points of_robot = robot_segments(limbs, world_from_body);
+    const SegmentPoints of_human = human_segments(human.frame(frame));
+    const SegmentPoints of_robot = robot_segments(limbs, world_from_body);
     for (std::size_t i = 0; i < errors.size(); ++i) {
       errors[i].mean += angle_between(of_human[i], of_robot[i]) / frames;
     }
@@ -77,7 +89,8 @@ std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robo
   return errors;
 }
 
-double mean_limb_error(const std::vector<LimbError>& errors) {
+/// Mean over the segments, rad.
+inline double mean_limb_error(const std::vector<LimbError>& errors) {
   double sum = 0.0;
   for (const LimbError& error : errors) sum += error.mean;
   return errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());

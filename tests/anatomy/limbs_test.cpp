@@ -1,9 +1,9 @@
-#include "rig/limbs.h"
+#include "anatomy/limbs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rig_test_support.h"
+#include "support/humanoids.h"
 
 namespace retarget {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "rig/branches.h"
-#include "rig/limbs.h"
+#include "anatomy/branches.h"
+#include "anatomy/limbs.h"
 
 namespace retarget {
 

@@ -1,21 +1,20 @@
-#include "rig/bare_robot.h"
+#include "anatomy/bare_robot.h"
 
 #include <mujoco/mujoco.h>
 
 #include <utility>
 #include <vector>
 
-#include "rig/describe_robot.h"
-#include "rig/limbs.h"
-#include "rig/neighbours.h"
-#include "rig/shapes.h"
+#include "anatomy/limbs.h"
+#include "anatomy/neighbours.h"
+#include "anatomy/shapes.h"
+#include "base/try.h"
 
 namespace retarget {
 
 Result<CompletedRobot> complete_bare_robot(const Robot& bare, const std::string& model_path) {
-  const auto limbs = find_limbs(bare, model_path);
-  if (!limbs) return failure(limbs.error());
-  RobotShapes found = find_shapes(bare, *limbs, mesh_points(model_path));
+  TRY_ASSIGN(const auto limbs, find_limbs(bare, model_path));
+  RobotShapes found = find_shapes(bare, limbs, mesh_points(model_path));
   RobotProfile profile = bare.profile();
   profile.soles = std::move(found.soles);
   if (profile.allowed_self_contact.empty()) profile.allowed_self_contact = neighbours(bare);

@@ -1,0 +1,63 @@
+# retarget_add_library(NAME [ROOMS room...] [PUBLIC library...] [PRIVATE library...]): a library of the
+# rooms src/ROOM, with our warnings and hardening, installed and exported as retarget::NAME (the core,
+# `retarget`, as retarget::retarget). The core has every room that no other library has, so it comes last.
+#
+# The libraries see each other's internal headers, and so internal names. A shared build hides these:
+# there the core has the rooms of all, and the others are names for it.
+
+set(retarget_libraries "")     # those with objects of their own: flags of a build go to each
+set(retarget_exported "")      # what is installed
+set(retarget_taken_rooms "")   # by libraries beside the core
+set(retarget_shared_links "")  # of the rooms that a shared core takes in
+
+# files of one room together, up to eight: they share their includes, and their names do not clash
+function(retarget_group_by_rooms target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  foreach(source IN LISTS ARGN)
+    string(REGEX REPLACE "^.*/src/([^/]+)/.*$" "\\1" room ${source})
+    if(room STREQUAL source)
+      continue()
+    endif()
+    math(EXPR ${room}_files "${${room}_files} + 1")
+    math(EXPR group "${${room}_files} / 8")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${group})
+  endforeach()
+endfunction()
+
+macro(retarget_add_library name)
+  cmake_parse_arguments(arg "" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
+  set(target retarget)
+  if(NOT ${name} STREQUAL retarget)
+    set(target retarget_${name})
+  endif()
+  list(APPEND retarget_exported ${target})
+  if(arg_ROOMS AND BUILD_SHARED_LIBS)
+    list(APPEND retarget_shared_links ${arg_PRIVATE})
+    add_library(${target} INTERFACE)
+    target_link_libraries(${target} INTERFACE ${arg_PUBLIC})
+  else()
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp)
+    list(JOIN arg_ROOMS "|" rooms)
+    list(JOIN retarget_taken_rooms "|" taken)
+    if(arg_ROOMS)
+      list(FILTER sources INCLUDE REGEX "/src/(${rooms})/")
+      list(APPEND retarget_taken_rooms ${arg_ROOMS})
+    elseif(taken)
+      list(FILTER sources EXCLUDE REGEX "/src/(${taken})/")
+    endif()
+    list(APPEND retarget_libraries ${target})
+    add_library(${target} ${sources})
+    target_include_directories(${target} PRIVATE src)
+    target_link_libraries(${target} PUBLIC ${arg_PUBLIC}
+      PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:retarget_warnings> $<BUILD_INTERFACE:retarget_hardening>)
+    if(RETARGET_UNITY_BUILD)
+      retarget_group_by_rooms(${target} ${sources})
+    endif()
+    if(RETARGET_PRECOMPILE_HEADERS)
+      target_precompile_headers(${target} PRIVATE <Eigen/Dense> <algorithm> <functional> <map> <memory>
+        <optional> <span> <string> <tl/expected.hpp> <vector>)
+    endif()
+  endif()
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  add_library(retarget::${name} ALIAS ${target})
+endmacro()

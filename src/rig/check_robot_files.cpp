@@ -1,0 +1,56 @@
+// What is wrong or odd about a robot with all of its files.
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "base/try.h"
+#include "rig/check_robot.h"
+#include "robot/load_robot.h"
+
+namespace retarget {
+namespace {
+
+// what a check says of the robot with each of its mappings
+void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
+                  std::vector<RobotFinding>& findings) {
+  std::vector<std::string> files = {sources.mapping};
+  if (!sources.mapping_of_others.empty()) files.push_back(sources.mapping_of_others);
+  for (const std::string& file : files) {
+    std::optional<IkTables> tables;
+    if (!file.empty()) {
+      auto read = load_ik_tables(file);
+      if (!read) findings.push_back({true, describe(read.error(), spelling)});
+      if (read) tables = std::move(*read);
+    }
+    for (RobotFinding& finding : check_robot(robot, tables ? &*tables : nullptr)) {
+      if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
+        continue;
+      // what only the second mapping is to blame for
+      if (file != files.front()) {
+        finding.text = std::filesystem::path(file).filename().string() + ": " + finding.text;
+      }
+      findings.push_back(std::move(finding));
+    }
+  }
+}
+
+}  // namespace
+
+Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
+                                              OptionSpelling spelling) {
+  std::vector<RobotFinding> findings;
+  auto robot = load_robot_files(sources.model, sources.profile);
+  if (!robot) {
+    // a profile at fault does not hide what is odd about the model
+    TRY_ASSIGN(auto bare, load_robot_files(sources.model));
+    findings.push_back({true, spell_options(full_message(robot.error()), spelling)});
+    robot = std::move(bare);
+  }
+  for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
+  add_findings(**robot, sources, spelling, findings);
+  std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
+  return findings;
+}
+
+}  // namespace retarget

@@ -1,0 +1,204 @@
+// Robots in text and JSON.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/json.h"
+#include "base/number_text.h"
+#include "base/printable.h"
+#include "base/try.h"
+#include "pipeline/ik_tables.h"
+#include "retarget/rig.h"
+#include "robot/load_robot.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// heights in the zero configuration, metres
+struct Heights {
+  double sole = 0.0;   // from the soles up to the root body's origin
+  double whole = 0.0;  // from the soles up to the highest point that is known
+};
+
+double top_of(const CollisionShape& shape, const Pose& world_from_body) {
+  const Pose world_from_shape = world_from_body * shape.body_from_shape;
+  const Eigen::Vector3d up = world_from_shape.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  double reach = shape.radius;
+  if (shape.type == CollisionShape::Type::kCapsule) reach += shape.half_length * std::abs(up.z());
+  if (shape.type == CollisionShape::Type::kBox) reach = up.cwiseAbs().dot(shape.half_size);
+  return world_from_shape.translation.z() + reach;
+}
+
+std::optional<Heights> heights_of(const Robot& robot) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  double lowest = INFINITY;
+  for (const Sole& sole : robot.profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      lowest = std::min(lowest, (world_from_body[sole.body] * point).z());
+    }
+  }
+  if (!std::isfinite(lowest)) return std::nullopt;
+  double highest = world_from_body[robot.root_body()].translation.z();
+  for (std::size_t b = 1; b < robot.bodies().size(); ++b) {
+    highest = std::max(highest, world_from_body[b].translation.z());
+  }
+  for (const CollisionShape& shape : robot.collision_shapes()) {
+    highest = std::max(highest, top_of(shape, world_from_body[shape.body]));
+  }
+  return Heights{world_from_body[robot.root_body()].translation.z() - lowest, highest - lowest};
+}
+
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json joints_json(const Robot& robot) {
+  Json joints = Json::array();
+  for (const int index : robot.output_joints()) {
+    const RobotJoint& joint = robot.joints()[index];
+    Json limits = Json::object();
+    limits["model"] = {number_or_null(robot.model_limits().lower[index]),
+                       number_or_null(robot.model_limits().upper[index])};
+    for (const LimitSet& set : robot.profile().limit_sets) {
+      limits[set.name] = {number_or_null(set.lower[index]), number_or_null(set.upper[index])};
+    }
+    joints.push_back({{"name", joint.name},
+                      {"body", robot.bodies()[joint.body].name},
+                      {"type", joint.type == RobotJoint::Type::kHinge ? "hinge" : "slide"},
+                      {"limits", limits},
+                      {"speed_limit", number_or_null(robot.speed_limit(index))}});
+  }
+  return joints;
+}
+
+Json mapping_json(const IkTables& tables) {
+  Json rows = Json::array();
+  for (const IkRow& row : tables.tables[0].rows) {
+    const auto second = std::ranges::find(tables.tables[1].rows, row.body, &IkRow::body);
+    const bool has_second = second != tables.tables[1].rows.end();
+    const double* scale = tables.find_scale(row.bone);
+    rows.push_back(
+        {{"body", row.body},
+         {"bone", row.bone},
+         {"scale", scale == nullptr ? Json() : Json(*scale)},
+         {"pass1", {row.position_weight, row.rotation_weight}},
+         {"pass2", has_second ? Json{second->position_weight, second->rotation_weight} : Json()}});
+  }
+  return rows;
+}
+
+Json robot_json(const Robot& robot, const RobotSources& files) {
+  Json json;
+  json["name"] = robot.name();
+  json["description"] = robot.profile().description;
+  json["source"] = robot.profile().source;
+  json["licence"] = robot.profile().licence;
+  const auto heights = heights_of(robot);
+  json["height_m"] = heights ? Json(heights->whole) : Json();
+  json["sole_height_m"] = heights ? Json(heights->sole) : Json();
+  json["root_body"] = robot.bodies()[robot.root_body()].name;
+  json["default_limits"] = robot.limits_for("");
+  json["joints"] = joints_json(robot);
+  json["mapping_file"] = files.mapping.empty() ? Json() : Json(files.mapping);
+  if (files.mapping.empty()) return json;
+  const auto tables = load_ik_tables(files.mapping);
+  json["mapping"] = tables ? mapping_json(*tables) : Json();
+  if (!files.mapping_of_others.empty()) json["mapping_file_of_others"] = files.mapping_of_others;
+  return json;
+}
+
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(text.size() + 1, width), ' ');
+  return text;
+}
+
+std::string range_text(const Json& range) {
+  const auto end = [](const Json& value) {
+    return value.is_null() ? std::string("none") : number_text(value.get<double>(), 4);
+  };
+  return end(range[0]) + " " + end(range[1]);
+}
+
+std::string plain_text(const Json& json) {
+  std::string text =
+      json["name"].get<std::string>() + ": " + json["description"].get<std::string>();
+  text += "\nsource   " + json["source"].get<std::string>() + "\nlicence  " +
+          json["licence"].get<std::string>() + "\n";
+  if (!json["height_m"].is_null()) {
+    text += "height   " + number_text(json["height_m"].get<double>(), 3) + " m; root body \"" +
+            json["root_body"].get<std::string>() + "\" " +
+            number_text(json["sole_height_m"].get<double>(), 3) + " m above the soles\n";
+  }
+  text +=
+      "\njoints in the order of the output columns, limits and speeds in rad or m, per second\n";
+  std::string head = padded("", 4) + padded("joint", 32);
+  const Json& joints = json["joints"];
+  if (!joints.empty()) {
+    for (const auto& [set, range] : joints[0]["limits"].items()) head += padded(set, 20);
+  }
+  text += head + "speed\n";
+  int number = 0;
+  for (const Json& joint : joints) {
+    text += padded(std::to_string(++number), 4) + padded(joint["name"].get<std::string>(), 32);
+    for (const auto& [set, range] : joint["limits"].items()) text += padded(range_text(range), 20);
+    const Json& speed = joint["speed_limit"];
+    text += (speed.is_null() ? "none" : number_text(speed.get<double>(), 2)) + "\n";
+  }
+  if (json["mapping_file"].is_null()) return text + "\nno mapping\n";
+  text += "\nmapping  " + json["mapping_file"].get<std::string>() + "\n";
+  if (json.contains("mapping_file_of_others")) {
+    text += "         of sources that are not LAFAN1: " +
+            json["mapping_file_of_others"].get<std::string>() + "\n";
+  }
+  text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +
+          "weights of position and rotation, both passes\n";
+  if (!json.contains("mapping") || json["mapping"].is_null()) return text;
+  for (const Json& row : json["mapping"]) {
+    text += padded(row["body"].get<std::string>(), 32) + padded(row["bone"].get<std::string>(), 16);
+    text += padded(row["scale"].is_null() ? "-" : number_text(row["scale"].get<double>(), 4), 8);
+    for (const char* pass : {"pass1", "pass2"}) {
+      const Json& weights = row[pass];
+      text += weights.is_null() ? padded("-", 10)
+                                : padded(number_text(weights[0].get<double>(), 2) + " " +
+                                             number_text(weights[1].get<double>(), 2),
+                                         10);
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<std::string> describe_robot(const RobotSources& robot, TextForm form) {
+  TRY_ASSIGN(const auto loaded, load_robot_files(robot.model, robot.profile));
+  const Json json = robot_json(*loaded, robot);
+  return form == TextForm::kJson ? printable_dump(json) : printable(plain_text(json));
+}
+
+Result<std::string> describe_robots(std::span<const RobotSources> robots, TextForm form) {
+  Json all = Json::array();
+  std::string text;
+  for (const RobotSources& each : robots) {
+    TRY_ASSIGN(const auto robot, load_robot_files(each.model, each.profile));
+    const auto heights = heights_of(*robot);
+    const std::size_t joints = robot->output_joints().size();
+    all.push_back({{"name", each.name},
+                   {"description", robot->profile().description},
+                   {"joints", joints},
+                   {"height_m", heights ? Json(heights->whole) : Json()},
+                   {"mapping", !each.mapping.empty()},
+                   {"licence", robot->profile().licence}});
+    text += padded(each.name, 26) + padded(count_text(static_cast<long>(joints), "joint"), 12) +
+            padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
+            robot->profile().description + (each.mapping.empty() ? " (no mapping)" : "") + "\n";
+  }
+  return form == TextForm::kJson ? printable_dump(all) : printable(text);
+}
+
+}  // namespace retarget
