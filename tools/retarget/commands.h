@@ -3,6 +3,7 @@
 #include "console.h"
 #include "edit_options.h"
 #include "options.h"
+#include "view_options.h"
 
 namespace retarget::cli {
 
@@ -15,6 +16,7 @@ namespace retarget::cli {
 [[nodiscard]] ExitCode convert(const ConvertOptions& options, Console& console);
 [[nodiscard]] ExitCode compare(const CompareOptions& options, Console& console);
 [[nodiscard]] ExitCode verify(const VerifyOptions& options, Console& console);
+[[nodiscard]] ExitCode view(const ViewOptions& options, Console& console);
 [[nodiscard]] ExitCode robots(const RobotsOptions& options, Console& console);
 
 }  // namespace retarget::cli
