@@ -141,15 +141,15 @@ TEST(LoadModelTest, FilesThatAreNoModelAreNamed) {
 TEST(LoadModelTest, SyntaxErrorsHaveTheirLine) {
   const Error mismatch = error_of(world("<body>"));
   EXPECT_THAT(mismatch.message, AllOf(HasSubstr("not well-formed XML"), HasSubstr("not closed")));
-  EXPECT_GT(mismatch.line, 0U);
+  EXPECT_GT(mismatch.location.line, 0U);
 
   const Error attribute = error_of(world("<body/>\n<body foo=\"1\"/>"));
-  EXPECT_EQ(attribute.line, 4U);
+  EXPECT_EQ(attribute.location.line, 4U);
   EXPECT_THAT(attribute.message, AllOf(HasSubstr("unrecognized attribute: 'foo'"),
                                        HasSubstr("'body'"), Not(HasSubstr("line"))));
 
   const Error number = error_of(world("<body pos=\"0 0 x\"/>"));
-  EXPECT_EQ(number.line, 3U);
+  EXPECT_EQ(number.location.line, 3U);
   EXPECT_THAT(number.message, HasSubstr("pos"));
 
   EXPECT_THAT(error_of(world("<include file=\"none.xml\"/>")).message, HasSubstr("none.xml"));
@@ -157,13 +157,13 @@ TEST(LoadModelTest, SyntaxErrorsHaveTheirLine) {
 
 TEST(LoadModelTest, FaultsOfTheModelHaveTheirLine) {
   const Error twice = error_of(world("<body name=\"a\"/>\n<body name=\"a\"/>"));
-  EXPECT_EQ(twice.line, 4U);
+  EXPECT_EQ(twice.location.line, 4U);
   EXPECT_THAT(twice.message, HasSubstr("repeated name 'a'"));
 
   const Error axis = error_of(
       world("<body><freejoint/><geom size=\"1\"/>\n"
             "<body><joint name=\"knee\" axis=\"0 0 0\"/><geom size=\"1\"/></body></body>"));
-  EXPECT_EQ(axis.line, 4U);
+  EXPECT_EQ(axis.location.line, 4U);
   EXPECT_THAT(axis.message, AllOf(HasSubstr("axis"), HasSubstr("knee")));
 }
 
