@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "human/bones.h"
+#include "math/so3.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {
@@ -135,8 +136,7 @@ std::vector<CollisionShape> visible_shapes(const Robot& robot) {
     CollisionShape line;
     line.type = CollisionShape::Type::kCapsule;
     line.body = body.parent;
-    line.body_from_shape = {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), far_end),
-                            0.5 * far_end};
+    line.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), far_end), 0.5 * far_end};
     line.radius = kLineRadius;
     line.half_length = 0.5 * far_end.norm();
     shapes.push_back(line);
