@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Retargets the sample walk to the Unitree G1 and says where the CSV is; installs what is missing
-# (tools/setup.sh) and builds the tool first. Safe to repeat.
+# (tools/setup.sh) and builds the tool first, in a folder of its own (preset demo). Safe to repeat.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -10,11 +10,11 @@ if [ -n "${MuJoCo_ROOT:-}" ]; then
   export MuJoCo_ROOT
 fi
 
-"$root/tools/setup.sh"
+"$root/tools/setup.sh" --tool
 cd -- "$root"
-cmake --preset release >/dev/null
-cmake --build --preset release --parallel "${JOBS:-$(nproc)}" --target retarget_cli
+cmake --preset demo >/dev/null
+cmake --build --preset demo --parallel "${JOBS:-$(nproc)}" --target retarget_cli
 
 csv=$root/build/walk.csv
-build/release/tools/retarget/retarget --bvh data/walk.bvh --robot unitree_g1 -o "$csv"
+build/demo/tools/retarget/retarget --bvh data/walk.bvh --robot unitree_g1 -o "$csv"
 echo "The trajectory is in $csv"

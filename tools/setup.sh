@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what retarget needs to be built and tested.
 #
-#   tools/setup.sh [--dev] [--check] [--older-mujoco]
+#   tools/setup.sh [--dev | --tool] [--check] [--older-mujoco]
 #
 #   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
+#   --tool          only what a build of the tool needs, without the tests' libraries
 #   --check         install nothing; say what is missing and exit with 1 when something is
 #   --older-mujoco  MuJoCo 3.3.7 in place of 4.0.0, for package indexes that lack the latter
 #
@@ -34,10 +35,12 @@ libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header
 zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header zlib.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
 libssl-dev         | openssl-devel  | openssl       | openssl@3     | has_header openssl/evp.h ../opt/openssl@3/include/openssl/evp.h
-libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
-libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3            | python3        | python        | python        | has_command python3
 python3-pip        | python3-pip    | python-pip    | python        | has_pip_or_no_need
+'
+readonly kTestPackages='
+libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
+libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
 '
 readonly kDeveloperPackages='
@@ -252,10 +255,11 @@ fetch_wheel() {
 # --- main ------------------------------------------------------------------------------------
 
 main() {
-  local wanted=$kPackages only_check=false version=$kMujocoVersion missing own
+  local wanted=$kPackages$kTestPackages only_check=false version=$kMujocoVersion missing own
   while [ $# -gt 0 ]; do
     case $1 in
       --dev) wanted+=$kDeveloperPackages ;;
+      --tool) wanted=$kPackages ;;
       --check) only_check=true ;;
       --older-mujoco) version=$kOlderMujocoVersion ;;
       -h | --help)
@@ -263,7 +267,7 @@ main() {
         exit 0
         ;;
       *)
-        say "unknown option $1 (known: --dev, --check, --older-mujoco)"
+        say "unknown option $1 (known: --dev, --tool, --check, --older-mujoco)"
         exit 2
         ;;
     esac

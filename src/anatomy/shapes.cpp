@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "anatomy/branches.h"
+#include "math/so3.h"
 #include "robot/load_model.h"
 
 namespace retarget {
@@ -110,9 +111,8 @@ CollisionShape capsule_around(int body, const std::vector<Eigen::Vector3d>& poin
       distances[static_cast<std::size_t>(kInside * static_cast<double>(distances.size() - 1))],
       1e-3);
   capsule.half_length = std::max(0.5 * (upper - lower) - capsule.radius, 0.0);
-  capsule.body_from_shape = {
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).normalized(),
-      mean + 0.5 * (lower + upper) * axis};
+  capsule.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), axis).normalized(),
+                             mean + 0.5 * (lower + upper) * axis};
   if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
   return capsule;
 }
@@ -195,9 +195,8 @@ void ShapeFinder::estimate_segments() {
     capsule.body = part.body;
     capsule.radius = kRadius * length;
     capsule.half_length = 0.5 * length - capsule.radius;
-    capsule.body_from_shape = {
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).normalized(),
-        part.joint + 0.5 * length * along};
+    capsule.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), along).normalized(),
+                               part.joint + 0.5 * length * along};
     found_.shapes.push_back({capsule, ShapeSource::kEstimated});
   };
   for (const auto* pair : {&limbs_.legs, &limbs_.arms}) {

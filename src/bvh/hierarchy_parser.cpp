@@ -154,14 +154,14 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
   if (control != name.end()) {
     const auto bad = offset + static_cast<std::size_t>(control - name.begin());
     return source_.failure_at(
-        bad, "expected the name of a joint, found a control byte in " + quoted(name));
+        bad, "expected the name of a joint, found a control byte in " + in_quotes(name));
   }
   if (parent < 0 && !hierarchy_.roots.empty() && wanted_root_.empty()) {
     const Joint& first = hierarchy_.joints[hierarchy_.roots.front()];
     const std::size_t first_line = source_.line_of(hierarchy_.places[hierarchy_.roots.front()]);
     return source_.failure_at(keyword,
-                              "expected one ROOT, found a second: " + quoted(name) + " after " +
-                                  quoted(first.name) + " on line " + std::to_string(first_line),
+                              "expected one ROOT, found a second: " + in_quotes(name) + " after " +
+                                  in_quotes(first.name) + " on line " + std::to_string(first_line),
                               "choose one of the skeletons with " OPTION("root") " NAME");
   }
   Joint joint;
@@ -356,7 +356,7 @@ Failure HierarchyParser::unknown_statement(std::size_t offset) const {
 }
 
 std::string HierarchyParser::block_name(const Block& block) const {
-  const std::string name = quoted(hierarchy_.joints[block.joint].name);
+  const std::string name = in_quotes(hierarchy_.joints[block.joint].name);
   return block.end_site ? "the End Site of " + name : "joint " + name;
 }
 
@@ -384,7 +384,7 @@ void HierarchyParser::warn_about_duplicate_names() {
     const std::string& name = hierarchy_.joints[i].name;
     if (++counts[name] != 2) continue;
     if (repeated.empty()) first = hierarchy_.places[i];
-    repeated.push_back(quoted(name));
+    repeated.push_back(in_quotes(name));
   }
   if (repeated.empty()) return;
   hierarchy_.warnings.push_back(

@@ -36,7 +36,8 @@ Fault find_fault(std::string_view token, const ParsedNumber& number) {
   if (number.end != nullptr) {
     const std::string_view rest = token.substr(static_cast<std::size_t>(number.end - token.data()));
     if (rest.starts_with('-') || rest.starts_with('+')) {
-      return {"a number followed by white space", "", "a blank is missing before " + quoted(rest)};
+      return {"a number followed by white space", "",
+              "a blank is missing before " + in_quotes(rest)};
     }
     return {"a number followed by white space", "", ""};
   }

@@ -39,14 +39,14 @@ Result<std::size_t> find_root(const SourceText& source, const std::vector<std::s
   if (wanted.empty()) return 0;
   const auto found = std::ranges::find(roots, wanted);
   if (found == roots.end()) {
-    Error error =
-        source.error_at(0, "expected a ROOT " + quoted(wanted) + " as " OPTION("root") " asks for" +
-                               did_you_mean(wanted, roots) + ", found " + list_names(roots, 10));
+    Error error = source.error_at(
+        0, "expected a ROOT " + in_quotes(wanted) + " as " OPTION("root") " asks for" +
+               did_you_mean(wanted, roots) + ", found " + list_names(roots, 10));
     error.location.line = error.location.column = 0;
     return failure(std::move(error));
   }
   if (std::find(std::next(found), roots.end(), wanted) != roots.end()) {
-    Error error = source.error_at(0, "expected one ROOT " + quoted(wanted) +
+    Error error = source.error_at(0, "expected one ROOT " + in_quotes(wanted) +
                                          " as " OPTION("root") " asks for, found several");
     error.location.line = error.location.column = 0;
     return failure(std::move(error));
@@ -217,7 +217,7 @@ void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& re
     if (joints.empty()) return;
     std::vector<std::string> names;
     names.reserve(joints.size());
-    for (const int joint : joints) names.push_back(quoted(tree.skeleton->joint(joint).name));
+    for (const int joint : joints) names.push_back(in_quotes(tree.skeleton->joint(joint).name));
     warnings_.push_back(
         source_.warning_at(tree.places[joints.front()], what + list_names(names, 5)));
   };

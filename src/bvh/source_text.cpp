@@ -20,7 +20,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string quote = "\"";
   std::size_t at = 0;
   while (at < text.size() && quote.size() < kLongestQuote) {
@@ -77,7 +77,7 @@ std::string SourceText::found_at(std::size_t offset) const {
   if (is_line_end(text_[offset])) return "the end of the line";
   Scanner scanner(text_);
   scanner.move_to(offset);
-  return quoted(scanner.token());
+  return in_quotes(scanner.token());
 }
 
 Failure SourceText::unexpected_at(std::size_t offset, std::string_view expected,

@@ -28,7 +28,7 @@ namespace retarget {
 
 /// `"text"` for a message: cut to a readable length; control bytes and bytes that are not UTF-8
 /// as `\xNN`.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 /// The text of a file and its name: turns byte offsets into errors and warnings with a place.
 /// Lines and columns are counted only then. Holds a view of the text.

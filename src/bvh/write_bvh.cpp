@@ -89,7 +89,7 @@ class BvhWriter {
 };
 
 Failure BvhWriter::fault(int joint, int frame, std::string_view what, std::string hint) const {
-  std::string message = "cannot write joint " + quoted(skeleton_.joint(joint).name);
+  std::string message = "cannot write joint " + in_quotes(skeleton_.joint(joint).name);
   if (frame >= 0) message += " in frame " + std::to_string(frame);
   return run_failure({}, message + " as BVH: " + std::string(what), std::move(hint));
 }

@@ -10,6 +10,7 @@
 #include "base/try.h"
 #include "edit/rest_frames.h"
 #include "human/bone_map.h"
+#include "math/so3.h"
 
 namespace retarget {
 namespace {
@@ -277,7 +278,7 @@ class MirrorFinder {
     // of one direction the turn about it is the guess's
     constexpr double kOneLine = 0.05;
     if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
-      return Eigen::Quaterniond::FromTwoVectors(guess * own, of_mate).toRotationMatrix() * guess;
+      return rotation_between(guess * own, of_mate).toRotationMatrix() * guess;
     }
     const Eigen::Matrix3d& u = svd.matrixU();
     const Eigen::Matrix3d& v = svd.matrixV();

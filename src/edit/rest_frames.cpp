@@ -5,6 +5,7 @@
 
 #include "human/bone_map.h"
 #include "human/canonical_pose.h"
+#include "math/so3.h"
 #include "motion/skeleton_points.h"
 
 namespace retarget {
@@ -94,7 +95,7 @@ Eigen::Quaterniond rest_turn(const Leaving& leaving) {
   // directions along one line leave the turn about it open: the least rotation closes it
   constexpr double kOneLine = 1e-9;
   if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
-    return Eigen::Quaterniond::FromTwoVectors(leaving.source[0], leaving.target[0]);
+    return rotation_between(leaving.source[0], leaving.target[0]);
   }
   Eigen::Vector3d signs(1.0, 1.0, 1.0);
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;

@@ -130,7 +130,7 @@ double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,
 
   forward_kinematics(clip, frame, poses);
   const Eigen::Vector3d now = poses[joints_.ankle].translation - hip;
-  turn_joint(clip, frame, joints_.hip, Eigen::Quaterniond::FromTwoVectors(now, wanted), poses);
+  turn_joint(clip, frame, joints_.hip, rotation_between(now, wanted), poses);
 
   forward_kinematics(clip, frame, poses);
   const Eigen::Quaterniond left =

@@ -1,5 +1,6 @@
 #include "ik/moving_tree.h"
 
+#include "math/so3.h"
 #include "math/trigonometry.h"
 
 namespace retarget {
@@ -16,7 +17,7 @@ std::vector<char> carrying_bodies(const Robot& robot, std::span<const int> bodie
 
 // body_from_node: a frame at a joint's anchor whose z axis is the joint's
 Pose joint_frame(const RobotJoint& joint) {
-  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.axis), joint.anchor};
+  return {rotation_between(Eigen::Vector3d::UnitZ(), joint.axis), joint.anchor};
 }
 
 // q times a turn by `angle` about its own z axis

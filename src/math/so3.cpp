@@ -59,6 +59,10 @@ Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
   return v - 0.5 * cross + second * w.cross(cross);
 }
 
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return Eigen::Quaterniond::FromTwoVectors(a, b);
+}
+
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return portable::atan2(a.cross(b).norm(), a.dot(b));
 }

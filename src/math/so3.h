@@ -24,6 +24,12 @@ namespace retarget {
 [[nodiscard]] Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
                                                               const Eigen::Vector3d& v);
 
+/// The rotation of least angle that takes direction a to direction b, both of any length but zero;
+/// of opposite directions about one of the axes across them. Eigen's FromTwoVectors, whose singular
+/// value decomposition takes five seconds in every file that calls it.
+[[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,
+                                                  const Eigen::Vector3d& b);
+
 /// Angle between two directions of any length in [0, pi], rad; 0 where one has none.
 [[nodiscard]] double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 

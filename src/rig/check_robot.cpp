@@ -100,8 +100,7 @@ std::optional<OffsetError> Doctor::offset_error(const IkRow& row) const {
       row.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the row
   OffsetError error;
   error.direction = angle_between(given.col(0), body_from_bone->col(0));
-  const Eigen::Vector3d z =
-      Eigen::Quaterniond::FromTwoVectors(given.col(0), body_from_bone->col(0)) * given.col(2);
+  const Eigen::Vector3d z = rotation_between(given.col(0), body_from_bone->col(0)) * given.col(2);
   error.twist = angle_between(z, body_from_bone->col(2));
   return error;
 }

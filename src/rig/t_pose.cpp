@@ -9,6 +9,7 @@
 #include "anatomy/branches.h"
 #include "human/bones.h"
 #include "human/canonical_pose.h"
+#include "math/so3.h"
 #include "math/trigonometry.h"
 
 namespace retarget {
@@ -284,8 +285,7 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
     const Eigen::Vector3d turn = found.col(0).cross(wanted.col(0));
     residual.direction = portable::atan2(turn.norm(), found.col(0).dot(wanted.col(0)));
     // the least turn that brings X into place, then the angle between the Z axes
-    const Eigen::Quaterniond least_turn =
-        Eigen::Quaterniond::FromTwoVectors(found.col(0), wanted.col(0));
+    const Eigen::Quaterniond least_turn = rotation_between(found.col(0), wanted.col(0));
     const Eigen::Vector3d z = least_turn * found.col(2);
     residual.twist = portable::atan2(z.cross(wanted.col(2)).norm(), z.dot(wanted.col(2)));
     best.residuals.push_back(residual);

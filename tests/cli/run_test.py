@@ -275,7 +275,7 @@ class Output(ToolTest):
         for command in (["inspect"], ["edit", "rest"], ["edit", "transfer"], ["edit", "lafan"],
                         ["evaluate"], ["robots", "list"], ["robots", "check"], ["robots", "add"],
                         ["edit", "concat"], ["edit", "path"], ["batch"], ["convert"], ["compare"],
-                        ["verify"]):
+                        ["verify"], ["view"]):
             offered += self.run_tool(*command, "--help").stdout
         for line in (SOURCE / "README.md").read_text().splitlines():
             if re.match(r" +retarget ", line):

@@ -4,6 +4,7 @@
 #include "console.h"
 #include "edit_options.h"
 #include "options.h"
+#include "view_options.h"
 
 namespace retarget::cli {
 
@@ -16,6 +17,7 @@ namespace retarget::cli {
 [[nodiscard]] ExitCode convert(const ConvertOptions& options, Console& console);
 [[nodiscard]] ExitCode compare(const CompareOptions& options, Console& console);
 [[nodiscard]] ExitCode verify(const VerifyArguments& arguments, Console& console);
+[[nodiscard]] ExitCode view(const ViewOptions& options, Console& console);
 [[nodiscard]] ExitCode robots(const RobotsOptions& options, Console& console);
 
 }  // namespace retarget::cli

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "edit_options.h"
 #include "options.h"
+#include "view_options.h"
 
 namespace retarget::cli {
 
@@ -22,6 +23,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments);
 CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options);
 CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments);
+CLI::App* add_view_command(CLI::App& app, ViewOptions& options);
 CLI::App* add_robots_command(CLI::App& app, RobotsOptions& options);
 
 }  // namespace retarget::cli

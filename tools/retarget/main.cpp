@@ -84,6 +84,8 @@ int main_with(int argc, char** argv) {
   const CLI::App* compare_command = add_compare_command(app, compare_options);
   VerifyArguments verify_arguments;
   const CLI::App* verify_command = add_verify_command(app, verify_arguments);
+  ViewOptions view_options;
+  const CLI::App* view_command = add_view_command(app, view_options);
   RobotsOptions robots_options;
   const CLI::App* robots_command = add_robots_command(app, robots_options);
 
@@ -119,6 +121,10 @@ int main_with(int argc, char** argv) {
   if (verify_command->parsed()) {
     Console console(verify_arguments.common.quiet);
     return verify(verify_arguments, console);
+  }
+  if (view_command->parsed()) {
+    Console console(view_options.run.common.quiet);
+    return view(view_options, console);
   }
   if (robots_command->parsed()) {
     Console console(robots_options.common.quiet);

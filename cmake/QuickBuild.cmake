@@ -1,0 +1,29 @@
+# What RETARGET_PRECOMPILE_HEADERS and RETARGET_UNITY_BUILD do for libraries and tool alike, where much
+# is compiled at a time.
+
+foreach(target IN ITEMS retarget retarget_edit retarget_rig retarget_batch retarget_cli)
+  if(NOT TARGET ${target})
+    continue()
+  endif()
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL INTERFACE_LIBRARY)
+    continue()
+  endif()
+  if(RETARGET_PRECOMPILE_HEADERS)
+    if(target STREQUAL retarget OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      # each of the first two takes more than a second to read
+      target_precompile_headers(${target} PRIVATE <Eigen/Dense> <nlohmann/json.hpp> <algorithm>
+        <filesystem> <functional> <map> <memory> <optional> <span> <string> <tl/expected.hpp> <vector>)
+    else()
+      # GCC takes those of the core, if all that was defined for it is
+      set_property(TARGET ${target} PROPERTY PRECOMPILE_HEADERS)
+      target_precompile_headers(${target} REUSE_FROM retarget)
+      target_compile_definitions(${target}
+        PRIVATE $<TARGET_PROPERTY:retarget,COMPILE_DEFINITIONS>)
+    endif()
+  endif()
+  if(RETARGET_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC looks through its memory less often: a tenth of the time for half as much memory again
+    target_compile_options(${target} PRIVATE --param=ggc-min-expand=300)
+  endif()
+endforeach()

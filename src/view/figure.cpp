@@ -1,0 +1,235 @@
+#include "view/figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+
+#include "human/bones.h"
+#include "math/so3.h"
+#include "robot/shape_distance.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kLineRadius = 0.02;  // of robots without shapes, metres
+constexpr double kBoneRadius = 0.035;
+constexpr double kHeadRadius = 0.1;
+constexpr double kRim = 1.6;  // pixels, both sides together
+
+constexpr int kRobotColour = 0x7FA3C7;
+constexpr int kLeftColour = 0x5AA469, kMiddleColour = 0x8A8A8A, kRightColour = 0xD0705F;
+
+// where the light comes from: above, in front of the page, from the left; of unit length
+Eigen::Vector3d light_from(const Camera& camera) {
+  return (-0.4 * camera.right + 0.7 * camera.up + 0.6 * camera.nearer).normalized();
+}
+
+double light_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& light) {
+  return std::max(0.0, normal.dot(light));
+}
+
+Eigen::Matrix2Xd columns(std::initializer_list<Eigen::Vector2d> points) {
+  Eigen::Matrix2Xd result(2, static_cast<Eigen::Index>(points.size()));
+  Eigen::Index column = 0;
+  for (const Eigen::Vector2d& point : points) result.col(column++) = point;
+  return result;
+}
+
+void add_box(const PlacedShape& box, const Camera& camera, std::vector<FigurePart::Piece>& pieces) {
+  const Eigen::Vector3d light = light_from(camera);
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d normal = box.world_from_box.col(axis);
+    if (normal.dot(camera.nearer) < 0.0) normal = -normal;
+    const int side = (axis + 1) % 3, other = (axis + 2) % 3;
+    const Eigen::Vector3d middle = box.centre + box.half_size[axis] * normal;
+    const Eigen::Vector3d a = box.half_size[side] * box.world_from_box.col(side);
+    const Eigen::Vector3d b = box.half_size[other] * box.world_from_box.col(other);
+    pieces.push_back({columns({camera.project(middle + a + b), camera.project(middle - a + b),
+                               camera.project(middle - a - b), camera.project(middle + a - b)}),
+                      0.0, light_on(normal, light)});
+  }
+}
+
+void add_round(const PlacedShape& shape, const Camera& camera,
+               std::vector<FigurePart::Piece>& pieces) {
+  const Eigen::Vector3d light = light_from(camera);
+  if (shape.type == CollisionShape::Type::kSphere || shape.half_axis.norm() == 0.0) {
+    pieces.push_back({columns({camera.project(shape.centre)}), shape.radius, 1.0});
+    return;
+  }
+  // lit as the line on it that is lit most
+  const double along = shape.half_axis.normalized().dot(light);
+  pieces.push_back({columns({camera.project(shape.centre - shape.half_axis),
+                             camera.project(shape.centre + shape.half_axis)}),
+                    shape.radius, std::sqrt(std::max(0.0, 1.0 - along * along))});
+}
+
+void sort_by_nearness(Figure& figure) {
+  std::ranges::stable_sort(figure, {}, &FigurePart::nearness);
+}
+
+struct Limb {
+  const char* prefix;
+  int colour;
+  std::vector<std::string_view> bones;
+};
+
+// bones from joint to joint; those that are missing are passed over
+const std::array<Limb, 5>& limbs() {
+  static const std::array<Limb, 5> kLimbs = {
+      {{"", kMiddleColour, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},
+       {"Left", kLeftColour, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
+       {"Right", kRightColour, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
+       {"Left", kLeftColour, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}},
+       {"Right", kRightColour, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}}}};
+  return kLimbs;
+}
+
+std::optional<Eigen::Vector3d> bone_place(const HumanClip& human, int frame,
+                                          const std::string& name) {
+  const auto bone = find_bone(name);
+  if (!bone || !human.has(*bone)) return std::nullopt;
+  return human.frame(frame)[*bone].translation;
+}
+
+// between half of the colour and all of it
+std::string shaded(int colour, double light) {
+  const double share = 0.55 + 0.45 * std::clamp(light, 0.0, 1.0);
+  int result = 0;
+  for (int shift = 16; shift >= 0; shift -= 8) {
+    result = result * 256 + static_cast<int>(std::lround(((colour >> shift) & 0xFF) * share));
+  }
+  return fmt::format("#{:06x}", result);
+}
+
+}  // namespace
+
+Camera Camera::beside(const Eigen::Vector3d& forward) {
+  Eigen::Vector3d ahead(forward.x(), forward.y(), 0.0);
+  if (ahead.norm() < 1e-9) ahead = Eigen::Vector3d::UnitX();
+  ahead.normalize();
+  // 35 degrees from the side to the front, 8 degrees down
+  const Eigen::Vector3d to_the_right(ahead.y(), -ahead.x(), 0.0);
+  const Eigen::Vector3d level = 0.81915 * to_the_right + 0.57358 * ahead;
+  Camera camera;
+  camera.nearer = (0.99027 * level + 0.13917 * Eigen::Vector3d::UnitZ()).normalized();
+  camera.right = Eigen::Vector3d::UnitZ().cross(camera.nearer).normalized();
+  camera.up = camera.nearer.cross(camera.right);
+  return camera;
+}
+
+std::vector<CollisionShape> visible_shapes(const Robot& robot) {
+  std::vector<CollisionShape> shapes = robot.collision_shapes();
+  if (!shapes.empty()) return shapes;
+  CollisionShape root;
+  root.body = robot.root_body();
+  root.radius = 2.0 * kLineRadius;
+  shapes.push_back(root);
+  for (const RobotBody& body : robot.bodies()) {
+    const Eigen::Vector3d& far_end = body.parent_from_body.translation;
+    if (body.parent <= 0 || far_end.norm() < 1e-6) continue;
+    CollisionShape line;
+    line.type = CollisionShape::Type::kCapsule;
+    line.body = body.parent;
+    line.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), far_end), 0.5 * far_end};
+    line.radius = kLineRadius;
+    line.half_length = 0.5 * far_end.norm();
+    shapes.push_back(line);
+  }
+  return shapes;
+}
+
+Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shapes,
+                    std::span<const double> qpos, const Camera& camera) {
+  std::vector<Pose> world_from_body(robot.bodies().size());
+  forward_kinematics(robot, qpos, world_from_body);
+  // a part for each body: its pieces are drawn as one
+  Figure figure(robot.bodies().size());
+  std::vector<int> counts(figure.size());
+  for (const CollisionShape& shape : shapes) {
+    const PlacedShape placed = place(shape, world_from_body[shape.body]);
+    FigurePart& part = figure[shape.body];
+    // the mean of its shapes
+    const double share = 1.0 / ++counts[shape.body];
+    part.nearness += share * (camera.nearer.dot(placed.centre) - part.nearness);
+    part.colour = kRobotColour;
+    if (shape.type == CollisionShape::Type::kBox) {
+      add_box(placed, camera, part.pieces);
+    } else {
+      add_round(placed, camera, part.pieces);
+    }
+  }
+  std::erase_if(figure, [](const FigurePart& part) { return part.pieces.empty(); });
+  sort_by_nearness(figure);
+  return figure;
+}
+
+Figure human_figure(const HumanClip& human, int frame, const Camera& camera) {
+  Figure figure;
+  const auto add = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
+                       int colour) {
+    figure.push_back({camera.nearer.dot(from + to) / 2.0,
+                      colour,
+                      {{columns({camera.project(from), camera.project(to)}), radius, 1.0}}});
+  };
+  for (const Limb& limb : limbs()) {
+    std::optional<Eigen::Vector3d> before;
+    for (const std::string_view bone : limb.bones) {
+      const bool shared = bone == "Hips" || bone == "Spine2";
+      const auto place = bone_place(human, frame, (shared ? "" : limb.prefix) + std::string(bone));
+      if (!place) continue;
+      if (before) add(*before, *place, kBoneRadius, limb.colour);
+      if (before && bone == "Head") {
+        const Eigen::Vector3d middle = *place + 0.8 * kHeadRadius * (*place - *before).normalized();
+        add(middle, middle, kHeadRadius, limb.colour);
+      }
+      before = place;
+    }
+  }
+  sort_by_nearness(figure);
+  return figure;
+}
+
+Eigen::AlignedBox2d extent(const Figure& figure) {
+  Eigen::AlignedBox2d box;
+  for (const FigurePart& part : figure) {
+    for (const FigurePart::Piece& piece : part.pieces) {
+      const Eigen::Vector2d around(piece.radius, piece.radius);
+      for (const auto& point : piece.points.colwise()) {
+        box.extend(Eigen::Vector2d(point - around));
+        box.extend(Eigen::Vector2d(point + around));
+      }
+    }
+  }
+  return box;
+}
+
+void draw(const Figure& figure, const Eigen::Vector2d& origin, double scale, SvgWriter& svg) {
+  const auto pixels = [&](const Eigen::Matrix2Xd& points) -> Eigen::Matrix2Xd {
+    return (Eigen::Vector2d(scale, -scale).asDiagonal() * points).colwise() + origin;
+  };
+  const auto draw_piece = [&](const FigurePart::Piece& piece, const std::string& colour,
+                              double rim) {
+    const Eigen::Matrix2Xd points = pixels(piece.points);
+    if (points.cols() > 2) {
+      svg.area(points, colour, rim);
+    } else {
+      const Eigen::Index last = points.cols() - 1;
+      svg.stroke(points.col(0), points.col(last), 2.0 * piece.radius * scale + rim, colour);
+    }
+  };
+  for (const FigurePart& part : figure) {
+    // a rim about the part as a whole sets it off from what lies behind it
+    for (const FigurePart::Piece& piece : part.pieces) draw_piece(piece, "#2b2b2b", kRim);
+    for (const FigurePart::Piece& piece : part.pieces) {
+      draw_piece(piece, shaded(part.colour, piece.light), 0.0);
+    }
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,108 @@
+#include "view/strip.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "base/number_text.h"
+#include "view/figure.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kRowHeight = 220.0;  // of the highest figure, pixels
+constexpr double kGap = 12.0;
+constexpr double kLabelHeight = 20.0;
+constexpr const char* kFloorColour = "#b0b0b0";
+
+// figures side by side on one floor
+struct Row {
+  std::vector<Figure> figures;  // each with its body's place on the ground at 0
+  Eigen::AlignedBox2d box;
+
+  void add(Figure figure) {
+    if (!figure.empty()) box.extend(extent(figure));
+    figures.push_back(std::move(figure));
+  }
+  [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
+};
+
+std::vector<int> spread_frames(int frame_count, int poses) {
+  const int count = std::clamp(poses, 1, frame_count);
+  std::vector<int> frames;
+  for (int i = 0; i < count; ++i) {
+    frames.push_back(count == 1 ? 0
+                                : static_cast<int>(static_cast<std::int64_t>(frame_count - 1) * i /
+                                                   (count - 1)));
+  }
+  return frames;
+}
+
+// where the robot faces on the whole: x is ahead in every robot's root
+Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int frame : frames) {
+    const auto q = motion.qpos(frame);
+    sum += Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
+  }
+  return sum;
+}
+
+// moves a figure so that a point of the ground is at 0
+Figure placed(Figure figure, const Camera& camera, const Eigen::Vector3d& body) {
+  const Eigen::Vector2d ground = camera.project({body.x(), body.y(), 0.0});
+  for (FigurePart& part : figure) {
+    for (FigurePart::Piece& piece : part.pieces) piece.points.colwise() -= ground;
+  }
+  return figure;
+}
+
+// draws a row below `top` and gives where it ends
+double draw_row(const Row& row, double top, double cell, double scale, SvgWriter& svg) {
+  const double floor = top + std::max(0.0, row.box.max().y()) * scale;
+  const double width = cell * static_cast<double>(row.figures.size());
+  svg.stroke({kGap, floor}, {width - kGap, floor}, 1.5, kFloorColour);
+  const double shift = row.box.center().x() * scale;
+  for (std::size_t i = 0; i < row.figures.size(); ++i) {
+    draw(row.figures[i], {cell * (static_cast<double>(i) + 0.5) - shift, floor}, scale, svg);
+  }
+  return floor + std::max(0.0, -row.box.min().y()) * scale;
+}
+
+}  // namespace
+
+std::string draw_strip(const RobotClip& motion, const HumanClip* human,
+                       const StripOptions& options) {
+  const std::vector<int> frames = spread_frames(motion.frame_count(), options.poses);
+  const Camera camera = Camera::beside(facing(motion, frames));
+  const std::vector<CollisionShape> shapes = visible_shapes(motion.robot());
+  Row robots, humans;
+  for (const int frame : frames) {
+    const auto q = motion.qpos(frame);
+    robots.add(placed(robot_figure(motion.robot(), shapes, q, camera), camera, {q[0], q[1], q[2]}));
+    if (human == nullptr) continue;
+    if (frame >= human->frame_count) {
+      humans.add({});
+      continue;
+    }
+    humans.add(
+        placed(human_figure(*human, frame, camera), camera, human->frame(frame)[0].translation));
+  }
+
+  const double scale = kRowHeight / std::max({robots.height(), humans.height(), 1e-3});
+  double widest = robots.box.sizes().x();
+  if (!humans.box.isEmpty()) widest = std::max(widest, humans.box.sizes().x());
+  const double cell = widest * scale + kGap;
+  SvgWriter svg;
+  double bottom = kGap;
+  if (!humans.box.isEmpty()) bottom = draw_row(humans, bottom, cell, scale, svg) + kGap;
+  bottom = draw_row(robots, bottom, cell, scale, svg);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    svg.label({cell * (static_cast<double>(i) + 0.5), bottom + kLabelHeight - 4.0},
+              number_text(motion.rate().time_of(frames[i]), 2) + " s");
+  }
+  const double width = cell * static_cast<double>(frames.size());
+  return svg.finish({width, bottom + kLabelHeight + kGap}, options.title);
+}
+
+}  // namespace retarget

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "human/human_clip.h"
+#include "retarget/motion.h"
+
+namespace retarget {
+
+struct StripOptions {
+  int poses = 6;      ///< As many as the motion has frames at most; at least one.
+  std::string title;  ///< Any text; empty: none.
+};
+
+/// A motion as a row of poses from its first frame to its last, evenly spread, as an SVG file: the
+/// robot as its collision shapes above a line for the floor, its time below. The root stays in the
+/// middle of its place, heights are kept; all is drawn to one scale, seen from the side that lies to
+/// the right of where the robot faces on the whole.
+/// @pre the motion has a frame
+/// @param human  in a row of its own above the robot: frame by frame the source of the motion; poses
+///               behind its end are left out. Null: none.
+[[nodiscard]] std::string draw_strip(const RobotClip& motion, const HumanClip* human,
+                                     const StripOptions& options = {});
+
+}  // namespace retarget

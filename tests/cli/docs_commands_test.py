@@ -1,0 +1,159 @@
+"""Every command in README.md and docs/ runs: those of a document one after the other, in a folder that has
+the files they name."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+from tool import SOURCE, TOOL, ToolTest, sample, short_clip
+
+# Lines that cannot run here, and why.
+CANNOT_RUN = {
+    "seq 16 | parallel": "needs GNU parallel and two machines",
+    "job=$(sbatch": "needs Slurm",
+    "sbatch ": "needs Slurm",
+}
+
+# Commands that end with another code than 0, as the text beside them says.
+EXIT_CODES = {
+    "retarget evaluate ours.csv published.csv": (1,),  # the published one misses gates
+    "retarget evaluate PUBLISHED.csv": (0, 1),  # a published motion may miss gates
+}
+
+ROBOT = SOURCE / "robots/unitree_g1"
+# how lines begin that are commands of a shell
+COMMAND = re.compile(r"^(?:[A-Za-z_]+=\S+ +)*"
+                     r"(retarget|tools/\S+|bench/\S+|cmake|ctest|sbatch|seq|python3|job=\S+)(?: |$)")
+
+
+def documents():
+    return [*sorted(SOURCE.glob("*.md")), *sorted((SOURCE / "docs").glob("*.md"))]
+
+
+def code_lines(text):
+    """Lines of indented and fenced code; those that a backslash breaks are put together."""
+    fenced, before, pending = False, "", ""
+    for line in text.splitlines():
+        if line.startswith("```"):
+            fenced = not fenced
+        elif fenced or (line.startswith("    ") and (before == "" or before.startswith("    "))):
+            code = (pending + line.strip()).strip()
+            pending = ""
+            if code.endswith("\\"):
+                pending = code[:-1]
+            elif code:
+                yield code
+        before = line
+
+
+def commands(document):
+    return [line for line in code_lines(document.read_text()) if COMMAND.match(line)]
+
+
+class Commands(ToolTest):
+    def prepare(self):
+        """The files that the documents' commands read."""
+        for names, clip in (("walk IN CLIP A", "walk"), ("wave other OTHER T clip B C", "wave")):
+            for name in names.split():
+                shutil.copy(sample(clip), self.folder / f"{name}.bvh")
+        text = sample("walk").read_text()
+        self.write("bones.bvh", text[:text.index("MOTION")])
+        for name in ("short.bvh", "clips/walk.bvh", "clips/more/wave.bvh"):
+            self.write(name, short_clip("walk", 90))
+        for folder in ("build", "golden"):
+            (self.folder / folder).mkdir()
+        for output, *options in (
+                ("walk.csv", "--bvh", "walk.bvh", "--sidecar"),
+                ("golden/walk.csv", "--bvh", "clips/walk.bvh"),
+                ("motion.pkl", "--bvh", "short.bvh", "--format", "pkl-gmr"),
+                *((name, "--bvh", "short.bvh", "--method", "gmr")
+                  for name in ("a.csv", "b.csv", "old.csv", "new.csv", "PUBLISHED.csv"))):
+            self.assert_done(self.run_tool("--robot", "unitree_g1", "-o", output, *options))
+        shutil.copy(self.folder / "walk.csv", self.folder / "golden.csv")
+        for name in ("my_robot.xml", "my.xml"):
+            shutil.copy(ROBOT / "model.xml", self.folder / name)
+        shutil.copy(SOURCE / "configs/lafan1_to_unitree_g1.json", self.folder / "my_mapping.json")
+        shutil.copytree(SOURCE / "data", self.folder / "data")
+
+    def run_line(self, line):
+        return subprocess.run(
+            ["bash", "-o", "pipefail", "-c",
+             'retarget() { "$RETARGET_TOOL" "$@"; }\n' + line.replace(" NAME", " unitree_g1")],
+            cwd=self.folder, env={**os.environ, "RETARGET_TOOL": TOOL}, text=True, timeout=300,
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def test_all_run(self):
+        self.prepare()
+        files, self.folder = self.folder, self.folder / "commands"
+        ran = 0
+        for document in documents():
+            lines = [line for line in commands(document) if line.startswith("retarget ")]
+            if not lines:
+                continue
+            shutil.rmtree(self.folder, ignore_errors=True)
+            for line in lines:
+                # what one line wrote the next may read, but what they all name is as it was
+                shutil.copytree(files, self.folder, dirs_exist_ok=True,
+                                ignore=shutil.ignore_patterns("commands"))
+                with self.subTest(document=document.name, command=line):
+                    result = self.run_line(line)
+                    codes = next((codes for start, codes in EXIT_CODES.items()
+                                  if line.startswith(start)), (0,))
+                    self.assertIn(result.returncode, codes, result.stderr)
+                    self.assert_written(line)
+                    ran += 1
+        self.assertGreater(ran, 40)
+
+    def assert_written(self, line):
+        """What -o names is there."""
+        for output in re.findall(r" -o (\S+)", line.split(" # ")[0]):
+            if output == "-":
+                continue
+            path = self.folder / output
+            found = path.exists() or list(path.parent.glob(path.name + "*"))
+            self.assertTrue(found, f"{output} was not written")
+
+
+class OtherLines(unittest.TestCase):
+    """Lines that call what a test cannot: builds, job arrays. What they name is there."""
+
+    def test_programs_and_presets_exist(self):
+        presets = {preset["name"] for preset in
+                   json.loads((SOURCE / "CMakePresets.json").read_text())["configurePresets"]}
+        for document in documents():
+            for line in commands(document):
+                with self.subTest(document=document.name, command=line):
+                    for name in re.findall(r"(?:^|[\s;&(])((?:tools|bench|tests)/[\w/.]+)", line):
+                        self.assertTrue((SOURCE / name).exists(), name)
+                    for name in re.findall(r"--preset (\w+)", line):
+                        self.assertIn(name, presets)
+
+    def test_what_cannot_run_is_in_a_document(self):
+        every = [line for document in documents() for line in commands(document)]
+        for start in CANNOT_RUN:
+            self.assertTrue(any(line.startswith(start) for line in every), start)
+        known = re.compile(r"^(retarget |tools/|bench/|cmake |ctest )|\bpython3 tests/|MuJoCo_ROOT=\S+ tools/")
+        for line in every:
+            if not known.search(line):
+                self.assertTrue(any(line.startswith(start) for start in CANNOT_RUN), line)
+
+
+class Links(unittest.TestCase):
+    def test_files_that_documents_link_exist(self):
+        for document in documents():
+            for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", document.read_text()):
+                if "://" not in target and not target.startswith("mailto:"):
+                    self.assertTrue((document.parent / target).exists(), f"{document.name}: {target}")
+
+    def test_every_page_is_linked_from_the_index(self):
+        index = (SOURCE / "docs/README.md").read_text()
+        for page in sorted((SOURCE / "docs").glob("*.md")):
+            if page.name != "README.md":
+                self.assertIn(f"({page.name})", index)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,91 @@
+"""`retarget view`: a strip of poses as SVG."""
+
+import shutil
+import unittest
+import xml.etree.ElementTree as xml
+
+from tool import SOURCE, ToolTest, sample, short_clip
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+class View(ToolTest):
+    def motion(self, name="walk.csv", clip=None, robot="unitree_g1"):
+        self.assert_done(self.retarget("--method", "gmr", robot=robot, output=name,
+                                       bvh=clip or self.write("walk.bvh", short_clip("walk", 61))))
+        return self.folder / name
+
+    def strip(self, motion, *options, robot="unitree_g1", output="strip.svg"):
+        result = self.run_tool("view", motion, "--robot", robot, "-o", output, *options)
+        self.assert_done(result)
+        return (self.folder / output).read_bytes()
+
+    def poses(self, svg):
+        """Times below the poses; well-formed XML, or this fails."""
+        return [text.text for text in xml.fromstring(svg).iter(SVG + "text")]
+
+    def shapes(self, svg):
+        return len(list(xml.fromstring(svg).iter(SVG + "path")))
+
+    def test_poses_from_the_first_frame_to_the_last(self):
+        motion = self.motion()
+        self.assertEqual(self.poses(self.strip(motion, "--strip", 5)),
+                         ["0 s", "0.5 s", "1 s", "1.5 s", "2 s"])
+        self.assertEqual(len(self.poses(self.strip(motion))), 6)
+        # no more poses than frames
+        self.assertEqual(len(self.poses(self.strip(motion, "--strip", 100))), 61)
+
+    def test_the_human_is_above_the_robot(self):
+        motion = self.motion()
+        alone = self.strip(motion, "--strip", 3)
+        both = self.strip(motion, "--strip", 3, "--bvh", "walk.bvh")
+        # 19 bones that others end at, a head, three times with a rim; a floor
+        self.assertGreater(self.shapes(both), self.shapes(alone) + 3 * 2 * 15)
+        self.assertEqual(self.poses(both), self.poses(alone))
+
+    def test_same_bytes_every_time_and_on_standard_output(self):
+        motion = self.motion()
+        first = self.strip(motion, "--bvh", "walk.bvh")
+        self.assertEqual(first, self.strip(motion, "--bvh", "walk.bvh", output="again.svg"))
+        printed = self.run_tool("view", motion, "--robot", "unitree_g1", "--bvh", "walk.bvh", "-o", "-")
+        self.assertEqual(first.decode(), printed.stdout)
+
+    def test_names_do_not_break_the_file(self):
+        motion = self.motion("a<b> & \"c\".csv")
+        title = next(xml.fromstring(self.strip(motion)).iter(SVG + "title"))
+        self.assertEqual(title.text, "a<b> & \"c\".csv, unitree_g1")
+
+    def test_a_robot_without_shapes_and_another_rate(self):
+        model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
+        bare = self.write("bare.xml", model.replace('<geom type="capsule"',
+                                                    '<geom contype="0" conaffinity="0" type="capsule"'))
+        motion = self.motion()
+        result = self.run_tool("view", motion, "--robot-xml", bare, "--source-fps", 60, "-o", "s.svg")
+        self.assert_done(result)
+        svg = (self.folder / "s.svg").read_bytes()
+        self.assertEqual(self.poses(svg)[-1], "1 s")
+        self.assertGreater(self.shapes(svg), 6 * 20)
+
+    def test_faults_are_explained(self):
+        motion = self.motion()
+        view = ("view", motion, "--robot", "unitree_g1")
+        self.assert_fails(self.run_tool(*view), 2, "--output")
+        self.assert_fails(self.run_tool(*view, "-o", "s.svg", "--strip", 0), 2, "--strip")
+        self.assert_fails(self.run_tool(*view, "-o", motion), 2, "walk.csv")
+        self.assert_fails(self.run_tool(*view, "-o", "no/s.svg"), 2, "no")
+        self.assert_fails(self.run_tool(*view, "-o", "s.svg", "--start", 1), 2, "--bvh")
+        self.assert_fails(self.run_tool("view", motion, "-o", "s.svg"), 2, "--robot")
+        self.assert_fails(self.run_tool("view", "no.csv", "--robot", "g1", "-o", "s.svg"), 3, "no.csv")
+
+    def test_the_picture_of_the_readme_is_what_the_tool_draws(self):
+        shutil.copy(sample("walk"), self.folder / "walk.bvh")
+        self.assert_done(self.retarget(bvh="walk.bvh", output="walk.csv"))
+        self.assertEqual(
+            self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 9, "--start", 0),
+            (SOURCE / "docs/pictures/walk_strip.svg").read_bytes(),
+            "draw it again: retarget data/walk.bvh g1 -o walk.csv && retarget view walk.csv "
+            "--robot g1 --bvh data/walk.bvh --strip 9 -o docs/pictures/walk_strip.svg")
+
+
+if __name__ == "__main__":
+    unittest.main()
