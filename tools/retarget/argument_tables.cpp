@@ -26,12 +26,16 @@ OptionTable common_table(CommonArguments& arguments) {
                        "found beside the program)"})};
 }
 
+Option write_map_row(std::string& file) {
+  return row("write-map", file,
+             {.type = "FILE",
+              .group = kHumanGroup,
+              .help = "Write the mapping that was used, to be edited"});
+}
+
 OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
-  return {row("write-map", request.write_map,
-              {.type = "FILE",
-               .group = kHumanGroup,
-               .help = "Write the mapping that was used, to be edited"}),
+  return {write_map_row(request.write_map),
           row("sidecar", request.sidecar,
               {.group = kOutputGroup,
                .help = "Write FILE.json beside each output: hashes, options, what was found, "
@@ -186,6 +190,90 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
                        "like it, METRIC=MOST, METRIC=none, or none for no gates at all; "
                        "repeatable",
                .basic = true})};
+}
+
+namespace {
+
+Option memory_row(double& memory_gb) {
+  return row("memory", memory_gb,
+             {.type = "GB",
+              .group = kInputGroup,
+              .help = "Take no motion that would need more memory than this, GB (default: three "
+                      "quarters of what there is)",
+              .least = 0.001,
+              .most = 1e6});
+}
+
+}  // namespace
+
+OptionTable convert_table(ConvertArguments& arguments) {
+  OptionTable table = {memory_row(arguments.memory_gb)};
+  append(table, reading_table(arguments.reading));
+  append(table, robot_table(arguments.robot));
+  append(table, time_table(arguments.time));
+  table.push_back(row("output", arguments.output,
+                      {.type = "FILE",
+                       .group = kOutputGroup,
+                       .help = "File to write; - writes standard output",
+                       .basic = true,
+                       .letter = "o"}));
+  append(table, save_table(arguments.save));
+  append(table, common_table(arguments.common));
+  return table;
+}
+
+OptionTable compare_table(CompareArguments& arguments) {
+  OptionTable table = {row("tolerance", arguments.tolerance,
+                           {.type = "X",
+                            .group = kGeneralGroup,
+                            .help = "Largest difference that counts as none, in the files' units",
+                            .least = 0.0,
+                            .most = 1e6,
+                            .basic = true}),
+                       memory_row(arguments.memory_gb)};
+  append(table, robot_table(arguments.robot));
+  append(table, reading_table(arguments.reading));
+  append(table, common_table(arguments.common));
+  return table;
+}
+
+OptionTable inspect_table(InspectArguments& arguments) {
+  Options& options = arguments.run.run.options;
+  OptionTable table = without(source_table(options.source), {"smpl-model"});
+  table.push_back(
+      row("skeleton", arguments.skeleton_only,
+          {.group = kInputGroup, .help = "The skeleton is enough: accept a file without MOTION"}));
+  append(table, human_table(options.human));
+  table.push_back(write_map_row(arguments.run.request.write_map));
+  table.push_back(
+      row("json", arguments.json,
+          {.group = kOutputGroup, .help = "Print JSON on standard output", .basic = true}));
+  table.push_back(row("positions", arguments.positions,
+                      {.type = "FILE",
+                       .group = kOutputGroup,
+                       .help = "Write world positions and quaternions (xyzw) of all joints and end "
+                               "sites, in the file's units and axes, as CSV; - writes standard "
+                               "output"}));
+  append(table, common_table(arguments.run.common));
+  return table;
+}
+
+OptionTable view_table(ViewArguments& arguments) {
+  OptionTable table = {row("strip", arguments.strip,
+                           {.type = "N",
+                            .group = kOutputGroup,
+                            .help = "How many poses, from the first frame to the last",
+                            .least = 1.0,
+                            .most = 100.0,
+                            .basic = true})};
+  append(table, only(run_command_table(arguments.run),
+                     {"output",     "bvh",     "smpl",      "smpl-model",    "start",
+                      "lead-in",    "map",     "partial",   "rest",          "tpose-frame",
+                      "tpose-file", "unit",    "up",        "forward",       "height",
+                      "write-map",  "robot",   "robot-xml", "robot-profile", "dof",
+                      "quiet",      "data-dir"}));
+  append(table, reading_table(arguments.reading));
+  return table;
 }
 
 }  // namespace retarget::cli

@@ -12,6 +12,12 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable reading_table(ReadingArguments& arguments);
 [[nodiscard]] OptionTable evaluate_table(EvaluateArguments& arguments);
 
+[[nodiscard]] Option write_map_row(std::string& file);
+[[nodiscard]] OptionTable convert_table(ConvertArguments& arguments);
+[[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
+[[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
+[[nodiscard]] OptionTable view_table(ViewArguments& arguments);
+
 /// All of the default command.
 [[nodiscard]] OptionTable run_command_table(RunArguments& arguments);
 

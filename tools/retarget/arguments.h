@@ -72,4 +72,55 @@ struct VerifyArguments {
   std::string file;  ///< The sidecar.
 };
 
+/// `retarget convert`: robot motions from one format to another.
+struct ConvertArguments {
+  CommonArguments common;
+  RobotChoice robot;
+  double memory_gb = 0.0;
+  ReadingArguments reading;
+  TimeOptions time{.fps = std::nullopt};
+  SaveOptions save;
+  std::string input, output;
+};
+
+/// `retarget compare`: whether two motions agree.
+struct CompareArguments {
+  CommonArguments common;
+  RobotChoice robot;
+  double memory_gb = 0.0;
+  ReadingArguments reading;
+  std::string a, b;
+  double tolerance = 1e-6;
+};
+
+/// `retarget inspect`: what a motion file holds.
+struct InspectArguments {
+  RunArguments run;  ///< The file, how it is read, the human in it.
+  bool skeleton_only = false;
+  bool json = false;
+  std::string positions;  ///< CSV to write; empty: none.
+};
+
+/// `retarget view`: a picture of a robot's motion.
+struct ViewArguments {
+  RunArguments run;  ///< Robot, source and its start; the output.
+  ReadingArguments reading;
+  std::string motion;
+  int strip = 6;  ///< Poses.
+};
+
+/// What `retarget robots` does.
+enum class RobotsAction : unsigned char { kList, kShow, kCheck, kAdd };
+
+/// `retarget robots`: what robots there are, what is odd about them, new ones.
+struct RobotsArguments {
+  CommonArguments common;
+  RobotsAction action = RobotsAction::kList;
+  std::string robot;         ///< Name, folder, or (check) a model file; of a new robot its name.
+  std::string model;         ///< Of a new robot: MJCF or URDF.
+  std::string output = ".";  ///< Folder that a new robot's folder goes into.
+  bool force = false;        ///< Replace a folder that is there.
+  bool json = false;
+};
+
 }  // namespace retarget::cli

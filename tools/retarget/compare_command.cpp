@@ -7,19 +7,19 @@
 #include "commands.h"
 #include "io/compare_motions.h"
 #include "motion/clip_size.h"
-#include "read_source.h"
-#include "robot_motion_options.h"
-#include "run_setup.h"
+#include "plan/check_options.h"
+#include "plan/memory.h"
+#include "read_motion.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
 // without a robot the files are compared as they are, and nothing is read into them
-Result<void> check_no_reading(const ReadingOptions& options) {
-  const bool given = !options.from.empty() || options.source_fps > 0.0 ||
-                     !options.quaternion.empty() || !options.angles.empty() ||
-                     !options.unit.empty() || !options.dof.empty() || !options.motion.empty() ||
-                     options.ignore_header;
+Result<void> check_no_reading(const ReadingArguments& reading) {
+  const bool given = reading.from || reading.source_fps > 0.0 || reading.quaternion ||
+                     !reading.angles.empty() || !reading.unit.empty() || !reading.dof.empty() ||
+                     !reading.motion.empty() || reading.ignore_header;
   if (!given) return {};
   return usage_failure(
       "how the files are to be read is said, and without a robot they are "
@@ -29,26 +29,26 @@ Result<void> check_no_reading(const ReadingOptions& options) {
 
 using MotionTables = std::array<MotionTable, 2>;
 
-Result<MotionTables> load_as_they_are(const CompareOptions& options) {
-  TRY(check_no_reading(options.reading));
+Result<MotionTables> load_as_they_are(const CompareArguments& arguments) {
+  TRY(check_no_reading(arguments.reading));
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    const std::string& file = i == 0 ? options.a : options.b;
+    const std::string& file = i == 0 ? arguments.a : arguments.b;
     TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput,
-                                             memory_share(options.run.source), kLargeFileHint));
+                                             memory_share(arguments.memory_gb), kLargeFileHint));
     TRY_ASSIGN(tables[i], parse_motion_table(content.view(), file));
   }
   return tables;
 }
 
-Result<MotionTables> load_of_robot(const CompareOptions& options, Console& console) {
-  TRY(check_robot_choice(options.run));
-  TRY_ASSIGN(const auto data_folder, data_folder_of(options.run.common));
-  TRY_ASSIGN(const auto chosen, load_chosen_robot(options.run, data_folder, console));
-  TRY_ASSIGN(const auto read_options, read_motion_options(options.reading, options.run.source));
+Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& console) {
+  TRY(check_robot_choice(arguments.robot));
+  TRY_ASSIGN(const LoadedRobot chosen,
+             load_robot(arguments.robot, arguments.common, console, Soles::kAsTheyAre));
+  const auto read_options = read_motion_options(arguments.reading, arguments.memory_gb);
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    const std::string& file = i == 0 ? options.a : options.b;
+    const std::string& file = i == 0 ? arguments.a : arguments.b;
     TRY_ASSIGN(const auto motion, load_robot_motion(file, chosen.robot, read_options));
     print_motion(file, motion, console);
     tables[i] = motion_table(motion.clip);
@@ -61,26 +61,26 @@ Result<MotionTables> load_of_robot(const CompareOptions& options, Console& conso
   return tables;
 }
 
-Result<void> compare_checked(const CompareOptions& options, Console& console) {
-  if (options.a == "-" && options.b == "-") {
+Result<void> compare_checked(const CompareArguments& arguments, Console& console) {
+  if (arguments.a == "-" && arguments.b == "-") {
     return usage_failure("standard input can be read once only");
   }
-  const bool has_robot = !options.run.robot.empty() || !options.run.robot_xml.empty();
+  const bool has_robot = !arguments.robot.name.empty() || !arguments.robot.model.empty();
   TRY_ASSIGN(const auto tables,
-             has_robot ? load_of_robot(options, console) : load_as_they_are(options));
-  TRY_ASSIGN(const auto found, compare_motions(tables[0], tables[1], options.tolerance));
+             has_robot ? load_of_robot(arguments, console) : load_as_they_are(arguments));
+  TRY_ASSIGN(const auto found, compare_motions(tables[0], tables[1], arguments.tolerance));
   const char* label = "compared";
   for (const std::string& line : difference_lines(found)) {
     console.line(label, line);
     label = "";
   }
-  return check_agreement(found, options.tolerance, options.a, options.b);
+  return check_agreement(found, arguments.tolerance, arguments.a, arguments.b);
 }
 
 }  // namespace
 
-ExitCode compare(const CompareOptions& options, Console& console) {
-  const auto done = compare_checked(options, console);
+ExitCode compare(const CompareArguments& arguments, Console& console) {
+  const auto done = compare_checked(arguments, console);
   return done ? kDone : console.fail(done.error());
 }
 

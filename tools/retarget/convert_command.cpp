@@ -1,67 +1,73 @@
 // `retarget convert`: robot motions from one format to another.
 
+#include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
-#include "memory_need.h"
-#include "outputs.h"
+#include "motion/resample.h"
+#include "plan/check_options.h"
+#include "plan/memory.h"
+#include "read_motion.h"
 #include "robot/resample_robot.h"
 #include "robot/variant.h"
-#include "robot_motion_options.h"
-#include "run_setup.h"
-#include "written_files.h"
+#include "run/outputs.h"
+#include "run/written_files.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
-Result<void> check_usage(const ConvertOptions& options) {
-  TRY(check_robot_choice(options.run));
-  std::vector<std::string> inputs = files_of(options.run);
-  inputs.push_back(options.input);
-  return check_outputs(options.run, inputs, {});
+Result<void> check_usage(const ConvertArguments& arguments) {
+  TRY(check_robot_choice(arguments.robot));
+  Run run;
+  run.motion = arguments.input;
+  run.robot = arguments.robot;
+  run.options.save = arguments.save;
+  run.output = arguments.output;
+  return check_outputs(run, false,
+                       files_of(run, data_folder_of(arguments.common).value_or(std::string())), {});
 }
 
-Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes, const ConvertOptions& options) {
-  TRY_ASSIGN(const auto rate, output_rate(options.run.fps));
-  const FrameRate output = rate.value_or(clip.rate());
+Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes,
+                          const ConvertArguments& arguments) {
+  const TimeOptions& time = arguments.time;
+  const FrameRate output = time.fps ? frame_rate_from_fps(*time.fps) : clip.rate();
   const MotionNeed need{resampled_frame_count(clip.frame_count(), clip.rate(), output), output,
-                        file_bytes, options.input, false};
-  TRY(check_need(need, options.run));
-  if (!rate) return clip;
-  ResampleOptions resample_options;
-  resample_options.interpolation =
-      options.run.interpolation == "linear" ? Interpolation::kLinear : Interpolation::kCubic;
-  resample_options.antialias = !options.run.no_antialias;
-  auto resampled = resample_robot(clip, *rate, resample_options);
-  if (!resampled) resampled.error().location.file = options.input;
+                        file_bytes, arguments.input, false};
+  TRY(check_need(need, arguments.memory_gb, arguments.save));
+  if (!time.fps) return clip;
+  auto resampled = resample_robot(clip, output, {time.interpolation, !time.no_antialias});
+  if (!resampled) resampled.error().location.file = arguments.input;
   return resampled;
 }
 
 // the motion of the whole robot, or of the variant that is asked for
-Result<RobotClip> load_clip(const ConvertOptions& options, Console& console) {
-  TRY_ASSIGN(const auto data_folder, data_folder_of(options.run.common));
-  TRY_ASSIGN(const auto read_options, read_motion_options(options.reading, options.run.source));
+Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& console) {
   // the file may have joints that the variant holds: it is read as of the whole robot
-  RunOptions whole = options.run;
-  whole.dof.clear();
-  TRY_ASSIGN(const auto robot, load_chosen_robot(whole, data_folder, console));
-  TRY_ASSIGN(auto motion, load_robot_motion(options.input, robot.robot, read_options));
-  print_motion(options.input, motion, console);
-  if (options.run.dof.empty()) return at_rate(std::move(motion.clip), motion.bytes, options);
-  TRY_ASSIGN(auto variant, robot_variant(robot.robot, options.run.dof));
+  RobotChoice whole = arguments.robot;
+  whole.variant.clear();
+  TRY_ASSIGN(const LoadedRobot robot,
+             load_robot(whole, arguments.common, console, Soles::kAsTheyAre));
+  TRY_ASSIGN(RobotMotion motion,
+             load_robot_motion(arguments.input, robot.robot,
+                               read_motion_options(arguments.reading, arguments.memory_gb)));
+  print_motion(arguments.input, motion, console);
+  const std::string& name = arguments.robot.variant;
+  if (name.empty()) return at_rate(std::move(motion.clip), motion.bytes, arguments);
+  TRY_ASSIGN(auto variant, robot_variant(robot.robot, name));
   if (const auto lost = lost_joints(motion.clip, *variant)) {
-    console.warn({{0, 0, *lost}}, options.input);
+    console.warn({{0, 0, *lost}}, arguments.input);
   }
-  return at_rate(with_robot(motion.clip, std::move(variant)), motion.bytes, options);
+  return at_rate(with_robot(motion.clip, std::move(variant)), motion.bytes, arguments);
 }
 
-Result<void> convert_checked(const ConvertOptions& options, Console& console) {
-  TRY(check_usage(options));
-  TRY_ASSIGN(const auto clip, load_clip(options, console));
-  TRY_ASSIGN(const auto outputs,
-             MotionOutputs::open(options.run, clip.shared_robot(), clip.rate()));
+Result<void> convert_checked(const ConvertArguments& arguments, Console& console) {
+  TRY(check_usage(arguments));
+  TRY_ASSIGN(const RobotClip clip, load_motion(arguments, console));
+  TRY_ASSIGN(const auto outputs, MotionOutputs::open(arguments.output, arguments.save,
+                                                     clip.shared_robot(), clip.rate()));
   for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
   TRY_ASSIGN(const auto files, outputs->finish(clip));
-  warn_of_losses(options.run, clip, console);
+  warn_of_losses(clip, files, console);
   console.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
                             " at " + to_text(clip.rate()) + " fps");
   return {};
@@ -69,8 +75,8 @@ Result<void> convert_checked(const ConvertOptions& options, Console& console) {
 
 }  // namespace
 
-ExitCode convert(const ConvertOptions& options, Console& console) {
-  const auto done = convert_checked(options, console);
+ExitCode convert(const ConvertArguments& arguments, Console& console) {
+  const auto done = convert_checked(arguments, console);
   return done ? kDone : console.fail(done.error());
 }
 

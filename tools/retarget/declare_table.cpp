@@ -1,8 +1,10 @@
 #include "declare_table.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
+#include "base/number_text.h"
 #include "retarget/error.h"
 
 namespace retarget::cli {
@@ -92,6 +94,22 @@ OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names
 OptionTable renamed(OptionTable rows, const char* name) {
   rows.front().name = name;
   return rows;
+}
+
+CLI::Validator silent(CLI::Validator validator) {
+  return validator.description("");
+}
+
+CLI::Validator number_from(double least, double most) {
+  const auto check = [least, most](const std::string& text) -> std::string {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    if (whole && value >= least && value <= most) return {};
+    return "expected a number from " + number_text(least, 3) + " to " + number_text(most, 0) +
+           ", found \"" + text + "\"";
+  };
+  return CLI::Validator(check, "");
 }
 
 void refuse_empty_values(CLI::App& app) {

@@ -10,9 +10,13 @@
 #include "bvh/read_bvh.h"
 #include "bvh/write_bvh.h"
 #include "commands.h"
-#include "human_source.h"
-#include "run_setup.h"
-#include "written_files.h"
+#include "human/bone_map_file.h"
+#include "options/run_tables.h"
+#include "retarget/load.h"
+#include "retarget/plan.h"
+#include "run/run_lines.h"
+#include "run/written_files.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
@@ -20,7 +24,7 @@ namespace {
 // a clip that is edited, and the human in it
 struct EditSource {
   Clip clip;
-  HumanSource human;
+  HumanInClip human;
 
   [[nodiscard]] const HumanMapping& mapping() const { return human.calibration.mapping; }
   [[nodiscard]] Subject subject() const { return {clip, human.map, mapping()}; }
@@ -33,10 +37,27 @@ Error placed(Error error, const std::string& file) {
   return error;
 }
 
+std::string shown_name(const std::string& file) {
+  return file == "-" ? "standard input" : file;
+}
+
+// every file that an edit reads
+std::vector<std::string> files_of(const EditArguments& options) {
+  Run run;
+  run.motion = options.file;
+  run.options.source = options.source;
+  run.options.human = options.human;
+  std::vector<std::string> files =
+      files_of(run, data_folder_of(options.common).value_or(std::string()));
+  files.insert(files.end(), {options.like, options.path.to});
+  files.insert(files.end(), options.files.begin(), options.files.end());
+  return files;
+}
+
 class EditRun {
  public:
-  EditRun(const EditOptions& options, Console& console)
-      : options_(options), console_(console), file_(source_name(options.source)) {}
+  EditRun(const EditArguments& options, Console& console)
+      : options_(options), console_(console), file_(shown_name(options.file)) {}
 
   // nothing: what was asked for is written already
   Result<std::optional<Clip>> run() {
@@ -66,24 +87,35 @@ class EditRun {
     return std::move(edited->clip);
   }
 
-  Result<EditSource> read_human(const SourceOptions& source, const HumanOptions& how,
-                                bool skeleton_only) {
-    TRY_ASSIGN(auto motion, read_source(source, skeleton_only, console_));
-    TRY_ASSIGN(const auto data, data_folder_of(options_.common));
-    TRY_ASSIGN(auto human, find_human(motion, source, how, data / "configs" / "skeletons"));
+  // says what was odd about the file
+  Result<Clip> read_clip(const std::string& file, bool skeleton_only = false) {
+    TRY(check_no_folder(file));
+    TRY_ASSIGN(Clip clip, skeleton_only ? load_skeleton(file, options_.source)
+                                        : load_clip(file, options_.source));
+    console_.warn(clip.origin().warnings, clip.name());
+    return clip;
+  }
+
+  Result<EditSource> read_human(Clip clip, const HumanOptions& how, const std::string& write_map) {
+    TRY_ASSIGN(const std::string data_folder, data_folder_of(options_.common));
+    TRY_ASSIGN(auto human, find_human(clip, how, data_folder));
+    if (!write_map.empty()) {
+      TRY(write_file(write_map, format_bone_map(human.map, clip.skeleton())));
+    }
     console_.line("taken as", human.calibration.mapping.description);
     for (const std::string& note : human.map.notes) console_.line("", note);
-    console_.warn(human.calibration.mapping.doubts, source_name(source));
-    return EditSource{std::move(motion.clip), std::move(human)};
+    console_.warn(human.calibration.mapping.doubts, clip.name());
+    return EditSource{std::move(clip), std::move(human)};
   }
 
   // cut to the part that was asked for, after the human was recognised in the whole
-  Result<EditSource> read(const SourceOptions& file, HumanOptions how) {
+  Result<EditSource> read(const std::string& file, HumanOptions how, const std::string& write_map) {
     const Edit edit = options_.edit;
     // what is told or shown in metres needs a unit; all else is done in the file's own
     how.unit_optional =
         edit != Edit::kMove && edit != Edit::kPath && !(edit == Edit::kGround && options_.floor);
-    TRY_ASSIGN(auto source, read_human(file, how, false));
+    TRY_ASSIGN(Clip clip, read_clip(file));
+    TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
     TRY_ASSIGN(source.clip, trim(std::move(source.clip), options_.part));
     // what looks at the motion as a whole must not take a T-pose in front for a part of it
     const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
@@ -97,19 +129,19 @@ class EditRun {
   }
 
   Result<Clip> to_rest() {
-    TRY_ASSIGN(const auto motion, read_source(options_.source, false, console_));
+    TRY_ASSIGN(const Clip motion, read_clip(options_.file));
     BvhReadOptions read_options;
     read_options.motion_optional = true;
     TRY_ASSIGN(const auto like, load_bvh(options_.like, read_options));
-    return told(change_rest(motion.clip, like.clip.shared_skeleton(), file_, options_.like), file_);
+    return told(change_rest(motion, like.clip.shared_skeleton(), file_, options_.like), file_);
   }
 
   Result<Clip> to_other(const EditSource& source) {
-    SourceOptions file;
-    file.file = options_.like;
     HumanOptions how;
     how.unit_optional = true;
-    TRY_ASSIGN(const auto target, read_human(file, how, true));
+    TRY_ASSIGN(Clip like, load_skeleton(options_.like));
+    console_.warn(like.origin().warnings, like.name());
+    TRY_ASSIGN(const auto target, read_human(std::move(like), how, {}));
     return told(Result<Transferred>(transfer(source.subject(), target.subject())), options_.like);
   }
 
@@ -122,16 +154,20 @@ class EditRun {
     if (!resample && !options_.part.any()) {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
-    TRY_ASSIGN(timing.rate, output_rate(options_.fps.empty() ? "source" : options_.fps));
-    TRY_ASSIGN(auto motion, read_source(options_.source, false, console_));
-    TRY_ASSIGN(auto clip, trim(std::move(motion.clip), options_.part));
+    if (!options_.fps.empty()) {
+      const auto fps = rate_from_text(options_.fps);
+      if (!fps) return usage_failure("--fps: " + fps.error().message);
+      if (*fps) timing.rate = frame_rate_from_fps(**fps);
+    }
+    TRY_ASSIGN(Clip motion, read_clip(options_.file));
+    TRY_ASSIGN(auto clip, trim(std::move(motion), options_.part));
     if (!resample) return clip;
     console_.line("source", summary(clip));
     return change_timing(std::move(clip), timing);
   }
 
   Result<Clip> edit_body() {
-    TRY_ASSIGN(auto source, read(options_.source, options_.human));
+    TRY_ASSIGN(auto source, read(options_.file, options_.human, options_.write_map));
     const HumanMapping& mapping = source.mapping();
     switch (options_.edit) {
       case Edit::kTransfer:
@@ -159,13 +195,11 @@ class EditRun {
   }
 
   Result<EditSource> read_one(std::size_t index) {
-    SourceOptions source = options_.source;
-    source.file = options_.files[index];
     HumanOptions human = options_.human;
     // a mapping file is of the first clip's joints
-    if (index > 0) human.map = human.write_map = {};
-    console_.line("motion", source.file);
-    return read(source, human);
+    if (index > 0) human.map.clear();
+    console_.line("motion", options_.files[index]);
+    return read(options_.files[index], human, index > 0 ? std::string() : options_.write_map);
   }
 
   Result<Clip> concat() {
@@ -208,7 +242,7 @@ class EditRun {
 
   Result<std::optional<Clip>> path() {
     TRY(check_path());
-    TRY_ASSIGN(const auto source, read(options_.source, options_.human));
+    TRY_ASSIGN(const auto source, read(options_.file, options_.human, options_.write_map));
     TRY_ASSIGN(const auto own, fit_path(source.clip, source.mapping(), options_.rethread.fit));
     console_.line("path", own.summary());
     if (!options_.fit.empty()) TRY(write_file(options_.fit, format_path(own.path)));
@@ -227,20 +261,20 @@ class EditRun {
     return clip;
   }
 
-  const EditOptions& options_;
+  const EditArguments& options_;
   Console& console_;
   const std::string file_;
 };
 
 }  // namespace
 
-ExitCode edit(const EditOptions& options, Console& console) {
-  const auto good = check_written(
-      {options.output, options.matrix, options.fit, options.svg, options.human.write_map},
-      files_of(options));
+ExitCode edit(const EditArguments& options, Console& console) {
+  const auto good =
+      check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
+                    files_of(options));
   if (!good) return console.fail(good.error());
   const auto clip = EditRun(options, console).run();
-  if (!clip) return console.fail(placed(clip.error(), source_name(options.source)));
+  if (!clip) return console.fail(placed(clip.error(), shown_name(options.file)));
   if (!*clip) return kDone;
   if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
     console.line("result", summary(**clip));

@@ -193,7 +193,7 @@ QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
 
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
                                       Console& console) {
-  TRY_ASSIGN(RobotMotion motion, read_motion(file, measures.robot, measures.reading));
+  TRY_ASSIGN(RobotMotion motion, load_robot_motion(file, measures.robot, measures.reading));
   // a rate that --fps gave is no guess
   const bool rate_known = motion.rate_known;
   motion.rate_known = rate_known || measures.reading.default_rate.has_value();

@@ -4,39 +4,45 @@
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
-#include "human_source.h"
+#include "human/bone_map_file.h"
 #include "inspect/inspect_clip.h"
-#include "run_setup.h"
-#include "written_files.h"
+#include "retarget/load.h"
+#include "retarget/plan.h"
+#include "run/written_files.h"
+#include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
 
-Result<HumanSource> understand(SourceMotion motion, const InspectOptions& options) {
-  TRY_ASSIGN(const auto data, data_folder_of(options.common));
-  return find_human(motion, options.source, options.human, data / "configs" / "skeletons");
+Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
+  TRY_ASSIGN(const std::string data_folder, data_folder_of(arguments.run.common));
+  TRY_ASSIGN(auto human, find_human(clip, arguments.run.run.options.human, data_folder));
+  const std::string& write_map = arguments.run.request.write_map;
+  if (!write_map.empty()) TRY(write_file(write_map, format_bone_map(human.map, clip.skeleton())));
+  return human;
 }
 
-Result<void> inspect_checked(const InspectOptions& options, Console& console) {
-  if (options.json && options.positions == "-") {
+Result<void> inspect_checked(const InspectArguments& arguments, Console& console) {
+  if (arguments.json && arguments.positions == "-") {
     return usage_failure("--json and --positions - both want standard output",
                          "give --positions a file name");
   }
-  RunOptions read;
-  read.common = options.common;
-  read.source = options.source;
-  read.human = options.human;
-  TRY(check_written({options.positions, options.human.write_map}, files_of(read)));
-  TRY_ASSIGN(const auto file, read_source(options.source, options.skeleton_only, console));
-  const auto human = understand(file, options);
+  const Run& run = arguments.run.run;
+  TRY(check_written({arguments.positions, arguments.run.request.write_map},
+                    files_of(run, data_folder_of(arguments.run.common).value_or(std::string()))));
+  TRY_ASSIGN(const Clip clip, arguments.skeleton_only
+                                  ? load_skeleton(run.motion, run.options.source)
+                                  : load_clip(run.motion, run.options.source));
+  console.warn(clip.origin().warnings, clip.name());
+  const auto human = understand(clip, arguments);
   // what the user asked for must be possible; what was only looked at need not be a human
   if (!human && human.error().kind != ErrorKind::kInput) return failure(human.error());
 
-  if (!options.positions.empty()) {
-    TRY(write_file(options.positions, positions_csv(file.clip)));
-    if (options.positions == "-") return {};
+  if (!arguments.positions.empty()) {
+    TRY(write_file(arguments.positions, positions_csv(clip)));
+    if (arguments.positions == "-") return {};
   }
-  Inspection found{source_name(options.source), file.clip, file.warnings};
+  Inspection found{clip.name(), clip, clip.origin().warnings};
   found.spelling = option_as_flag;
   if (human) {
     found.map = &human->map;
@@ -44,13 +50,14 @@ Result<void> inspect_checked(const InspectOptions& options, Console& console) {
   } else {
     found.reason = &human.error();
   }
-  return write_file("-", options.json ? inspection_json(found) : printable(inspection_text(found)));
+  return write_file("-",
+                    arguments.json ? inspection_json(found) : printable(inspection_text(found)));
 }
 
 }  // namespace
 
-ExitCode inspect(const InspectOptions& options, Console& console) {
-  const auto done = inspect_checked(options, console);
+ExitCode inspect(const InspectArguments& arguments, Console& console) {
+  const auto done = inspect_checked(arguments, console);
   return done ? kDone : console.fail(done.error());
 }
 

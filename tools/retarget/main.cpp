@@ -12,10 +12,10 @@
 
 #include "commands.h"
 #include "declare.h"
-#include "declare_shared.h"
 #include "declare_table.h"
 #include "help_format.h"
 #include "interrupt.h"
+#include "options/run_tables.h"
 #include "retarget/version.h"
 #include "usage_errors.h"
 
@@ -64,30 +64,30 @@ int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
   app.formatter(std::make_shared<HelpFormat>());
-  app.get_help_ptr()->group(kGeneral);
-  app.set_version_flag("--version", [] { return version_text(); })->group(kGeneral);
+  app.get_help_ptr()->group(kGeneralGroup);
+  app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
 
   RunArguments run_arguments;
   add_run_options(app, run_arguments);
   add_run_words(app, run_arguments);
   BatchArguments batch_arguments;
   const CLI::App* batch_command = add_batch_command(app, batch_arguments);
-  InspectOptions inspect_options;
-  const CLI::App* inspect_command = add_inspect_command(app, inspect_options);
-  EditOptions edit_options;
-  const CLI::App* edit_command = add_edit_command(app, edit_options);
+  InspectArguments inspect_arguments;
+  const CLI::App* inspect_command = add_inspect_command(app, inspect_arguments);
+  EditArguments edit_arguments;
+  const CLI::App* edit_command = add_edit_command(app, edit_arguments);
   EvaluateArguments evaluate_arguments;
   const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_arguments);
-  ConvertOptions convert_options;
-  const CLI::App* convert_command = add_convert_command(app, convert_options);
-  CompareOptions compare_options;
-  const CLI::App* compare_command = add_compare_command(app, compare_options);
+  ConvertArguments convert_arguments;
+  const CLI::App* convert_command = add_convert_command(app, convert_arguments);
+  CompareArguments compare_arguments;
+  const CLI::App* compare_command = add_compare_command(app, compare_arguments);
   VerifyArguments verify_arguments;
   const CLI::App* verify_command = add_verify_command(app, verify_arguments);
-  ViewOptions view_options;
-  const CLI::App* view_command = add_view_command(app, view_options);
-  RobotsOptions robots_options;
-  const CLI::App* robots_command = add_robots_command(app, robots_options);
+  ViewArguments view_arguments;
+  const CLI::App* view_command = add_view_command(app, view_arguments);
+  RobotsArguments robots_arguments;
+  const CLI::App* robots_command = add_robots_command(app, robots_arguments);
 
   app.add_subcommand("help", "The help of a command: retarget help edit path");
 
@@ -99,36 +99,36 @@ int main_with(int argc, char** argv) {
     return batch(batch_arguments, console);
   }
   if (inspect_command->parsed()) {
-    Console console(inspect_options.common.quiet);
-    return inspect(inspect_options, console);
+    Console console(inspect_arguments.run.common.quiet);
+    return inspect(inspect_arguments, console);
   }
   if (edit_command->parsed()) {
-    Console console(edit_options.common.quiet);
-    return edit(edit_options, console);
+    Console console(edit_arguments.common.quiet);
+    return edit(edit_arguments, console);
   }
   if (evaluate_command->parsed()) {
     Console console(evaluate_arguments.run.common.quiet);
     return evaluate(evaluate_arguments, console);
   }
   if (convert_command->parsed()) {
-    Console console(convert_options.run.common.quiet);
-    return convert(convert_options, console);
+    Console console(convert_arguments.common.quiet);
+    return convert(convert_arguments, console);
   }
   if (compare_command->parsed()) {
-    Console console(compare_options.run.common.quiet);
-    return compare(compare_options, console);
+    Console console(compare_arguments.common.quiet);
+    return compare(compare_arguments, console);
   }
   if (verify_command->parsed()) {
     Console console(verify_arguments.common.quiet);
     return verify(verify_arguments, console);
   }
   if (view_command->parsed()) {
-    Console console(view_options.run.common.quiet);
-    return view(view_options, console);
+    Console console(view_arguments.run.common.quiet);
+    return view(view_arguments, console);
   }
   if (robots_command->parsed()) {
-    Console console(robots_options.common.quiet);
-    return robots(robots_options, console);
+    Console console(robots_arguments.common.quiet);
+    return robots(robots_arguments, console);
   }
   Console console(run_arguments.common.quiet);
   return run(run_arguments, console);

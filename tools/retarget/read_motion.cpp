@@ -1,8 +1,5 @@
 #include "read_motion.h"
 
-#include <filesystem>
-#include <system_error>
-
 #include "base/number_text.h"
 #include "plan/memory.h"
 
@@ -24,20 +21,6 @@ ReadMotionOptions read_motion_options(const ReadingArguments& arguments, double 
   return read;
 }
 
-Result<RobotMotion> read_motion(const std::string& file, const std::shared_ptr<const Robot>& robot,
-                                const ReadMotionOptions& options) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    return input_failure(file, "expected a robot's motion, found a directory",
-                         "name files in it, such as " +
-                             (std::filesystem::path(file) / "*.csv").string() +
-                             "; folders of human motions are for retarget batch");
-  }
-  auto motion = load_robot_motion(file, robot, options);
-  if (!motion) add_memory_hint(motion.error());
-  return motion;
-}
-
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
                   const std::string& rate_option) {
   console.line("read",
@@ -48,6 +31,14 @@ void print_motion(const std::string& file, const RobotMotion& motion, Console& c
                    (motion.rate_known ? "" : ", which the file does not say: " + rate_option));
   for (const std::string& note : motion.notes) console.line("", note);
   for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
+}
+
+void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files, Console& console) {
+  for (const WrittenFile& file : files) {
+    for (const std::string& loss : format_losses(motion, file.item.format)) {
+      console.warn({{0, 0, loss}}, file.item.path);
+    }
+  }
 }
 
 }  // namespace retarget::cli

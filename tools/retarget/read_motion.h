@@ -1,11 +1,12 @@
 #pragma once
 
-#include <memory>
+#include <span>
 #include <string>
 
 #include "arguments.h"
 #include "console.h"
 #include "retarget/motion_io.h"
+#include "run/outputs.h"
 
 namespace retarget::cli {
 
@@ -14,14 +15,12 @@ namespace retarget::cli {
 [[nodiscard]] ReadMotionOptions read_motion_options(const ReadingArguments& arguments,
                                                     double memory_gb);
 
-/// load_robot_motion; of a folder it says what is wanted in its place.
-[[nodiscard]] Result<RobotMotion> read_motion(const std::string& file,
-                                              const std::shared_ptr<const Robot>& robot,
-                                              const ReadMotionOptions& options);
-
 /// Says what a file was taken for, and what is odd about it.
 /// @param rate_option  that tells the rate where the file does not.
 void print_motion(const std::string& file, const RobotMotion& motion, Console& console,
                   const std::string& rate_option = "--source-fps");
+
+/// Warns of what the formats of files cannot hold of a motion.
+void warn_of_losses(const RobotClip& motion, std::span<const WrittenFile> files, Console& console);
 
 }  // namespace retarget::cli

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "base/file.h"
-#include "provenance/hash.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
@@ -12,6 +11,7 @@
 #include "options/enum_names.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
+#include "provenance/hash.h"
 #include "retarget/version.h"
 #include "run/run_to_files.h"
 #include "run/sidecar.h"

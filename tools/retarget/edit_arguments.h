@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
+#include "arguments.h"
 #include "retarget/edit.h"
 
 namespace retarget::cli {
@@ -26,10 +26,12 @@ enum class Edit : unsigned char {
 };
 
 /// `retarget edit`: BVH in, BVH out.
-struct EditOptions {
-  CommonOptions common;
+struct EditArguments {
+  CommonArguments common;
+  std::string file;
   SourceOptions source;
   HumanOptions human;
+  std::string write_map;
   Edit edit = Edit::kRest;
   TrimOptions part;
   std::string like;             ///< BVH of the skeleton that is wanted.
