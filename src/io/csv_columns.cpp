@@ -259,12 +259,12 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
         found > kRootColumns &&
         variants_by_count(robot, found - kRootColumns, csv.format, options.variant).size() > 1;
     if (several) return failure(joints.error());
-    return failure({ErrorKind::kInput,
-                    {file, table.lines.front(), 1},
-                    fmt::format("this line has {} columns, the robot {} needs {}", found,
-                                robot.name(), needed_columns(robot, options.variant)),
-                    {},
-                    {}});
+    Failure fault =
+        input_failure(file, fmt::format("this line has {} columns, the robot {} needs {}", found,
+                                        robot.name(), needed_columns(robot, options.variant)));
+    fault.value().location.line = table.lines.front();
+    fault.value().location.column = 1;
+    return fault;
   }
   if (first == 1) columns.clock = 0;
   for (int i = 0; i < 3; ++i) columns.position[i] = first + i;

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string message_of(const Faults& faults) {
-  return faults.failure_in("file", "the file").value().message;
+  return full_message(faults.failure_in("file", "the file").value());
 }
 
 TEST(FaultsTest, AreListedUnderTheirNumber) {

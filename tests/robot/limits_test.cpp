@@ -26,7 +26,7 @@ std::string message_of(const std::string& text) {
   EXPECT_FALSE(limits.has_value()) << text;
   if (limits) return {};
   EXPECT_EQ(limits.error().kind, ErrorKind::kConfig);
-  return limits.error().message;
+  return full_message(limits.error());
 }
 
 TEST(LimitsTest, SetsByName) {

@@ -31,7 +31,7 @@ std::string message_of(const std::string& profile) {
   if (robot) return {};
   EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);
   EXPECT_THAT(robot.error().location.file, HasSubstr("robot.json"));
-  return robot.error().message;
+  return full_message(robot.error());
 }
 
 // a profile with one more member
