@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace retarget {
 
@@ -16,6 +17,14 @@ std::string number_text(double value, int decimals) {
     if (text.back() == '.') text.pop_back();
   }
   return text == "-0" ? "0" : text;
+}
+
+std::optional<double> number_from_text(std::string_view text) {
+  constexpr double kFarthest = 1e6;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && std::abs(value) <= kFarthest ? std::optional<double>(value) : std::nullopt;
 }
 
 std::string count_text(long count, std::string_view noun) {

@@ -276,4 +276,29 @@ OptionTable view_table(ViewArguments& arguments) {
   return table;
 }
 
+std::set<std::string> advanced_option_names() {
+  RunArguments run;
+  BatchArguments batch;
+  EvaluateArguments evaluate;
+  InspectArguments inspect;
+  ConvertArguments convert;
+  CompareArguments compare;
+  ViewArguments view;
+  OptionTable all = run_command_table(run);
+  append(all, batch_table(batch));
+  append(all, evaluate_table(evaluate));
+  append(all, inspect_table(inspect));
+  append(all, convert_table(convert));
+  append(all, compare_table(compare));
+  append(all, view_table(view));
+  std::set<std::string> names;
+  for (const Option& each : all) {
+    if (!each.info.basic) names.insert(each.name);
+  }
+  for (const Option& each : all) {
+    if (each.info.basic) names.erase(each.name);
+  }
+  return names;
+}
+
 }  // namespace retarget::cli

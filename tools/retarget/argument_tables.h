@@ -1,5 +1,8 @@
 #pragma once
 
+#include <set>
+#include <string>
+
 #include "arguments.h"
 #include "options/option_table.h"
 
@@ -17,6 +20,9 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable compare_table(CompareArguments& arguments);
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
+
+/// Names of the options that a command's short help leaves out.
+[[nodiscard]] std::set<std::string> advanced_option_names();
 
 /// All of the default command.
 [[nodiscard]] OptionTable run_command_table(RunArguments& arguments);

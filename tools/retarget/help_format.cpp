@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "base/wrapped_text.h"
 
@@ -18,8 +19,41 @@ std::string description_lines(std::string text) {
 
 }  // namespace
 
-HelpFormat::HelpFormat() {
+HelpFormat::HelpFormat(std::set<std::string> advanced) : advanced_(std::move(advanced)) {
   column_width(kColumn);
+}
+
+std::string HelpFormat::make_help(const CLI::App* app, std::string name,
+                                  CLI::AppFormatMode mode) const {
+  const bool all = mode != CLI::AppFormatMode::Normal;
+  return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
+         (all ? make_groups(app, mode) : short_options(app)) + make_subcommands(app, mode) + "\n" +
+         make_footer(app);
+}
+
+std::string HelpFormat::short_options(const CLI::App* app) const {
+  std::vector<const CLI::Option*> needed, others;
+  std::size_t hidden = 0;
+  for (const CLI::Option* option : app->get_options()) {
+    if (!option->nonpositional() || option->get_group().empty()) continue;
+    if (option->get_required()) {
+      needed.push_back(option);
+    } else if (advanced_.contains(option->get_single_name())) {
+      ++hidden;
+    } else {
+      others.push_back(option);
+    }
+  }
+  needed.insert(needed.end(), others.begin(), others.end());
+  std::string text = make_group("Options", false, needed);
+  if (hidden > 0) {
+    text += "\n" + std::to_string(hidden) + " more options: --help-all\n";
+  }
+  return text;
+}
+
+std::string HelpFormat::make_subcommands(const CLI::App* app, CLI::AppFormatMode) const {
+  return CLI::Formatter::make_subcommands(app, CLI::AppFormatMode::Normal);
 }
 
 std::string HelpFormat::make_option_desc(const CLI::Option* option) const {

@@ -2,17 +2,21 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "argument_tables.h"
 #include "commands.h"
 #include "declare.h"
 #include "declare_table.h"
+#include "generate.h"
 #include "help_format.h"
 #include "interrupt.h"
 #include "options/run_tables.h"
@@ -28,10 +32,35 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 bad input file,
 
 Examples:
   retarget walk.bvh g1 -o walk.csv
-  retarget --bvh walk.bvh --robot unitree_g1 --fps source --precision 9 -o -
-  retarget batch clips/ -o out/ --robot g1
-  retarget inspect walk.bvh
-  retarget evaluate walk.csv --robot g1 --bvh walk.bvh)";
+  retarget walk.bvh g1 --start 2 --end 5 --fps 50 -o - --format csv)";
+
+// what calls of a command look like
+constexpr std::array<std::pair<const char*, const char*>, 7> kExamples = {{
+    {"batch",
+     "  retarget batch clips/ -o out/ --robot g1\n"
+     "  retarget batch clips/ -o out/ --robot g1,t1 --resume"},
+    {"inspect", "  retarget inspect walk.bvh\n  retarget inspect walk.bvh --json"},
+    {"evaluate",
+     "  retarget evaluate walk.csv --robot g1 --bvh walk.bvh\n"
+     "  retarget evaluate a.csv b.csv --robot g1 --json report.json"},
+    {"convert",
+     "  retarget convert walk.pkl walk.csv --robot g1\n"
+     "  retarget convert walk.csv walk.npz --robot g1 --format npz-mjlab"},
+    {"compare", "  retarget compare golden.csv walk.csv --tolerance 1e-6"},
+    {"verify", "  retarget verify walk.csv.json"},
+    {"view", "  retarget view walk.csv --robot g1 --bvh walk.bvh -o walk.svg"},
+}};
+
+void add_help(CLI::App& app) {
+  app.set_help_all_flag("--help-all", "Show all options")->group(kGeneralGroup);
+  for (const auto& [name, examples] : kExamples) {
+    app.get_subcommand(name)->footer(std::string("Examples:\n") + examples);
+  }
+  for (CLI::App* command : app.get_subcommands({})) {
+    command->set_help_all_flag("--help-all", "Show all options")->group(kGeneralGroup);
+    command->get_help_ptr()->group(kGeneralGroup);
+  }
+}
 
 // reads the words into the options; nothing: go on with the command
 std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
@@ -63,7 +92,7 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
 int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
-  app.formatter(std::make_shared<HelpFormat>());
+  app.formatter(std::make_shared<HelpFormat>(advanced_option_names()));
   app.get_help_ptr()->group(kGeneralGroup);
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
 
@@ -91,9 +120,12 @@ int main_with(int argc, char** argv) {
 
   app.add_subcommand("help", "The help of a command: retarget help edit path");
 
+  add_help(app);
+  CLI::App* generate = add_generate_command(app);
   refuse_empty_values(app);
   if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
+  if (generate->parsed()) return print_generated(app, *generate);
   if (batch_command->parsed()) {
     Console console(batch_arguments.run.common.quiet);
     return batch(batch_arguments, console);

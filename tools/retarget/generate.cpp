@@ -1,0 +1,293 @@
+#include "generate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "base/file.h"
+#include "options/fit_options.h"
+#include "retarget/version.h"
+
+namespace retarget::cli {
+namespace {
+
+// an option as scripts and pages tell it
+struct Told {
+  std::string name, letter, type, group, help, standard;
+  std::vector<std::string> words;  // values that it may have
+  bool takes_value = false, is_path = false;
+};
+
+struct Command {
+  std::string path;  // `edit path`; empty: the default command
+  std::string help, arguments;
+  std::vector<Told> options;
+  std::vector<std::string> commands;  // below it
+};
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words = {""};
+  for (const char letter : text) {
+    if (letter == '|') {
+      words.emplace_back();
+    } else {
+      words.back() += letter;
+    }
+  }
+  return words;
+}
+
+std::string upper_case(std::string text) {
+  for (char& letter : text) {
+    if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
+  }
+  return text;
+}
+
+Told tell(const CLI::Option& option) {
+  Told told;
+  if (!option.get_lnames().empty()) told.name = option.get_lnames().front();
+  if (!option.get_snames().empty()) told.letter = option.get_snames().front();
+  told.takes_value = option.get_expected_max() > 0;
+  told.type = told.takes_value ? option.get_type_name() : "";
+  told.group = option.get_group();
+  told.help = option.get_description();
+  std::ranges::replace(told.help, '\n', ' ');
+  told.standard = option.get_default_str();
+  // what is in small letters is a word, `FILE` and `N` stand for something
+  for (const std::string& word : split(told.type)) {
+    if (!word.empty() && word != upper_case(word)) told.words.push_back(word);
+  }
+  told.is_path =
+      told.type.find("FILE") != std::string::npos || told.type == "DIR" || told.name == "robot";
+  return told;
+}
+
+void collect(const CLI::App& app, const std::string& path, std::vector<Command>& commands) {
+  Command command;
+  command.path = path;
+  command.help = app.get_description();
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional()) command.arguments += " " + option->get_type_name();
+    if (option->nonpositional() && !option->get_group().empty()) {
+      command.options.push_back(tell(*option));
+    }
+  }
+  const auto below = app.get_subcommands([](const CLI::App*) { return true; });
+  for (const CLI::App* each : below) command.commands.push_back(each->get_name());
+  commands.push_back(std::move(command));
+  for (const CLI::App* each : below) {
+    collect(*each, path.empty() ? each->get_name() : path + " " + each->get_name(), commands);
+  }
+}
+
+std::string joined(const std::vector<std::string>& words, const char* between = " ") {
+  return fmt::format("{}", fmt::join(words, between));
+}
+
+// without what quotes of the script would take for their end
+std::string plain(std::string text, std::string_view special) {
+  std::erase_if(text, [&](char letter) { return special.find(letter) != special.npos; });
+  return text;
+}
+
+std::string bash_script(const std::vector<Command>& commands) {
+  std::string text =
+      "# bash completion for retarget\n_retarget() {\n"
+      "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} path= word\n"
+      "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$path $word\" in\n";
+  for (const Command& command : commands) {
+    for (const std::string& below : command.commands) {
+      const std::string path = command.path.empty() ? below : command.path + " " + below;
+      text += fmt::format("      '{} {}') path='{}' ;;\n", command.path, below, path);
+    }
+  }
+  text += "    esac\n  done\n  case \"$path:$prev\" in\n";
+  for (const Command& command : commands) {
+    for (const Told& option : command.options) {
+      if (!option.takes_value) continue;
+      const std::string files = option.is_path ? " -f" : "";
+      text +=
+          fmt::format("    '{}:--{}') COMPREPLY=($(compgen{} -W '{}' -- \"$cur\")); return ;;\n",
+                      command.path, option.name, files, joined(option.words));
+    }
+  }
+  text += "  esac\n  case \"$path\" in\n";
+  for (const Command& command : commands) {
+    std::vector<std::string> names;
+    for (const Told& option : command.options) names.push_back("--" + option.name);
+    text += fmt::format(
+        "    '{}') if [[ $cur == -* ]]; then COMPREPLY=($(compgen -W '{}' -- \"$cur\"))\n"
+        "      else COMPREPLY=($(compgen -f -W '{}' -- \"$cur\")); fi ;;\n",
+        command.path, joined(names), joined(command.commands));
+  }
+  return text + "  esac\n}\ncomplete -o filenames -F _retarget retarget\n";
+}
+
+std::string zsh_values(const Told& option) {
+  if (!option.takes_value) return "";
+  const std::string type = plain(option.type, ":'[]()");
+  if (!option.words.empty() && !option.is_path) {
+    return fmt::format(":{}:({})", type, joined(option.words));
+  }
+  return fmt::format(":{}:{}", type, option.is_path ? "_files" : "");
+}
+
+std::string zsh_script(const std::vector<Command>& commands) {
+  std::string text =
+      "#compdef retarget\n_retarget() {\n  local path= word\n"
+      "  for word in ${words[2,CURRENT-1]}; do\n    case \"$path $word\" in\n";
+  for (const Command& command : commands) {
+    for (const std::string& below : command.commands) {
+      const std::string path = command.path.empty() ? below : command.path + " " + below;
+      text += fmt::format("      '{} {}') path='{}' ;;\n", command.path, below, path);
+    }
+  }
+  text += "    esac\n  done\n  case \"$path\" in\n";
+  for (const Command& command : commands) {
+    text += fmt::format("    '{}') _arguments", command.path);
+    for (const Told& option : command.options) {
+      text += fmt::format(" \\\n      '--{}[{}]{}'", option.name, plain(option.help, ":'[]"),
+                          zsh_values(option));
+    }
+    text += command.commands.empty()
+                ? " \\\n      '*:file:_files' ;;\n"
+                : fmt::format(" \\\n      '*:command or file:({})' '*:file:_files' ;;\n",
+                              joined(command.commands));
+  }
+  return text + "  esac\n}\n_retarget \"$@\"\n";
+}
+
+std::string fish_script(const std::vector<Command>& commands) {
+  std::string text = "# fish completion for retarget\n";
+  const std::string of_all = joined(commands.front().commands);
+  for (const Command& command : commands) {
+    std::string when = "not __fish_seen_subcommand_from " + of_all;
+    if (!command.path.empty()) {
+      when.clear();
+      for (const std::string& word : split([&] {
+             std::string path = command.path;
+             std::ranges::replace(path, ' ', '|');
+             return path;
+           }())) {
+        when += (when.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word);
+      }
+    }
+    for (const Told& option : command.options) {
+      text += fmt::format("complete -c retarget -n '{}' -l {}{} -d '{}'{}{}\n", when, option.name,
+                          option.letter.empty() ? "" : " -s " + option.letter,
+                          plain(option.help, "'\\"),
+                          !option.takes_value ? ""
+                          : option.is_path    ? " -r"
+                                              : " -x",
+                          option.words.empty() ? "" : " -a '" + joined(option.words) + "'");
+    }
+    for (const std::string& below : command.commands) {
+      text += fmt::format("complete -c retarget -n '{}' -a {}\n", when, below);
+    }
+  }
+  return text;
+}
+
+std::string troff(std::string text) {
+  std::string safe;
+  for (const char letter : text) {
+    if (letter == '\\')
+      safe += "\\e";
+    else if (letter == '-')
+      safe += "\\-";
+    else
+      safe += letter;
+  }
+  if (safe.starts_with('.') || safe.starts_with('\'')) safe = "\\&" + safe;
+  return safe;
+}
+
+std::string man_page(const std::vector<Command>& commands) {
+  std::string text = fmt::format(".TH RETARGET 1 \"\" \"retarget {}\"\n.SH NAME\nretarget \\- {}\n",
+                                 version_number(), troff(commands.front().help));
+  for (const Command& command : commands) {
+    const std::string call = "retarget" + (command.path.empty() ? "" : " " + command.path);
+    text += fmt::format(".SH {}\n.B {}{}\n[options]\n.PP\n{}\n", troff(upper_case(call)), call,
+                        troff(command.arguments), troff(command.help));
+    for (const Told& option : command.options) {
+      text += fmt::format(".TP\n.B {}\\-\\-{} {}\n{}\n",
+                          option.letter.empty() ? "" : "\\-" + option.letter + ", ",
+                          troff(option.name), troff(option.type), troff(option.help));
+    }
+  }
+  return text +
+         ".SH EXIT STATUS\n0 done, 1 the run failed, 2 wrong usage, 3 bad input file, 4 bad "
+         "configuration, model or unknown robot, 130 interrupted\n"
+         ".SH ENVIRONMENT\nRETARGET_DATA_DIR: the folder that holds robots/ and configs/\n";
+}
+
+std::string cell(std::string text) {
+  std::string safe;
+  for (const char letter : text)
+    safe += letter == '|' ? std::string("\\|") : std::string(1, letter);
+  return safe;
+}
+
+std::string options_page(const std::vector<Command>& commands) {
+  std::string text =
+      "# Options\n\nMade by `retarget generate options` from the tables of options; do not edit.\n"
+      "The same names, with `_` for `-`, are members of `retarget::Options` and keys of "
+      "sidecars.\n";
+  for (const Command& command : commands) {
+    if (command.options.size() <= 2) continue;
+    text += fmt::format("\n## retarget{}{}\n\n{}\n", command.path.empty() ? "" : " ", command.path,
+                        command.help);
+    std::string group;
+    for (const Told& option : command.options) {
+      if (option.group != group) {
+        group = option.group;
+        text += fmt::format("\n{}:\n\n| option | value | default | |\n|---|---|---|---|\n", group);
+      }
+      text += fmt::format("| `--{}`{} | {} | {} | {} |\n", option.name,
+                          option.letter.empty() ? "" : ", `-" + option.letter + "`",
+                          cell(option.type), cell(option.standard), cell(option.help));
+    }
+  }
+  text += "\n## The fit\n\nMembers of the JSON file of `--fit-config` (docs/fit.md).\n";
+  FitOptions fit;
+  std::string group;
+  for (const Option& row : fit_table(fit)) {
+    if (row.info.group != group) {
+      group = row.info.group;
+      text += fmt::format("\n{}:\n\n| option | default | |\n|---|---|---|\n", group);
+    }
+    text += fmt::format("| `{}` | {} | {} |\n", row.name, to_text(row.get()), row.info.help);
+  }
+  return text;
+}
+
+}  // namespace
+
+CLI::App* add_generate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "generate", "Print completions for a shell, the man page or the page of options");
+  command->add_option("what", "What to print")
+      ->required()
+      ->type_name("bash|zsh|fish|man|options")
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "man", "options"}).description(""));
+  return command;
+}
+
+ExitCode print_generated(const CLI::App& app, const CLI::App& generate) {
+  std::vector<Command> commands;
+  collect(app, "", commands);
+  const std::string what = generate.get_option("what")->as<std::string>();
+  const std::string text = what == "bash"   ? bash_script(commands)
+                           : what == "zsh"  ? zsh_script(commands)
+                           : what == "fish" ? fish_script(commands)
+                           : what == "man"  ? man_page(commands)
+                                            : options_page(commands);
+  Console console(false);
+  const auto written = write_file("-", text);
+  return written ? kDone : console.fail(written.error());
+}
+
+}  // namespace retarget::cli

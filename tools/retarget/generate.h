@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "console.h"
+
+namespace retarget::cli {
+
+/// `retarget generate bash|zsh|fish|man|options`: completion scripts, the man page and docs/options.md,
+/// from the declarations of all commands.
+CLI::App* add_generate_command(CLI::App& app);
+
+/// Prints what the parsed command asks for.
+[[nodiscard]] ExitCode print_generated(const CLI::App& app, const CLI::App& generate);
+
+}  // namespace retarget::cli
