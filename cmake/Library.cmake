@@ -10,7 +10,7 @@ set(retarget_exported "")      # what is installed
 set(retarget_taken_rooms "")   # by libraries beside the core
 set(retarget_shared_links "")  # of the rooms that a shared core takes in
 
-# files of one room together, up to eight: they share their includes, and their names do not clash
+# files of one room together, up to RETARGET_UNITY_FILES: they share their includes, and their names do not clash
 function(retarget_group_by_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
@@ -19,7 +19,7 @@ function(retarget_group_by_rooms target)
       continue()
     endif()
     math(EXPR ${room}_files "${${room}_files} + 1")
-    math(EXPR group "${${room}_files} / 8")
+    math(EXPR group "${${room}_files} / ${RETARGET_UNITY_FILES}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${group})
   endforeach()
 endfunction()

@@ -16,7 +16,7 @@ namespace retarget {
 namespace {
 
 // metres: lower by less is rounding
-constexpr double kNothing = 1e-10;
+constexpr double kNoDrop = 1e-10;
 
 // at least as much everywhere, without corners: the largest near by, then a mean of those
 std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
@@ -79,7 +79,7 @@ class FootPlanter {
     }
     drops = find_drops(offsets, true);
     for (std::size_t frame = 0; frame < frames_; ++frame) {
-      const bool lower = drops[frame] > kNothing;
+      const bool lower = drops[frame] > kNoDrop;
       if (!lower && !offsets[0].any(frame) && !offsets[1].any(frame)) continue;
       if (lower) {
         mover_.move(clip_, static_cast<int>(frame),

@@ -14,15 +14,15 @@
 namespace retarget {
 namespace {
 
-constexpr double kSame = 1e-6;
+constexpr double kSameLength = 1e-6;
 
 // whether a joint ever turns or moves against its parent, beyond what its OFFSET says
 bool is_turned_or_moved(const Clip& clip, int joint) {
   const Eigen::Vector3d& offset = clip.skeleton().joint(joint).offset;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
-    if (1.0 - std::abs(clip.rotations(frame)[joint].w()) > kSame * kSame) return true;
+    if (1.0 - std::abs(clip.rotations(frame)[joint].w()) > kSameLength * kSameLength) return true;
     const double way = (clip.translation(frame, joint) - offset).norm();
-    if (way > kSame * std::max(1.0, offset.norm())) return true;
+    if (way > kSameLength * std::max(1.0, offset.norm())) return true;
   }
   return false;
 }
@@ -86,7 +86,7 @@ class Transfer {
       const Eigen::Vector3d scaled =
           units_ * (shared_.turn_above(*target_.skeleton, joint) * offset);
       const Eigen::Vector3d& wanted = target_.skeleton->joint(joint).offset;
-      const bool same = (scaled - wanted).norm() <= 1e-3 * wanted.norm() + kSame;
+      const bool same = (scaled - wanted).norm() <= 1e-3 * wanted.norm() + kSameLength;
       lengths_[joint] = same ? offset : mean_translation(clip_, twin);
     }
   }

@@ -7,7 +7,7 @@ namespace retarget {
 namespace {
 
 // of the longest way between joints
-constexpr double kNoLength = 1e-4;
+constexpr double kNegligible = 1e-4;
 
 // follows helpers; what it knows of all joints is found once, so that chains of any length cost but
 // one step a joint
@@ -35,7 +35,7 @@ class HelperChain {
       longest = std::max(longest, of.offset.norm());
       if (has_length(of.offset)) has_extent_[of.parent] = true;
     }
-    least_ = kNoLength * longest;
+    least_ = kNegligible * longest;
   }
 
   // the last helper in a joint's place that turns all that the joint turns of the body

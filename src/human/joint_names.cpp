@@ -129,7 +129,7 @@ bool drop_shared_word(std::vector<Words>& all, bool first) {
   return false;
 }
 
-std::string joined(const Words& words) {
+std::string glued(const Words& words) {
   std::string text;
   for (const std::string& word : words) {
     const std::size_t zeros = is_number(word) ? word.find_first_not_of('0') : 0;
@@ -155,7 +155,7 @@ JointName name_of(Words words) {
     const Side side = side_of(words[i]);
     if (side == Side::kNone) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
-    return {side, joined(words)};
+    return {side, glued(words)};
   }
   // in the middle, as `C_Head` and `Head_C` say
   if (words.size() > 1 && is_centre(words.front())) {
@@ -163,7 +163,7 @@ JointName name_of(Words words) {
   } else if (words.size() > 1 && is_centre(words.back())) {
     words.pop_back();
   }
-  return with_glued_side(joined(words));
+  return with_glued_side(glued(words));
 }
 
 }  // namespace

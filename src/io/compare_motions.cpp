@@ -17,7 +17,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kUnitTolerance = 0.01;
+constexpr double kUnitLength = 0.01;
 
 double difference_of(double a, double b) {
   const double found = std::abs(a - b);
@@ -102,7 +102,7 @@ bool unit_quaternions(const CsvTable& table, std::size_t first) {
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double square = 0.0;
     for (std::size_t k = 0; k < 4; ++k) square += table.row(i)[first + k] * table.row(i)[first + k];
-    if (!(std::abs(std::sqrt(square) - 1.0) <= kUnitTolerance)) return false;
+    if (!(std::abs(std::sqrt(square) - 1.0) <= kUnitLength)) return false;
   }
   return true;
 }

@@ -19,7 +19,7 @@ namespace {
 
 // metres by which bodies may lie elsewhere than the robot's model has them
 constexpr double kSamePlace = 0.01;
-constexpr std::size_t kFramesTried = 40;
+constexpr std::size_t kFramesCompared = 40;
 
 struct TrackingArrays {
   std::size_t frames = 0, joint_count = 0, body_count = 0;
@@ -63,7 +63,7 @@ double largest_distance(const Robot& robot, const TrackingLayout& layout,
                         const TrackingArrays& arrays) {
   std::vector<Pose> world_from_body(robot.bodies().size());
   double largest = 0.0;
-  const std::size_t step = std::max<std::size_t>(1, arrays.frames / kFramesTried);
+  const std::size_t step = std::max<std::size_t>(1, arrays.frames / kFramesCompared);
   for (std::size_t frame = 0; frame < arrays.frames; frame += step) {
     std::vector<double> qpos = robot.zero_configuration();
     const double* place = arrays.body_pos.data() + 3 * frame * arrays.body_count;

@@ -14,7 +14,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kShortest = 1e-6;  // metres, and of a sine
+constexpr double kShortestLine = 1e-6;  // metres, and of a sine
 constexpr double kDegree = 0.017453292519943295;
 // bend of the spine from which on, and at which, a clip's spine is bent as people's are
 constexpr double kStraightSpine = 3.0 * kDegree;
@@ -117,11 +117,11 @@ TrunkLines trunk_lines(std::span<const Pose> world_from_bone) {
 
 std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
   const double length = lines.chord.norm();
-  if (!(length > kShortest)) return std::nullopt;
+  if (!(length > kShortestLine)) return std::nullopt;
   const Eigen::Vector3d up = lines.chord / length;
   const Eigen::Vector3d forward = lines.across.cross(up);
   const double clear = forward.norm();
-  if (!(clear > kShortest)) return std::nullopt;
+  if (!(clear > kShortestLine)) return std::nullopt;
   Eigen::Matrix3d frame;
   frame.col(0) = forward / clear;
   frame.col(1) = up.cross(frame.col(0));

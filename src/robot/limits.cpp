@@ -14,7 +14,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // ranges of the joints that another model of the robot has by the same names; it need not be a
 // robot that can move about
@@ -32,8 +32,8 @@ Result<LimitSet> limits_from_model(const Robot& robot, const std::string& path) 
     if (!joint) continue;
     common = true;
     const bool limited = model.jnt_limited[j] != 0;
-    set.lower[*joint] = limited ? model.jnt_range[2 * j] : -kInfinity;
-    set.upper[*joint] = limited ? model.jnt_range[2 * j + 1] : kInfinity;
+    set.lower[*joint] = limited ? model.jnt_range[2 * j] : -kNoLimit;
+    set.upper[*joint] = limited ? model.jnt_range[2 * j + 1] : kNoLimit;
   }
   if (!common) {
     return config_failure(path, "the model has no joint of " + robot.name(),

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 using Type = CollisionShape::Type;
 
 // below this, metres, the direction between two points is no more than rounding
-constexpr double kTouching = 1e-9;
+constexpr double kTouch = 1e-9;
 // of two segments' directions: sin^2 of the angle below which they are looked at as parallel
 constexpr double kNearlyParallel = 1e-6;
 
@@ -92,7 +92,7 @@ ShapeDistance round_to_round(const PlacedShape& a, const PlacedShape& b) {
   const double apart = between.norm();
   ShapeDistance result;
   result.distance = apart - a.radius - b.radius;
-  result.normal = apart > kTouching ? Vector3d(between / apart) : normal_of_touching(a, b);
+  result.normal = apart > kTouch ? Vector3d(between / apart) : normal_of_touching(a, b);
   result.on_a = nearest.a + a.radius * result.normal;
   result.on_b = nearest.b - b.radius * result.normal;
   return result;
