@@ -258,11 +258,10 @@ Result<CsvColumns> columns_by_number(const CsvTable& table, const Robot& robot,
       return failure(joints.error());
     }
     return failure({.kind = ErrorKind::kInput,
-                    .file = file,
-                    .line = table.lines.front(),
-                    .column = 1,
+                    .location = {file, table.lines.front(), 1},
                     .message = "this line has " + std::to_string(found) + " columns, the robot " +
                                robot.name() + " needs " + needed_columns(robot, options.variant),
+                    .details = {},
                     .hint = {}});
   }
   if (first == 1) columns.clock = 0;

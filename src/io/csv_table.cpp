@@ -53,10 +53,9 @@ class CsvTableReader {
   [[nodiscard]] Failure fault(std::size_t column, std::string message,
                               std::string hint = {}) const {
     return failure({.kind = ErrorKind::kInput,
-                    .file = file_,
-                    .line = line_,
-                    .column = column + 1,
+                    .location = {file_, line_, column + 1},
                     .message = std::move(message),
+                    .details = {},
                     .hint = std::move(hint)});
   }
 
