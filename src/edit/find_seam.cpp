@@ -53,7 +53,7 @@ class SeamFinder {
     band_b_ = {0, options.search_all ? b.frame_count : std::min(b.frame_count, band + 1)};
   }
 
-  [[nodiscard]] const std::vector<int>& bones() const { return bones_; }
+  [[nodiscard]] const std::vector<Bone>& bones() const { return bones_; }
   [[nodiscard]] std::int64_t pair_count() const { return band_a_.size() * band_b_.size(); }
 
   SeamSearch run() const {
@@ -150,7 +150,7 @@ class SeamFinder {
     seam.b_frame = pair.b;
     seam.overlap = distance_.frames_at(pair.a, pair.b);
     seam.a_from_b = aligned.a_from_b;
-    const Eigen::Vector2d hips = b_.frame(pair.b)[0].translation.head<2>();
+    const Eigen::Vector2d hips = b_.frame(pair.b)[Bone::kHips].translation.head<2>();
     seam.way = seam.a_from_b * hips - hips;
     seam.distance = aligned.distance;
     seam.same_support = same_support(pair.a, pair.b);
@@ -160,7 +160,7 @@ class SeamFinder {
       const Eigen::Vector3d apart = in_a_.frame(pair.a)[k] - to_a * in_b_.frame(pair.b)[k];
       if (apart.norm() >= seam.worst_distance) {
         seam.worst_distance = apart.norm();
-        seam.worst_bone = kBoneNames[static_cast<std::size_t>(bones_[k])];
+        seam.worst_bone = bone_name(bones_[k]);
       }
       squares +=
           (velocity(in_a_, pair.a, k) - to_a.rotation * velocity(in_b_, pair.b, k)).squaredNorm();
@@ -182,7 +182,7 @@ class SeamFinder {
   const HumanClip& a_;
   const HumanClip& b_;
   const SeamOptions& options_;
-  const std::vector<int> bones_;
+  const std::vector<Bone> bones_;
   const PoseClouds in_a_, in_b_;
   const int window_;  // frames
   const WindowDistance distance_;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {

@@ -24,10 +24,12 @@ TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
     ASSERT_TRUE(shaped) << describe(shaped.error());
     const Clip read = read_bvh(format_bvh(*shaped).value(), name).value().clip;
     const HumanClip again = to_human(read, lafan1_mapping(read.skeleton(), name).value());
-    for (std::size_t i = 0; i < human.world_from_bone.size(); ++i) {
-      const Pose &a = human.world_from_bone[i], &b = again.world_from_bone[i];
-      ASSERT_LT((a.translation - b.translation).norm(), 1e-9) << name;
-      ASSERT_GT(std::abs(a.rotation.dot(b.rotation)), 1.0 - 1e-12) << name;
+    for (int frame = 0; frame < human.frame_count; ++frame) {
+      for (const Bone bone : kAllBones) {
+        const Pose &a = human.frame(frame)[bone], &b = again.frame(frame)[bone];
+        ASSERT_LT((a.translation - b.translation).norm(), 1e-9) << name;
+        ASSERT_GT(std::abs(a.rotation.dot(b.rotation)), 1.0 - 1e-12) << name;
+      }
     }
   }
 }
@@ -38,7 +40,9 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
   const Clip expected = lafan1_clip(human, "walk").value();
   // a child that moves alike
   human.size *= 0.5;
-  for (Pose& pose : human.world_from_bone) pose.translation *= 0.5;
+  for (HumanPose& frame : human.world_from_bone) {
+    for (Pose& pose : frame) pose.translation *= 0.5;
+  }
   const Clip child = lafan1_clip(human, "walk").value();
   for (int joint = 0; joint < expected.skeleton().joint_count(); ++joint) {
     EXPECT_LT(
@@ -51,13 +55,13 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
 TEST(Lafan1Clip, FillsWhatIsMissingButLimbs) {
   const Clip clip = sample("walk");
   HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "walk").value());
-  human.sources[find_bone("Neck").value()].clear();
-  human.sources[find_bone("LeftToe").value()].clear();
+  human.sources[Bone::kNeck].clear();
+  human.sources[Bone::kLeftToe].clear();
   const auto shaped = lafan1_clip(human, "walk");
   ASSERT_TRUE(shaped);
   EXPECT_EQ(shaped->skeleton().joint_count(), 22);
   EXPECT_EQ(shaped->skeleton().joint(4).offset.norm(), 0.0);
-  human.sources[find_bone("LeftArm").value()].clear();
+  human.sources[Bone::kLeftArm].clear();
   const auto armless = lafan1_clip(human, "walk");
   ASSERT_FALSE(armless);
   EXPECT_NE(armless.error().message.find("LeftArm"), std::string::npos);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/suggest.h"
+#include "base/try.h"
 #include "fit_run.h"
 #include "format_losses.h"
 #include "interrupt.h"
@@ -42,16 +43,20 @@ void print_limits(const RobotClip& clip, const LimitSet& limits, Console& consol
 }
 
 // of a partial body: rows of bones that it lacks
-void leave_out_missing(const HumanSource& human, IkTables& tables, Console& console) {
-  std::vector<std::string> missing;
-  for (int bone = 0; bone < kBoneCount; ++bone) {
-    const auto& source = human.calibration.mapping.bones[static_cast<std::size_t>(bone)];
-    if (source.position_joint < 0) missing.emplace_back(kBoneNames[bone]);
+Result<void> leave_out_missing(const HumanSource& human, ResolvedMapping& tables,
+                               Console& console) {
+  std::vector<Bone> missing;
+  std::vector<std::string> names;
+  for (const Bone bone : kAllBones) {
+    if (human.calibration.mapping.bones[bone].position_joint >= 0) continue;
+    missing.push_back(bone);
+    names.emplace_back(bone_name(bone));
   }
-  const int dropped = leave_out_bones(tables, missing);
-  if (dropped == 0) return;
+  TRY_ASSIGN(const int dropped, leave_out_bones(tables, missing));
+  if (dropped == 0) return {};
   console.line("partial", count_text(dropped, "row") +
-                              " of the mapping left out, for there is no " + list_names(missing));
+                              " of the mapping left out, for there is no " + list_names(names));
+  return {};
 }
 
 // the robot, and by which of its mappings
@@ -211,7 +216,7 @@ Result<ClipOutcome> run_clip(const RunOptions& options, const RobotSetup& setup,
   const auto source = load_source(options, data_folder, console);
   if (!source) return failure(source.error());
   ClipSetup of_clip{setup.robot, setup.limits, setup.mappings.for_source(source->human)};
-  if (source->human.map.partial) leave_out_missing(source->human, of_clip.tables, console);
+  if (source->human.map.partial) TRY(leave_out_missing(source->human, of_clip.tables, console));
   print_robot(of_clip, setup, console);
 
   // from here on Ctrl-C stops between two frames and leaves nothing behind

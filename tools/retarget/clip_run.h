@@ -9,8 +9,8 @@
 #include "console.h"
 #include "options.h"
 #include "outputs.h"
-#include "pipeline/ik_tables.h"
 #include "retarget/error.h"
+#include "retarget/ik_config.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "run_setup.h"
@@ -28,7 +28,7 @@ struct RobotSetup {
 struct ClipSetup {
   std::shared_ptr<const Robot> robot;
   LimitSet limits;
-  IkTables tables;  ///< Of the robot's mappings the one for this source.
+  ResolvedMapping tables;  ///< Of the robot's mappings the one for this source.
 };
 
 /// Options of robot, method and time that contradict each other are kUsage errors.

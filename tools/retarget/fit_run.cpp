@@ -63,7 +63,7 @@ Result<FitOptions> fit_options(const RunOptions& options) {
 }
 
 Result<FitResult> run_fit(const Clip& clip, const HumanSource& human,
-                          const std::shared_ptr<const Robot>& robot, const IkTables& tables,
+                          const std::shared_ptr<const Robot>& robot, const ResolvedMapping& tables,
                           const LimitSet& limits, const RunOptions& options,
                           const RetargetOptions& first_stage, Console& console) {
   const auto chosen = fit_options(options);

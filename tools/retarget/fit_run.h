@@ -13,7 +13,7 @@ namespace retarget::cli {
 /// Retargets a clip with `--method fit` and prints what was found and what is left.
 [[nodiscard]] Result<FitResult> run_fit(const Clip& clip, const HumanSource& human,
                                         const std::shared_ptr<const Robot>& robot,
-                                        const IkTables& tables, const LimitSet& limits,
+                                        const ResolvedMapping& tables, const LimitSet& limits,
                                         const RunOptions& options,
                                         const RetargetOptions& first_stage, Console& console);
 

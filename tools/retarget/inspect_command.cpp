@@ -59,9 +59,9 @@ void add_human(Json& json, const Clip& clip, const Result<HumanSource>& human) {
   const auto& [map, calibration] = *human;
   json["dialect"] = map.dialect;
   json["confidence"] = map.confidence;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
-    json["mapping"][std::string(kBoneNames[static_cast<std::size_t>(bone)])] =
+  for (const Bone bone : kMappedBones) {
+    const int joint = map.joint_of_bone[bone];
+    json["mapping"][std::string(bone_name(bone))] =
         joint < 0 ? Json() : Json(clip.skeleton().joint(joint).name);
   }
   json["unit"] = calibration.unit;
@@ -127,9 +127,9 @@ std::string human_text(const Clip& clip, const Result<HumanSource>& human) {
     text += line("", "doubtful: " + spell_options(doubt.message, option_as_flag));
   }
   text += "\n";
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
-    std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+  for (const Bone bone : kMappedBones) {
+    const int joint = map.joint_of_bone[bone];
+    std::string name(bone_name(bone));
     name.resize(14, ' ');
     text += "  " + name + (joint < 0 ? "-" : clip.skeleton().joint(joint).name) + "\n";
   }

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "human/bones.h"
+#include "retarget/human.h"
 
 namespace retarget::cli {
 namespace {
@@ -13,7 +13,7 @@ constexpr std::size_t kMostLines = 5;
 
 std::string push_text(const LimitPush& push) {
   const double degrees = push.shortfall * 180.0 / std::numbers::pi;
-  return "task " + std::string(kBoneNames[static_cast<std::size_t>(push.bone)]) +
+  return "task " + std::string(bone_name(push.bone)) +
          (push.rotation ? " rotation, " + number_text(degrees, 1) + " degrees short"
                         : " position, " + number_text(100.0 * push.shortfall, 1) + " cm short");
 }

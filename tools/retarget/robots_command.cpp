@@ -11,7 +11,7 @@
 #include "base/printable.h"
 #include "base/utf8.h"
 #include "commands.h"
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "rig/check_robot.h"
 #include "rig/make_robot.h"
 #include "robot/load_robot.h"

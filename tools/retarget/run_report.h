@@ -20,7 +20,7 @@ namespace retarget::cli {
 struct RunReportInputs {
   const RobotClip& motion;
   const Source& source;
-  const IkTables& tables;
+  const ResolvedMapping& tables;
   const LimitSet& limits;
   RobotCsvOptions csv;
 };

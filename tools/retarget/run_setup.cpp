@@ -248,7 +248,7 @@ Result<ChosenRobot> load_chosen_robot(const RunOptions& options, const fs::path&
   return ChosenRobot{std::move(*robot), model};
 }
 
-const IkTables& RobotMappings::for_source(const HumanSource& human) const {
+const ResolvedMapping& RobotMappings::for_source(const HumanSource& human) const {
   const std::string& dialect = human.calibration.mapping.dialect;
   const bool is_lafan1 = dialect == "lafan1" || dialect == "lafan1_resolved";
   return of_others && !is_lafan1 ? *of_others : of_lafan1;
@@ -260,18 +260,18 @@ Result<RobotMappings> load_mappings(const RunOptions& options, const ChosenRobot
       find_mappings(options.ik_config, options.method, fs::path(robot.model).parent_path(),
                     data_folder, fs::path(robot.robot->name()).filename().string());
   if (!files) return failure(files.error());
-  auto of_lafan1 = load_ik_tables(files->of_lafan1, robot.robot.get());
+  auto of_lafan1 = load_mapping(files->of_lafan1, *robot.robot);
   if (!of_lafan1) return failure(of_lafan1.error());
   RobotMappings mappings{std::move(*of_lafan1), std::nullopt};
   if (files->of_others.empty()) return mappings;
-  auto of_others = load_ik_tables(files->of_others, robot.robot.get());
+  auto of_others = load_mapping(files->of_others, *robot.robot);
   if (!of_others) return failure(of_others.error());
   mappings.of_others = std::move(*of_others);
   return mappings;
 }
 
-HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkTables& tables,
-                         const RunOptions& options) {
+HeightScale choose_scale(const HumanSource& human, const Robot& robot,
+                         const ResolvedMapping& tables, const RunOptions& options) {
   if (options.scale == "table") return HeightScale::kPublished;
   if (options.scale == "height") return HeightScale::kNormalised;
   if (options.scale == "limbs") return HeightScale::kLimbs;
@@ -279,8 +279,8 @@ HeightScale choose_scale(const HumanSource& human, const Robot& robot, const IkT
   const bool as_published =
       options.method == "gmr" || (!options.ik_config.empty() && options.ik_config != "derived");
   if (as_published && human.calibration.rest_pose == "lafan1") return HeightScale::kPublished;
-  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
-    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  const bool measurable = std::ranges::all_of(kMeasuredBones, [&](Bone bone) {
+    return human.calibration.mapping.bones[bone].position_joint >= 0;
   });
   if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
   const auto limbs = robot_limbs(robot, tables);

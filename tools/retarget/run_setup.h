@@ -8,9 +8,9 @@
 #include "console.h"
 #include "human_source.h"
 #include "options.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/targets.h"
 #include "retarget/clip.h"
+#include "retarget/ik_config.h"
 #include "retarget/robot.h"
 
 namespace retarget::cli {
@@ -57,11 +57,11 @@ enum class Soles : unsigned char { kAsTheyAre, kNeeded };
 
 /// The mappings of a robot, loaded.
 struct RobotMappings {
-  IkTables of_lafan1;                 ///< For sources in LAFAN1's shape.
-  std::optional<IkTables> of_others;  ///< For all other sources; nothing: the same.
+  ResolvedMapping of_lafan1;                 ///< For sources in LAFAN1's shape.
+  std::optional<ResolvedMapping> of_others;  ///< For all other sources; nothing: the same.
 
   /// The one for a source: LAFAN1's shape is that of its two releases.
-  [[nodiscard]] const IkTables& for_source(const HumanSource& human) const;
+  [[nodiscard]] const ResolvedMapping& for_source(const HumanSource& human) const;
 };
 
 /// The mappings that --ik-config chooses, or the robot's own (find_mappings), checked.
@@ -71,7 +71,7 @@ struct RobotMappings {
 
 /// How the body's size scales the motion: as --scale says, else as is best for the source.
 [[nodiscard]] HeightScale choose_scale(const HumanSource& human, const Robot& robot,
-                                       const IkTables& tables, const RunOptions& options);
+                                       const ResolvedMapping& tables, const RunOptions& options);
 
 /// The rate that --fps names; nothing: the source's own.
 [[nodiscard]] Result<std::optional<FrameRate>> output_rate(const std::string& text);
