@@ -10,8 +10,8 @@
 
 #include "bvh/read_bvh.h"
 #include "human/human_clip.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/targets.h"
+#include "retarget/ik_config.h"
 #include "robot/load_robot.h"
 
 namespace retarget {
@@ -19,7 +19,7 @@ namespace retarget {
 /// The G1, its mapping and a clip, loaded once per benchmark.
 struct BenchCase {
   std::shared_ptr<const Robot> robot;
-  IkTables tables;
+  ResolvedMapping tables;
   LimitSet limits;
   HumanClip human;
 };
@@ -39,7 +39,8 @@ inline BenchCase load_case(const std::string& clip) {
   result.robot = load_robot_files((source / "robots/unitree_g1/model.xml").string(),
                                   (source / "robots/unitree_g1/robot.json").string())
                      .value();
-  result.tables = load_ik_tables((source / "configs/lafan1_to_unitree_g1.json").string()).value();
+  result.tables =
+      load_mapping((source / "configs/lafan1_to_unitree_g1.json").string(), *result.robot).value();
   result.limits = load_limits(*result.robot, "gmr").value();
   const auto file = load_bvh(clip_path(clip).string()).value();
   result.human = to_human(file.clip, lafan1_mapping(file.clip.skeleton(), clip).value());

@@ -9,7 +9,7 @@ namespace {
 
 struct FitCase {
   std::shared_ptr<const Robot> robot;
-  IkTables tables;
+  ResolvedMapping tables;
   LimitSet limits;
   Clip clip;
   HumanMapping mapping;

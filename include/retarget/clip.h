@@ -173,6 +173,14 @@ class Clip {
   std::vector<Eigen::Vector3d> translations_;  // frame-major, translated joints alone
 };
 
+/// Frames [begin, end) of a clip, counted from 0; what `cut` takes.
+struct FrameRange {
+  int begin = 0;
+  int end = 0;
+
+  friend bool operator==(const FrameRange&, const FrameRange&) = default;
+};
+
 /// Gives a frame of a clip the pose of a frame of another on the same skeleton.
 void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
 

@@ -48,6 +48,7 @@ struct DataFolder {
 /// A robot and where it came from.
 struct LoadedRobot {
   std::shared_ptr<const Robot> robot;
+  RobotChoice choice;              ///< What was asked for; its name is the whole one.
   std::string name;                ///< What names it: the whole name where a short one was given.
   std::string model;               ///< Its MJCF or URDF,
   std::string profile;             ///< and its robot.json; empty: none.

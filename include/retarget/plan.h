@@ -5,14 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "human/bone_map.h"
-#include "human/calibrate.h"
-#include "motion/clip_range.h"
-#include "pipeline/ik_tables.h"
-#include "pipeline/targets.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/export.h"
+#include "retarget/human.h"
+#include "retarget/ik_config.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
 
@@ -31,11 +28,11 @@ struct HumanInClip {
 struct RobotSetup {
   LoadedRobot loaded;
   LimitSet limits;
-  IkTables mapping;  ///< For clips in LAFAN1's shape, and for all where there is no other.
-  std::optional<IkTables> mapping_of_others;
+  ResolvedMapping mapping;  ///< For clips in LAFAN1's shape, and for all where there is no other.
+  std::optional<ResolvedMapping> mapping_of_others;
   FitOptions fit;  ///< Of Method::kFit, with the file of options read and terms left out.
 
-  [[nodiscard]] const IkTables& mapping_for(const HumanInClip& human) const;
+  [[nodiscard]] const ResolvedMapping& mapping_for(const HumanInClip& human) const;
 };
 
 /// How a clip becomes a robot's motion: every decision, made once and written down. A value: each
@@ -53,7 +50,7 @@ struct Plan {
   FrameRate rate;          ///< Of the motion.
 
   LimitSet limits;
-  IkTables mapping;
+  ResolvedMapping mapping;
   bool is_mapping_of_others = false;  ///< Chosen because the clip is not in LAFAN1's shape.
   HeightScale scale = HeightScale::kLimbs;
   FitOptions fit;
@@ -86,5 +83,15 @@ struct Plan {
 [[nodiscard]] Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options);
 [[nodiscard]] Result<Plan> make_plan(Clip clip, const LoadedRobot& robot,
                                      const Options& options = {});
+
+/// A plan as JSON: the run that it is of, and every decision by its value. The same plan gives the same
+/// text.
+/// @pre the plan has its clip
+[[nodiscard]] std::string plan_json(const Plan& plan);
+
+/// Reads such a file, its clip and its robot. What was decided is taken as it stands there and not
+/// decided again, so that a decision may be changed in the file.
+/// Errors (kConfig): the file's faults, all at once; those of load_clip and load_robot.
+[[nodiscard]] Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder = {});
 
 }  // namespace retarget

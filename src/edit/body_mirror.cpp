@@ -21,13 +21,6 @@ constexpr double kShortOffset = 1e-3;
 // what measured bodies are uneven, as a share of a length
 constexpr double kUneven = 0.25;
 
-int mirrored_bone(int bone) {
-  const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
-  if (name.starts_with("Left")) return find_bone("Right" + name.substr(4)).value();
-  if (name.starts_with("Right")) return find_bone("Left" + name.substr(5)).value();
-  return bone;
-}
-
 struct OffsetPair {
   Eigen::Vector3d own, of_mate;
 };
@@ -68,7 +61,7 @@ class MirrorFinder {
   }
 
   Result<BodyMirror> run() {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       TRY(pair_bones(bone));
     }
     const std::optional<Eigen::Matrix3d> all = of_zero_pose();
@@ -93,11 +86,9 @@ class MirrorFinder {
   }
 
   // the bone's joint with the other side's, and what lies above both
-  Result<void> pair_bones(int bone) {
-    const auto joint_of = [this](int b) {
-      return mapping_.bones[static_cast<std::size_t>(b)].position_joint;
-    };
-    int joint = joint_of(bone), mate = joint_of(mirrored_bone(bone));
+  Result<void> pair_bones(Bone bone) {
+    int joint = mapping_.bones[bone].position_joint;
+    int mate = mapping_.bones[mirrored(bone)].position_joint;
     if (joint < 0) return {};
     while (joint >= 0 || mate >= 0) {
       if (joint < 0 || mate < 0) return lonely(joint < 0 ? mate : joint);

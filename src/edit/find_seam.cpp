@@ -149,7 +149,7 @@ class SeamFinder {
     seam.b_frame = pair.b;
     seam.overlap = distance_.frames_at(pair.a, pair.b);
     seam.a_from_b = aligned.a_from_b;
-    const Eigen::Vector2d hips = b_.frame(pair.b)[0].translation.head<2>();
+    const Eigen::Vector2d hips = b_.frame(pair.b)[Bone::kHips].translation.head<2>();
     seam.way = seam.a_from_b * hips - hips;
     seam.distance = aligned.distance;
     seam.same_support = same_support(pair.a, pair.b);
@@ -158,7 +158,7 @@ class SeamFinder {
       const Eigen::Vector3d apart = in_a_.frame(pair.a)[k] - to_a * in_b_.frame(pair.b)[k];
       if (apart.norm() >= seam.worst_distance) {
         seam.worst_distance = apart.norm();
-        seam.worst_bone = kBoneNames[static_cast<std::size_t>(bones_[k])];
+        seam.worst_bone = bone_name(bones_[k]);
       }
     }
     return seam;
@@ -167,7 +167,7 @@ class SeamFinder {
   const HumanClip& a_;
   const HumanClip& b_;
   const SeamOptions& options_;
-  const std::vector<int> bones_;
+  const std::vector<Bone> bones_;
   const PoseClouds in_a_, in_b_;
   const int window_;  // frames
   const WindowDistance distance_;

@@ -6,10 +6,10 @@ namespace retarget {
 namespace {
 
 // contacts of one part of both feet with the floor, as if it were all of them
-FootContacts contacts_of_part(const HumanClip& human, const char* left, const char* right) {
+FootContacts contacts_of_part(const HumanClip& human, LimbBone part) {
   std::array<FootTrack, 2> parts;
   for (int foot = 0; foot < 2; ++foot) {
-    const int bone = *find_bone(foot == 0 ? left : right);
+    const Bone bone = side_bone(kSides[foot], part);
     if (!human.has(bone)) continue;
     for (int frame = 0; frame < human.frame_count; ++frame) {
       parts[foot].ankle.push_back(human.frame(frame)[bone].translation);
@@ -24,12 +24,12 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
   std::array<std::vector<FootStand>, 2> stands;
   if (!(leg_length(human) > 0.0)) return stands;
   const FootContacts soles = find_foot_contacts(human),
-                     heels = contacts_of_part(human, "LeftFoot", "RightFoot"),
-                     toes = contacts_of_part(human, "LeftToe", "RightToe");
+                     heels = contacts_of_part(human, LimbBone::kFoot),
+                     toes = contacts_of_part(human, LimbBone::kToe);
   const double upright_rise = ContactOptions().upright_rise * soles.scale;
   for (int foot = 0; foot < 2; ++foot) {
-    const int ankle = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot"),
-              toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");
+    const Bone ankle = side_bone(kSides[foot], LimbBone::kFoot),
+               toe = side_bone(kSides[foot], LimbBone::kToe);
     if (!human.has(ankle)) continue;
     const bool has_toe = human.has(toe);
     std::vector<FootStance> stances(static_cast<std::size_t>(human.frame_count), FootStance::kSole);
@@ -37,7 +37,7 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
     for (int frame = 0; frame < human.frame_count; ++frame) {
       if (!soles.planted(foot, frame)) {
         if (!has_toe) continue;
-        const auto pose = human.frame(frame);
+        const HumanPose& pose = human.frame(frame);
         const double rise = pose[ankle].translation.z() - pose[toe].translation.z();
         if (heels.planted(foot, frame)) {
           stances[frame] = FootStance::kHeel;

@@ -17,12 +17,14 @@ constexpr int kBeside = 4;
 using Samples = Eigen::Matrix<double, 2 * kBeside, Eigen::Dynamic>;
 
 // one row a frame: positions of all bones, from where they are at the end of a
-Samples positions_of(const HumanClip& a, const HumanClip& b, const std::vector<int>& bones) {
+Samples positions_of(const HumanClip& a, const HumanClip& b, const std::vector<Bone>& bones) {
   Samples samples(2 * kBeside, 3 * static_cast<Eigen::Index>(bones.size()));
-  const auto frame = [&](int i) { return i < 0 ? a.frame(a.frame_count + i) : b.frame(i); };
+  const auto frame = [&](int i) -> const HumanPose& {
+    return i < 0 ? a.frame(a.frame_count + i) : b.frame(i);
+  };
   for (int row = 0; row < 2 * kBeside; ++row) {
     for (std::size_t k = 0; k < bones.size(); ++k) {
-      const auto bone = static_cast<std::size_t>(bones[k]);
+      const Bone bone = bones[k];
       samples.block<1, 3>(row, 3 * static_cast<Eigen::Index>(k)) =
           (frame(row - kBeside)[bone].translation - frame(-1)[bone].translation).transpose();
     }

@@ -73,7 +73,7 @@ BodyMover::BodyMover(int joint, const HumanMapping& mapping)
 Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, const Clip* with) {
   const Skeleton& skeleton = clip.skeleton();
   std::vector<int> chain;
-  for (int joint = mapping.bones[0].position_joint; joint >= 0;
+  for (int joint = mapping.bones[Bone::kHips].position_joint; joint >= 0;
        joint = skeleton.joint(joint).parent) {
     chain.push_back(joint);
   }
@@ -120,12 +120,13 @@ void BodyMover::move_all(Clip& clip, const Pose& over_all) const {
 }
 
 std::vector<GroundPose> hips_over_ground(const HumanClip& human) {
-  const Eigen::Quaterniond hips_from_t_pose(Eigen::Matrix3d(canonical_t_pose(0).transpose()));
+  const Eigen::Quaterniond hips_from_t_pose(
+      Eigen::Matrix3d(canonical_t_pose(Bone::kHips).transpose()));
   std::vector<GroundPose> places;
   places.reserve(static_cast<std::size_t>(human.frame_count));
   double before = 0.0;
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    const Pose& hips = human.frame(frame)[0];
+    const Pose& hips = human.frame(frame)[Bone::kHips];
     const Eigen::Quaterniond turn = hips.rotation * hips_from_t_pose;
     double heading = before;
     if (turn.z() * turn.z() + turn.w() * turn.w() > kNoHeading) {

@@ -1,5 +1,6 @@
 #include <array>
 #include <memory>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,19 @@ namespace {
 constexpr double kPublishedHeight = 1.75;
 constexpr double kCentimetresPerMetre = 100.0;
 
-// parents of kBoneNames[0..21] in LAFAN1's tree
-constexpr std::array<int, kMappedBoneCount> kParents = {-1, 0,  1,  2,  3,  0,  5,  6,  7,  0,  9,
-                                                        10, 11, 12, 11, 14, 15, 16, 11, 18, 19, 20};
+// where a bone's joint hangs in LAFAN1's tree, by kMappedBones; the hips hang from nothing
+constexpr std::array kParents = {
+    Bone::kHips,      Bone::kHips,        Bone::kLeftUpLeg,  Bone::kLeftLeg,
+    Bone::kLeftFoot,  Bone::kHips,        Bone::kRightUpLeg, Bone::kRightLeg,
+    Bone::kRightFoot, Bone::kHips,        Bone::kSpine,      Bone::kSpine1,
+    Bone::kSpine2,    Bone::kNeck,        Bone::kSpine2,     Bone::kLeftShoulder,
+    Bone::kLeftArm,   Bone::kLeftForeArm, Bone::kSpine2,     Bone::kRightShoulder,
+    Bone::kRightArm,  Bone::kRightForeArm};
+static_assert(kParents.size() == kMappedBoneCount);
+
+Bone parent_of(Bone bone) {
+  return kParents[static_cast<std::size_t>(bone)];
+}
 
 // y up from z up
 Eigen::Quaterniond file_from_human() {
@@ -27,13 +38,13 @@ Eigen::Quaterniond file_from_human() {
 }
 
 // poses of all bones in a frame, those that are missing standing at their parents
-std::array<Pose, kMappedBoneCount> whole_body(const HumanClip& human, int frame) {
-  std::array<Pose, kMappedBoneCount> bones;
-  const auto poses = human.frame(frame);
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+HumanPose whole_body(const HumanClip& human, int frame) {
+  HumanPose bones;
+  const HumanPose& poses = human.frame(frame);
+  for (const Bone bone : kMappedBones) {
     bones[bone] = poses[bone];
     if (human.has(bone)) continue;
-    const int parent = kParents[bone];
+    const Bone parent = parent_of(bone);
     const Eigen::Matrix3d parent_from_bone =
         canonical_t_pose(parent).transpose() * canonical_t_pose(bone);
     bones[bone] = {bones[parent].rotation * Eigen::Quaterniond(parent_from_bone).normalized(),
@@ -42,16 +53,15 @@ std::array<Pose, kMappedBoneCount> whole_body(const HumanClip& human, int frame)
   return bones;
 }
 
-std::shared_ptr<const Skeleton> make_skeleton(
-    const std::array<Eigen::Vector3d, kMappedBoneCount>& offsets) {
+std::shared_ptr<const Skeleton> make_skeleton(const BoneArray<Eigen::Vector3d>& offsets) {
   using enum Channel;
   std::vector<Joint> joints;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  for (const Bone bone : kMappedBones) {
     Joint joint;
-    joint.name = kBoneNames[bone];
-    joint.parent = kParents[bone];
+    joint.name = bone_name(bone);
+    joint.parent = bone == Bone::kHips ? -1 : static_cast<int>(parent_of(bone));
     joint.offset = offsets[bone];
-    if (bone == 0) joint.channels = {kXPosition, kYPosition, kZPosition};
+    if (bone == Bone::kHips) joint.channels = {kXPosition, kYPosition, kZPosition};
     joint.channels.insert(joint.channels.end(), {kZRotation, kYRotation, kXRotation});
     joints.push_back(std::move(joint));
   }
@@ -60,12 +70,13 @@ std::shared_ptr<const Skeleton> make_skeleton(
 
 Result<void> check_limbs(const HumanClip& human) {
   std::vector<std::string> missing;
-  for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm"}) {
-    for (const std::string side : {"Left", "Right"}) {
-      if (!human.has(find_bone(side + part).value())) missing.push_back(side + part);
+  for (const LimbBone part :
+       {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kArm, LimbBone::kForeArm}) {
+    for (const Side side : kSides) {
+      if (!human.has(side_bone(side, part))) missing.emplace_back(bone_name(side_bone(side, part)));
     }
   }
-  if (!human.has(0)) missing.emplace_back("Hips");
+  if (!human.has(Bone::kHips)) missing.emplace_back(bone_name(Bone::kHips));
   if (missing.empty()) return {};
   return input_failure(
       {}, "a clip in LAFAN1's shape needs " + list_names(missing) + ", which the source lacks");
@@ -77,12 +88,11 @@ Result<Clip> lafan1_clip(const Clip& source, const HumanMapping& mapping) {
   const HumanClip human = to_human(source, mapping);
   TRY(check_limbs(human));
   const double scale = kCentimetresPerMetre * kPublishedHeight / human.size;
-  std::array<Eigen::Vector3d, kMappedBoneCount> offsets;
-  offsets.fill(Eigen::Vector3d::Zero());
+  BoneArray<Eigen::Vector3d> offsets{Eigen::Vector3d(Eigen::Vector3d::Zero())};
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    const auto bones = whole_body(human, frame);
-    for (int bone = 1; bone < kMappedBoneCount; ++bone) {
-      const Pose& parent = bones[kParents[bone]];
+    const HumanPose bones = whole_body(human, frame);
+    for (const Bone bone : kMappedBones | std::views::drop(1)) {
+      const Pose& parent = bones[parent_of(bone)];
       offsets[bone] += parent.rotation.conjugate() *
                        (bones[bone].translation - parent.translation) * (scale / human.frame_count);
     }
@@ -91,13 +101,13 @@ Result<Clip> lafan1_clip(const Clip& source, const HumanMapping& mapping) {
   Clip clip(make_skeleton(offsets), human.rate, human.frame_count);
   const Eigen::Quaterniond turn = file_from_human();
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    const auto bones = whole_body(human, frame);
+    const HumanPose bones = whole_body(human, frame);
     const auto rotations = clip.rotations(frame);
-    clip.translations(frame)[0] = turn * bones[0].translation * scale;
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-      rotations[bone] = bone == 0
-                            ? turn * bones[0].rotation
-                            : bones[kParents[bone]].rotation.conjugate() * bones[bone].rotation;
+    clip.translations(frame)[0] = turn * bones[Bone::kHips].translation * scale;
+    for (const Bone bone : kMappedBones) {
+      rotations[static_cast<std::size_t>(bone)] =
+          bone == Bone::kHips ? turn * bones[Bone::kHips].rotation
+                              : bones[parent_of(bone)].rotation.conjugate() * bones[bone].rotation;
     }
   }
   return clip;

@@ -137,7 +137,7 @@ class LoopCloser {
 // too, does not reach it; of equals that nearest to the middle
 int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
   const Pose move = advance.in_space();
-  const std::vector<int> bones = common_bones(joined, joined);
+  const std::vector<Bone> bones = common_bones(joined, joined);
   int best = cycle / 2;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < cycle - 1; ++i) {
@@ -145,9 +145,9 @@ int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
     const int frame = cycle / 2 + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
     if (frame < 1 || frame >= cycle) continue;
     double largest = 0.0;
-    for (const int bone : bones) {
+    for (const Bone bone : bones) {
       const auto at = [&](int which) -> const Eigen::Vector3d& {
-        return joined.frame(which)[static_cast<std::size_t>(bone)].translation;
+        return joined.frame(which)[bone].translation;
       };
       largest = std::max(largest, (move * at(frame) - at(frame + cycle)).norm());
     }
@@ -258,7 +258,7 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
     }
   }
   Clip whole = repeated(cycle, options, advance, mover);
-  const Eigen::Vector2d start = motion.human.frame(0)[0].translation.head<2>();
+  const Eigen::Vector2d start = motion.human.frame(0)[Bone::kHips].translation.head<2>();
   Loop loop{{std::move(whole)},      end.frame,
             end.aligned.distance,    advance,
             advance * start - start, std::move(joined.check)};

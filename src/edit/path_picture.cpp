@@ -78,7 +78,7 @@ std::vector<Eigen::Vector2d> hips_track(const HumanClip& human) {
   // thinned: a point a centimetre is more than can be seen
   constexpr double kStep = 0.01;
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    const Eigen::Vector2d place = human.frame(frame)[0].translation.head<2>();
+    const Eigen::Vector2d place = human.frame(frame)[Bone::kHips].translation.head<2>();
     if (track.empty() || (place - track.back()).norm() > kStep) track.push_back(place);
   }
   return track;
@@ -95,10 +95,10 @@ std::vector<Eigen::Vector2d> path_points(const GroundPath& path) {
 void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
   const FootContacts contacts = find_foot_contacts(human);
   for (int foot = 0; foot < 2; ++foot) {
-    const std::string side = foot == 0 ? "Left" : "Right";
-    const int ankle = find_bone(side + "Foot").value(), toe = find_bone(side + "Toe").value();
+    const Side side = kSides[foot];
+    const Bone ankle = side_bone(side, LimbBone::kFoot), toe = side_bone(side, LimbBone::kToe);
     for (const ContactPhase& phase : contacts.phases[foot]) {
-      const auto pose = human.frame((phase.begin + phase.end) / 2);
+      const HumanPose& pose = human.frame((phase.begin + phase.end) / 2);
       const Eigen::Vector2d heel = pose[ankle].translation.head<2>();
       const char* colour = foot == 0 ? colours.left : colours.right;
       canvas.dot(heel, 2.5, colour);

@@ -25,7 +25,7 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
   const FootContacts contacts = find_foot_contacts(to_human(clip, mapping), standing);
   std::array<std::vector<SkeletonPoint>, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
-    const int bone = find_bone(foot == 0 ? "LeftFoot" : "RightFoot").value();
+    const Bone bone = side_bone(kSides[foot], LimbBone::kFoot);
     feet[foot] = points_below(skeleton, mapping.bones[bone].position_joint);
   }
   const Eigen::RowVector3d up = mapping.human_from_source.row(2) * mapping.metres_per_unit;

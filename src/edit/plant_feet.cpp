@@ -54,10 +54,10 @@ class FootPlanter {
     const auto legs = find_legs(clip.skeleton(), mapping);
     for (int foot = 0; foot < 2; ++foot) {
       if (!legs[foot]) continue;
-      const int bone = find_bone(foot == 0 ? "LeftLeg" : "RightLeg").value();
+      const Bone bone = side_bone(kSides[foot], LimbBone::kLeg);
       // knees bend about -z of the canonical shin
       Eigen::Vector3d axis = -Eigen::Vector3d::UnitZ();
-      const auto& bone_axes = mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
+      const auto& bone_axes = mapping.bones[bone].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
       solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
       find_track(foot);
@@ -177,14 +177,14 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                   const HumanMapping& mapping) {
   std::array<std::optional<LegJoints>, 2> legs;
   for (int foot = 0; foot < 2; ++foot) {
-    const std::string side = foot == 0 ? "Left" : "Right";
-    const auto joint_of = [&](const char* part) {
-      const auto& bone = mapping.bones[static_cast<std::size_t>(find_bone(side + part).value())];
+    const auto joint_of = [&](LimbBone part) {
+      const auto& bone = mapping.bones[side_bone(kSides[foot], part)];
       // helpers in a joint's place turn with it
       return hangs_below(skeleton, bone.rotation_joint, bone.position_joint) ? bone.position_joint
                                                                              : -1;
     };
-    const LegJoints leg{joint_of("UpLeg"), joint_of("Leg"), joint_of("Foot")};
+    const LegJoints leg{joint_of(LimbBone::kUpLeg), joint_of(LimbBone::kLeg),
+                        joint_of(LimbBone::kFoot)};
     if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&
         hangs_below(skeleton, leg.knee, leg.hip) && hangs_below(skeleton, leg.ankle, leg.knee)) {
       legs[foot] = leg;

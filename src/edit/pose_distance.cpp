@@ -49,17 +49,17 @@ CloudAlignment align_clouds(std::span<const Eigen::Vector3d> a, std::span<const 
   return result;
 }
 
-PoseClouds::PoseClouds(const HumanClip& human, const std::vector<int>& bones)
+PoseClouds::PoseClouds(const HumanClip& human, const std::vector<Bone>& bones)
     : frame_count_(human.frame_count), point_count_(bones.size()) {
   points_.reserve(static_cast<std::size_t>(frame_count_) * point_count_);
   for (int i = 0; i < frame_count_; ++i) {
-    for (const int bone : bones) points_.push_back(human.frame(i)[bone].translation);
+    for (const Bone bone : bones) points_.push_back(human.frame(i)[bone].translation);
   }
 }
 
-std::vector<int> common_bones(const HumanClipInfo& a, const HumanClipInfo& b) {
-  std::vector<int> bones;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+std::vector<Bone> common_bones(const HumanClipInfo& a, const HumanClipInfo& b) {
+  std::vector<Bone> bones;
+  for (const Bone bone : kMappedBones) {
     if (a.has(bone) && b.has(bone)) bones.push_back(bone);
   }
   return bones;

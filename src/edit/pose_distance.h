@@ -27,8 +27,8 @@ struct CloudAlignment {
 /// Places of a human's bones, metres, frame by frame.
 class PoseClouds {
  public:
-  /// @param bones  indices into kBoneNames, which the human has.
-  PoseClouds(const HumanClip& human, const std::vector<int>& bones);
+  /// @param bones  which the human has.
+  PoseClouds(const HumanClip& human, const std::vector<Bone>& bones);
 
   [[nodiscard]] int frame_count() const { return frame_count_; }
   [[nodiscard]] std::size_t point_count() const { return point_count_; }
@@ -48,7 +48,7 @@ class PoseClouds {
 };
 
 /// Bones that both humans have, without the synthetic feet.
-[[nodiscard]] std::vector<int> common_bones(const HumanClipInfo& a, const HumanClipInfo& b);
+[[nodiscard]] std::vector<Bone> common_bones(const HumanClipInfo& a, const HumanClipInfo& b);
 
 /// Distances between windows of frames: a[i], a[i + 1], ... against b[j], b[j + 1], ...
 ///

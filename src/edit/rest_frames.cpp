@@ -2,6 +2,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <ranges>
 
 #include "human/bone_map.h"
 #include "human/canonical_pose.h"
@@ -32,9 +33,8 @@ class TPose {
 
   [[nodiscard]] std::optional<double> lowest_of_feet() const {
     std::optional<double> lowest;
-    for (const char* foot : {"LeftFoot", "RightFoot"}) {
-      const int ankle =
-          mapping_.bones[static_cast<std::size_t>(find_bone(foot).value())].position_joint;
+    for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
+      const int ankle = mapping_.bones[foot].position_joint;
       for (const SkeletonPoint& point : points_below(skeleton_, ankle)) {
         const Eigen::Vector3d place = places_[point.joint] + turns_[point.joint] * point.offset;
         lowest = std::min(lowest.value_or(place.z()), place.z());
@@ -57,17 +57,17 @@ constexpr double kNoLength = 1e-12;
 
 std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
                                                  const HumanMapping& mapping) {
-  std::vector<int> bones(static_cast<std::size_t>(skeleton.joint_count()), -1);
-  for (int bone = kMappedBoneCount - 1; bone >= 0; --bone) {
-    const int joint = mapping.bones[static_cast<std::size_t>(bone)].rotation_joint;
+  std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(skeleton.joint_count()));
+  for (const Bone bone : kMappedBones | std::views::reverse) {
+    const int joint = mapping.bones[bone].rotation_joint;
     if (joint >= 0) bones[joint] = bone;
   }
   const Eigen::Quaterniond human_from_source(mapping.human_from_source);
   std::vector<Eigen::Quaterniond> rotations;
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    if (bones[joint] >= 0) {
-      Eigen::Quaterniond turn(canonical_t_pose(bones[joint]));
-      const auto& axes = mapping.bones[static_cast<std::size_t>(bones[joint])].joint_from_bone;
+    if (bones[joint]) {
+      Eigen::Quaterniond turn(canonical_t_pose(*bones[joint]));
+      const auto& axes = mapping.bones[*bones[joint]].joint_from_bone;
       if (axes) turn = turn * axes->conjugate();
       rotations.push_back(turn.normalized());
     } else {
@@ -104,8 +104,8 @@ Eigen::Quaterniond rest_turn(const Leaving& leaving) {
 }
 
 std::optional<double> rise_over_soles(const Skeleton& skeleton, const HumanMapping& mapping,
-                                      int bone) {
-  const BoneSource& from = mapping.bones[static_cast<std::size_t>(bone)];
+                                      Bone bone) {
+  const BoneSource& from = mapping.bones[bone];
   if (from.position_joint < 0) return std::nullopt;
   const TPose pose(skeleton, mapping);
   const auto lowest = pose.lowest_of_feet();
@@ -114,7 +114,7 @@ std::optional<double> rise_over_soles(const Skeleton& skeleton, const HumanMappi
 }
 
 std::optional<double> sole_depth(const Skeleton& skeleton, const HumanMapping& mapping) {
-  return rise_over_soles(skeleton, mapping, 0);
+  return rise_over_soles(skeleton, mapping, Bone::kHips);
 }
 
 }  // namespace retarget

@@ -34,6 +34,6 @@ struct Leaving {
 /// How far a bone begins above that point in the T-pose, metres; nothing for a bone that is
 /// missing.
 [[nodiscard]] std::optional<double> rise_over_soles(const Skeleton& skeleton,
-                                                    const HumanMapping& mapping, int bone);
+                                                    const HumanMapping& mapping, Bone bone);
 
 }  // namespace retarget

@@ -38,7 +38,7 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
   for (int foot = 0; foot < 2; ++foot) {
     if (!legs[foot]) continue;
     const auto ankles = ankle_poses(clip, mapping, *legs[foot]);
-    const int toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");
+    const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
     for (const FootStand& stand : stands[foot]) {
       const int middle = (stand.begin + stand.end) / 2;
       const double moved_as = std::min(std::round(speed * middle), last_move);

@@ -147,7 +147,7 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
     copy_frame(b, frame - region.b_shift, result, frame);
   }
   const SeamMixer mixer(a, b, region);
-  const int hips = mapping.bones[0].position_joint;
+  const int hips = mapping.bones[Bone::kHips].position_joint;
   for (int frame = region.begin; frame < region.end; ++frame) {
     for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
       const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };

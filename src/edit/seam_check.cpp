@@ -17,9 +17,9 @@ struct Change {
   double gentle;  // clips that stand still have none of their own
 
   // of a bone, from a frame on
-  [[nodiscard]] double at(const HumanClip& human, int frame, int bone) const {
+  [[nodiscard]] double at(const HumanClip& human, int frame, Bone bone) const {
     const auto place = [&](int later) -> const Eigen::Vector3d& {
-      return human.frame(frame + later)[static_cast<std::size_t>(bone)].translation;
+      return human.frame(frame + later)[bone].translation;
     };
     const double fps = human.rate.fps();
     if (order == 1) return (place(1) - place(0)).norm() * fps;
@@ -33,7 +33,7 @@ double high_percentile(std::vector<double> values) {
 }
 
 std::vector<double> all_changes(const Change& change, const HumanClip& a, const HumanClip& b,
-                                int bone) {
+                                Bone bone) {
   std::vector<double> changes;
   for (const HumanClip* human : {&a, &b}) {
     for (int frame = 0; frame + change.order < human->frame_count; ++frame) {
@@ -51,7 +51,7 @@ struct LargestChange {
 };
 
 // what a bone does at about this time in a clip itself; 0 where that has no such frames
-double own_change(const Change& change, const HumanClip& human, int frame, int bone) {
+double own_change(const Change& change, const HumanClip& human, int frame, Bone bone) {
   double largest = 0.0;
   for (int near = std::max(frame - 1, 0);
        near <= std::min(frame + 1, human.frame_count - 1 - change.order); ++near) {
@@ -62,10 +62,10 @@ double own_change(const Change& change, const HumanClip& human, int frame, int b
 
 LargestChange find_largest(const Change& change, const HumanClip& a, const HumanClip& b,
                            const HumanClip& joined, const SeamRegion& region) {
-  const std::vector<int> bones = common_bones(a, b);
+  const std::vector<Bone> bones = common_bones(a, b);
   std::vector<std::vector<double>> own;
   std::vector<double> all;
-  for (const int bone : bones) {
+  for (const Bone bone : bones) {
     own.push_back(all_changes(change, a, b, bone));
     all.insert(all.end(), own.back().begin(), own.back().end());
   }
@@ -86,8 +86,7 @@ LargestChange find_largest(const Change& change, const HumanClip& a, const Human
                                     own_change(change, b, frame - region.b_shift, bones[k]))) {
         continue;
       }
-      found = {usual, value, std::string(kBoneNames[static_cast<std::size_t>(bones[k])]),
-               value / usual};
+      found = {usual, value, std::string(bone_name(bones[k])), value / usual};
     }
   }
   return found;

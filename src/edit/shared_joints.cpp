@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -51,15 +52,15 @@ Leaving leaving_of(const Skeleton& source, const Skeleton& target, const std::ve
 
 }  // namespace
 
-std::vector<int> bones_of_joints(const HumanMapping& source, const TransferTarget& target) {
-  std::vector<int> bones(static_cast<std::size_t>(target.skeleton->joint_count()), -1);
+std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
+                                                 const TransferTarget& target) {
+  std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(target.skeleton->joint_count()));
   // of bones that one joint turns the one nearest to the hips: the others hang from it
-  for (int bone = kMappedBoneCount - 1; bone >= 0; --bone) {
-    const auto at = static_cast<std::size_t>(bone);
-    const BoneSource &from = source.bones[at], &to = target.mapping.bones[at];
+  for (const Bone bone : kMappedBones | std::views::reverse) {
+    const BoneSource &from = source.bones[bone], &to = target.mapping.bones[bone];
     if (from.position_joint < 0 || from.rotation_joint < 0 || to.rotation_joint < 0) continue;
     // a bone without a joint of its own is turned as its neighbour
-    if (to.position_joint != target.map.joint_of_bone[at]) continue;
+    if (to.position_joint != target.map.joint(bone)) continue;
     bones[to.rotation_joint] = bone;
   }
   return bones;
@@ -75,10 +76,9 @@ SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapp
   const auto bones = bones_of_joints(mapping, target);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const Eigen::Quaterniond above = shared.turn_above(skeleton, joint);
-    if (const int bone = bones[joint]; bone >= 0) {
+    if (const auto bone = bones[joint]) {
       const auto axes = [bone](const HumanMapping& of) {
-        return of.bones[static_cast<std::size_t>(bone)].joint_from_bone.value_or(
-            Eigen::Quaterniond::Identity());
+        return of.bones[*bone].joint_from_bone.value_or(Eigen::Quaterniond::Identity());
       };
       shared.turns.push_back(axes(target.mapping) * axes(mapping).conjugate());
     } else if (shared.twins[joint] >= 0) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "edit/transfer.h"
@@ -23,9 +24,9 @@ struct SharedJoints {
   }
 };
 
-/// The canonical bone that each joint of the target turns and the source has; -1: none.
-[[nodiscard]] std::vector<int> bones_of_joints(const HumanMapping& source,
-                                               const TransferTarget& target);
+/// The canonical bone that each joint of the target turns and the source has, if any.
+[[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
+                                                               const TransferTarget& target);
 
 [[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapping,
                                               const TransferTarget& target);

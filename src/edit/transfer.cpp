@@ -57,7 +57,7 @@ class Transfer {
         bone_of_joint_(bones_of_joints(mapping, target)),
         world_from_joint_(target.skeleton->joint_count()) {
     // where the path goes: the hips, or the next joint above that can be moved
-    placed_joint_ = target.map.joint("Hips");
+    placed_joint_ = target.map.joint(Bone::kHips);
     while (placed_joint_ > 0 && target.skeleton->translation_slot(placed_joint_) < 0) {
       placed_joint_ = target.skeleton->joint(placed_joint_).parent;
     }
@@ -110,15 +110,15 @@ class Transfer {
   }
 
   void turn_joints(Clip& clip, int frame) {
-    const auto poses = human_.frame(frame);
+    const HumanPose& poses = human_.frame(frame);
     const auto rotations = clip.rotations(frame);
     for (int joint = 0; joint < target_.skeleton->joint_count(); ++joint) {
       const int parent = target_.skeleton->joint(joint).parent;
       const Eigen::Quaterniond above =
           parent < 0 ? Eigen::Quaterniond::Identity() : world_from_joint_[parent].rotation;
-      if (const int bone = bone_of_joint_[joint]; bone >= 0) {
-        Eigen::Quaterniond world = target_from_human_ * poses[bone].rotation;
-        const auto& axes = target_.mapping.bones[static_cast<std::size_t>(bone)].joint_from_bone;
+      if (const auto bone = bone_of_joint_[joint]) {
+        Eigen::Quaterniond world = target_from_human_ * poses[*bone].rotation;
+        const auto& axes = target_.mapping.bones[*bone].joint_from_bone;
         if (axes) world = world * axes->conjugate();
         rotations[joint] = (above.conjugate() * world).normalized();
       } else if (const int twin = shared_.twins[joint]; twin >= 0) {
@@ -137,10 +137,10 @@ class Transfer {
     const int slot = target_.skeleton->translation_slot(placed_joint_);
     if (slot < 0) return;
     Eigen::Vector3d wanted =
-        human_.frame(frame)[0].translation * target_.mapping.size / human_.size;
+        human_.frame(frame)[Bone::kHips].translation * target_.mapping.size / human_.size;
     wanted.z() += raise_;
-    const auto& beside = target_.mapping.bones[0].position_in_joint;
-    const Eigen::Vector3d hips = world_from_joint_[target_.map.joint("Hips")] *
+    const auto& beside = target_.mapping.bones[Bone::kHips].position_in_joint;
+    const Eigen::Vector3d hips = world_from_joint_[target_.map.joint(Bone::kHips)] *
                                  (beside ? *beside : Eigen::Vector3d(Eigen::Vector3d::Zero()));
     const Eigen::Vector3d shift =
         target_from_human_ * wanted / target_.mapping.metres_per_unit - hips;
@@ -157,7 +157,7 @@ class Transfer {
   const TransferTarget& target_;
   const Eigen::Quaterniond target_from_human_;
   const SharedJoints shared_;
-  const std::vector<int> bone_of_joint_;  // of target joints; -1: no bone
+  const std::vector<std::optional<Bone>> bone_of_joint_;  // of target joints
   std::vector<Eigen::Vector3d> lengths_;  // of target joints: of their twins, source units
   int placed_joint_ = 0;
   std::vector<Pose> world_from_joint_;  // of the frame
@@ -188,18 +188,20 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
       turned(static_cast<std::size_t>(skeleton.joint_count()), false);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     if (twins[joint] >= 0) carried[twins[joint]] = turned[joint] = true;
-    if (bones[joint] < 0) continue;
-    mark_joints(mapping.bones[static_cast<std::size_t>(bones[joint])], source, carried);
-    mark_joints(target.mapping.bones[static_cast<std::size_t>(bones[joint])], skeleton, turned);
+    if (!bones[joint]) continue;
+    mark_joints(mapping.bones[*bones[joint]], source, carried);
+    mark_joints(target.mapping.bones[*bones[joint]], skeleton, turned);
   }
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     if (!turned[joint] && std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
-        !is_above_hips(skeleton, joint, target.map.joint("Hips"))) {
+        !is_above_hips(skeleton, joint, target.map.joint(Bone::kHips))) {
       result.at_rest.push_back(skeleton.joint(joint).name);
     }
   }
   for (int joint = 0; joint < source.joint_count(); ++joint) {
-    if (carried[joint] || is_above_hips(source, joint, mapping.bones[0].position_joint)) continue;
+    if (carried[joint] || is_above_hips(source, joint, mapping.bones[Bone::kHips].position_joint)) {
+      continue;
+    }
     if (is_turned_or_moved(clip, joint)) result.left_out.push_back(source.joint(joint).name);
   }
   return result;

@@ -80,7 +80,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
                                             const PlantOptions& options) {
   const HumanClip source = to_human(clip, mapping), human = to_human(moved, target.mapping);
   const double scale = target.mapping.size / mapping.size;
-  const auto part_of = [&](int bone) -> std::optional<PartTrack> {
+  const auto part_of = [&](Bone bone) -> std::optional<PartTrack> {
     if (!source.has(bone) || !human.has(bone)) return std::nullopt;
     // joints are not as high in the foot in both
     const auto rise = rise_over_soles(clip.skeleton(), mapping, bone),
@@ -98,8 +98,8 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
   const auto stands = find_foot_stands(source, kBreakInStand);
   const auto legs = find_legs(moved.skeleton(), target.mapping);
   for (int foot = 0; foot < 2; ++foot) {
-    const int toe = *find_bone(foot == 0 ? "LeftToe" : "RightToe");
-    const auto ankle = part_of(*find_bone(foot == 0 ? "LeftFoot" : "RightFoot"));
+    const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
+    const auto ankle = part_of(side_bone(kSides[foot], LimbBone::kFoot));
     if (!legs[foot] || !ankle) continue;
     const TransferredFoot both(*ankle, part_of(toe));
     const auto poses = ankle_poses(moved, target.mapping, *legs[foot]);

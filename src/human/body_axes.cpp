@@ -18,11 +18,11 @@ void add_unit(Eigen::Vector3d& sum, const Eigen::Vector3d& way) {
 // joints of the legs' ends: ankles, knees where there are none
 std::vector<int> feet_of(const Body& body) {
   std::vector<int> feet;
-  for (const char* bone : {"LeftFoot", "RightFoot"}) {
+  for (const Bone bone : {Bone::kLeftFoot, Bone::kRightFoot}) {
     if (body.has(bone)) feet.push_back(body.joint(bone));
   }
   if (!feet.empty()) return feet;
-  for (const char* bone : {"LeftLeg", "RightLeg"}) {
+  for (const Bone bone : {Bone::kLeftLeg, Bone::kRightLeg}) {
     if (body.has(bone)) feet.push_back(body.joint(bone));
   }
   return feet;
@@ -34,7 +34,7 @@ Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vect
   if (const auto trunk = trunk_direction(body, pose)) sum += *trunk;
   for (const int foot : feet) {
     Eigen::Vector3d leg = Eigen::Vector3d::Zero();
-    add_unit(leg, pose[body.joint("Hips")].translation - pose[foot].translation);
+    add_unit(leg, pose[body.joint(Bone::kHips)].translation - pose[foot].translation);
     sum += leg / static_cast<double>(feet.size());
   }
   return 0.5 * sum;
@@ -62,7 +62,7 @@ double wander(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
 
 double size_of(const Body& body) {
   double size = 0.0;
-  for (const char* bone : {"LeftUpLeg", "LeftLeg", "RightUpLeg", "RightLeg"}) {
+  for (const Bone bone : {Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kRightUpLeg, Bone::kRightLeg}) {
     size += 0.5 * length_by_offsets(body, bone);
   }
   return size;
@@ -73,9 +73,9 @@ double size_of(const Body& body) {
 std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
                                       const Eigen::Vector3d& up) {
   Eigen::Vector3d left = Eigen::Vector3d::Zero();
-  for (const char* bone : {"UpLeg", "Arm"}) {
-    const int l = body.joint(std::string("Left") + bone);
-    const int r = body.joint(std::string("Right") + bone);
+  for (const LimbBone part : {LimbBone::kUpLeg, LimbBone::kArm}) {
+    const int l = body.joint(side_bone(Side::kLeft, part));
+    const int r = body.joint(side_bone(Side::kRight, part));
     if (l >= 0 && r >= 0) left += pose[l].translation - pose[r].translation;
   }
   const double length = left.norm();
@@ -100,10 +100,10 @@ SignedAxis nearest_axis(const Eigen::Vector3d& direction) {
 }
 
 std::optional<Eigen::Vector3d> trunk_direction(const Body& body, const JointPoses& pose) {
-  for (const char* bone : {"Head", "Neck", "Spine2", "Spine1", "Spine"}) {
+  for (const Bone bone : {Bone::kHead, Bone::kNeck, Bone::kSpine2, Bone::kSpine1, Bone::kSpine}) {
     if (!body.has(bone)) continue;
     const Eigen::Vector3d way =
-        pose[body.joint(bone)].translation - pose[body.joint("Hips")].translation;
+        pose[body.joint(bone)].translation - pose[body.joint(Bone::kHips)].translation;
     if (way.norm() > 0.0) return way.normalized();
   }
   return std::nullopt;

@@ -125,29 +125,49 @@ std::vector<RoleWeight> roles_of(const JointName& name) {
 
 namespace {
 
-double weight_of_bone(const JointName& name, std::string_view bone) {
-  // the canonical names are words themselves; the spine's are all one
-  const std::vector<JointName> canonical = normalise_joint_names({std::string(bone)});
-  if (name.side != canonical[0].side) return 0.0;
-  // only in the canonical names is the leg the shin, and the shoulder the clavicle
-  const std::string& base = canonical[0].base;
-  const Role wanted = base == "leg"        ? Role::kShin
-                      : base == "shoulder" ? Role::kClavicle
-                                           : roles_of(canonical[0]).front().role;
+Role role_of(Bone bone) {
+  if (const auto part = limb_bone(bone)) {
+    switch (*part) {
+      case LimbBone::kUpLeg:
+        return Role::kThigh;
+      case LimbBone::kLeg:
+        return Role::kShin;
+      case LimbBone::kFoot:
+      case LimbBone::kFootMod:
+        return Role::kFoot;
+      case LimbBone::kToe:
+        return Role::kToe;
+      case LimbBone::kShoulder:
+        return Role::kClavicle;
+      case LimbBone::kArm:
+        return Role::kUpperArm;
+      case LimbBone::kForeArm:
+        return Role::kForearm;
+      case LimbBone::kHand:
+        return Role::kHand;
+    }
+  }
+  if (bone == Bone::kHips) return Role::kHips;
+  if (bone == Bone::kNeck) return Role::kNeck;
+  return bone == Bone::kHead ? Role::kHead : Role::kSpine;
+}
+
+double weight_of_bone(const JointName& name, Bone bone) {
+  if (name.side != side_of(bone)) return 0.0;
   double weight = 0.0;
   for (const RoleWeight& r : roles_of(name)) {
-    if (r.role == wanted) weight = std::max(weight, r.weight);
+    if (r.role == role_of(bone)) weight = std::max(weight, r.weight);
   }
   return weight;
 }
 
 }  // namespace
 
-bool may_mean(const JointName& name, std::string_view bone) {
+bool may_mean(const JointName& name, Bone bone) {
   return weight_of_bone(name, bone) > 0.0;
 }
 
-bool plainly_means(const JointName& name, std::string_view bone) {
+bool plainly_means(const JointName& name, Bone bone) {
   return weight_of_bone(name, bone) >= kPlain;
 }
 

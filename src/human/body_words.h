@@ -34,10 +34,10 @@ struct RoleWeight {
 [[nodiscard]] std::vector<RoleWeight> roles_of(const JointName& name);
 
 /// Whether a name may mean a canonical bone.
-[[nodiscard]] bool may_mean(const JointName& name, std::string_view bone);
+[[nodiscard]] bool may_mean(const JointName& name, Bone bone);
 
 /// Whether a name means a canonical bone and hardly any other.
-[[nodiscard]] bool plainly_means(const JointName& name, std::string_view bone);
+[[nodiscard]] bool plainly_means(const JointName& name, Bone bone);
 
 /// Whether a word names a part of a limb when a side stands in front of it.
 [[nodiscard]] bool is_limb_word(std::string_view base);

@@ -84,9 +84,9 @@ bool is_above(const Skeleton& skeleton, int upper, int joint) {
 
 }  // namespace
 
-int rotation_joint(const BoneMap& map, const Skeleton& skeleton, std::string_view bone) {
+int rotation_joint(const BoneMap& map, const Skeleton& skeleton, Bone bone) {
   const int joint = map.joint(bone);
-  const int hips = map.joint("Hips");
+  const int hips = map.joint(Bone::kHips);
   if (joint < 0 || hips < 0) return joint;
   // joints above the hips carry the part of the body that lies nearer to the hips
   if (joint != hips && is_above(skeleton, joint, hips)) {

@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
+#include "base/try.h"
 #include "human/canonical_tree.h"
 #include "human/verify_bone_map.h"
 
@@ -45,13 +46,11 @@ std::optional<int> read_joint(const std::string& bone, const Json& value, const 
 }
 
 void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faults& faults) {
-  static const std::vector<std::string> kBones(bone_names().begin(),
-                                               bone_names().begin() + kMappedBoneCount);
   std::map<int, std::string> bone_of_joint;
   for (const auto& [key, value] : json.items()) {
-    const std::optional<int> bone = find_bone(key);
-    if (!bone || *bone >= kMappedBoneCount) {
-      faults.add("no bone " + in_quotes(key) + faults.suggestion(key, kBones));
+    const std::optional<Bone> bone = bone_from_name(key);
+    if (!bone || limb_bone(*bone) == LimbBone::kFootMod) {
+      faults.add("no bone " + in_quotes(key) + faults.suggestion(key, mapped_bone_names()));
       continue;
     }
     const std::optional<int> joint = read_joint(key, value, skeleton, faults);
@@ -67,12 +66,12 @@ void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faul
 
 // what makes the map as a whole unusable
 void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
-  if (map.joint("Hips") < 0) faults.add("\"Hips\" has no joint: without it there is no root");
+  if (!map.has(Bone::kHips)) faults.add("\"Hips\" has no joint: without it there is no root");
   const SkeletonTree tree(skeleton);
   for (const auto& chain : bone_chains()) {
-    for (const std::string_view bone : bones_out_of_line(tree, map, chain)) {
-      faults.add(in_quotes(skeleton.joint(map.joint(bone)).name) + " as " + in_quotes(bone) +
-                 " does not hang from the bones before it");
+    for (const Bone bone : bones_out_of_line(tree, map, chain)) {
+      faults.add(in_quotes(skeleton.joint(map.joint(bone)).name) + " as " +
+                 in_quotes(bone_name(bone)) + " does not hang from the bones before it");
     }
   }
 }
@@ -81,9 +80,9 @@ void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
 
 std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton) {
   Json json = Json::object();
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  for (const Bone bone : kMappedBones) {
     const int joint = map.joint_of_bone[bone];
-    Json& entry = json[std::string(kBoneNames[bone])];
+    Json& entry = json[std::string(bone_name(bone))];
     if (joint >= 0) entry = skeleton.joint(joint).name;
   }
   // names are a file's bytes and need not be UTF-8
@@ -92,16 +91,15 @@ std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton) {
 
 Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
                                const Skeleton& skeleton) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  if (!json->is_object()) {
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  if (!json.is_object()) {
     return config_failure(file, "a mapping file must be a JSON object {bone: joint or null}");
   }
   BoneMap map;
   map.dialect = "map file";
   map.confidence = 1.0;
   Faults faults;
-  read_entries(*json, skeleton, map, faults);
+  read_entries(json, skeleton, map, faults);
   if (faults.empty()) check_map(skeleton, map, faults);
   if (!faults.empty()) return faults.failure_in(file, "the mapping file");
   const std::vector<std::string> missing = missing_parts(map);
@@ -111,9 +109,8 @@ Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
 }
 
 Result<BoneMap> read_bone_map(const std::string& path, const Skeleton& skeleton) {
-  const auto text = read_file(path, ErrorKind::kConfig, kMostTextBytes);
-  if (!text) return failure(text.error());
-  return parse_bone_map(text->view(), path, skeleton);
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  return parse_bone_map(text.view(), path, skeleton);
 }
 
 }  // namespace retarget

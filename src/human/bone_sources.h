@@ -23,13 +23,13 @@ namespace retarget {
 ///
 /// @param axes  of the mapped bones.
 /// @param rest  a pose, for lengths of bones.
-[[nodiscard]] std::vector<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
-                                                   const JointPoses& rest);
+[[nodiscard]] BoneArray<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
+                                                 const JointPoses& rest);
 
 /// The same for toes, synthetic feet and hands of a body with LAFAN1's axes, where toes or hands are
 /// missing, or toes not believed.
 /// @param bones  all sources; changed.
-void complete_lafan1_ends(const Body& body, std::vector<BoneSource>& bones);
+void complete_lafan1_ends(const Body& body, BoneArray<BoneSource>& bones);
 
 /// `1.75 m`.
 [[nodiscard]] std::string metres_text(double metres);

@@ -1,20 +1,66 @@
-#include "human/bones.h"
-
 #include <algorithm>
 
-namespace retarget {
+#include "retarget/human.h"
 
-std::optional<int> find_bone(std::string_view name) {
-  if (name == "LeftToeBase") name = "LeftToe";
-  if (name == "RightToeBase") name = "RightToe";
-  const auto found = std::ranges::find(kBoneNames, name);
-  if (found == kBoneNames.end()) return std::nullopt;
-  return static_cast<int>(found - kBoneNames.begin());
+namespace retarget {
+namespace {
+
+constexpr std::array<std::string_view, kBoneCount> kNames = {
+    "Hips",          "LeftUpLeg", "LeftLeg",      "LeftFoot",  "LeftToe",     "RightUpLeg",
+    "RightLeg",      "RightFoot", "RightToe",     "Spine",     "Spine1",      "Spine2",
+    "Neck",          "Head",      "LeftShoulder", "LeftArm",   "LeftForeArm", "LeftHand",
+    "RightShoulder", "RightArm",  "RightForeArm", "RightHand", "LeftFootMod", "RightFootMod"};
+
+struct LimbPlace {
+  Side side = Side::kNone;
+  std::optional<LimbBone> part;
+};
+
+LimbPlace place_in_limb(Bone bone) {
+  for (const Side side : kSides) {
+    for (auto part = LimbBone::kUpLeg; part <= LimbBone::kFootMod;
+         part = static_cast<LimbBone>(static_cast<int>(part) + 1)) {
+      if (side_bone(side, part) == bone) return {side, part};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view bone_name(Bone bone) {
+  return kNames[static_cast<std::size_t>(bone)];
+}
+
+std::optional<Bone> bone_from_name(std::string_view name) {
+  if (name == "LeftToeBase") return Bone::kLeftToe;
+  if (name == "RightToeBase") return Bone::kRightToe;
+  const auto found = std::ranges::find(kNames, name);
+  if (found == kNames.end()) return std::nullopt;
+  return kAllBones[static_cast<std::size_t>(found - kNames.begin())];
 }
 
 const std::vector<std::string>& bone_names() {
-  static const std::vector<std::string> kNames(kBoneNames.begin(), kBoneNames.end());
-  return kNames;
+  static const std::vector<std::string> kAll(kNames.begin(), kNames.end());
+  return kAll;
+}
+
+const std::vector<std::string>& mapped_bone_names() {
+  static const std::vector<std::string> kMapped(kNames.begin(), kNames.begin() + kMappedBoneCount);
+  return kMapped;
+}
+
+Side side_of(Bone bone) {
+  return place_in_limb(bone).side;
+}
+
+std::optional<LimbBone> limb_bone(Bone bone) {
+  return place_in_limb(bone).part;
+}
+
+Bone mirrored(Bone bone) {
+  const auto [side, part] = place_in_limb(bone);
+  return part ? side_bone(side == Side::kLeft ? Side::kRight : Side::kLeft, *part) : bone;
 }
 
 }  // namespace retarget

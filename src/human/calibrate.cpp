@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/option_name.h"
+#include "base/try.h"
 #include "human/body_axes.h"
 #include "human/bone_sources.h"
 #include "human/find_rest.h"
@@ -21,6 +22,8 @@
 
 namespace retarget {
 namespace {
+
+using enum LimbBone;
 
 class Calibrator {
  public:
@@ -52,7 +55,7 @@ class Calibrator {
   Movement movement_;
   std::vector<Warning> doubts_;
   // as far as offsets count: of joints in one place the uppermost, which has the length
-  JointOfBone joint_of_ = [this](std::string_view bone) -> std::optional<int> {
+  JointOfBone joint_of_ = [this](Bone bone) -> std::optional<int> {
     if (!body_.has(bone)) return std::nullopt;
     return first_in_place(clip_.skeleton(), map_, body_.joint(bone));
   };
@@ -65,13 +68,13 @@ std::string joined(const std::vector<std::string>& names) {
 }
 
 Result<void> Calibrator::check() const {
-  if (!body_.has("Hips")) {
+  if (!body_.has(Bone::kHips)) {
     return input_failure(file_, "no joint stands for the hips", "name it in a mapping file");
   }
   std::vector<std::string> missing;
-  for (const std::string side : {"Left", "Right"}) {
-    for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm"}) {
-      if (!body_.has(side + part)) missing.push_back(side + part);
+  for (const Side side : kSides) {
+    for (const LimbBone part : {kUpLeg, kLeg, kFoot, kArm, kForeArm}) {
+      if (!body_.has(side_bone(side, part))) missing.emplace_back(bone_name(side_bone(side, part)));
     }
   }
   if (!missing.empty() && !map_.partial) {
@@ -141,14 +144,14 @@ bool Calibrator::has_lafan1_axes() const {
 // toes that turn as none do follow their feet from now on
 bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
   const auto sides = sides_with_flipped_toes(body_, movement_.poses, axes);
-  for (const std::string& side : sides) {
-    body_.disbelieve_rotation(find_bone(side + "Toe").value());
+  for (Side side : sides) {
+    body_.disbelieve_rotation(side_bone(side, kToe));
   }
   if (sides.empty()) return false;
   doubts_.push_back({0, 0,
-                     (sides.size() > 1          ? std::string("the toes turn")
-                      : sides.front() == "Left" ? "the left toes turn"
-                                                : "the right toes turn") +
+                     (sides.size() > 1               ? std::string("the toes turn")
+                      : sides.front() == Side::kLeft ? "the left toes turn"
+                                                     : "the right toes turn") +
                          " farther than toes do: their rotations are not believed, and they "
                          "follow the foot"});
   return true;
@@ -159,24 +162,22 @@ bool Calibrator::disbelieve_flipped_toes(const JointFromBone& axes) {
 Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
   constexpr double kHipHeightPerLeg = 1.12;
   const double own_height = estimated_height(body_, zero_pose(clip_.skeleton()));
-  const auto unit =
-      find_unit(kHipHeightPerLeg * lafan1_leg_length(clip_.skeleton(), joint_of_), own_height);
-  if (!unit) return failure(unit.error());
-  JointFromBone own_axes;
-  own_axes.fill(Eigen::Matrix3d::Identity());
-  disbelieve_flipped_toes(own_axes);
+  TRY_ASSIGN(
+      const Unit unit,
+      find_unit(kHipHeightPerLeg * lafan1_leg_length(clip_.skeleton(), joint_of_), own_height));
+  disbelieve_flipped_toes(JointFromBone(Eigen::Matrix3d(Eigen::Matrix3d::Identity())));
   result.mapping = lafan1_mapping(map_);
-  const bool is_published = unit->metres == result.mapping.metres_per_unit;
-  result.unit = is_published ? "cm" : unit->name;
+  const bool is_published = unit.metres == result.mapping.metres_per_unit;
+  result.unit = is_published ? "cm" : unit.name;
   result.rest_pose = "lafan1";
-  result.mapping.metres_per_unit = unit->metres;
-  if (own_height > 0.0 && !is_lafan1_height(own_height * unit->metres)) {
+  result.mapping.metres_per_unit = unit.metres;
+  if (own_height > 0.0 && !is_lafan1_height(own_height * unit.metres)) {
     result.rest_pose = "lafan1 axes";
-    result.mapping.height = own_height * unit->metres;
-    result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit->metres;
+    result.mapping.height = own_height * unit.metres;
+    result.mapping.size = height_of_legs(body_, zero_pose(clip_.skeleton())) * unit.metres;
   }
   for (BoneSource& source : result.mapping.bones) {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       if (body_.joint(bone) < 0 || body_.joint(bone) != source.rotation_joint) continue;
       source.rotation_joint = body_.turning_joint(bone);
       break;
@@ -192,27 +193,24 @@ Result<void> Calibrator::keep_lafan1_axes(Calibration& result) {
 }
 
 Result<void> Calibrator::bring_to_canonical_axes(Calibration& result) {
-  auto rest = rest_finder().find();
-  if (!rest) return failure(rest.error());
-  if (disbelieve_flipped_toes(rest->axes)) {
-    rest = rest_finder().find();
-    if (!rest) return failure(rest.error());
+  TRY_ASSIGN(Rest rest, rest_finder().find());
+  if (disbelieve_flipped_toes(rest.axes)) {
+    TRY_ASSIGN(rest, rest_finder().find());
   }
-  const RestCandidate& posed = rest->candidate;
-  const auto unit = find_unit(standing_hip_height(body_, posed.pose, posed.axes),
-                              estimated_height(body_, posed.pose));
-  if (!unit) return failure(unit.error());
-  result.unit = unit->name;
-  result.rest_pose = rest->name;
-  result.rest_deviation = deviation_from_t(body_, rest->candidate).mean;
-  result.forward = nearest_axis(rest->candidate.axes.row(0));
+  const RestCandidate& posed = rest.candidate;
+  TRY_ASSIGN(const Unit unit, find_unit(standing_hip_height(body_, posed.pose, posed.axes),
+                                        estimated_height(body_, posed.pose)));
+  result.unit = unit.name;
+  result.rest_pose = rest.name;
+  result.rest_deviation = deviation_from_t(body_, rest.candidate).mean;
+  result.forward = nearest_axis(rest.candidate.axes.row(0));
   result.mapping.dialect = map_.dialect;
-  result.mapping.metres_per_unit = unit->metres;
+  result.mapping.metres_per_unit = unit.metres;
   result.mapping.human_from_source = z_up_from_file(movement_.up);
-  result.mapping.bones = bone_sources(body_, rest->axes, rest->candidate.pose);
-  const double height = estimated_height(body_, rest->candidate.pose) * unit->metres;
+  result.mapping.bones = bone_sources(body_, rest.axes, rest.candidate.pose);
+  const double height = estimated_height(body_, rest.candidate.pose) * unit.metres;
   result.mapping.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
-  const double by_legs = height_of_legs(body_, rest->candidate.pose) * unit->metres;
+  const double by_legs = height_of_legs(body_, rest.candidate.pose) * unit.metres;
   result.mapping.size = by_legs > 0.0 ? by_legs : result.mapping.height;
   return {};
 }
@@ -235,13 +233,12 @@ void Calibrator::doubt_height(const Calibration& found) {
 }
 
 Result<Calibration> Calibrator::run() {
-  if (const auto checked = check(); !checked) return failure(checked.error());
+  TRY(check());
   look();
   doubt_sides();
   Calibration result;
   result.up = movement_.up;
-  const auto done = has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result);
-  if (!done) return failure(done.error());
+  TRY(has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result));
   const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                             result.up == SignedAxis{} && !options_.height;
   if (options_.height) {

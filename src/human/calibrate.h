@@ -26,19 +26,6 @@ struct CalibrationOptions {
                               ///< `rest` must be kAuto then.
 };
 
-/// How a clip becomes the canonical human, and what was found out for it.
-struct Calibration {
-  HumanMapping mapping;
-  std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
-                          ///< told height; `unknown`.
-  SignedAxis up;          ///< In the file's axes.
-  SignedAxis forward;     ///< Nearest axis to the facing in the rest pose.
-  std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`; `lafan1`, or
-                          ///< `lafan1 axes` of a body that is not as tall.
-  double rest_deviation = 0.0;  ///< Mean angle of the limbs and trunk of that pose from the
-                                ///< T-pose, degrees; of `learned`, that of the best frame.
-};
-
 /// Finds units, up axis, facing, height and T-pose of a clip and makes the mapping to the
 /// canonical human; see docs/human.md for the method.
 ///

@@ -28,9 +28,4 @@ using Candidate = Result<std::optional<BoneMap>>;
   return "\"" + skeleton.joint(joint).name + "\"";
 }
 
-/// The joint of a bone, to be set.
-[[nodiscard]] inline int& joint_of(BoneMap& map, std::string_view bone) {
-  return map.joint_of_bone[static_cast<std::size_t>(find_bone(bone).value())];
-}
-
 }  // namespace retarget

@@ -1,11 +1,13 @@
 #include "human/canonical_pose.h"
 
-#include <string_view>
+#include <optional>
 
-#include "human/bones.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {
+
+using enum LimbBone;
 
 Eigen::Matrix3d columns(const Eigen::Vector3d& x, const Eigen::Vector3d& y,
                         const Eigen::Vector3d& z) {
@@ -20,20 +22,26 @@ constexpr double kCosineOfPitch = 0.90630778703664996;
 
 }  // namespace
 
-Eigen::Matrix3d canonical_t_pose(int bone) {
+Eigen::Matrix3d canonical_t_pose(Bone bone) {
   const Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d left = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const std::string_view name = kBoneNames[static_cast<std::size_t>(bone)];
-  if (name.ends_with("Leg")) return columns(-up, forward, -left);
-  if (name.ends_with("Toe") || name.ends_with("FootMod")) return columns(forward, up, -left);
-  if (name.ends_with("Foot")) {
-    return columns(kCosineOfPitch * forward - kSineOfPitch * up,
-                   kSineOfPitch * forward + kCosineOfPitch * up, -left);
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (!part) return columns(up, forward, left);
+  switch (*part) {
+    case kUpLeg:
+    case kLeg:
+      return columns(-up, forward, -left);
+    case kToe:
+    case kFootMod:
+      return columns(forward, up, -left);
+    case kFoot:
+      return columns(kCosineOfPitch * forward - kSineOfPitch * up,
+                     kSineOfPitch * forward + kCosineOfPitch * up, -left);
+    default:
+      return side_of(bone) == Side::kLeft ? columns(left, -forward, up)
+                                          : columns(-left, -forward, -up);
   }
-  if (name.starts_with("Left")) return columns(left, -forward, up);
-  if (name.starts_with("Right")) return columns(-left, -forward, -up);
-  return columns(up, forward, left);
 }
 
 }  // namespace retarget

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "retarget/human.h"
+
 namespace retarget {
 
 /// World from bone in the canonical human's T-pose: world x forward, y left, z up; the columns
@@ -16,7 +18,6 @@ namespace retarget {
 ///
 /// These are the axes of LAFAN1's joints when a person of that skeleton stands in a T-pose: X runs
 /// along the bone (as the skeleton's OFFSETs say) and knees and elbows bend about -Z.
-/// @param bone  index into kBoneNames.
-[[nodiscard]] Eigen::Matrix3d canonical_t_pose(int bone);
+[[nodiscard]] Eigen::Matrix3d canonical_t_pose(Bone bone);
 
 }  // namespace retarget

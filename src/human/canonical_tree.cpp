@@ -5,22 +5,23 @@
 
 namespace retarget {
 
-const std::vector<std::vector<std::string_view>>& bone_chains() {
-  static const std::vector<std::vector<std::string_view>> kChains = {
-      {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe"},
-      {"Hips", "RightUpLeg", "RightLeg", "RightFoot", "RightToe"},
-      {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"},
-      {"Hips", "Spine", "Spine1", "Spine2", "LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"},
-      {"Hips", "Spine", "Spine1", "Spine2", "RightShoulder", "RightArm", "RightForeArm",
-       "RightHand"}};
+const std::vector<std::vector<Bone>>& bone_chains() {
+  static const std::vector<std::vector<Bone>> kChains = {
+      {Bone::kHips, Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot, Bone::kLeftToe},
+      {Bone::kHips, Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot, Bone::kRightToe},
+      {Bone::kHips, Bone::kSpine, Bone::kSpine1, Bone::kSpine2, Bone::kNeck, Bone::kHead},
+      {Bone::kHips, Bone::kSpine, Bone::kSpine1, Bone::kSpine2, Bone::kLeftShoulder, Bone::kLeftArm,
+       Bone::kLeftForeArm, Bone::kLeftHand},
+      {Bone::kHips, Bone::kSpine, Bone::kSpine1, Bone::kSpine2, Bone::kRightShoulder,
+       Bone::kRightArm, Bone::kRightForeArm, Bone::kRightHand}};
   return kChains;
 }
 
-std::vector<std::string_view> bones_out_of_line(const SkeletonTree& tree, const BoneMap& map,
-                                                const std::vector<std::string_view>& chain) {
-  std::vector<std::string_view> stray;
+std::vector<Bone> bones_out_of_line(const SkeletonTree& tree, const BoneMap& map,
+                                    const std::vector<Bone>& chain) {
+  std::vector<Bone> stray;
   std::vector<int> joints;
-  for (const std::string_view bone : chain) {
+  for (const Bone bone : chain) {
     const int joint = map.joint(bone);
     if (joint < 0) continue;
     const std::size_t count = joints.size();
@@ -37,9 +38,9 @@ std::vector<std::string_view> bones_out_of_line(const SkeletonTree& tree, const 
 }
 
 double share_in_line(const SkeletonTree& tree, const BoneMap& map) {
-  std::set<std::string_view> stray;
+  std::set<Bone> stray;
   for (const auto& chain : bone_chains()) {
-    for (const std::string_view bone : bones_out_of_line(tree, map, chain)) stray.insert(bone);
+    for (const Bone bone : bones_out_of_line(tree, map, chain)) stray.insert(bone);
   }
   const auto mapped = std::ranges::count_if(map.joint_of_bone, [](int j) { return j >= 0; });
   return mapped == 0 ? 0.0 : 1.0 - static_cast<double>(stray.size()) / static_cast<double>(mapped);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <string_view>
 #include <vector>
 
 #include "human/bone_map.h"
@@ -10,12 +8,12 @@
 namespace retarget {
 
 /// Bones from the hips outwards, as they must lie in line in every skeleton.
-[[nodiscard]] const std::vector<std::vector<std::string_view>>& bone_chains();
+[[nodiscard]] const std::vector<std::vector<Bone>>& bone_chains();
 
 /// The bones of a chain that are mapped and stray: their joint does not lie beyond the two bones
 /// mapped before it. Empty: the chain is in line.
-[[nodiscard]] std::vector<std::string_view> bones_out_of_line(
-    const SkeletonTree& tree, const BoneMap& map, const std::vector<std::string_view>& chain);
+[[nodiscard]] std::vector<Bone> bones_out_of_line(const SkeletonTree& tree, const BoneMap& map,
+                                                  const std::vector<Bone>& chain);
 
 /// The share of mapped bones that lie in line.
 [[nodiscard]] double share_in_line(const SkeletonTree& tree, const BoneMap& map);

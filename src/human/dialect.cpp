@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -22,12 +23,6 @@ const std::vector<std::string> kRestPoses = {"canonical", "zero", "first"};
 
 std::string in_quotes(const std::string& text) {
   return "\"" + text + "\"";
-}
-
-const std::vector<std::string>& mapped_bone_names() {
-  static const std::vector<std::string> kNames(bone_names().begin(),
-                                               bone_names().begin() + kMappedBoneCount);
-  return kNames;
 }
 
 // reads the parts of a dialect one by one and notes what is wrong with them
@@ -131,7 +126,7 @@ class DialectReader {
       if (found == known.end()) {
         faults_.add("\"joints\": no bone " + in_quotes(bone) + faults_.suggestion(bone, known));
       } else {
-        dialect_.names[static_cast<std::size_t>(found - known.begin())] =
+        dialect_.names[kAllBones[static_cast<std::size_t>(found - known.begin())]] =
             texts(value, "\"joints\", " + in_quotes(bone));
       }
     }
@@ -168,11 +163,10 @@ class DialectReader {
 
 Result<Dialect> parse_dialect(std::string_view text, const std::string& name,
                               const std::string& file) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  if (!json->is_object()) return config_failure(file, "a dialect must be a JSON object");
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  if (!json.is_object()) return config_failure(file, "a dialect must be a JSON object");
   Faults faults;
-  Dialect dialect = DialectReader(*json, faults).read(name);
+  Dialect dialect = DialectReader(json, faults).read(name);
   if (!faults.empty()) return faults.failure_in(file, "the dialect");
   return dialect;
 }
@@ -190,11 +184,9 @@ Result<std::vector<Dialect>> load_dialects(const std::filesystem::path& folder) 
 
   std::vector<Dialect> dialects;
   for (const std::filesystem::path& path : files) {
-    const auto text = read_file(path.string(), ErrorKind::kConfig, kMostTextBytes);
-    if (!text) return failure(text.error());
-    auto dialect = parse_dialect(text->view(), path.stem().string(), path.string());
-    if (!dialect) return failure(dialect.error());
-    dialects.push_back(std::move(*dialect));
+    TRY_ASSIGN(const auto text, read_file(path.string(), ErrorKind::kConfig, kMostTextBytes));
+    TRY_ASSIGN(auto dialect, parse_dialect(text.view(), path.stem().string(), path.string()));
+    dialects.push_back(std::move(dialect));
   }
   return dialects;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,7 +22,7 @@ struct Dialect {
   std::string description;  ///< One line, for people.
 
   /// Spellings of the source joint of each canonical bone; none: the kind has no such joint.
-  std::array<std::vector<std::string>, kMappedBoneCount> names;
+  BoneArray<std::vector<std::string>> names;
   std::vector<std::string> others;    ///< Further joints: fingers, ends, helpers.
   std::vector<std::string> required;  ///< Joints without which it is not this kind.
   /// Texts of which at least one occurs in the joint names as written; none: no such condition.

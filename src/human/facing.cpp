@@ -13,16 +13,17 @@ constexpr double kShortestFoot = 0.02;
 
 // what one leg says of the front: positive if toes and knee are on that side
 double leg_says(const BodySource& source, const BodyPoses::Pose& pose, const BoneMap& map,
-                const std::string& side, const Eigen::Vector3d& front) {
-  const Eigen::Vector3d hip = pose.joints[map.joint(side + "UpLeg")];
-  const Eigen::Vector3d knee = pose.joints[map.joint(side + "Leg")];
-  const Eigen::Vector3d ankle = pose.joints[map.joint(side + "Foot")];
+                Side side, const Eigen::Vector3d& front) {
+  const Eigen::Vector3d hip = pose.joints[map.joint(side_bone(side, LimbBone::kUpLeg))];
+  const Eigen::Vector3d knee = pose.joints[map.joint(side_bone(side, LimbBone::kLeg))];
+  const Eigen::Vector3d ankle = pose.joints[map.joint(side_bone(side, LimbBone::kFoot))];
   const double leg = (knee - hip).norm() + (ankle - knee).norm();
   if (leg <= 0.0) return 0.0;
   double says = kKneeWeight * (knee - 0.5 * (hip + ankle)).dot(front) / leg;
 
-  const int toe = map.joint(side + "Toe");
-  Eigen::Vector3d tip = toe >= 0 ? pose.joints[toe] : pose.tips[map.joint(side + "Foot")];
+  const int toe = map.joint(side_bone(side, LimbBone::kToe));
+  Eigen::Vector3d tip =
+      toe >= 0 ? pose.joints[toe] : pose.tips[map.joint(side_bone(side, LimbBone::kFoot))];
   if (toe >= 0 && source.poses.lengths[toe] < kShortestFoot * leg) tip = pose.tips[toe];
   const Eigen::Vector3d foot = tip - ankle;
   if (foot.norm() > kShortestFoot * leg) says += foot.normalized().dot(front);
@@ -31,27 +32,27 @@ double leg_says(const BodySource& source, const BodyPoses::Pose& pose, const Bon
 
 // direction from the hips to the head or the arms; zero if there is neither
 Eigen::Vector3d up_of_body(const BodyPoses::Pose& pose, const BoneMap& map) {
-  const Eigen::Vector3d hips = pose.joints[map.joint("Hips")];
-  if (map.joint("Head") >= 0) return (pose.joints[map.joint("Head")] - hips).normalized();
-  if (map.joint("LeftArm") < 0 || map.joint("RightArm") < 0) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d hips = pose.joints[map.joint(Bone::kHips)];
+  if (map.has(Bone::kHead)) return (pose.joints[map.joint(Bone::kHead)] - hips).normalized();
+  if (!map.has(Bone::kLeftArm) || !map.has(Bone::kRightArm)) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d arms =
-      0.5 * (pose.joints[map.joint("LeftArm")] + pose.joints[map.joint("RightArm")]);
+      0.5 * (pose.joints[map.joint(Bone::kLeftArm)] + pose.joints[map.joint(Bone::kRightArm)]);
   return (arms - hips).normalized();
 }
 
 }  // namespace
 
 double left_is_left(const BodySource& source, const BoneMap& map) {
-  for (const char* bone :
-       {"Hips", "LeftUpLeg", "RightUpLeg", "LeftLeg", "RightLeg", "LeftFoot", "RightFoot"}) {
-    if (map.joint(bone) < 0) return 0.0;
+  for (const Bone bone : {Bone::kHips, Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftLeg,
+                          Bone::kRightLeg, Bone::kLeftFoot, Bone::kRightFoot}) {
+    if (!map.has(bone)) return 0.0;
   }
   double sum = 0.0;
   for (const BodyPoses::Pose& pose : source.poses.poses) {
     const Eigen::Vector3d across =
-        pose.joints[map.joint("LeftUpLeg")] - pose.joints[map.joint("RightUpLeg")];
+        pose.joints[map.joint(Bone::kLeftUpLeg)] - pose.joints[map.joint(Bone::kRightUpLeg)];
     const Eigen::Vector3d front = across.cross(up_of_body(pose, map)).normalized();
-    for (const char* side : {"Left", "Right"}) sum += leg_says(source, pose, map, side, front);
+    for (const Side side : kSides) sum += leg_says(source, pose, map, side, front);
   }
   return std::clamp(sum / (2.0 * static_cast<double>(source.poses.poses.size())), -1.0, 1.0);
 }

@@ -5,17 +5,7 @@
 namespace retarget {
 namespace {
 
-struct FootBones {
-  int hip, knee, ankle, toe;
-};
-
-std::array<FootBones, 2> bones_of_feet() {
-  const auto bone = [](const char* name) { return *find_bone(name); };
-  return {{{bone("LeftUpLeg"), bone("LeftLeg"), bone("LeftFoot"), bone("LeftToe")},
-           {bone("RightUpLeg"), bone("RightLeg"), bone("RightFoot"), bone("RightToe")}}};
-}
-
-std::vector<Eigen::Vector3d> track_of(const HumanClip& human, int bone) {
+std::vector<Eigen::Vector3d> track_of(const HumanClip& human, Bone bone) {
   std::vector<Eigen::Vector3d> track;
   if (!human.has(bone)) return track;
   track.reserve(human.frame_count);
@@ -27,14 +17,16 @@ std::vector<Eigen::Vector3d> track_of(const HumanClip& human, int bone) {
 
 double leg_length(const HumanClip& human) {
   if (human.frame_count == 0) return 0.0;
-  for (const FootBones& side : bones_of_feet()) {
-    if (!human.has(side.hip) || !human.has(side.knee) || !human.has(side.ankle)) continue;
+  for (const Side side : kSides) {
+    const Bone hip = side_bone(side, LimbBone::kUpLeg), knee = side_bone(side, LimbBone::kLeg);
+    const Bone ankle = side_bone(side, LimbBone::kFoot);
+    if (!human.has(hip) || !human.has(knee) || !human.has(ankle)) continue;
     std::vector<double> lengths;
     lengths.reserve(human.frame_count);
     for (int i = 0; i < human.frame_count; ++i) {
-      const auto pose = human.frame(i);
-      lengths.push_back((pose[side.hip].translation - pose[side.knee].translation).norm() +
-                        (pose[side.knee].translation - pose[side.ankle].translation).norm());
+      const HumanPose& pose = human.frame(i);
+      lengths.push_back((pose[hip].translation - pose[knee].translation).norm() +
+                        (pose[knee].translation - pose[ankle].translation).norm());
     }
     return median(std::move(lengths));
   }
@@ -46,9 +38,10 @@ FootContacts find_foot_contacts(const HumanClip& human, const ContactOptions& op
   if (!(leg > 0.0)) return {};
   std::array<FootTrack, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
-    feet[foot].ankle = track_of(human, bones_of_feet()[foot].ankle);
+    feet[foot].ankle = track_of(human, side_bone(kSides[foot], LimbBone::kFoot));
     // a toe without its ankle says nothing of a foot
-    if (!feet[foot].ankle.empty()) feet[foot].toe = track_of(human, bones_of_feet()[foot].toe);
+    if (feet[foot].ankle.empty()) continue;
+    feet[foot].toe = track_of(human, side_bone(kSides[foot], LimbBone::kToe));
   }
   return find_contact_phases(feet, leg, human.rate, options);
 }

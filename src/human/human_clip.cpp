@@ -12,25 +12,11 @@
 namespace retarget {
 namespace {
 
-// joint of the first of these names that the skeleton has
-int find_joint(const Skeleton& skeleton, std::initializer_list<std::string_view> names) {
-  for (const std::string_view name : names) {
-    if (const std::optional<int> joint = skeleton.find(name)) return *joint;
-  }
-  return -1;
-}
-
-BoneSource lafan1_source(const Skeleton& skeleton, std::string_view bone) {
-  for (const std::string side : {"Left", "Right"}) {
-    const int toe = find_joint(skeleton, {side + "Toe", side + "ToeBase"});
-    if (bone == side + "Toe") return {toe, toe};
-    if (bone == side + "FootMod") {
-      const int foot = find_joint(skeleton, {side + "Foot"});
-      return foot < 0 || toe < 0 ? BoneSource{} : BoneSource{foot, toe};
-    }
-  }
-  const int joint = find_joint(skeleton, {bone});
-  return {joint, joint};
+// the joint that has a bone's name
+int find_joint(const Skeleton& skeleton, Bone bone) {
+  if (const auto joint = skeleton.find(bone_name(bone))) return *joint;
+  const bool is_toe = limb_bone(bone) == LimbBone::kToe;
+  return is_toe ? skeleton.find(std::string(bone_name(bone)) + "Base").value_or(-1) : -1;
 }
 
 // offsets that leave their axis by more than 20 degrees are not LAFAN1's
@@ -44,23 +30,27 @@ bool runs_along(const Eigen::Vector3d& offset, int axis) {
 std::vector<std::string> bones_off_lafan1_axes(const Skeleton& skeleton,
                                                const JointOfBone& joint_of) {
   std::vector<std::string> off_axis;
-  for (const char* name : {"LeftLeg", "LeftFoot", "RightLeg", "RightFoot", "LeftForeArm",
-                           "LeftHand", "RightForeArm", "RightHand"}) {
-    const std::optional<int> joint = joint_of(name);
-    if (joint && !runs_along(skeleton.joint(*joint).offset, 0)) off_axis.emplace_back(name);
+  for (const Bone bone :
+       {Bone::kLeftLeg, Bone::kLeftFoot, Bone::kRightLeg, Bone::kRightFoot, Bone::kLeftForeArm,
+        Bone::kLeftHand, Bone::kRightForeArm, Bone::kRightHand}) {
+    const std::optional<int> joint = joint_of(bone);
+    if (joint && !runs_along(skeleton.joint(*joint).offset, 0)) {
+      off_axis.emplace_back(bone_name(bone));
+    }
   }
-  for (const char* name : {"UpLeg", "Shoulder"}) {
-    const std::optional<int> left = joint_of(std::string("Left") + name);
-    const std::optional<int> right = joint_of(std::string("Right") + name);
+  for (const Bone bone : {Bone::kLeftUpLeg, Bone::kLeftShoulder}) {
+    const std::optional<int> left = joint_of(bone), right = joint_of(mirrored(bone));
     if (!left || !right) continue;
     const Eigen::Vector3d across = skeleton.joint(*left).offset - skeleton.joint(*right).offset;
-    if (!runs_along(across, 2)) off_axis.push_back(std::string("Left/Right") + name);
+    if (!runs_along(across, 2)) {
+      off_axis.push_back("Left/" + std::string(bone_name(mirrored(bone))));
+    }
   }
   return off_axis;
 }
 
 double lafan1_leg_length(const Skeleton& skeleton, const JointOfBone& joint_of) {
-  const std::optional<int> knee = joint_of("LeftLeg"), ankle = joint_of("LeftFoot");
+  const std::optional<int> knee = joint_of(Bone::kLeftLeg), ankle = joint_of(Bone::kLeftFoot);
   if (!knee || !ankle) return 0.0;
   return skeleton.joint(*knee).offset.norm() + skeleton.joint(*ankle).offset.norm();
 }
@@ -74,7 +64,7 @@ namespace {
 
 // what the offsets say against a skeleton being LAFAN1's: names alone prove little
 std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
-  const JointOfBone by_name = [&](std::string_view bone) { return skeleton.find(bone); };
+  const JointOfBone by_name = [&](Bone bone) { return skeleton.find(bone_name(bone)); };
   const std::vector<std::string> off_axis = bones_off_lafan1_axes(skeleton, by_name);
   std::vector<Warning> doubts;
   if (!off_axis.empty()) {
@@ -93,10 +83,17 @@ std::vector<Warning> lafan1_doubts(const Skeleton& skeleton) {
   return doubts;
 }
 
-HumanMapping published_mapping(std::vector<BoneSource> bones) {
+// the published method's, for the joints of the bones; the synthetic feet stand at the ankles and
+// turn with the toes
+HumanMapping published_mapping(const BoneArray<int>& joints) {
   HumanMapping mapping;
   mapping.dialect = "lafan1";
-  mapping.bones = std::move(bones);
+  for (const Bone bone : kMappedBones) mapping.bones[bone] = {joints[bone], joints[bone]};
+  for (const Side side : kSides) {
+    const int foot = joints[side_bone(side, LimbBone::kFoot)];
+    const int toe = joints[side_bone(side, LimbBone::kToe)];
+    if (foot >= 0 && toe >= 0) mapping.bones[side_bone(side, LimbBone::kFootMod)] = {foot, toe};
+  }
   mapping.metres_per_unit = 0.01;
   // a quarter turn about x takes y (up) to z
   mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -109,30 +106,23 @@ HumanMapping published_mapping(std::vector<BoneSource> bones) {
 }  // namespace
 
 Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton, const std::string& file) {
-  for (const std::string_view bone : kBoneNames) {
+  for (const std::string& bone : bone_names()) {
     if (std::ranges::count(skeleton.joints(), bone, &Joint::name) > 1) {
-      return input_failure(file,
-                           "several joints are called \"" + std::string(bone) +
-                               "\": which of them is the bone cannot be told",
-                           "rename all but one of them");
+      return input_failure(
+          file,
+          "several joints are called \"" + bone + "\": which of them is the bone cannot be told",
+          "rename all but one of them");
     }
   }
-  std::vector<BoneSource> bones;
-  bones.reserve(kBoneCount);
-  for (const std::string_view bone : kBoneNames) bones.push_back(lafan1_source(skeleton, bone));
-  HumanMapping mapping = published_mapping(std::move(bones));
+  BoneArray<int> joints(-1);
+  for (const Bone bone : kMappedBones) joints[bone] = find_joint(skeleton, bone);
+  HumanMapping mapping = published_mapping(joints);
   mapping.doubts = lafan1_doubts(skeleton);
   return mapping;
 }
 
 HumanMapping lafan1_mapping(const BoneMap& map) {
-  std::vector<BoneSource> bones;
-  for (const int joint : map.joint_of_bone) bones.push_back({joint, joint});
-  for (const std::string side : {"Left", "Right"}) {
-    const int foot = map.joint(side + "Foot"), toe = map.joint(side + "Toe");
-    bones.push_back(foot < 0 || toe < 0 ? BoneSource{} : BoneSource{foot, toe});
-  }
-  return published_mapping(std::move(bones));
+  return published_mapping(map.joint_of_bone);
 }
 
 HumanPoser::HumanPoser(const Clip& clip, const HumanMapping& mapping)
@@ -149,16 +139,17 @@ HumanClipInfo HumanPoser::info() const {
   info.height = mapping_.height;
   info.size = mapping_.size;
   info.source_joints = skeleton.names();
-  for (const BoneSource& source : mapping_.bones) {
-    const bool known = source.position_joint >= 0 && source.rotation_joint >= 0;
-    info.sources.push_back(known ? skeleton.joint(source.position_joint).name : std::string());
+  for (const Bone bone : kAllBones) {
+    const BoneSource& source = mapping_.bones[bone];
+    if (source.position_joint < 0 || source.rotation_joint < 0) continue;
+    info.sources[bone] = skeleton.joint(source.position_joint).name;
   }
   return info;
 }
 
-void HumanPoser::pose(int frame, std::span<Pose> world_from_bone) {
+void HumanPoser::pose(int frame, HumanPose& world_from_bone) {
   forward_kinematics(clip_, frame, world_from_joint_);
-  for (std::size_t bone = 0; bone < mapping_.bones.size(); ++bone) {
+  for (const Bone bone : kAllBones) {
     const BoneSource& source = mapping_.bones[bone];
     if (source.position_joint < 0 || source.rotation_joint < 0) {
       world_from_bone[bone] = Pose{};
@@ -175,13 +166,16 @@ void HumanPoser::pose(int frame, std::span<Pose> world_from_bone) {
   }
 }
 
+HumanPoseSource poses_of(const HumanClip& human) {
+  return [&human](int frame, HumanPose& world_from_bone) { world_from_bone = human.frame(frame); };
+}
+
 HumanClip to_human(const Clip& clip, const HumanMapping& mapping) {
   HumanPoser poser(clip, mapping);
   HumanClip human{poser.info(), {}};
-  human.world_from_bone.resize(static_cast<std::size_t>(human.frame_count) * kBoneCount);
-  const std::span<Pose> poses(human.world_from_bone);
+  human.world_from_bone.resize(static_cast<std::size_t>(human.frame_count));
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    poser.pose(frame, poses.subspan(static_cast<std::size_t>(frame) * kBoneCount, kBoneCount));
+    poser.pose(frame, human.world_from_bone[static_cast<std::size_t>(frame)]);
   }
   return human;
 }

@@ -10,6 +10,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 // means of both sides; people have legs of 1.3 to 1.9 trunks, arms of 0.53 to 0.75 legs, shoulders
 // of 0.45 to 0.9 trunks, and feet (to the toes' joints) of 0.14 to 0.23 legs
 constexpr double kLeastLegPerTrunk = 1.0;
@@ -37,28 +39,29 @@ double mean_distance(const BodySource& source, int a, int b) {
 
 // sum of the mean lengths of both sides' segments, halved
 double limb_length(const BodySource& source, const BoneMap& map,
-                   std::initializer_list<const char*> bones) {
+                   std::initializer_list<LimbBone> parts) {
   double sum = 0.0;
-  for (const std::string side : {"Left", "Right"}) {
-    for (auto bone = bones.begin(); bone + 1 != bones.end(); ++bone) {
-      sum += 0.5 * mean_distance(source, map.joint(side + *bone), map.joint(side + bone[1]));
+  for (const Side side : kSides) {
+    for (const auto* part = parts.begin(); part + 1 != parts.end(); ++part) {
+      sum += 0.5 * mean_distance(source, map.joint(side_bone(side, *part)),
+                                 map.joint(side_bone(side, part[1])));
     }
   }
   return sum;
 }
 
 double uprightness(const BodyPoses::Pose& pose, const BoneMap& map) {
-  const auto at = [&](const char* bone) { return pose.joints[map.joint(bone)]; };
-  const Eigen::Vector3d trunk = 0.5 * (at("LeftArm") + at("RightArm")) - at("Hips");
-  const Eigen::Vector3d legs = at("Hips") - 0.5 * (at("LeftFoot") + at("RightFoot"));
+  const auto at = [&](Bone bone) { return pose.joints[map.joint(bone)]; };
+  const Eigen::Vector3d trunk = 0.5 * (at(Bone::kLeftArm) + at(Bone::kRightArm)) - at(Bone::kHips);
+  const Eigen::Vector3d legs = at(Bone::kHips) - 0.5 * (at(Bone::kLeftFoot) + at(Bone::kRightFoot));
   return trunk.normalized().dot(legs.normalized());
 }
 
 double trunk_length(const BodySource& source, const BoneMap& map) {
   double sum = 0.0;
-  for (const char* arm : {"LeftArm", "RightArm"}) {
+  for (const Bone arm : {Bone::kLeftArm, Bone::kRightArm}) {
     const int joint = map.joint(arm);
-    sum += 0.5 * mean_distance(source, map.joint("Hips"), joint);
+    sum += 0.5 * mean_distance(source, map.joint(Bone::kHips), joint);
   }
   return sum;
 }
@@ -82,8 +85,8 @@ std::vector<double> free_chains(const BodySource& source, const BoneMap& map, in
   const TreeReach reach(source);
   std::vector<double> reaches;
   for (const int way : source.tree.neighbours(joint)) {
-    const bool leads_to_bone = std::ranges::any_of(map.joint_of_bone, [&](int bone) {
-      return bone >= 0 && bone != joint && source.tree.between(way, joint, bone);
+    const bool leads_to_bone = std::ranges::any_of(map.joint_of_bone, [&](int mapped) {
+      return mapped >= 0 && mapped != joint && source.tree.between(way, joint, mapped);
     });
     if (leads_to_bone || source.tree.parent(way) != joint) continue;
     int count = 1;
@@ -116,29 +119,31 @@ bool is_built_on_four_legs(const BodySource& source, const BoneMap& map) {
   const BodyPoses zero = sample_zero_pose(source.skeleton);
   const BodyPoses::Pose& pose = zero.poses.front();
   if (std::abs(uprightness(pose, map)) > kAcross) return false;
-  return std::ranges::all_of(std::array{"Left", "Right"}, [&](const std::string& side) {
-    const auto along = [&](const char* from, const char* to) -> Eigen::Vector3d {
-      return (pose.joints[map.joint(side + to)] - pose.joints[map.joint(side + from)]).normalized();
+  return std::ranges::all_of(kSides, [&](Side side) {
+    const auto along = [&](LimbBone from, LimbBone to) -> Eigen::Vector3d {
+      return (pose.joints[map.joint(side_bone(side, to))] -
+              pose.joints[map.joint(side_bone(side, from))])
+          .normalized();
     };
-    return along("Arm", "ForeArm").dot(along("UpLeg", "Foot")) > kParallel;
+    return along(kArm, kForeArm).dot(along(kUpLeg, kFoot)) > kParallel;
   });
 }
 
 // what a four-legged animal has beside a trunk across its legs
 void add_signs_of_animal(const BodySource& source, const BoneMap& map, double leg, double trunk,
                          HumanDoubts& doubts) {
-  if (mean_distance(source, map.joint("LeftArm"), map.joint("RightArm")) <
+  if (mean_distance(source, map.joint(Bone::kLeftArm), map.joint(Bone::kRightArm)) <
       kLeastShouldersPerTrunk * trunk) {
     doubts.signs.emplace_back(kNarrow);
   }
   if (is_built_on_four_legs(source, map)) doubts.signs.emplace_back(kFourLegs);
-  const bool has_toes = map.joint("LeftToe") >= 0 && map.joint("RightToe") >= 0;
-  if (has_toes && limb_length(source, map, {"Foot", "Toe"}) > kMostFootPerLeg * leg) {
+  const bool has_toes = map.has(Bone::kLeftToe) && map.has(Bone::kRightToe);
+  if (has_toes && limb_length(source, map, {kFoot, kToe}) > kMostFootPerLeg * leg) {
     doubts.signs.emplace_back("the feet are parts of the legs");
   }
-  const int head = map.joint("Head");
+  const int head = map.joint(Bone::kHead);
   if (head >= 0 && has_one_tail(source, map, head, kLeastTailPerTrunk * trunk) &&
-      has_one_tail(source, map, map.joint("Hips"), kLeastTailPerTrunk * trunk)) {
+      has_one_tail(source, map, map.joint(Bone::kHips), kLeastTailPerTrunk * trunk)) {
     doubts.signs.emplace_back("chains of joints hang from head and hips");
   }
 }
@@ -147,17 +152,18 @@ void add_signs_of_animal(const BodySource& source, const BoneMap& map, double le
 
 HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
   HumanDoubts doubts;
-  for (const char* bone : {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "RightUpLeg", "RightLeg",
-                           "RightFoot", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
-    if (map.joint(bone) < 0) return doubts;
+  for (const Bone bone : {Bone::kHips, Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot,
+                          Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot, Bone::kLeftArm,
+                          Bone::kLeftForeArm, Bone::kRightArm, Bone::kRightForeArm}) {
+    if (!map.has(bone)) return doubts;
   }
-  const double leg = limb_length(source, map, {"UpLeg", "Leg", "Foot"});
+  const double leg = limb_length(source, map, {kUpLeg, kLeg, kFoot});
   const double trunk = trunk_length(source, map);
   if (leg < kLeastLegPerTrunk * trunk) {
     doubts.signs.emplace_back("the legs are shorter than the trunk");
   }
-  const bool has_hands = map.joint("LeftHand") >= 0 && map.joint("RightHand") >= 0;
-  if (has_hands && limb_length(source, map, {"Arm", "ForeArm", "Hand"}) > kMostArmPerLeg * leg) {
+  const bool has_hands = map.has(Bone::kLeftHand) && map.has(Bone::kRightHand);
+  if (has_hands && limb_length(source, map, {kArm, kForeArm, kHand}) > kMostArmPerLeg * leg) {
     doubts.signs.emplace_back("the arms are as long as the legs");
   }
   const Posture posture = posture_of(source, map);

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-namespace retarget {
+#include "retarget/human.h"
 
-enum class Side { kNone, kLeft, kRight };
+namespace retarget {
 
 /// A joint's name without what differs between exporters.
 struct JointName {

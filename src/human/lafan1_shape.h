@@ -3,15 +3,14 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "retarget/clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
 /// The joint of a canonical bone, if there is one.
-using JointOfBone = std::function<std::optional<int>(std::string_view bone)>;
+using JointOfBone = std::function<std::optional<int>(Bone bone)>;
 
 /// Bones whose joints' offsets are not as LAFAN1's: limbs along x, left and right apart along z.
 [[nodiscard]] std::vector<std::string> bones_off_lafan1_axes(const Skeleton& skeleton,

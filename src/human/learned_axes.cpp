@@ -9,6 +9,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 constexpr double kUpright = 0.90630778703664996;  // cosine of 25 degrees
 // mean sine of the bend below which a hinge is not known
 constexpr double kLeastBend = 0.1;
@@ -56,12 +58,13 @@ class Learner {
 
   JointFromBone learn() {
     learn_trunk();
-    for (const std::string side : {"Left", "Right"}) {
-      const double sign = side == "Left" ? 1.0 : -1.0;
+    for (const Side side : kSides) {
+      const double sign = side == Side::kLeft ? 1.0 : -1.0;
       learn_collar(side, sign);
       learn_arm(side, sign);
-      learn_hinge(side + "UpLeg", side + "Leg", side + "UpLeg", {}, sign);
-      learn_hinge(side + "UpLeg", side + "Leg", side + "Leg", {}, sign);
+      learn_hinge(side_bone(side, kUpLeg), side_bone(side, kLeg), side_bone(side, kUpLeg), {},
+                  sign);
+      learn_hinge(side_bone(side, kUpLeg), side_bone(side, kLeg), side_bone(side, kLeg), {}, sign);
       learn_foot(side);
     }
     return axes_;
@@ -70,23 +73,20 @@ class Learner {
   // arms that the movement plainly bends another way than the start has it
   JointFromBone correct_arms() {
     const JointFromBone start = axes_;
-    for (const std::string side : {"Left", "Right"}) {
-      learn_arm(side, side == "Left" ? 1.0 : -1.0);
-      const auto& before = start[index_of(side + "Arm")];
-      const auto& after = axes_[index_of(side + "Arm")];
+    for (const Side side : kSides) {
+      learn_arm(side, side == Side::kLeft ? 1.0 : -1.0);
+      const auto& before = start[side_bone(side, kArm)];
+      const auto& after = axes_[side_bone(side, kArm)];
       if (before && after && before->col(2).dot(after->col(2)) < kPlainlyOff) continue;
-      for (const char* part : {"Arm", "ForeArm", "Hand"}) {
-        axes_[index_of(side + part)] = start[index_of(side + part)];
+      for (const LimbBone part : {kArm, kForeArm, kHand}) {
+        axes_[side_bone(side, part)] = start[side_bone(side, part)];
       }
     }
     return axes_;
   }
 
  private:
-  static std::size_t index_of(const std::string& bone) {
-    return static_cast<std::size_t>(find_bone(bone).value());
-  }
-  std::optional<Eigen::Matrix3d>& axes_of(const std::string& bone) { return axes_[index_of(bone)]; }
+  std::optional<Eigen::Matrix3d>& axes_of(Bone bone) { return axes_[bone]; }
 
   // mean of a direction of the world as the joint sees it
   template <typename Direction>
@@ -109,54 +109,57 @@ class Learner {
     });
   }
   // from the right to the left one of a pair
-  [[nodiscard]] Eigen::Vector3d mean_line(int joint, const std::string& part) const {
-    const int left = body_.joint("Left" + part), right = body_.joint("Right" + part);
+  [[nodiscard]] Eigen::Vector3d mean_line(int joint, LimbBone part) const {
+    const int left = body_.joint(side_bone(Side::kLeft, part));
+    const int right = body_.joint(side_bone(Side::kRight, part));
     if (left < 0 || right < 0) return Eigen::Vector3d::Zero();
     return mean(joint, [&](const JointPoses& pose) {
       return (pose[left].translation - pose[right].translation).normalized();
     });
   }
 
-  void set(const std::string& bone, const Eigen::Vector3d& first, const Eigen::Vector3d& second,
-           int first_axis, int second_axis) {
+  void set(Bone bone, const Eigen::Vector3d& first, const Eigen::Vector3d& second, int first_axis,
+           int second_axis) {
     if (!are_apart(first, second)) return;
     axes_of(bone) = square(first, second, first_axis, second_axis);
   }
 
   void learn_trunk() {
-    const int hips = body_.turning_joint("Hips");
-    set("Hips", mean_line(hips, "UpLeg"), mean_vertical_upright(hips), 2, 0);
-    for (const char* bone : {"Spine", "Spine1", "Spine2", "Neck"}) {
+    const int hips = body_.turning_joint(Bone::kHips);
+    set(Bone::kHips, mean_line(hips, kUpLeg), mean_vertical_upright(hips), 2, 0);
+    for (const Bone bone : {Bone::kSpine, Bone::kSpine1, Bone::kSpine2, Bone::kNeck}) {
       const int joint = body_.turning_joint(bone);
       const Segment& segment = body_.segment(bone);
       // a spine that ends at a joint's child of unknown meaning has no known course
       if (joint < 0 || !segment.known() || segment.end_joint == segment.joint) continue;
-      set(bone, mean_course(joint, segment), mean_line(joint, "Arm"), 0, 2);
+      set(bone, mean_course(joint, segment), mean_line(joint, kArm), 0, 2);
     }
-    if (const int head = body_.turning_joint("Head"); head >= 0) {
-      set("Head", mean_vertical_upright(head), mean_line(head, "Arm"), 0, 2);
+    if (const int head = body_.turning_joint(Bone::kHead); head >= 0) {
+      set(Bone::kHead, mean_vertical_upright(head), mean_line(head, kArm), 0, 2);
     }
   }
 
-  void learn_collar(const std::string& side, double sign) {
-    const int joint = body_.turning_joint(side + "Shoulder");
-    if (joint < 0 || !body_.has("Spine2")) return;
-    set(side + "Shoulder", mean_course(joint, body_.segment(side + "Shoulder")),
-        sign * mean_course(joint, body_.segment("Spine2")), 0, 2);
+  void learn_collar(Side side, double sign) {
+    const int joint = body_.turning_joint(side_bone(side, kShoulder));
+    if (joint < 0 || !body_.has(Bone::kSpine2)) return;
+    set(side_bone(side, kShoulder), mean_course(joint, body_.segment(side_bone(side, kShoulder))),
+        sign * mean_course(joint, body_.segment(Bone::kSpine2)), 0, 2);
   }
 
-  void learn_arm(const std::string& side, double sign) {
-    learn_hinge(side + "Arm", side + "ForeArm", side + "Arm", kUpperArmBias, sign);
-    learn_hinge(side + "Arm", side + "ForeArm", side + "ForeArm", kForearmBias, sign);
-    learn_hinge(side + "Arm", side + "ForeArm", side + "Hand", kHandBias, sign);
+  void learn_arm(Side side, double sign) {
+    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kArm),
+                kUpperArmBias, sign);
+    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kForeArm),
+                kForearmBias, sign);
+    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kHand), kHandBias,
+                sign);
   }
 
   // Z of `bone` from the bend between the bones `upper` and `lower`
-  void learn_hinge(const std::string& upper, const std::string& lower, const std::string& bone,
-                   const Bias& bias, double sign) {
+  void learn_hinge(Bone upper, Bone lower, Bone bone, const Bias& bias, double sign) {
     const int joint = body_.turning_joint(bone);
     if (joint < 0 || !body_.has(upper) || !body_.has(lower)) return;
-    const bool is_hand = bone.ends_with("Hand");
+    const bool is_hand = limb_bone(bone) == kHand;
     const Eigen::Vector3d normal = mean(joint, [&](const JointPoses& pose) {
       const auto a = along(body_.segment(upper), pose), b = along(body_.segment(lower), pose);
       return a && b ? Eigen::Vector3d(a->normalized().cross(b->normalized()))
@@ -171,11 +174,11 @@ class Learner {
     axes_of(bone) = square(x, z, 0, 2);
   }
 
-  void learn_foot(const std::string& side) {
-    const int foot = body_.joint(side + "Foot");
+  void learn_foot(Side side) {
+    const int foot = body_.joint(side_bone(side, kFoot));
     if (foot < 0) return;
-    const bool has_toe = body_.turning_joint(side + "Toe") >= 0;
-    const int toe = has_toe ? body_.turning_joint(side + "Toe") : foot;
+    const bool has_toe = body_.turning_joint(side_bone(side, kToe)) >= 0;
+    const int toe = has_toe ? body_.turning_joint(side_bone(side, kToe)) : foot;
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
     for (const JointPoses* pose : flat_frames(side)) {
       const auto way = foot_direction(side, *pose);
@@ -187,29 +190,30 @@ class Learner {
     const Eigen::Matrix3d level = square(vertical, heading, 1, 0);
     if (!has_toe) {
       // the foot's joint in the pose in which a toe would be level
-      axes_of(side + "Foot") = level *
-                               canonical_t_pose(find_bone(side + "Toe").value()).transpose() *
-                               canonical_t_pose(find_bone(side + "Foot").value());
+      axes_of(side_bone(side, kFoot)) = level *
+                                        canonical_t_pose(side_bone(side, kToe)).transpose() *
+                                        canonical_t_pose(side_bone(side, kFoot));
       return;
     }
-    axes_of(side + "Toe") = level;
+    axes_of(side_bone(side, kToe)) = level;
     const Eigen::Vector3d lateral =
         mean(foot, [&](const JointPoses& pose) { return pose[toe].rotation * level.col(2); });
-    set(side + "Foot", mean_course(foot, body_.segment(side + "Foot")), lateral, 0, 2);
+    set(side_bone(side, kFoot), mean_course(foot, body_.segment(side_bone(side, kFoot))), lateral,
+        0, 2);
   }
 
   // of an ankle without toes, where the body faces
-  [[nodiscard]] std::optional<Eigen::Vector3d> foot_direction(const std::string& side,
+  [[nodiscard]] std::optional<Eigen::Vector3d> foot_direction(Side side,
                                                               const JointPoses& pose) const {
-    const Segment& foot = body_.segment(side + "Foot");
+    const Segment& foot = body_.segment(side_bone(side, kFoot));
     if (foot.known()) return along(foot, pose);
     const auto axes = body_axes(body_, pose, up_);
     return axes ? std::optional<Eigen::Vector3d>(axes->row(0)) : std::nullopt;
   }
 
   // poses in which the ankle is as low as ankles on the floor, under an upright shin
-  [[nodiscard]] std::vector<const JointPoses*> flat_frames(const std::string& side) const {
-    const int ankle = body_.joint(side + "Foot");
+  [[nodiscard]] std::vector<const JointPoses*> flat_frames(Side side) const {
+    const int ankle = body_.joint(side_bone(side, kFoot));
     std::vector<double> heights;
     for (const JointPoses& pose : poses_) heights.push_back(up_.dot(pose[ankle].translation));
     std::vector<double> sorted = heights;
@@ -217,7 +221,7 @@ class Learner {
     std::ranges::nth_element(sorted, tenth);
     std::vector<const JointPoses*> flat;
     for (std::size_t i = 0; i < heights.size(); ++i) {
-      const auto shin = along(body_.segment(side + "Leg"), poses_[i]);
+      const auto shin = along(body_.segment(side_bone(side, kLeg)), poses_[i]);
       // 3 cm on an adult
       const double limit = *tenth + 0.07 * (shin ? shin->norm() : 0.0);
       const bool stands = !shin || shin->normalized().dot(-up_) > kUpright;
@@ -251,10 +255,10 @@ double facing_evidence(const Body& body, const std::vector<JointPoses>& poses,
   for (const JointPoses& pose : poses) {
     const auto axes = body_axes(body, pose, up);
     if (!axes) continue;
-    for (const std::string side : {"Left", "Right"}) {
-      const auto thigh = along(body.segment(side + "UpLeg"), pose);
-      const auto shin = along(body.segment(side + "Leg"), pose);
-      const auto foot = along(body.segment(side + "Foot"), pose);
+    for (const Side side : kSides) {
+      const auto thigh = along(body.segment(side_bone(side, kUpLeg)), pose);
+      const auto shin = along(body.segment(side_bone(side, kLeg)), pose);
+      const auto foot = along(body.segment(side_bone(side, kFoot)), pose);
       if (thigh && shin) {
         const Eigen::Vector3d normal = *axes * thigh->normalized().cross(shin->normalized());
         sum += normal.y();

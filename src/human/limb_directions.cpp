@@ -17,11 +17,14 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::array kLimbBones = {"LeftUpLeg",  "LeftLeg",  "LeftArm",  "LeftForeArm",
-                                   "RightUpLeg", "RightLeg", "RightArm", "RightForeArm"};
+constexpr std::array kLimbBones = {Bone::kLeftUpLeg,   Bone::kLeftLeg,     Bone::kLeftArm,
+                                   Bone::kLeftForeArm, Bone::kRightUpLeg,  Bone::kRightLeg,
+                                   Bone::kRightArm,    Bone::kRightForeArm};
 
 // the square of the sine of a bend at which its plane counts as much as that of the frame before
 constexpr double kBendThatCounts = 0.01;
@@ -57,14 +60,13 @@ class Positions {
   [[nodiscard]] const JointPoses& pose(int frame) const {
     return poses_[static_cast<std::size_t>(frame)];
   }
-  [[nodiscard]] bool has(const std::string& bone) const { return body_.has(bone); }
-  [[nodiscard]] Vector3d at(int frame, const std::string& bone) const {
+  [[nodiscard]] bool has(Bone bone) const { return body_.has(bone); }
+  [[nodiscard]] Vector3d at(int frame, Bone bone) const {
     return pose(frame)[static_cast<std::size_t>(body_.joint(bone))].translation;
   }
 
   // from one bone's joint to another's, unit length
-  [[nodiscard]] std::optional<Vector3d> way(int frame, const std::string& from,
-                                            const std::string& to) const {
+  [[nodiscard]] std::optional<Vector3d> way(int frame, Bone from, Bone to) const {
     if (!has(from) || !has(to)) return std::nullopt;
     const Vector3d line = at(frame, to) - at(frame, from);
     if (!(line.norm() > 1e-9)) return std::nullopt;
@@ -72,8 +74,8 @@ class Positions {
   }
 
   // from right to left
-  [[nodiscard]] std::optional<Vector3d> left_of(int frame, const std::string& pair) const {
-    return way(frame, "Right" + pair, "Left" + pair);
+  [[nodiscard]] std::optional<Vector3d> left_of(int frame, LimbBone part) const {
+    return way(frame, side_bone(Side::kRight, part), side_bone(Side::kLeft, part));
   }
 
   [[nodiscard]] Vector3d trunk(int frame) const {
@@ -92,28 +94,26 @@ class DirectionRotations {
  public:
   DirectionRotations(const Clip& clip, const Body& body) : positions_(clip, body), body_(body) {
     make_trunk();
-    for (const std::string side : {"Left", "Right"}) {
-      make_limb(side, "UpLeg", "Leg", "Foot");
-      make_limb(side, "Arm", "ForeArm", "Hand");
+    for (const Side side : kSides) {
+      make_limb(side, kUpLeg, kLeg, kFoot);
+      make_limb(side, kArm, kForeArm, kHand);
       make_clavicle(side);
       make_ends(side);
     }
   }
 
   // empty: the bone is not mapped
-  [[nodiscard]] const Track& of(int bone) const { return tracks_[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] const Track& of(Bone bone) const { return tracks_[bone]; }
   [[nodiscard]] const Positions& positions() const { return positions_; }
 
  private:
-  Track& track(const std::string& bone) {
-    return tracks_[static_cast<std::size_t>(find_bone(bone).value())];
-  }
+  Track& track(Bone bone) { return tracks_[bone]; }
   [[nodiscard]] int frames() const { return positions_.frame_count(); }
 
   // the line across hips, shoulders, or both, and where there is none the other
   [[nodiscard]] Vector3d left(int frame, bool hips, bool shoulders) const {
-    const auto of_hips = positions_.left_of(frame, "UpLeg");
-    const auto of_shoulders = positions_.left_of(frame, "Arm");
+    const auto of_hips = positions_.left_of(frame, kUpLeg);
+    const auto of_shoulders = positions_.left_of(frame, kArm);
     Vector3d sum = Vector3d::Zero();
     if (of_hips && (hips || !of_shoulders)) sum += *of_hips;
     if (of_shoulders && (shoulders || !of_hips)) sum += *of_shoulders;
@@ -124,25 +124,27 @@ class DirectionRotations {
   [[nodiscard]] Vector3d lower_spine(int frame) const {
     constexpr double kNextTo = 0.1;  // of the trunk
     double trunk = 0.0;
-    for (const char* bone : {"Spine2", "Neck", "Head"}) {
+    for (const Bone bone : {Bone::kSpine2, Bone::kNeck, Bone::kHead}) {
       if (!positions_.has(bone)) continue;
-      trunk = std::max(trunk, (positions_.at(frame, bone) - positions_.at(frame, "Hips")).norm());
+      trunk =
+          std::max(trunk, (positions_.at(frame, bone) - positions_.at(frame, Bone::kHips)).norm());
     }
-    for (const char* bone : {"Spine", "Spine1", "Spine2"}) {
+    for (const Bone bone : {Bone::kSpine, Bone::kSpine1, Bone::kSpine2}) {
       if (!positions_.has(bone)) continue;
-      Vector3d way = positions_.at(frame, bone) - positions_.at(frame, "Hips");
+      Vector3d way = positions_.at(frame, bone) - positions_.at(frame, Bone::kHips);
       if (way.norm() > kNextTo * trunk) return way;
     }
     return positions_.trunk(frame);
   }
 
   void make_trunk() {
-    static constexpr std::array kTrunk = {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"};
+    static constexpr std::array kTrunk = {Bone::kHips,   Bone::kSpine, Bone::kSpine1,
+                                          Bone::kSpine2, Bone::kNeck,  Bone::kHead};
     for (std::size_t i = 0; i < kTrunk.size(); ++i) {
-      const std::string bone = kTrunk[i];
+      const Bone bone = kTrunk[i];
       if (!positions_.has(bone)) continue;
-      std::string next;
-      for (std::size_t j = i + 1; j < kTrunk.size() && next.empty(); ++j) {
+      std::optional<Bone> next;
+      for (std::size_t j = i + 1; j < kTrunk.size() && !next; ++j) {
         if (positions_.has(kTrunk[j])) next = kTrunk[j];
       }
       for (int frame = 0; frame < frames(); ++frame) {
@@ -156,24 +158,23 @@ class DirectionRotations {
           track(bone).push_back(axes);
           continue;
         }
-        const auto along = next.empty() ? std::nullopt : positions_.way(frame, bone, next);
+        const auto along = next ? positions_.way(frame, bone, *next) : std::nullopt;
         track(bone).push_back(axes_along(along.value_or(positions_.trunk(frame)), line));
       }
       // a head without anything above it turns with the neck
-      if (next.empty() && i > 0 && positions_.has(kTrunk[i - 1]))
-        track(bone) = track(kTrunk[i - 1]);
+      if (!next && i > 0 && positions_.has(kTrunk[i - 1])) track(bone) = track(kTrunk[i - 1]);
     }
   }
 
   // normals of the plane in which a limb bends, upper x lower, by frame
-  [[nodiscard]] std::vector<Vector3d> bend_normals(const std::string& side, const char* upper,
-                                                   const char* middle, const char* lower) const {
-    const bool leg = std::string_view(middle) == "Leg";
+  [[nodiscard]] std::vector<Vector3d> bend_normals(Side side, LimbBone upper, LimbBone middle,
+                                                   LimbBone lower) const {
+    const bool leg = middle == kLeg;
     std::vector<Vector3d> bends, uppers;
     int most = 0;
     for (int frame = 0; frame < frames(); ++frame) {
-      const auto a = positions_.way(frame, side + upper, side + middle);
-      const auto b = positions_.way(frame, side + middle, side + lower);
+      const auto a = positions_.way(frame, side_bone(side, upper), side_bone(side, middle));
+      const auto b = positions_.way(frame, side_bone(side, middle), side_bone(side, lower));
       bends.push_back(a && b ? Vector3d(a->cross(*b)) : Vector3d::Zero());
       uppers.push_back(a.value_or(Vector3d::UnitX()));
       if (bends.back().norm() > bends[static_cast<std::size_t>(most)].norm()) most = frame;
@@ -181,7 +182,7 @@ class DirectionRotations {
     // of a straight limb: knees bend about the line across the hips, elbows about the vertical
     const auto usual = [&](int frame) {
       if (leg) return left(frame, true, false);
-      return Vector3d((side == "Left" ? -1.0 : 1.0) * positions_.trunk(frame));
+      return Vector3d((side == Side::kLeft ? -1.0 : 1.0) * positions_.trunk(frame));
     };
     std::vector<Vector3d> normals(bends.size());
     const auto settle = [&](int frame, const Vector3d& carried) {
@@ -206,65 +207,72 @@ class DirectionRotations {
   }
 
   // knees and elbows bend about -Z
-  void make_limb(const std::string& side, const char* upper, const char* middle,
-                 const char* lower) {
-    if (!positions_.has(side + upper) || !positions_.has(side + middle)) return;
-    const bool whole = positions_.has(side + lower);
+  void make_limb(Side side, LimbBone upper, LimbBone middle, LimbBone lower) {
+    if (!positions_.has(side_bone(side, upper)) || !positions_.has(side_bone(side, middle))) return;
+    const bool whole = positions_.has(side_bone(side, lower));
     const std::vector<Vector3d> normals = bend_normals(side, upper, middle, whole ? lower : middle);
     for (int frame = 0; frame < frames(); ++frame) {
       const Vector3d z = -normals[static_cast<std::size_t>(frame)];
-      const auto a = positions_.way(frame, side + upper, side + middle);
-      track(side + upper).push_back(axes_along(a.value_or(z.unitOrthogonal()), z));
-      const auto b = whole ? positions_.way(frame, side + middle, side + lower) : std::nullopt;
-      track(side + middle).push_back(b ? axes_along(*b, z) : track(side + upper).back());
+      const auto a = positions_.way(frame, side_bone(side, upper), side_bone(side, middle));
+      track(side_bone(side, upper)).push_back(axes_along(a.value_or(z.unitOrthogonal()), z));
+      const auto b = whole ? positions_.way(frame, side_bone(side, middle), side_bone(side, lower))
+                           : std::nullopt;
+      track(side_bone(side, middle))
+          .push_back(b ? axes_along(*b, z) : track(side_bone(side, upper)).back());
     }
   }
 
-  void make_clavicle(const std::string& side) {
-    if (!positions_.has(side + "Shoulder")) return;
-    const double sign = side == "Left" ? 1.0 : -1.0;
+  void make_clavicle(Side side) {
+    if (!positions_.has(side_bone(side, kShoulder))) return;
+    const double sign = side == Side::kLeft ? 1.0 : -1.0;
     for (int frame = 0; frame < frames(); ++frame) {
-      const Vector3d out = positions_.way(frame, side + "Shoulder", side + "Arm")
+      const Vector3d out = positions_.way(frame, side_bone(side, kShoulder), side_bone(side, kArm))
                                .value_or(sign * left(frame, false, true));
-      track(side + "Shoulder").push_back(axes_along(out, sign * positions_.trunk(frame)));
+      track(side_bone(side, kShoulder)).push_back(axes_along(out, sign * positions_.trunk(frame)));
     }
   }
 
   // hands turn with forearms, feet with shins but for their direction, toes with feet
-  void make_ends(const std::string& side) {
+  void make_ends(Side side) {
     // a mapping file may leave out what is above: then they turn with their parents
-    if (positions_.has(side + "Hand")) track(side + "Hand") = track(side + "ForeArm");
-    if (!positions_.has(side + "Foot") || track(side + "Leg").empty()) return;
-    const int shin = find_bone(side + "Leg").value(), foot = find_bone(side + "Foot").value();
-    const int toe = find_bone(side + "Toe").value();
+    if (positions_.has(side_bone(side, kHand))) {
+      track(side_bone(side, kHand)) = track(side_bone(side, kForeArm));
+    }
+    if (!positions_.has(side_bone(side, kFoot)) || track(side_bone(side, kLeg)).empty()) return;
+    const Bone shin = side_bone(side, kLeg), foot = side_bone(side, kFoot);
+    const Bone toe = side_bone(side, kToe);
     const Matrix3d shin_from_foot = canonical_t_pose(shin).transpose() * canonical_t_pose(foot);
     const Matrix3d foot_from_toe = canonical_t_pose(foot).transpose() * canonical_t_pose(toe);
     for (int frame = 0; frame < frames(); ++frame) {
-      const Matrix3d& world_from_shin = track(side + "Leg")[static_cast<std::size_t>(frame)];
-      const auto ahead = positions_.way(frame, side + "Foot", side + "Toe");
-      track(side + "Foot")
+      const Matrix3d& world_from_shin =
+          track(side_bone(side, kLeg))[static_cast<std::size_t>(frame)];
+      const auto ahead = positions_.way(frame, side_bone(side, kFoot), side_bone(side, kToe));
+      track(side_bone(side, kFoot))
           .push_back(ahead ? axes_along(*ahead, world_from_shin.col(2))
                            : Matrix3d(world_from_shin * shin_from_foot));
-      if (positions_.has(side + "Toe")) {
-        track(side + "Toe").push_back(track(side + "Foot").back() * foot_from_toe);
+      if (positions_.has(side_bone(side, kToe))) {
+        track(side_bone(side, kToe))
+            .push_back(track(side_bone(side, kFoot)).back() * foot_from_toe);
       }
     }
   }
 
   Positions positions_;
   const Body& body_;
-  std::array<Track, kMappedBoneCount> tracks_;
+  BoneArray<Track> tracks_;
 };
 
 // rotations of a frame's joints in the world; joints of no bone turn with their parents
 std::vector<Matrix3d> world_rotations(const DirectionRotations& rotations, const Skeleton& skeleton,
-                                      const std::vector<int>& bone_of_joint, int frame) {
+                                      const std::vector<std::optional<Bone>>& bone_of_joint,
+                                      int frame) {
   std::vector<Matrix3d> world(static_cast<std::size_t>(skeleton.joint_count()),
                               Matrix3d::Identity());
   for (std::size_t joint = 0; joint < world.size(); ++joint) {
-    const int bone = bone_of_joint[joint], parent = skeleton.joint(static_cast<int>(joint)).parent;
-    if (bone >= 0 && !rotations.of(bone).empty()) {
-      world[joint] = rotations.of(bone)[static_cast<std::size_t>(frame)];
+    const std::optional<Bone> bone = bone_of_joint[joint];
+    const int parent = skeleton.joint(static_cast<int>(joint)).parent;
+    if (bone && !rotations.of(*bone).empty()) {
+      world[joint] = rotations.of(*bone)[static_cast<std::size_t>(frame)];
     } else if (parent >= 0) {
       world[joint] = world[static_cast<std::size_t>(parent)];
     }
@@ -273,9 +281,9 @@ std::vector<Matrix3d> world_rotations(const DirectionRotations& rotations, const
 }
 
 // the joint that turns each bone, by joint
-std::vector<int> bones_by_joint(const Skeleton& skeleton, const Body& body) {
-  std::vector<int> bones(static_cast<std::size_t>(skeleton.joint_count()), -1);
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+std::vector<std::optional<Bone>> bones_by_joint(const Skeleton& skeleton, const Body& body) {
+  std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(skeleton.joint_count()));
+  for (const Bone bone : kMappedBones) {
     const int joint = body.turning_joint(bone);
     if (joint >= 0) bones[static_cast<std::size_t>(joint)] = bone;
   }
@@ -323,7 +331,7 @@ double limb_wander(const Clip& clip, const BoneMap& map) {
 void make_rotations_from_directions(Clip& clip, BoneMap& map) {
   const Body body(clip.skeleton(), map);
   const DirectionRotations rotations(clip, body);
-  const std::vector<int> bone_of_joint = bones_by_joint(clip.skeleton(), body);
+  const auto bone_of_joint = bones_by_joint(clip.skeleton(), body);
   std::vector<Joint> joints = clip.skeleton().joints();
   for (Joint& joint : joints) {
     if (joint.parent >= 0 && joint.has_position_channels()) joint.offset.setZero();
@@ -361,7 +369,7 @@ std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
   constexpr double kDegree = 57.295779513082321;
   constexpr double kMostWander = 3.0;  // degrees
   const double wander = kDegree * limb_wander(clip, map);
-  if (wander <= kMostWander || map.joint("Hips") < 0 ||
+  if (wander <= kMostWander || !map.has(Bone::kHips) ||
       !has_positions_of_all_bones(clip.skeleton(), map)) {
     return std::nullopt;
   }

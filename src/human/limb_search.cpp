@@ -147,20 +147,21 @@ Result<LimbChoice> choose_limb(const BodySource& source, const std::vector<LimbS
   return LimbSearch(source, slots).run();
 }
 
-Error ambiguous_bone(const BodySource& source, const std::string& bone, int a, int b) {
+Error ambiguous_bone(const BodySource& source, Bone bone, int a, int b) {
   return input_failure(source.file,
                        quoted_name(source.skeleton, a) + " and " + quoted_name(source.skeleton, b) +
-                           " may both be the " + bone + ": which of them it is cannot be told",
+                           " may both be the " + std::string(bone_name(bone)) +
+                           ": which of them it is cannot be told",
                        "rename one of them, or give a mapping file with " OPTION("map"))
       .value();
 }
 
-std::string note_of_choice(const BodySource& source, const std::string& bone,
-                           const std::vector<int>& joints, int chosen) {
+std::string note_of_choice(const BodySource& source, Bone bone, const std::vector<int>& joints,
+                           int chosen) {
   std::vector<std::string> names;
   names.reserve(joints.size());
   for (const int joint : joints) names.push_back(quoted_name(source.skeleton, joint));
-  return list_names(names) + " may each be the " + bone + ": took " +
+  return list_names(names) + " may each be the " + std::string(bone_name(bone)) + ": took " +
          quoted_name(source.skeleton, chosen);
 }
 

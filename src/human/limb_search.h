@@ -15,7 +15,7 @@ struct NamedJoint {
 
 /// One bone of a limb: what may stand for it.
 struct LimbSlot {
-  std::string bone;
+  Bone bone;
   bool required;
   std::vector<NamedJoint> choices;
 };
@@ -34,10 +34,10 @@ struct LimbChoice {
                                              const std::vector<LimbSlot>& slots);
 
 /// The error that two joints fit a bone equally well.
-[[nodiscard]] Error ambiguous_bone(const BodySource& source, const std::string& bone, int a, int b);
+[[nodiscard]] Error ambiguous_bone(const BodySource& source, Bone bone, int a, int b);
 
 /// Tells people that a bone could be any of several joints.
-[[nodiscard]] std::string note_of_choice(const BodySource& source, const std::string& bone,
+[[nodiscard]] std::string note_of_choice(const BodySource& source, Bone bone,
                                          const std::vector<int>& joints, int chosen);
 
 /// Of joints that stand for one thing the one nearest to their middle; of two, the first.

@@ -1,8 +1,9 @@
 #include "human/posed_body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <string>
+#include <span>
 
 #include "motion/forward_kinematics.h"
 
@@ -16,21 +17,21 @@ constexpr int kMostSamples = 1000;
 constexpr double kNoLength = 1e-9;
 
 // bones at which a bone can end, nearest first
-std::vector<std::string> ends_of(std::string_view bone) {
-  if (bone == "Hips") return {"Spine", "Spine1", "Spine2", "Neck", "Head"};
-  if (bone == "Spine") return {"Spine1", "Spine2", "Neck", "Head"};
-  if (bone == "Spine1") return {"Spine2", "Neck", "Head"};
-  if (bone == "Spine2") return {"Neck", "Head"};
-  if (bone == "Neck") return {"Head"};
-  for (const std::string side : {"Left", "Right"}) {
-    if (!bone.starts_with(side)) continue;
-    const std::string_view part = bone.substr(side.size());
-    if (part == "UpLeg") return {side + "Leg"};
-    if (part == "Leg") return {side + "Foot"};
-    if (part == "Foot") return {side + "Toe"};
-    if (part == "Shoulder") return {side + "Arm"};
-    if (part == "Arm") return {side + "ForeArm"};
-    if (part == "ForeArm") return {side + "Hand"};
+std::span<const Bone> ends_of(Bone bone) {
+  static constexpr std::array kTrunk = {Bone::kHips,   Bone::kSpine, Bone::kSpine1,
+                                        Bone::kSpine2, Bone::kNeck,  Bone::kHead};
+  static constexpr std::array kLimbs = {
+      std::array{Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot, Bone::kLeftToe},
+      std::array{Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot, Bone::kRightToe},
+      std::array{Bone::kLeftShoulder, Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
+      std::array{Bone::kRightShoulder, Bone::kRightArm, Bone::kRightForeArm, Bone::kRightHand}};
+  const auto in_trunk = std::ranges::find(kTrunk, bone);
+  if (in_trunk != kTrunk.end()) return {in_trunk + 1, kTrunk.end()};
+  for (const auto& limb : kLimbs) {
+    const auto found = std::ranges::find(limb, bone);
+    if (found == limb.end()) continue;
+    const std::span beyond(found + 1, limb.end());
+    return beyond.first(std::min<std::size_t>(1, beyond.size()));
   }
   return {};
 }
@@ -97,34 +98,22 @@ int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint) {
 
 Body::Body(const Skeleton& skeleton, const BoneMap& map)
     : skeleton_(&skeleton), joints_(map.joint_of_bone) {
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    turning_joints_[bone] = rotation_joint(map, skeleton, kBoneNames[bone]);
+  for (const Bone bone : kAllBones) {
+    turning_joints_[bone] = rotation_joint(map, skeleton, bone);
     segments_[bone] = find_segment(bone);
   }
 }
 
-Segment Body::find_segment(int bone) const {
+Segment Body::find_segment(Bone bone) const {
   const int start = joint(bone);
   if (start < 0) return {};
-  for (const std::string& end : ends_of(kBoneNames[static_cast<std::size_t>(bone)])) {
+  for (const Bone end : ends_of(bone)) {
     if (has(end)) return {start, joint(end), Eigen::Vector3d::Zero()};
   }
   // what hangs from helpers in the joint's place hangs from the bone
-  Segment segment = free_end(*skeleton_, std::max(turning_joint(bone), start), joint("Hips"));
+  Segment segment = free_end(*skeleton_, std::max(turning_joint(bone), start), joint(Bone::kHips));
   segment.joint = start;
   return segment;
-}
-
-int Body::joint(std::string_view bone) const {
-  return joint(find_bone(bone).value());
-}
-
-int Body::turning_joint(std::string_view bone) const {
-  return turning_joint(find_bone(bone).value());
-}
-
-const Segment& Body::segment(std::string_view bone) const {
-  return segment(find_bone(bone).value());
 }
 
 std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose) {
@@ -135,7 +124,7 @@ std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& p
   return way;
 }
 
-double length_by_offsets(const Body& body, std::string_view bone) {
+double length_by_offsets(const Body& body, Bone bone) {
   const Segment& segment = body.segment(bone);
   if (!segment.known()) return 0.0;
   double length = segment.offset.norm();

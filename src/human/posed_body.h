@@ -1,9 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "human/bone_map.h"
@@ -45,36 +43,29 @@ class Body {
   Body(const Skeleton& skeleton, const BoneMap& map);
 
   [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
-  [[nodiscard]] int joint(int bone) const { return joints_[static_cast<std::size_t>(bone)]; }
-  [[nodiscard]] int joint(std::string_view bone) const;
-  [[nodiscard]] bool has(std::string_view bone) const { return joint(bone) >= 0; }
+  [[nodiscard]] int joint(Bone bone) const { return joints_[bone]; }
+  [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
   /// The joint whose rotation turns the bone (rotation_joint); joint() is where the bone begins.
   /// -1: the bone has no joint, or none whose rotation is believed.
-  [[nodiscard]] int turning_joint(int bone) const {
-    return turning_joints_[static_cast<std::size_t>(bone)];
-  }
-  [[nodiscard]] int turning_joint(std::string_view bone) const;
+  [[nodiscard]] int turning_joint(Bone bone) const { return turning_joints_[bone]; }
   /// From now on nothing is known of how the bone turns; where it begins still is.
-  void disbelieve_rotation(int bone) { turning_joints_[static_cast<std::size_t>(bone)] = -1; }
+  void disbelieve_rotation(Bone bone) { turning_joints_[bone] = -1; }
   /// To the next mapped bone; of the last ones to the farthest child or end site.
-  [[nodiscard]] const Segment& segment(int bone) const {
-    return segments_[static_cast<std::size_t>(bone)];
-  }
-  [[nodiscard]] const Segment& segment(std::string_view bone) const;
+  [[nodiscard]] const Segment& segment(Bone bone) const { return segments_[bone]; }
 
  private:
-  [[nodiscard]] Segment find_segment(int bone) const;
+  [[nodiscard]] Segment find_segment(Bone bone) const;
 
   const Skeleton* skeleton_;
-  std::array<int, kMappedBoneCount> joints_, turning_joints_;
-  std::array<Segment, kMappedBoneCount> segments_;
+  BoneArray<int> joints_, turning_joints_;
+  BoneArray<Segment> segments_;
 };
 
 /// From the bone's joint to its far end, world axes; nothing when unknown or of no length.
 [[nodiscard]] std::optional<Eigen::Vector3d> along(const Segment& segment, const JointPoses& pose);
 
 /// Length of a bone by the OFFSETs on its way, file units; 0 when it is not known.
-[[nodiscard]] double length_by_offsets(const Body& body, std::string_view bone);
+[[nodiscard]] double length_by_offsets(const Body& body, Bone bone);
 
 /// The rotation of least angle that takes unit vector a to unit vector b; of opposite vectors half
 /// a turn about `fallback`, which must be across them.

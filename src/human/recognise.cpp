@@ -21,19 +21,16 @@ namespace {
 constexpr const char* kMapHint = "give a mapping file with " OPTION("map");
 
 // bones a body does without
-bool is_optional(std::string_view bone) {
-  if (bone == "Spine" || bone == "Spine1" || bone == "Neck" || bone == "Head") return true;
-  return bone.ends_with("Toe") || bone.ends_with("Shoulder") || bone.ends_with("Hand");
-}
-
-bool is_of_limb(std::string_view bone) {
-  return bone.starts_with("Left") || bone.starts_with("Right");
+bool is_optional(Bone bone) {
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (!part) return bone != Bone::kHips && bone != Bone::kSpine2;
+  return part == LimbBone::kToe || part == LimbBone::kShoulder || part == LimbBone::kHand;
 }
 
 // joints that are mapped and share their name with another one: bones that a body does without are
 // left out, others are an error
 std::optional<Error> settle_doubled_names(const BodySource& source, BoneMap& map) {
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  for (const Bone bone : kMappedBones) {
     const int joint = map.joint_of_bone[bone];
     // names that say nothing of a body are not what the joint was found by
     if (joint < 0 || roles_of(source.names[joint]).empty()) continue;
@@ -41,9 +38,9 @@ std::optional<Error> settle_doubled_names(const BodySource& source, BoneMap& map
     const auto count = std::ranges::count(source.skeleton.joints(), name, &Joint::name);
     if (count < 2) continue;
     const std::string what = std::to_string(count) + " joints are called \"" + name +
-                             "\": which of them is the " + std::string(kBoneNames[bone]) +
+                             "\": which of them is the " + std::string(bone_name(bone)) +
                              " cannot be told";
-    if (!is_optional(kBoneNames[bone])) {
+    if (!is_optional(bone)) {
       return input_failure(source.file, what, "rename all but one of them").value();
     }
     map.joint_of_bone[bone] = -1;
@@ -85,11 +82,11 @@ class Recogniser {
   // whether most joints that the shape maps are called after other parts of the body
   bool names_mean_nothing(const BoneMap& map) const {
     int mapped = 0, fitting = 0;
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       const int joint = map.joint_of_bone[bone];
       if (joint < 0) continue;
       ++mapped;
-      fitting += may_mean(source_.names[joint], kBoneNames[bone]) ? 1 : 0;
+      fitting += may_mean(source_.names[joint], bone) ? 1 : 0;
     }
     return 2 * fitting < mapped;
   }
@@ -99,13 +96,12 @@ class Recogniser {
   bool overrules_names(const BoneMap& shape) const {
     if (names_mean_nothing(shape)) return false;
     return std::ranges::any_of(incomplete_, [&](const BoneMap& named) {
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      for (const Bone bone : kMappedBones) {
         const int joint = named.joint_of_bone[bone];
-        if (joint < 0 || !is_of_limb(kBoneNames[bone]) || shape.joint_of_bone[bone] == joint) {
+        if (joint < 0 || side_of(bone) == Side::kNone || shape.joint_of_bone[bone] == joint) {
           continue;
         }
-        const bool is_plain =
-            named.dialect != "names" || plainly_means(source_.names[joint], kBoneNames[bone]);
+        const bool is_plain = named.dialect != "names" || plainly_means(source_.names[joint], bone);
         const bool is_other =
             std::ranges::find(shape.joint_of_bone, joint) != shape.joint_of_bone.end();
         if (is_plain && is_other) return true;

@@ -121,7 +121,7 @@ class Matcher {
   // false: a name that two joints have, or a joint that two bones want
   bool map_bones(BoneMap& map) const {
     std::set<int> taken;
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       for (const std::string& spelling : dialect_.names[bone]) {
         const std::vector<int> joints = joints_named(spelling);
         if (joints.empty()) continue;
@@ -154,7 +154,7 @@ class Matcher {
       known += names_.contains(source_.names[joint]) ? 1 : 0;
       helpers += past_helpers_ && is_helper(joint) ? 1 : 0;
     }
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       missing += !dialect_.names[bone].empty() && map.joint_of_bone[bone] < 0 ? 1 : 0;
     }
     return static_cast<double>(known) / static_cast<double>(body.size() - helpers + missing);

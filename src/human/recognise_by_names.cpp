@@ -5,12 +5,15 @@
 #include <cmath>
 #include <set>
 
+#include "base/try.h"
 #include "human/body_words.h"
 #include "human/limb_search.h"
 #include "human/trunk.h"
 
 namespace retarget {
 namespace {
+
+using enum LimbBone;
 
 // more joints of one role are no body's; keeps the search small
 constexpr std::size_t kMostChoices = 8;
@@ -48,19 +51,19 @@ std::vector<NamedJoint> joints_of_role(const BodySource& source, Role role, Side
   return found;
 }
 
-struct LimbBone {
-  std::string_view bone;
+struct LimbRole {
+  LimbBone bone;
   Role role;
   bool required;
 };
-constexpr std::array<LimbBone, 4> kLeg = {{{"UpLeg", Role::kThigh, true},
-                                           {"Leg", Role::kShin, true},
-                                           {"Foot", Role::kFoot, true},
-                                           {"Toe", Role::kToe, false}}};
-constexpr std::array<LimbBone, 4> kArm = {{{"Shoulder", Role::kClavicle, false},
-                                           {"Arm", Role::kUpperArm, true},
-                                           {"ForeArm", Role::kForearm, true},
-                                           {"Hand", Role::kHand, false}}};
+constexpr std::array<LimbRole, 4> kLegRoles = {{{kUpLeg, Role::kThigh, true},
+                                                {kLeg, Role::kShin, true},
+                                                {kFoot, Role::kFoot, true},
+                                                {kToe, Role::kToe, false}}};
+constexpr std::array<LimbRole, 4> kArmRoles = {{{kShoulder, Role::kClavicle, false},
+                                                {kArm, Role::kUpperArm, true},
+                                                {kForeArm, Role::kForearm, true},
+                                                {kHand, Role::kHand, false}}};
 
 // a limb of one side as its names tell it
 struct NamedLimb {
@@ -101,23 +104,20 @@ bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbC
          kLeastUpperPerLower * length_down(source, whole.joints[2], whole.joints[3]);
 }
 
-Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbBone, 4>& limb,
+Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbRole, 4>& limb,
                             Side side) {
-  const std::string side_name = side == Side::kLeft ? "Left" : "Right";
   NamedLimb found;
   found.slots.reserve(limb.size());
-  for (const LimbBone& bone : limb) {
-    found.slots.push_back({side_name + std::string(bone.bone), bone.required,
-                           joints_of_role(source, bone.role, side)});
+  for (const LimbRole& part : limb) {
+    found.slots.push_back(
+        {side_bone(side, part.bone), part.required, joints_of_role(source, part.role, side)});
   }
-  const Result<LimbChoice> whole = choose_limb(source, found.slots);
-  if (!whole) return failure(whole.error());
-  found.choice = *whole;
-  found.whole = !whole->joints.empty();
-  const Result<LimbChoice> parts = choose_parts(source, found.slots);
-  if (!parts) return failure(parts.error());
-  if (found.whole && !is_stretched(source, *whole, *parts)) return found;
-  found.choice = *parts;
+  TRY_ASSIGN(const LimbChoice whole, choose_limb(source, found.slots));
+  TRY_ASSIGN(const LimbChoice parts, choose_parts(source, found.slots));
+  found.choice = whole;
+  found.whole = !whole.joints.empty();
+  if (found.whole && !is_stretched(source, whole, parts)) return found;
+  found.choice = parts;
   found.whole = false;
   return found;
 }
@@ -134,21 +134,18 @@ bool contradict(const BodySource& source, const NamedLimb& left, const NamedLimb
 }
 
 // the legs or the arms; a word means one thing on both sides, that of the side it fits better
-Result<LimbPair> find_limbs(const BodySource& source, const std::array<LimbBone, 4>& limb) {
+Result<LimbPair> find_limbs(const BodySource& source, const std::array<LimbRole, 4>& limb) {
   LimbPair sides;
-  for (const Side side : {Side::kLeft, Side::kRight}) {
-    Result<NamedLimb> found = find_limb(source, limb, side);
-    if (!found) return failure(found.error());
-    sides[side == Side::kLeft ? 0 : 1] = std::move(*found);
+  for (const Side side : kSides) {
+    TRY_ASSIGN(sides[side == Side::kLeft ? 0 : 1], find_limb(source, limb, side));
   }
   if (!sides[0].whole || !sides[1].whole || !contradict(source, sides[0], sides[1])) return sides;
   NamedLimb& lesser = sides[sides[0].choice.weight < sides[1].choice.weight ? 0 : 1];
-  const Result<LimbChoice> parts = choose_parts(source, lesser.slots);
-  if (!parts) return failure(parts.error());
-  lesser.choice = *parts;
+  TRY_ASSIGN(const LimbChoice parts, choose_parts(source, lesser.slots));
+  lesser.choice = parts;
   lesser.whole = std::ranges::none_of(lesser.slots, [&](const LimbSlot& slot) {
     const auto index = static_cast<std::size_t>(&slot - lesser.slots.data());
-    return slot.required && parts->joints[index] < 0;
+    return slot.required && parts.joints[index] < 0;
   });
   return sides;
 }
@@ -158,7 +155,7 @@ double map_limb(const NamedLimb& limb, BoneMap& map) {
   map.notes.insert(map.notes.end(), limb.choice.notes.begin(), limb.choice.notes.end());
   int count = 0;
   for (std::size_t i = 0; i < limb.choice.joints.size(); ++i) {
-    joint_of(map, limb.slots[i].bone) = limb.choice.joints[i];
+    map.joint_of_bone[limb.slots[i].bone] = limb.choice.joints[i];
     count += limb.choice.joints[i] >= 0 ? 1 : 0;
   }
   return limb.whole ? limb.choice.weight / count : 0.0;
@@ -182,26 +179,26 @@ std::vector<int> find_named(const BodySource& source, Role role) {
 void set_head(const BodySource& source, BoneMap& map) {
   const std::vector<int> heads = find_named(source, Role::kHead);
   if (heads.empty()) return;
-  joint_of(map, "Head") = middle_joint(source, heads);
+  map.joint_of_bone[Bone::kHead] = middle_joint(source, heads);
   if (heads.size() > 1) {
-    map.notes.push_back(note_of_choice(source, "Head", heads, map.joint("Head")));
+    map.notes.push_back(note_of_choice(source, Bone::kHead, heads, map.joint(Bone::kHead)));
   }
 }
 
 Result<void> set_hips_by_name(const BodySource& source, BoneMap& map) {
   const std::vector<int> hips = find_named(source, Role::kHips);
   if (hips.empty()) return {};
-  if (hips.size() > 1) return failure(ambiguous_bone(source, "Hips", hips[0], hips[1]));
-  joint_of(map, "Hips") = hips[0];
+  if (hips.size() > 1) return failure(ambiguous_bone(source, Bone::kHips, hips[0], hips[1]));
+  map.joint_of_bone[Bone::kHips] = hips[0];
   return {};
 }
 
 // without arms the torso is the last joint of the spine before neck and head
 void set_torso_by_name(const BodySource& source, BoneMap& map) {
-  if (map.joint("Spine2") >= 0 || map.joint("Hips") < 0 || map.joint("Head") < 0) return;
-  for (const int joint : source.tree.path(map.joint("Hips"), map.joint("Head"))) {
+  if (map.has(Bone::kSpine2) || !map.has(Bone::kHips) || !map.has(Bone::kHead)) return;
+  for (const int joint : source.tree.path(map.joint(Bone::kHips), map.joint(Bone::kHead))) {
     const std::vector<RoleWeight> roles = roles_of(source.names[joint]);
-    if (!roles.empty() && roles[0].role == Role::kSpine) joint_of(map, "Spine2") = joint;
+    if (!roles.empty() && roles[0].role == Role::kSpine) map.joint_of_bone[Bone::kSpine2] = joint;
   }
 }
 
@@ -216,21 +213,18 @@ Candidate recognise_by_names(const BodySource& source) {
 
   double weight = 0.0;
   int limb_count = 0;
-  const Result<LimbPair> legs = find_limbs(source, kLeg);
-  if (!legs) return failure(legs.error());
-  const Result<LimbPair> arms = find_limbs(source, kArm);
-  if (!arms) return failure(arms.error());
+  TRY_ASSIGN(const LimbPair legs, find_limbs(source, kLegRoles));
+  TRY_ASSIGN(const LimbPair arms, find_limbs(source, kArmRoles));
   for (const std::size_t side : {0, 1}) {
-    for (const LimbPair* limbs : {&*legs, &*arms}) {
+    for (const LimbPair* limbs : {&legs, &arms}) {
       const double limb_weight = map_limb((*limbs)[side], map);
       weight += limb_weight;
       limb_count += limb_weight > 0.0 ? 1 : 0;
     }
   }
   if (limb_count < 2) return std::nullopt;
-  if (map.joint("LeftUpLeg") < 0 || map.joint("RightUpLeg") < 0) {
-    const Result<void> hips = set_hips_by_name(source, map);
-    if (!hips) return failure(hips.error());
+  if (!map.has(Bone::kLeftUpLeg) || !map.has(Bone::kRightUpLeg)) {
+    TRY(set_hips_by_name(source, map));
   }
   complete_trunk(source, map);
   set_torso_by_name(source, map);

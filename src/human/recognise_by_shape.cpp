@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "base/option_name.h"
+#include "base/try.h"
 #include "human/facing.h"
 #include "human/mirrored_chains.h"
 #include "human/trunk.h"
 
 namespace retarget {
 namespace {
+
+using enum LimbBone;
 
 // the first term of its series in (x - 1) / (x + 1): unlike std::log the same on every machine
 double log_of_near_one(double x) {
@@ -263,31 +266,30 @@ bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& sh
   const Limb leg = find_limb(shape.legs, end_of_limb(source, reach, shape.legs), kLegShape);
   const Limb arm = find_limb(shape.arms, end_of_limb(source, reach, shape.arms), kArmShape);
   if (leg.merit <= 0.0 || arm.merit <= 0.0) return false;
-  for (const std::string side : {"Left", "Right"}) {
-    const bool left = side == "Left";
+  for (const Side side : kSides) {
+    const bool left = side == Side::kLeft;
     const std::vector<int>& legs = left ? shape.legs.left : shape.legs.right;
-    joint_of(map, side + "UpLeg") = legs[leg.upper];
-    joint_of(map, side + "Leg") = legs[leg.lower];
-    joint_of(map, side + "Foot") = legs[leg.end];
-    joint_of(map, side + "Toe") = neighbour_at(shape.legs, legs, leg.end, 1);
+    map.joint_of_bone[side_bone(side, kUpLeg)] = legs[leg.upper];
+    map.joint_of_bone[side_bone(side, kLeg)] = legs[leg.lower];
+    map.joint_of_bone[side_bone(side, kFoot)] = legs[leg.end];
+    map.joint_of_bone[side_bone(side, kToe)] = neighbour_at(shape.legs, legs, leg.end, 1);
     const std::vector<int>& arms = left ? shape.arms.left : shape.arms.right;
     if (arm.upper > 0) {
-      joint_of(map, side + "Shoulder") = neighbour_at(shape.arms, arms, arm.upper, -1);
+      map.joint_of_bone[side_bone(side, kShoulder)] = neighbour_at(shape.arms, arms, arm.upper, -1);
     }
-    joint_of(map, side + "Arm") = arms[arm.upper];
-    joint_of(map, side + "ForeArm") = arms[arm.lower];
-    joint_of(map, side + "Hand") = arms[arm.end];
+    map.joint_of_bone[side_bone(side, kArm)] = arms[arm.upper];
+    map.joint_of_bone[side_bone(side, kForeArm)] = arms[arm.lower];
+    map.joint_of_bone[side_bone(side, kHand)] = arms[arm.end];
   }
   return true;
 }
 
 void swap_sides(BoneMap& map, bool legs) {
-  using Bones = std::array<std::string_view, 4>;
-  static constexpr Bones kLegBones = {"UpLeg", "Leg", "Foot", "Toe"};
-  static constexpr Bones kArmBones = {"Shoulder", "Arm", "ForeArm", "Hand"};
-  for (const std::string_view bone : legs ? kLegBones : kArmBones) {
-    std::swap(joint_of(map, "Left" + std::string(bone)),
-              joint_of(map, "Right" + std::string(bone)));
+  static constexpr std::array kLegs = {kUpLeg, kLeg, kFoot, kToe};
+  static constexpr std::array kArms = {kShoulder, kArm, kForeArm, kHand};
+  for (const LimbBone part : legs ? kLegs : kArms) {
+    std::swap(map.joint_of_bone[side_bone(Side::kLeft, part)],
+              map.joint_of_bone[side_bone(Side::kRight, part)]);
   }
 }
 
@@ -295,10 +297,10 @@ void swap_sides(BoneMap& map, bool legs) {
 double arms_agree(const BodySource& source, const BoneMap& map) {
   double sum = 0.0;
   for (const BodyPoses::Pose& pose : source.poses.poses) {
-    const auto across = [&](const char* left, const char* right) -> Eigen::Vector3d {
+    const auto across = [&](Bone left, Bone right) -> Eigen::Vector3d {
       return (pose.joints[map.joint(left)] - pose.joints[map.joint(right)]).normalized();
     };
-    sum += across("LeftUpLeg", "RightUpLeg").dot(across("LeftArm", "RightArm"));
+    sum += across(Bone::kLeftUpLeg, Bone::kRightUpLeg).dot(across(Bone::kLeftArm, Bone::kRightArm));
   }
   return sum / static_cast<double>(source.poses.poses.size());
 }
@@ -325,17 +327,16 @@ Result<void> tell_sides(const BodySource& source, BoneMap& map) {
 Candidate recognise_by_shape(const BodySource& source) {
   if (source.tree.joint_count() > kMostJoints) return std::nullopt;
   const TreeReach reach(source);
-  const Result<std::optional<Shape>> shape = find_shape(source, reach);
-  if (!shape) return failure(shape.error());
-  if (!*shape) return std::nullopt;
+  TRY_ASSIGN(const std::optional<Shape> shape, find_shape(source, reach));
+  if (!shape) return std::nullopt;
   BoneMap map;
   map.dialect = "topology";
-  if (!map_limbs(source, reach, **shape, map)) return std::nullopt;
-  const std::vector<int> head = find_head_chain(source, **shape);
-  if (!head.empty()) joint_of(map, "Head") = head.back();
+  if (!map_limbs(source, reach, *shape, map)) return std::nullopt;
+  const std::vector<int> head = find_head_chain(source, *shape);
+  if (!head.empty()) map.joint_of_bone[Bone::kHead] = head.back();
   complete_trunk(source, map);
-  if (map.joint("Hips") < 0 || map.joint("Spine2") < 0) return std::nullopt;
-  if (const Result<void> sides = tell_sides(source, map); !sides) return failure(sides.error());
+  if (!map.has(Bone::kHips) || !map.has(Bone::kSpine2)) return std::nullopt;
+  TRY(tell_sides(source, map));
   map.confidence = kShapeConfidence;
   map.notes.emplace_back("found by the shape of the tree: the joint names say nothing reliable");
   return map;

@@ -10,6 +10,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 // the body's axes: x forward, y left, z up
 Eigen::Vector3d ahead() {
   return Eigen::Vector3d::UnitX();
@@ -17,8 +19,9 @@ Eigen::Vector3d ahead() {
 Eigen::Vector3d up() {
   return Eigen::Vector3d::UnitZ();
 }
-Eigen::Vector3d outward(const std::string& side) {
-  return side == "Left" ? Eigen::Vector3d::UnitY() : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
+Eigen::Vector3d outward(Side side) {
+  return side == Side::kLeft ? Eigen::Vector3d::UnitY()
+                             : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
 }
 
 constexpr double kDegree = 57.295779513082321;
@@ -29,7 +32,7 @@ double degrees_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 // unit direction of a bone in the body's axes
 std::optional<Eigen::Vector3d> heading(const Body& body, const RestCandidate& candidate,
-                                       const std::string& bone) {
+                                       Bone bone) {
   const auto way = along(body.segment(bone), candidate.pose);
   if (!way) return std::nullopt;
   return (candidate.axes * *way).normalized();
@@ -37,9 +40,9 @@ std::optional<Eigen::Vector3d> heading(const Body& body, const RestCandidate& ca
 
 // the foot's direction on the floor after a turn; nothing when it hardly has one
 std::optional<Eigen::Vector3d> foot_heading(const Body& body, const RestCandidate& candidate,
-                                            const std::string& side, const Eigen::Matrix3d& turn) {
-  for (const char* part : {"Foot", "Toe"}) {
-    auto way = heading(body, candidate, side + part);
+                                            Side side, const Eigen::Matrix3d& turn) {
+  for (const LimbBone part : {kFoot, kToe}) {
+    auto way = heading(body, candidate, side_bone(side, part));
     if (!way) continue;
     *way = turn * *way;
     way->z() = 0.0;
@@ -48,9 +51,9 @@ std::optional<Eigen::Vector3d> foot_heading(const Body& body, const RestCandidat
   return std::nullopt;
 }
 
-bool arm_is_well_formed(const Body& body, const RestCandidate& candidate, const std::string& side) {
-  const auto upper = heading(body, candidate, side + "Arm");
-  const auto lower = heading(body, candidate, side + "ForeArm");
+bool arm_is_well_formed(const Body& body, const RestCandidate& candidate, Side side) {
+  const auto upper = heading(body, candidate, side_bone(side, kArm));
+  const auto lower = heading(body, candidate, side_bone(side, kForeArm));
   if (!upper) return true;
   constexpr double kMostAhead = 0.5;     // sine of 30 degrees out of the frontal plane
   constexpr double kMostRaised = 0.5;    // of 30 degrees above the shoulder
@@ -61,10 +64,10 @@ bool arm_is_well_formed(const Body& body, const RestCandidate& candidate, const 
          (!lower || degrees_between(*upper, *lower) < kMostBent);
 }
 
-bool leg_is_well_formed(const Body& body, const RestCandidate& candidate, const std::string& side) {
+bool leg_is_well_formed(const Body& body, const RestCandidate& candidate, Side side) {
   constexpr double kMostSplayed = 35.0;  // degrees
-  for (const char* part : {"UpLeg", "Leg"}) {
-    const auto way = heading(body, candidate, side + part);
+  for (const LimbBone part : {kUpLeg, kLeg}) {
+    const auto way = heading(body, candidate, side_bone(side, part));
     if (way && degrees_between(*way, -up()) > kMostSplayed) return false;
   }
   const auto foot = foot_heading(body, candidate, side, Eigen::Matrix3d::Identity());
@@ -83,58 +86,56 @@ class Straightening {
  public:
   Straightening(const Body& body, const RestCandidate& candidate)
       : body_(body), candidate_(candidate) {
-    turns_.fill(Eigen::Matrix3d::Identity());
-    for (const std::string side : {"Left", "Right"}) {
+    for (const Side side : kSides) {
       straighten_arm(side);
       straighten_leg(side);
     }
   }
 
-  [[nodiscard]] const Eigen::Matrix3d& turn(int bone) const {
-    return turns_[static_cast<std::size_t>(bone)];
-  }
+  [[nodiscard]] const Eigen::Matrix3d& turn(Bone bone) const { return turns_[bone]; }
 
  private:
-  Eigen::Matrix3d& of(const std::string& bone) {
-    return turns_[static_cast<std::size_t>(find_bone(bone).value())];
-  }
-  [[nodiscard]] std::optional<Eigen::Vector3d> way(const std::string& bone) const {
+  Eigen::Matrix3d& of(Bone bone) { return turns_[bone]; }
+  [[nodiscard]] std::optional<Eigen::Vector3d> way(Bone bone) const {
     return heading(body_, candidate_, bone);
   }
 
-  void straighten_arm(const std::string& side) {
+  void straighten_arm(Side side) {
     const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
     const Eigen::Vector3d out = outward(side);
-    of(side + "Shoulder") = turned_on(way(side + "Shoulder"), out, none);
-    of(side + "Arm") = turned_on(way(side + "Arm"), out, none);
-    of(side + "ForeArm") = turned_on(way(side + "ForeArm"), out, of(side + "Arm"));
-    of(side + "Hand") = of(side + "ForeArm");
+    of(side_bone(side, kShoulder)) = turned_on(way(side_bone(side, kShoulder)), out, none);
+    of(side_bone(side, kArm)) = turned_on(way(side_bone(side, kArm)), out, none);
+    of(side_bone(side, kForeArm)) =
+        turned_on(way(side_bone(side, kForeArm)), out, of(side_bone(side, kArm)));
+    of(side_bone(side, kHand)) = of(side_bone(side, kForeArm));
   }
 
-  void straighten_leg(const std::string& side) {
+  void straighten_leg(Side side) {
     const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
-    of(side + "UpLeg") = turned_on(way(side + "UpLeg"), -up(), none);
-    of(side + "Leg") = turned_on(way(side + "Leg"), -up(), of(side + "UpLeg"));
-    straighten_foot(side, candidate_.is_built ? of(side + "Leg") : none);
+    of(side_bone(side, kUpLeg)) = turned_on(way(side_bone(side, kUpLeg)), -up(), none);
+    of(side_bone(side, kLeg)) =
+        turned_on(way(side_bone(side, kLeg)), -up(), of(side_bone(side, kUpLeg)));
+    straighten_foot(side, candidate_.is_built ? of(side_bone(side, kLeg)) : none);
   }
 
-  void straighten_foot(const std::string& side, const Eigen::Matrix3d& carried) {
-    of(side + "Toe") = carried;
-    of(side + "Foot") = carried;
+  void straighten_foot(Side side, const Eigen::Matrix3d& carried) {
+    of(side_bone(side, kToe)) = carried;
+    of(side_bone(side, kFoot)) = carried;
     const auto toes = foot_heading(body_, candidate_, side, carried);
     if (!toes) return;
     const Eigen::Matrix3d yaw = least_rotation(*toes, ahead(), up()) * carried;
-    of(side + "Toe") = yaw;
-    of(side + "Foot") = yaw;
-    if (body_.has(side + "Toe")) {
-      const int bone = find_bone(side + "Foot").value();
-      of(side + "Foot") = turned_on(way(side + "Foot"), canonical_t_pose(bone).col(0), yaw);
+    of(side_bone(side, kToe)) = yaw;
+    of(side_bone(side, kFoot)) = yaw;
+    if (body_.has(side_bone(side, kToe))) {
+      const Bone bone = side_bone(side, kFoot);
+      of(side_bone(side, kFoot)) =
+          turned_on(way(side_bone(side, kFoot)), canonical_t_pose(bone).col(0), yaw);
     }
   }
 
   const Body& body_;
   const RestCandidate& candidate_;
-  std::array<Eigen::Matrix3d, kMappedBoneCount> turns_;
+  BoneArray<Eigen::Matrix3d> turns_{Eigen::Matrix3d(Eigen::Matrix3d::Identity())};
 };
 
 }  // namespace
@@ -144,11 +145,11 @@ Deviation deviation_from_t(const Body& body, const RestCandidate& candidate) {
   const auto hold = [&](const std::optional<Eigen::Vector3d>& way, const Eigen::Vector3d& target) {
     if (way) angles.push_back(degrees_between(*way, target));
   };
-  for (const std::string side : {"Left", "Right"}) {
-    hold(heading(body, candidate, side + "Arm"), outward(side));
-    hold(heading(body, candidate, side + "ForeArm"), outward(side));
-    hold(heading(body, candidate, side + "UpLeg"), -up());
-    hold(heading(body, candidate, side + "Leg"), -up());
+  for (const Side side : kSides) {
+    hold(heading(body, candidate, side_bone(side, kArm)), outward(side));
+    hold(heading(body, candidate, side_bone(side, kForeArm)), outward(side));
+    hold(heading(body, candidate, side_bone(side, kUpLeg)), -up());
+    hold(heading(body, candidate, side_bone(side, kLeg)), -up());
   }
   if (const auto trunk = trunk_direction(body, candidate.pose)) {
     hold(candidate.axes * *trunk, up());
@@ -163,7 +164,7 @@ bool is_well_formed(const Body& body, const RestCandidate& candidate) {
   constexpr double kMostLeaning = 20.0;  // degrees
   const auto trunk = trunk_direction(body, candidate.pose);
   if (trunk && degrees_between(candidate.axes * *trunk, up()) > kMostLeaning) return false;
-  for (const std::string side : {"Left", "Right"}) {
+  for (const Side side : kSides) {
     if (!arm_is_well_formed(body, candidate, side)) return false;
     if (!leg_is_well_formed(body, candidate, side)) return false;
   }
@@ -173,7 +174,7 @@ bool is_well_formed(const Body& body, const RestCandidate& candidate) {
 JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate) {
   const Straightening straightening(body, candidate);
   JointFromBone joint_from_bone;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  for (const Bone bone : kMappedBones) {
     const int joint = body.turning_joint(bone);
     if (joint < 0) continue;
     const Eigen::Matrix3d t_from_joint = straightening.turn(bone) * candidate.axes *

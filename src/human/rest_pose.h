@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "human/body_axes.h"
@@ -32,7 +31,7 @@ struct Deviation {
 [[nodiscard]] bool is_well_formed(const Body& body, const RestCandidate& candidate);
 
 /// Rotation of each mapped bone's canonical axes in its joint; nothing for a bone without a joint.
-using JointFromBone = std::array<std::optional<Eigen::Matrix3d>, kMappedBoneCount>;
+using JointFromBone = BoneArray<std::optional<Eigen::Matrix3d>>;
 
 /// Brings a pose to the canonical T-pose and tells the axes that the canonical bones have in the
 /// joints then.

@@ -11,16 +11,15 @@ constexpr double kShareOfFrames = 0.01;
 
 }  // namespace
 
-std::vector<std::string> sides_with_flipped_toes(const Body& body,
-                                                 const std::vector<JointPoses>& poses,
-                                                 const JointFromBone& axes) {
-  std::vector<std::string> sides;
-  for (const std::string side : {"Left", "Right"}) {
-    const int foot_bone = find_bone(side + "Foot").value();
-    const int toe_bone = find_bone(side + "Toe").value();
+std::vector<Side> sides_with_flipped_toes(const Body& body, const std::vector<JointPoses>& poses,
+                                          const JointFromBone& axes) {
+  std::vector<Side> sides;
+  for (const Side side : kSides) {
+    const Bone foot_bone = side_bone(side, LimbBone::kFoot);
+    const Bone toe_bone = side_bone(side, LimbBone::kToe);
     const int foot = body.turning_joint(foot_bone), toe = body.turning_joint(toe_bone);
-    const auto& foot_axes = axes[static_cast<std::size_t>(foot_bone)];
-    const auto& toe_axes = axes[static_cast<std::size_t>(toe_bone)];
+    const auto& foot_axes = axes[foot_bone];
+    const auto& toe_axes = axes[toe_bone];
     if (foot < 0 || toe < 0 || !foot_axes || !toe_axes) continue;
     const Eigen::Matrix3d foot_from_toe_in_t =
         canonical_t_pose(foot_bone).transpose() * canonical_t_pose(toe_bone);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "human/posed_body.h"
@@ -8,13 +7,13 @@
 
 namespace retarget {
 
-/// The sides ("Left", "Right") on which the toes turn against the foot farther than toes do: by
+/// The sides on which the toes turn against the foot farther than toes do: by
 /// more than 90 degrees from where they are in the T-pose, in more than one frame of a hundred. A
 /// known fault of mocap data (CMU's, for one) turns them by 180 degrees; a robot's foot that
 /// follows drags the whole body along.
 /// @param axes  of foot and toes in their joints.
-[[nodiscard]] std::vector<std::string> sides_with_flipped_toes(const Body& body,
-                                                               const std::vector<JointPoses>& poses,
-                                                               const JointFromBone& axes);
+[[nodiscard]] std::vector<Side> sides_with_flipped_toes(const Body& body,
+                                                        const std::vector<JointPoses>& poses,
+                                                        const JointFromBone& axes);
 
 }  // namespace retarget

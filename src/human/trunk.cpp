@@ -11,6 +11,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 bool is_mapped(const BoneMap& map, int joint) {
   return std::ranges::find(map.joint_of_bone, joint) != map.joint_of_bone.end();
 }
@@ -20,9 +22,9 @@ bool has_role(const BodySource& source, int joint, Role role) {
                              [role](const RoleWeight& r) { return r.role == role; });
 }
 
-int first_known(const BoneMap& map, std::initializer_list<std::string_view> bones) {
-  for (const std::string_view bone : bones) {
-    if (map.joint(bone) >= 0) return map.joint(bone);
+int first_known(const BoneMap& map, std::initializer_list<Bone> bones) {
+  for (const Bone bone : bones) {
+    if (map.has(bone)) return map.joint(bone);
   }
   return -1;
 }
@@ -45,31 +47,32 @@ double length_of_path(const BodySource& source, int a, int b) {
 }
 
 void set_hips(const BodySource& source, BoneMap& map) {
-  const int left = map.joint("LeftUpLeg"), right = map.joint("RightUpLeg");
+  const int left = map.joint(Bone::kLeftUpLeg), right = map.joint(Bone::kRightUpLeg);
   if (left < 0 || right < 0) return;
-  int above = first_known(map, {"Head", "LeftArm", "RightArm", "Spine2", "Spine1", "Spine"});
+  int above = first_known(map, {Bone::kHead, Bone::kLeftArm, Bone::kRightArm, Bone::kSpine2,
+                                Bone::kSpine1, Bone::kSpine});
   if (above < 0) above = 0;
-  joint_of(map, "Hips") = source.tree.meeting_point(left, right, above);
+  map.joint_of_bone[Bone::kHips] = source.tree.meeting_point(left, right, above);
 }
 
 void set_torso(const BodySource& source, BoneMap& map) {
-  const int hips = map.joint("Hips");
-  const int left = first_known(map, {"LeftShoulder", "LeftArm"});
-  const int right = first_known(map, {"RightShoulder", "RightArm"});
-  if (map.joint("Spine2") >= 0 || hips < 0 || left < 0 || right < 0) return;
+  const int hips = map.joint(Bone::kHips);
+  const int left = first_known(map, {Bone::kLeftShoulder, Bone::kLeftArm});
+  const int right = first_known(map, {Bone::kRightShoulder, Bone::kRightArm});
+  if (map.has(Bone::kSpine2) || hips < 0 || left < 0 || right < 0) return;
   int torso = source.tree.meeting_point(left, right, hips);
   // arms that hang from the neck, as in Biped: the torso is what carries the neck
   const std::vector<int> below = joints_between(source, hips, torso);
   if (has_role(source, torso, Role::kNeck) && !below.empty()) {
-    if (map.joint("Neck") < 0) joint_of(map, "Neck") = torso;
+    if (!map.has(Bone::kNeck)) map.joint_of_bone[Bone::kNeck] = torso;
     torso = below.back();
   }
-  if (torso != hips) joint_of(map, "Spine2") = torso;
+  if (torso != hips) map.joint_of_bone[Bone::kSpine2] = torso;
 }
 
 // the joints of the spine below the torso; one that carries hips and spine alike turns neither
 std::vector<int> spine_chain(const BodySource& source, const BoneMap& map) {
-  const int hips = map.joint("Hips"), torso = map.joint("Spine2");
+  const int hips = map.joint(Bone::kHips), torso = map.joint(Bone::kSpine2);
   std::vector<int> chain = joints_between(source, hips, torso);
   if (!chain.empty()) std::erase(chain, source.tree.meeting_point(0, hips, torso));
   return chain;
@@ -79,14 +82,14 @@ std::vector<int> spine_chain(const BodySource& source, const BoneMap& map) {
 void set_spine(const BodySource& source, BoneMap& map) {
   std::vector<int> chain = spine_chain(source, map);
   if (chain.empty()) return;
-  if (map.joint("Spine") < 0) joint_of(map, "Spine") = chain[0];
-  const int first = map.joint("Spine"), torso = map.joint("Spine2");
+  if (!map.has(Bone::kSpine)) map.joint_of_bone[Bone::kSpine] = chain[0];
+  const int first = map.joint(Bone::kSpine), torso = map.joint(Bone::kSpine2);
   std::erase_if(chain, [&](int joint) {
     return is_mapped(map, joint) || !source.tree.between(joint, first, torso);
   });
-  if (chain.empty() || map.joint("Spine1") >= 0) return;
+  if (chain.empty() || map.has(Bone::kSpine1)) return;
   const double half = 0.5 * length_of_path(source, first, torso);
-  joint_of(map, "Spine1") = *std::ranges::min_element(
+  map.joint_of_bone[Bone::kSpine1] = *std::ranges::min_element(
       chain, {}, [&](int joint) { return std::abs(length_of_path(source, first, joint) - half); });
 }
 
@@ -94,24 +97,25 @@ void set_spine(const BodySource& source, BoneMap& map) {
 constexpr double kHelperLength = 1e-3;  // of the way from the torso to the head
 
 void set_neck(const BodySource& source, BoneMap& map) {
-  const int torso = map.joint("Spine2"), head = map.joint("Head");
-  if (map.joint("Neck") >= 0) return;
+  const int torso = map.joint(Bone::kSpine2), head = map.joint(Bone::kHead);
+  if (map.has(Bone::kNeck)) return;
   const std::vector<int> chain = joints_between(source, torso, head);
   if (chain.empty()) return;
   const double least = kHelperLength * length_of_path(source, torso, head);
   const auto first = std::ranges::find_if(
       chain, [&](int joint) { return length_of_path(source, torso, joint) > least; });
-  joint_of(map, "Neck") = first == chain.end() ? chain[0] : *first;
+  map.joint_of_bone[Bone::kNeck] = first == chain.end() ? chain[0] : *first;
 }
 
 // joints inside the segments of limbs: what they turn is seen in the bones beyond them
 void add_limb_notes(const BodySource& source, BoneMap& map) {
-  static constexpr std::array<std::pair<const char*, const char*>, 4> kSegments = {
-      {{"UpLeg", "Leg"}, {"Leg", "Foot"}, {"Arm", "ForeArm"}, {"ForeArm", "Hand"}}};
+  static constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kSegments = {
+      {{kUpLeg, kLeg}, {kLeg, kFoot}, {kArm, kForeArm}, {kForeArm, kHand}}};
   std::vector<std::string> folded;
-  for (const std::string side : {"Left", "Right"}) {
+  for (const Side side : kSides) {
     for (const auto& [from, to] : kSegments) {
-      for (const int joint : joints_between(source, map.joint(side + from), map.joint(side + to))) {
+      for (const int joint : joints_between(source, map.joint(side_bone(side, from)),
+                                            map.joint(side_bone(side, to)))) {
         folded.push_back(quoted_name(source.skeleton, joint));
       }
     }
@@ -130,21 +134,21 @@ void complete_trunk(const BodySource& source, BoneMap& map) {
 
 void add_trunk_notes(const BodySource& source, BoneMap& map) {
   std::vector<std::string> missing;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    if (map.joint_of_bone[bone] < 0) missing.emplace_back(kBoneNames[bone]);
+  for (const Bone bone : kMappedBones) {
+    if (map.joint_of_bone[bone] < 0) missing.emplace_back(bone_name(bone));
   }
   if (!missing.empty()) map.notes.push_back("not in the source: " + list_names(missing));
 
-  const auto add_folded = [&](std::string_view from, std::string_view to) {
+  const auto add_folded = [&](Bone from, Bone to) {
     std::vector<std::string> folded;
     for (const int joint : joints_between(source, map.joint(from), map.joint(to))) {
       if (!is_mapped(map, joint)) folded.push_back(quoted_name(source.skeleton, joint));
     }
     if (folded.empty()) return;
-    map.notes.push_back("folded into " + std::string(to) + ": " + list_names(folded));
+    map.notes.push_back("folded into " + std::string(bone_name(to)) + ": " + list_names(folded));
   };
-  add_folded("Hips", "Spine2");
-  add_folded("Spine2", "Head");
+  add_folded(Bone::kHips, Bone::kSpine2);
+  add_folded(Bone::kSpine2, Bone::kHead);
   add_limb_notes(source, map);
 }
 

@@ -10,6 +10,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 constexpr double kFootDrop = 0.42261826174069944;  // sine of 25 degrees
 constexpr double kLegShare = 0.491;                // thigh .245 and shank .246 of body height
 constexpr double kLegAndTrunkShare = 0.894;
@@ -34,15 +36,15 @@ constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.46, 1.4},
 
 // mean over the sides of the lengths of these bones, 0 when a side lacks one of them
 double mean_length(const Body& body, const JointPoses& rest,
-                   const std::vector<std::string>& parts) {
+                   std::initializer_list<LimbBone> parts) {
   double sum = 0.0;
   int sides = 0;
-  for (const std::string side : {"Left", "Right"}) {
+  for (const Side side : kSides) {
     double length = 0.0;
     bool whole = true;
-    for (const std::string& part : parts) {
-      const auto way = along(body.segment(side + part), rest);
-      whole = whole && way.has_value() && (part != "Foot" || body.has(side + "Toe"));
+    for (const LimbBone part : parts) {
+      const auto way = along(body.segment(side_bone(side, part)), rest);
+      whole = whole && way.has_value() && (part != kFoot || body.has(side_bone(side, kToe)));
       if (way) length += way->norm();
     }
     if (!whole) continue;
@@ -53,21 +55,21 @@ double mean_length(const Body& body, const JointPoses& rest,
 }
 
 std::optional<Eigen::Vector3d> between_thighs(const Body& body, const JointPoses& rest) {
-  if (!body.has("LeftUpLeg") || !body.has("RightUpLeg")) return std::nullopt;
-  return 0.5 *
-         (rest[body.joint("LeftUpLeg")].translation + rest[body.joint("RightUpLeg")].translation);
+  if (!body.has(Bone::kLeftUpLeg) || !body.has(Bone::kRightUpLeg)) return std::nullopt;
+  return 0.5 * (rest[body.joint(Bone::kLeftUpLeg)].translation +
+                rest[body.joint(Bone::kRightUpLeg)].translation);
 }
 
 }  // namespace
 
 double standing_hip_height(const Body& body, const JointPoses& rest, const BodyFromFile& axes) {
-  const double leg = mean_length(body, rest, {"UpLeg", "Leg"});
+  const double leg = mean_length(body, rest, {kUpLeg, kLeg});
   if (leg <= 0.0) return 0.0;
   double rise = 0.0;
   if (const auto thighs = between_thighs(body, rest)) {
-    rise = axes.row(2).dot(rest[body.joint("Hips")].translation - *thighs);
+    rise = axes.row(2).dot(rest[body.joint(Bone::kHips)].translation - *thighs);
   }
-  return leg + kFootDrop * mean_length(body, rest, {"Foot"}) + rise;
+  return leg + kFootDrop * mean_length(body, rest, {kFoot}) + rise;
 }
 
 std::optional<Unit> guess_unit(double hip_height) {
@@ -122,17 +124,17 @@ bool is_lafan1_height(double metres) {
 }
 
 double height_of_legs(const Body& body, const JointPoses& rest) {
-  return mean_length(body, rest, {"UpLeg", "Leg"}) / kLegShare;
+  return mean_length(body, rest, {kUpLeg, kLeg}) / kLegShare;
 }
 
 double estimated_height(const Body& body, const JointPoses& rest) {
-  const double leg = mean_length(body, rest, {"UpLeg", "Leg"});
+  const double leg = mean_length(body, rest, {kUpLeg, kLeg});
   if (leg <= 0.0) return 0.0;
   const auto start = between_thighs(body, rest);
-  if (!start || !body.has("Head")) return leg / kLegShare;
+  if (!start || !body.has(Bone::kHead)) return leg / kLegShare;
   double trunk = 0.0;
   Eigen::Vector3d at = *start;
-  for (const char* bone : {"Spine", "Spine1", "Spine2", "Neck", "Head"}) {
+  for (const Bone bone : {Bone::kSpine, Bone::kSpine1, Bone::kSpine2, Bone::kNeck, Bone::kHead}) {
     if (!body.has(bone)) continue;
     const Eigen::Vector3d& next = rest[body.joint(bone)].translation;
     trunk += (next - at).norm();

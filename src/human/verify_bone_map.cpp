@@ -12,6 +12,8 @@
 namespace retarget {
 namespace {
 
+using enum LimbBone;
+
 constexpr double kLeastLegRatio = 0.7, kMostLegRatio = 1.4;  // thigh per shin
 // lengths of left and right, as share of the longer
 constexpr double kUnequal = 0.15, kNoPair = 0.5;
@@ -25,26 +27,28 @@ void doubt(Verdict& verdict, std::string text) {
 }
 
 void check_distinct(const BodySource& source, const BoneMap& map, Verdict& verdict) {
-  std::map<int, std::string_view> bone_of_joint;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  std::map<int, Bone> bone_of_joint;
+  for (const Bone bone : kMappedBones) {
     const int joint = map.joint_of_bone[bone];
     if (joint < 0) continue;
-    const auto [found, is_new] = bone_of_joint.try_emplace(joint, kBoneNames[bone]);
+    const auto [found, is_new] = bone_of_joint.try_emplace(joint, bone);
     if (is_new) continue;
     verdict.faults.push_back(quoted_name(source.skeleton, joint) + " would be both " +
-                             std::string(found->second) + " and " + std::string(kBoneNames[bone]));
+                             std::string(bone_name(found->second)) + " and " +
+                             std::string(bone_name(bone)));
   }
 }
 
 void check_in_line(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   for (const auto& chain : bone_chains()) {
-    for (const std::string_view bone : bones_out_of_line(source.tree, map, chain)) {
+    for (const Bone bone : bones_out_of_line(source.tree, map, chain)) {
       verdict.faults.push_back(quoted_name(source.skeleton, map.joint(bone)) + " as " +
-                               std::string(bone) + " does not hang where that bone must");
+                               std::string(bone_name(bone)) +
+                               " does not hang where that bone must");
     }
   }
-  const int left = map.joint("LeftUpLeg"), right = map.joint("RightUpLeg");
-  const int hips = map.joint("Hips");
+  const int left = map.joint(Bone::kLeftUpLeg), right = map.joint(Bone::kRightUpLeg);
+  const int hips = map.joint(Bone::kHips);
   if (left >= 0 && right >= 0 && hips >= 0 && !source.tree.between(hips, left, right)) {
     verdict.faults.push_back(quoted_name(source.skeleton, hips) +
                              " as Hips does not lie between the legs");
@@ -61,38 +65,42 @@ double distance(const BodySource& source, int a, int b) {
   return length;
 }
 
+// `UpLeg`
+std::string without_side(LimbBone part) {
+  return std::string(bone_name(side_bone(Side::kLeft, part)).substr(4));
+}
+
 // length of a segment of a limb, nothing if an end is missing
-std::optional<double> segment(const BodySource& source, const BoneMap& map, const std::string& side,
-                              const char* from, const char* to) {
-  const int a = map.joint(side + from), b = map.joint(side + to);
+std::optional<double> segment(const BodySource& source, const BoneMap& map, Side side,
+                              LimbBone from, LimbBone to) {
+  const int a = map.joint(side_bone(side, from)), b = map.joint(side_bone(side, to));
   if (a < 0 || b < 0) return std::nullopt;
   return distance(source, a, b);
 }
 
 void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) {
-  for (const std::string side : {"Left", "Right"}) {
-    const auto thigh = segment(source, map, side, "UpLeg", "Leg");
-    const auto shin = segment(source, map, side, "Leg", "Foot");
+  for (const Side side : kSides) {
+    const auto thigh = segment(source, map, side, kUpLeg, kLeg);
+    const auto shin = segment(source, map, side, kLeg, kFoot);
     if (!thigh || !shin) continue;
     if (*shin <= 0.0 || *thigh < kLeastLegRatio * *shin || *thigh > kMostLegRatio * *shin) {
-      std::string fault = side;
-      fault += "UpLeg and " + side;
-      fault += "Leg are out of proportion";
-      verdict.faults.push_back(std::move(fault));
+      verdict.faults.push_back(std::string(bone_name(side_bone(side, kUpLeg))) + " and " +
+                               std::string(bone_name(side_bone(side, kLeg))) +
+                               " are out of proportion");
     }
   }
 }
 
 void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdict) {
-  static constexpr std::array<std::pair<const char*, const char*>, 4> kSegments = {
-      {{"UpLeg", "Leg"}, {"Leg", "Foot"}, {"Arm", "ForeArm"}, {"ForeArm", "Hand"}}};
+  static constexpr std::array<std::pair<LimbBone, LimbBone>, 4> kSegments = {
+      {{kUpLeg, kLeg}, {kLeg, kFoot}, {kArm, kForeArm}, {kForeArm, kHand}}};
   for (const auto& [from, to] : kSegments) {
-    const auto left = segment(source, map, "Left", from, to);
-    const auto right = segment(source, map, "Right", from, to);
+    const auto left = segment(source, map, Side::kLeft, from, to);
+    const auto right = segment(source, map, Side::kRight, from, to);
     if (!left || !right) continue;
     const double difference = std::abs(*left - *right);
     const double longer = std::max(*left, *right);
-    const std::string what = "left and right " + std::string(from) + " differ in length";
+    const std::string what = "left and right " + without_side(from) + " differ in length";
     if (difference > kNoPair * longer) {
       verdict.faults.push_back(what);
     } else if (difference > kUnequal * longer) {
@@ -104,11 +112,11 @@ void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdi
 // whether some pose has head over torso over hips over feet, along the trunk
 void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   std::vector<int> order;
-  for (const char* bone : {"Head", "Spine2", "Hips"}) {
-    if (map.joint(bone) >= 0) order.push_back(map.joint(bone));
+  for (const Bone bone : {Bone::kHead, Bone::kSpine2, Bone::kHips}) {
+    if (map.has(bone)) order.push_back(map.joint(bone));
   }
-  const int left = map.joint("LeftFoot"), right = map.joint("RightFoot");
-  if (order.size() < 2 || map.joint("Hips") < 0) return;
+  const int left = map.joint(Bone::kLeftFoot), right = map.joint(Bone::kRightFoot);
+  if (order.size() < 2 || !map.has(Bone::kHips)) return;
   const auto is_upright = [&](const BodyPoses::Pose& pose) {
     const Eigen::Vector3d up = pose.joints[order.front()] - pose.joints[order.back()];
     const auto height = [&](int joint) { return pose.joints[joint].dot(up); };
@@ -132,9 +140,8 @@ void check_sides(const BodySource& source, const BoneMap& map, Verdict& verdict)
   doubt(verdict, "toes and knees point backwards: left and right may be exchanged in the source");
 }
 
-bool has_all(const BoneMap& map, const std::string& side,
-             std::initializer_list<const char*> bones) {
-  return std::ranges::all_of(bones, [&](const char* bone) { return map.joint(side + bone) >= 0; });
+bool has_all(const BoneMap& map, Side side, std::initializer_list<LimbBone> bones) {
+  return std::ranges::all_of(bones, [&](LimbBone part) { return map.has(side_bone(side, part)); });
 }
 
 }  // namespace
@@ -153,19 +160,19 @@ Verdict verify_bone_map(const BodySource& source, const BoneMap& map) {
 
 std::vector<std::string> missing_parts(const BoneMap& map) {
   std::vector<std::string> missing;
-  if (map.joint("Hips") < 0) missing.emplace_back("hips");
-  const auto check = [&](std::initializer_list<const char*> bones, const std::string& limb) {
-    const bool left = has_all(map, "Left", bones), right = has_all(map, "Right", bones);
+  if (!map.has(Bone::kHips)) missing.emplace_back("hips");
+  const auto check = [&](std::initializer_list<LimbBone> bones, const std::string& limb) {
+    const bool left = has_all(map, Side::kLeft, bones), right = has_all(map, Side::kRight, bones);
     if (!left && !right) {
       missing.push_back(limb + "s");
     } else if (!left || !right) {
       missing.push_back((left ? "right " : "left ") + limb);
     }
   };
-  check({"UpLeg", "Leg", "Foot"}, "leg");
-  check({"Arm", "ForeArm"}, "arm");
-  const bool has_arms = has_all(map, "Left", {"Arm"}) && has_all(map, "Right", {"Arm"});
-  if (has_arms && map.joint("Spine2") < 0) missing.emplace_back("torso");
+  check({kUpLeg, kLeg, kFoot}, "leg");
+  check({kArm, kForeArm}, "arm");
+  const bool has_arms = has_all(map, Side::kLeft, {kArm}) && has_all(map, Side::kRight, {kArm});
+  if (has_arms && !map.has(Bone::kSpine2)) missing.emplace_back("torso");
   return missing;
 }
 

@@ -55,9 +55,9 @@ void add_human(Json& json, const Inspection& found) {
   const Calibration& calibration = *found.calibration;
   json["dialect"] = map.dialect;
   json["confidence"] = map.confidence;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
-    json["mapping"][std::string(kBoneNames[static_cast<std::size_t>(bone)])] =
+  for (const Bone bone : kMappedBones) {
+    const int joint = map.joint(bone);
+    json["mapping"][std::string(bone_name(bone))] =
         joint < 0 ? Json() : Json(found.clip.skeleton().joint(joint).name);
   }
   json["unit"] = calibration.unit;
@@ -98,9 +98,9 @@ std::string human_text(const Inspection& found) {
     text += line("", "doubtful: " + spell_options(doubt.message, found.spelling));
   }
   text += "\n";
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const int joint = map.joint_of_bone[static_cast<std::size_t>(bone)];
-    std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+  for (const Bone bone : kMappedBones) {
+    const int joint = map.joint(bone);
+    std::string name(bone_name(bone));
     name.resize(14, ' ');
     text += "  " + name + (joint < 0 ? "-" : found.clip.skeleton().joint(joint).name) + "\n";
   }

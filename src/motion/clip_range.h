@@ -8,14 +8,6 @@
 
 namespace retarget {
 
-/// Frames [begin, end) of a clip, counted from 0; what `cut` takes.
-struct FrameRange {
-  int begin = 0;
-  int end = 0;
-
-  friend bool operator==(const FrameRange&, const FrameRange&) = default;
-};
-
 /// The range that `a:b` means: frames counted from 0, b not included, as Python slices. Either
 /// may be left out: the beginning, the end. An end beyond the clip means its end.
 ///

@@ -23,8 +23,8 @@ Option number(const char* group, const char* name, double& value, const char* he
 }
 
 Option count(const char* name, int& value, const char* help, int least, int most) {
-  return option(name, value, {.group = "Solver", .help = help, .least = double(least),
-                              .most = double(most)});
+  return option(name, value,
+                {.group = "Solver", .help = help, .least = double(least), .most = double(most)});
 }
 
 OptionTable term_table(FitOptions& o) {
@@ -39,50 +39,48 @@ OptionTable term_table(FitOptions& o) {
 
 OptionTable weight_table(TrackingWeights& w) {
   constexpr const char* kGroup = "Tracking, per metre or radian";
-  return {
-      number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
-      number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
-      number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
-      number(kGroup, "thigh_position", w.thigh_position, "Hips of the legs"),
-      number(kGroup, "shank_position", w.shank_position, "Knees"),
-      number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
-      number(kGroup, "shank_rotation", w.shank_rotation, "Shanks"),
-      number(kGroup, "foot_position", w.foot_position,
-             "Ankles: horizontally, and in height for a foot that does not stand"),
-      number(kGroup, "foot_rotation", w.foot_rotation, "Feet"),
-      number(kGroup, "upper_arm_position", w.upper_arm_position, "Shoulders"),
-      number(kGroup, "upper_arm_rotation", w.upper_arm_rotation, "Upper arms"),
-      number(kGroup, "forearm_position", w.forearm_position, "Elbows"),
-      number(kGroup, "forearm_rotation", w.forearm_rotation, "Forearms"),
-      number(kGroup, "hand_position", w.hand_position, "Wrists"),
-      number(kGroup, "hand_rotation", w.hand_rotation, "Hands"),
-      number(kGroup, "other_position", w.other_position, "Whatever else a mapping has"),
-      number(kGroup, "other_rotation", w.other_rotation, "Whatever else a mapping has")};
+  return {number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
+          number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
+          number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
+          number(kGroup, "thigh_position", w.thigh_position, "Hips of the legs"),
+          number(kGroup, "shank_position", w.shank_position, "Knees"),
+          number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
+          number(kGroup, "shank_rotation", w.shank_rotation, "Shanks"),
+          number(kGroup, "foot_position", w.foot_position,
+                 "Ankles: horizontally, and in height for a foot that does not stand"),
+          number(kGroup, "foot_rotation", w.foot_rotation, "Feet"),
+          number(kGroup, "upper_arm_position", w.upper_arm_position, "Shoulders"),
+          number(kGroup, "upper_arm_rotation", w.upper_arm_rotation, "Upper arms"),
+          number(kGroup, "forearm_position", w.forearm_position, "Elbows"),
+          number(kGroup, "forearm_rotation", w.forearm_rotation, "Forearms"),
+          number(kGroup, "hand_position", w.hand_position, "Wrists"),
+          number(kGroup, "hand_rotation", w.hand_rotation, "Hands"),
+          number(kGroup, "other_position", w.other_position, "Whatever else a mapping has"),
+          number(kGroup, "other_rotation", w.other_rotation, "Whatever else a mapping has")};
 }
 
 OptionTable foot_table(FitOptions& o) {
   constexpr const char* kGroup = "Feet, floor and body";
-  return {
-      number(kGroup, "foot_height_near", o.foot_height_near,
-             "Clearance of a foot near the floor, per metre"),
-      number(kGroup, "foot_height_far", o.foot_height_far,
-             "The same foot_height_range above the floor"),
-      number(kGroup, "foot_height_range", o.foot_height_range, "Metres", kAbove0),
-      number(kGroup, "contact_weight", o.contact_weight,
-             "Planted heel or toe to its place, per metre"),
-      number(kGroup, "contact_height_weight", o.contact_height_weight,
-             "Planted heel or toe to the floor, per metre"),
-      number(kGroup, "sole_floor_weight", o.sole_floor_weight,
-             "Sole points below sole_margin, per metre"),
-      number(kGroup, "sole_margin", o.sole_margin, "Metres; of feet that are not planted", -1.0,
-             1.0),
-      number(kGroup, "body_floor_weight", o.body_floor_weight,
-             "Other bodies below body_margin, per metre"),
-      number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
-      number(kGroup, "self_collision_weight", o.self_collision_weight,
-             "Overlap of two shapes, per metre"),
-      number(kGroup, "self_collision_margin", o.self_collision_margin,
-             "Metres; nearer counts as overlap", -1.0, 1.0)};
+  return {number(kGroup, "foot_height_near", o.foot_height_near,
+                 "Clearance of a foot near the floor, per metre"),
+          number(kGroup, "foot_height_far", o.foot_height_far,
+                 "The same foot_height_range above the floor"),
+          number(kGroup, "foot_height_range", o.foot_height_range, "Metres", kAbove0),
+          number(kGroup, "contact_weight", o.contact_weight,
+                 "Planted heel or toe to its place, per metre"),
+          number(kGroup, "contact_height_weight", o.contact_height_weight,
+                 "Planted heel or toe to the floor, per metre"),
+          number(kGroup, "sole_floor_weight", o.sole_floor_weight,
+                 "Sole points below sole_margin, per metre"),
+          number(kGroup, "sole_margin", o.sole_margin, "Metres; of feet that are not planted", -1.0,
+                 1.0),
+          number(kGroup, "body_floor_weight", o.body_floor_weight,
+                 "Other bodies below body_margin, per metre"),
+          number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
+          number(kGroup, "self_collision_weight", o.self_collision_weight,
+                 "Overlap of two shapes, per metre"),
+          number(kGroup, "self_collision_margin", o.self_collision_margin,
+                 "Metres; nearer counts as overlap", -1.0, 1.0)};
 }
 
 OptionTable motion_table(FitOptions& o) {
@@ -107,8 +105,7 @@ OptionTable motion_table(FitOptions& o) {
 OptionTable contact_table(FitOptions& o) {
   constexpr const char* kGroup = "Contacts of the source, of a body with legs 0.85 m long";
   return {
-      number(kGroup, "contact_speed", o.contact_speed,
-             "m/s; a slower heel or toe may be planted"),
+      number(kGroup, "contact_speed", o.contact_speed, "m/s; a slower heel or toe may be planted"),
       number(kGroup, "contact_release_speed", o.contact_release_speed,
              "m/s; a planted one stays so below"),
       number(kGroup, "contact_height", o.contact_height, "Metres above its standing height"),

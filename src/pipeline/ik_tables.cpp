@@ -1,4 +1,4 @@
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
-#include "human/bones.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -19,8 +19,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kUnitTolerance = 1e-3;
+constexpr const char* kNoTask = "no row of a table in use has a weight: nothing would move";
 
-std::string table_key(int table) {
+std::string table_key(std::size_t table) {
   return "ik_match_table" + std::to_string(table + 1);
 }
 
@@ -119,7 +120,7 @@ IkRow read_row(Reader& reader, Faults& faults, const std::string& table, const s
   return row;
 }
 
-IkTable read_table(Reader& reader, Faults& faults, int number) {
+IkTable read_table(Reader& reader, Faults& faults, std::size_t number) {
   IkTable table;
   table.used = reader.flag("use_" + table_key(number));
   const Json* json = reader.find(table_key(number));
@@ -133,58 +134,6 @@ IkTable read_table(Reader& reader, Faults& faults, int number) {
   }
   return table;
 }
-
-void check_row(const IkRow& row, const std::string& table, const IkTables& tables,
-               const std::vector<std::string>& bodies, Faults& faults) {
-  if (std::ranges::find(bodies, row.body) == bodies.end()) {
-    faults.add(table + ": the robot has no body \"" + row.body + "\"" +
-               faults.suggestion(row.body, bodies));
-  }
-  if (row.bone.empty()) return;  // a row that could not be read was named already
-  if (!find_bone(row.bone)) {
-    faults.add(table + " of \"" + row.body + "\": no bone \"" + row.bone + "\"" +
-               faults.suggestion(row.bone, bone_names()));
-  } else if (tables.find_scale(row.bone) == nullptr) {
-    faults.add(table + " of \"" + row.body + "\": the bone \"" + row.bone +
-               "\" has no entry in \"human_scale_table\"");
-  }
-}
-
-void check_table(int number, const IkTables& tables, const std::vector<std::string>& bodies,
-                 Faults& faults) {
-  std::map<std::string, std::string> body_of_bone;
-  for (const IkRow& row : tables.tables[number].rows) {
-    check_row(row, table_key(number), tables, bodies, faults);
-    if (!row.has_weight()) continue;
-    const auto [found, is_new] = body_of_bone.try_emplace(row.bone, row.body);
-    if (!is_new) {
-      faults.add(table_key(number) + ": the bone \"" + row.bone + "\" drives two bodies, \"" +
-                 found->second + "\" and \"" + row.body + "\"");
-    }
-  }
-}
-
-}  // namespace
-
-const double* IkTables::find_scale(std::string_view bone) const {
-  const auto found = std::ranges::find(scales, bone, &std::pair<std::string, double>::first);
-  return found == scales.end() ? nullptr : &found->second;
-}
-
-const IkRow* IkTables::find_row(std::string_view bone) const {
-  const auto wanted = find_bone(bone);
-  const IkRow* found = nullptr;
-  for (const IkTable& table : tables) {
-    for (const IkRow& row : table.rows) {
-      if (row.bone != bone && (!wanted || find_bone(row.bone) != wanted)) continue;
-      if (row.has_weight()) return &row;
-      if (found == nullptr) found = &row;
-    }
-  }
-  return found;
-}
-
-namespace {
 
 IkTables read_tables(const Json& json, const std::string& file, Faults& faults) {
   Reader reader(json, faults);
@@ -203,76 +152,174 @@ IkTables read_tables(const Json& json, const std::string& file, Faults& faults) 
       tables.scales.emplace_back(bone, reader.number(scale, "scale of \"" + bone + "\""));
     }
   }
-  for (int number = 0; number < 2; ++number) {
+  for (std::size_t number = 0; number < 2; ++number) {
     tables.tables[number] = read_table(reader, faults, number);
   }
   return tables;
 }
 
-void check_tables(const IkTables& tables, const Robot& robot, Faults& faults) {
-  const std::vector<std::string> bodies = robot.body_names();
-  if (!tables.robot_root.empty() && std::ranges::find(bodies, tables.robot_root) == bodies.end()) {
-    faults.add("\"robot_root_name\": the robot has no body \"" + tables.robot_root + "\"" +
-               did_you_mean(tables.robot_root, bodies));
+// finds what the names of a mapping mean for a robot
+class Resolver {
+ public:
+  Resolver(const IkTables& tables, const Robot& robot, Faults& faults)
+      : tables_(tables), robot_(robot), bodies_(robot.body_names()), faults_(faults) {}
+
+  ResolvedMapping resolve() {
+    mapping_.file = tables_.file;
+    mapping_.ground_height = tables_.ground_height;
+    mapping_.human_height_assumption = tables_.human_height_assumption;
+    for (const auto& [name, scale] : tables_.scales) {
+      const auto bone = bone_from_name(name);
+      if (!bone || has_scale_[*bone]) continue;
+      mapping_.scales[*bone] = scale;
+      has_scale_[*bone] = true;
+    }
+    resolve_roots();
+    bool any_task = false;
+    for (std::size_t number = 0; number < 2; ++number) {
+      resolve_table(number);
+      const auto& [used, tasks] = mapping_.tables[number];
+      any_task = any_task || (used && std::ranges::any_of(tasks, &MappedTask::has_weight));
+    }
+    if (!any_task && faults_.empty()) faults_.add(kNoTask);
+    return std::move(mapping_);
   }
-  if (!tables.human_root.empty()) {
-    if (!find_bone(tables.human_root)) {
-      faults.add("\"human_root_name\": no bone \"" + tables.human_root + "\"" +
-                 did_you_mean(tables.human_root, bone_names()));
-    } else if (tables.find_scale(tables.human_root) == nullptr) {
-      faults.add("the root bone \"" + tables.human_root +
-                 "\" has no entry in \"human_scale_table\"");
+
+ private:
+  void resolve_roots() {
+    const auto body = robot_.find_body(tables_.robot_root);
+    mapping_.root_body = body.value_or(0);
+    if (!body && !tables_.robot_root.empty()) {
+      faults_.add("\"robot_root_name\": the robot has no body \"" + tables_.robot_root + "\"" +
+                  did_you_mean(tables_.robot_root, bodies_));
+    }
+    const auto bone = bone_from_name(tables_.human_root);
+    mapping_.root_bone = bone.value_or(Bone::kHips);
+    if (tables_.human_root.empty()) return;
+    if (!bone) {
+      faults_.add("\"human_root_name\": no bone \"" + tables_.human_root + "\"" +
+                  did_you_mean(tables_.human_root, bone_names()));
+    } else if (!has_scale_[*bone]) {
+      faults_.add("the root bone \"" + tables_.human_root +
+                  "\" has no entry in \"human_scale_table\"");
     }
   }
-  bool any_task = false;
-  for (int number = 0; number < 2; ++number) {
-    if (!tables.tables[number].used) continue;
-    check_table(number, tables, bodies, faults);
-    any_task = any_task || std::ranges::any_of(tables.tables[number].rows, &IkRow::has_weight);
-  }
-  if (!any_task && faults.empty()) {
-    faults.add("no row of a table in use has a weight: nothing would move");
-  }
-}
 
-Result<IkTables> tables_from(std::string_view text, const std::string& file, const Robot* robot) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  if (!json->is_object()) return config_failure(file, "a mapping must be a JSON object");
+  void resolve_table(std::size_t number) {
+    const IkTable& table = tables_.tables[number];
+    mapping_.tables[number].used = table.used;
+    std::map<std::string, std::string> body_of_bone;
+    for (const IkRow& row : table.rows) {
+      const auto body = robot_.find_body(row.body);
+      const auto bone = bone_from_name(row.bone);
+      if (bone) {
+        mapping_.tables[number].tasks.push_back({IkTask(row), body.value_or(-1), *bone});
+      }
+      if (!table.used) continue;
+      check_row(row, table_key(number), body.has_value(), bone);
+      if (!row.has_weight()) continue;
+      const auto [found, is_new] = body_of_bone.try_emplace(row.bone, row.body);
+      if (!is_new) {
+        faults_.add(table_key(number) + ": the bone \"" + row.bone + "\" drives two bodies, \"" +
+                    found->second + "\" and \"" + row.body + "\"");
+      }
+    }
+  }
+
+  void check_row(const IkRow& row, const std::string& table, bool has_body,
+                 std::optional<Bone> bone) {
+    if (!has_body) {
+      faults_.add(table + ": the robot has no body \"" + row.body + "\"" +
+                  faults_.suggestion(row.body, bodies_));
+    }
+    if (row.bone.empty()) return;  // a row that could not be read was named already
+    if (!bone) {
+      faults_.add(table + " of \"" + row.body + "\": no bone \"" + row.bone + "\"" +
+                  faults_.suggestion(row.bone, bone_names()));
+    } else if (!has_scale_[*bone]) {
+      faults_.add(table + " of \"" + row.body + "\": the bone \"" + row.bone +
+                  "\" has no entry in \"human_scale_table\"");
+    }
+  }
+
+  const IkTables& tables_;
+  const Robot& robot_;
+  const std::vector<std::string> bodies_;
+  Faults& faults_;
+  BoneArray<bool> has_scale_;
+  ResolvedMapping mapping_;
+};
+
+// reads a mapping's text and does something with it while faults are still collected
+template <typename Use>
+auto read_text(std::string_view text, const std::string& file, const Use& use)
+    -> Result<decltype(use(IkTables(), std::declval<Faults&>()))> {
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  if (!json.is_object()) return config_failure(file, "a mapping must be a JSON object");
   Faults faults;
-  IkTables tables = read_tables(*json, file, faults);
-  if (robot != nullptr) check_tables(tables, *robot, faults);
+  auto result = use(read_tables(json, file, faults), faults);
   if (!faults.empty()) return faults.failure_in(file, "the mapping");
-  return tables;
+  return result;
 }
 
 }  // namespace
 
+const double* IkTables::find_scale(std::string_view bone) const {
+  const auto found = std::ranges::find(scales, bone, &std::pair<std::string, double>::first);
+  return found == scales.end() ? nullptr : &found->second;
+}
+
 Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file) {
-  return tables_from(text, file, nullptr);
+  return read_text(text, file, [](IkTables tables, Faults&) { return tables; });
 }
 
-Result<IkTables> load_ik_tables(const std::string& path, const Robot* robot) {
-  const auto text = read_file(path, ErrorKind::kConfig, kMostTextBytes);
-  if (!text) return failure(text.error());
-  return tables_from(text->view(), path, robot);
+Result<IkTables> load_ik_tables(const std::string& path) {
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  return parse_ik_tables(text.view(), path);
 }
 
-int leave_out_bones(IkTables& tables, std::span<const std::string> bones) {
-  std::size_t dropped = 0;
-  for (IkTable& table : tables.tables) {
-    dropped += std::erase_if(table.rows, [&](const IkRow& row) {
-      return std::ranges::find(bones, row.bone) != bones.end();
-    });
-  }
-  return static_cast<int>(dropped);
-}
-
-Result<void> check_ik_tables(const IkTables& tables, const Robot& robot) {
+Result<ResolvedMapping> resolve_mapping(const IkTables& tables, const Robot& robot) {
   Faults faults;
-  check_tables(tables, robot, faults);
+  auto mapping = Resolver(tables, robot, faults).resolve();
   if (!faults.empty()) return faults.failure_in(tables.file, "the mapping");
-  return {};
+  return mapping;
+}
+
+Result<ResolvedMapping> load_mapping(const std::string& path, const Robot& robot) {
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  return read_text(text.view(), path, [&](const IkTables& tables, Faults& faults) {
+    return Resolver(tables, robot, faults).resolve();
+  });
+}
+
+const MappedTask* ResolvedMapping::find_task(Bone bone) const {
+  const MappedTask* found = nullptr;
+  for (const Table& table : tables) {
+    for (const MappedTask& task : table.tasks) {
+      if (task.bone != bone) continue;
+      if (task.has_weight()) return &task;
+      if (found == nullptr) found = &task;
+    }
+  }
+  return found;
+}
+
+int ResolvedMapping::body_of(Bone bone) const {
+  const MappedTask* const task = find_task(bone);
+  return task == nullptr ? -1 : task->body;
+}
+
+Result<int> leave_out_bones(ResolvedMapping& mapping, std::span<const Bone> bones) {
+  std::size_t dropped = 0;
+  bool any_task = false;
+  for (auto& [used, tasks] : mapping.tables) {
+    dropped += std::erase_if(tasks, [&](const MappedTask& task) {
+      return std::ranges::find(bones, task.bone) != bones.end();
+    });
+    any_task = any_task || (used && std::ranges::any_of(tasks, &MappedTask::has_weight));
+  }
+  if (!any_task) return config_failure(mapping.file, kNoTask);
+  return static_cast<int>(dropped);
 }
 
 }  // namespace retarget

@@ -6,32 +6,33 @@
 #include <string>
 #include <vector>
 
+#include "base/try.h"
 #include "pipeline/body_path.h"
 
 namespace retarget {
 namespace {
 
-constexpr std::array<const char*, 2> kSides = {"Left", "Right"};
+using enum LimbBone;
 
-// a limb of one side: the bones that it consists of, the bodies that follow them
-struct LimbBones {
-  std::array<std::string, 3> bones;  // upper, lower, end
-  std::array<std::string, 3> other;  // names that the mapping may use instead
+// a limb of one side: the bones that it consists of, and what the mapping may use instead
+struct MeasuredLimb {
+  std::array<Bone, 3> bones, other;  // upper, lower, end
 };
 
-LimbBones leg_bones(const std::string& side) {
-  return {{side + "UpLeg", side + "Leg", side + "FootMod"},
-          {side + "UpLeg", side + "Leg", side + "Foot"}};
+MeasuredLimb leg_of(Side side) {
+  const Bone upper = side_bone(side, kUpLeg), lower = side_bone(side, kLeg);
+  return {{upper, lower, side_bone(side, kFootMod)}, {upper, lower, side_bone(side, kFoot)}};
 }
 
-LimbBones arm_bones(const std::string& side) {
-  return {{side + "Arm", side + "ForeArm", side + "Hand"},
-          {side + "Arm", side + "ForeArm", side + "Hand"}};
+MeasuredLimb arm_of(Side side) {
+  const std::array bones = {side_bone(side, kArm), side_bone(side, kForeArm),
+                            side_bone(side, kHand)};
+  return {bones, bones};
 }
 
 class RobotMeasure {
  public:
-  RobotMeasure(const Robot& robot, const IkTables& tables)
+  RobotMeasure(const Robot& robot, const ResolvedMapping& tables)
       : robot_(robot), tables_(tables), world_from_body_(robot.bodies().size()) {
     forward_kinematics(robot, robot.zero_configuration(), world_from_body_);
   }
@@ -54,26 +55,20 @@ class RobotMeasure {
     double length = 0.0;
   };
 
-  [[nodiscard]] std::optional<int> body_of(const std::string& bone) const;
-  [[nodiscard]] Result<Chain> chain(const LimbBones& limb, std::size_t bones) const;
-  [[nodiscard]] Result<Pair> measure_pair(const std::array<LimbBones, 2>& limbs,
+  [[nodiscard]] Result<Chain> chain(const MeasuredLimb& limb, std::size_t bones) const;
+  [[nodiscard]] Result<Pair> measure_pair(const std::array<MeasuredLimb, 2>& limbs,
                                           std::size_t bones = 3);
   [[nodiscard]] Eigen::Vector3d centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                  std::size_t end) const;
-  void note(const std::string& bone, const Eigen::Vector3d& centre);
+  void note(Bone bone, const Eigen::Vector3d& centre);
   void find_ankle_height();
 
   const Robot& robot_;
-  const IkTables& tables_;
+  const ResolvedMapping& tables_;
   std::vector<Pose> world_from_body_;
   RobotLimbs limbs_;
   std::vector<double> ankles_;  // heights
 };
-
-std::optional<int> RobotMeasure::body_of(const std::string& bone) const {
-  const IkRow* const row = tables_.find_row(bone);
-  return row == nullptr ? std::nullopt : robot_.find_body(row->body);
-}
 
 // where the axes of the joints on a part of a path come nearest to each other; without joints the
 // origin of the body before which they would be
@@ -103,29 +98,32 @@ Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std
 
 // robots without wrists often have no hand that follows anything
 bool RobotMeasure::has_forearms() const {
-  return std::ranges::any_of(
-      kSides, [&](const std::string& side) { return body_of(side + "Hand").has_value(); });
+  return tables_.body_of(Bone::kLeftHand) >= 0 || tables_.body_of(Bone::kRightHand) >= 0;
+}
+
+std::string text_of(Bone bone) {
+  return std::string(bone_name(bone));
 }
 
 // @param bones  of the limb: three, or two where it ends with the lower bone's joint
-Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb, std::size_t bones) const {
+Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::size_t bones) const {
   std::array<int, 3> bodies{};
   for (std::size_t i = 0; i < bones; ++i) {
-    auto body = body_of(limb.bones[i]);
-    if (!body) body = body_of(limb.other[i]);
-    if (!body) {
-      return config_failure(tables_.file,
-                            "no body follows " + limb.other[i] + ": limbs cannot be measured",
-                            kOtherScaleHint);
+    bodies[i] = tables_.body_of(limb.bones[i]);
+    if (bodies[i] < 0) bodies[i] = tables_.body_of(limb.other[i]);
+    if (bodies[i] < 0) {
+      return config_failure(
+          tables_.file, "no body follows " + text_of(limb.other[i]) + ": limbs cannot be measured",
+          kOtherScaleHint);
     }
-    bodies[i] = *body;
   }
   Chain chain{path_to(robot_, bodies[bones - 1]), 0};
   const auto lower = std::ranges::find(chain.path, bodies[1]);
   if (lower == chain.path.end() || std::find(chain.path.begin(), lower, bodies[0]) == lower) {
     return config_failure(tables_.file,
-                          "the bodies of " + limb.bones[0] + ", " + limb.bones[1] + " and " +
-                              limb.other[2] + " do not follow each other: limbs cannot be measured",
+                          "the bodies of " + text_of(limb.bones[0]) + ", " +
+                              text_of(limb.bones[1]) + " and " + text_of(limb.other[2]) +
+                              " do not follow each other: limbs cannot be measured",
                           kOtherScaleHint);
   }
   chain.lower = static_cast<std::size_t>(lower - chain.path.begin());
@@ -133,21 +131,19 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const LimbBones& limb, std::size
 }
 
 // where a bone's joint lies in the body that follows the bone
-void RobotMeasure::note(const std::string& bone, const Eigen::Vector3d& centre) {
-  const auto body = body_of(bone);
-  if (!body) return;
-  const Pose& world_from_body = world_from_body_[*body];
-  limbs_.body_from_joint[find_bone(bone).value()] =
+void RobotMeasure::note(Bone bone, const Eigen::Vector3d& centre) {
+  const int body = tables_.body_of(bone);
+  if (body < 0) return;
+  const Pose& world_from_body = world_from_body_[body];
+  limbs_.body_from_joint[bone] =
       world_from_body.rotation.conjugate() * (centre - world_from_body.translation);
 }
 
-Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<LimbBones, 2>& limbs,
+Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredLimb, 2>& limbs,
                                                       std::size_t bones) {
   std::array<Chain, 2> chains;
   for (std::size_t side = 0; side < 2; ++side) {
-    auto found = chain(limbs[side], bones);
-    if (!found) return failure(found.error());
-    chains[side] = std::move(*found);
+    TRY_ASSIGN(chains[side], chain(limbs[side], bones));
   }
   std::size_t common = 0;
   while (common < std::min(chains[0].lower, chains[1].lower) &&
@@ -189,28 +185,25 @@ void RobotMeasure::find_ankle_height() {
 }
 
 Result<double> RobotMeasure::measure_leg() {
-  const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
-  if (!legs) return failure(legs.error());
-  if (!(legs->length > 0.0)) {
+  TRY_ASSIGN(const Pair legs, measure_pair({leg_of(Side::kLeft), leg_of(Side::kRight)}));
+  if (!(legs.length > 0.0)) {
     return config_failure(tables_.file, "a leg of the robot has no length", kOtherScaleHint);
   }
-  return legs->length;
+  return legs.length;
 }
 
 Result<RobotLimbs> RobotMeasure::measure() {
-  const auto legs = measure_pair({leg_bones(kSides[0]), leg_bones(kSides[1])});
-  if (!legs) return failure(legs.error());
+  TRY_ASSIGN(const Pair legs, measure_pair({leg_of(Side::kLeft), leg_of(Side::kRight)}));
   find_ankle_height();
   limbs_.forearms = has_forearms();
-  const auto arms =
-      measure_pair({arm_bones(kSides[0]), arm_bones(kSides[1])}, limbs_.forearms ? 3 : 2);
-  if (!arms) return failure(arms.error());
-  note("Hips", legs->middle);
-  limbs_.hip_centre = legs->middle;
-  limbs_.shoulder_centre = arms->middle;
-  limbs_.hip_line = legs->across;
-  limbs_.shoulder_line = arms->across;
-  limbs_.lengths = {legs->length, arms->length, (arms->middle - legs->middle).norm()};
+  TRY_ASSIGN(const Pair arms,
+             measure_pair({arm_of(Side::kLeft), arm_of(Side::kRight)}, limbs_.forearms ? 3 : 2));
+  note(Bone::kHips, legs.middle);
+  limbs_.hip_centre = legs.middle;
+  limbs_.shoulder_centre = arms.middle;
+  limbs_.hip_line = legs.across;
+  limbs_.shoulder_line = arms.across;
+  limbs_.lengths = {legs.length, arms.length, (arms.middle - legs.middle).norm()};
   const auto& [leg, arm, trunk] = limbs_.lengths;
   if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {
     return config_failure(tables_.file, "a limb of the robot has no length", kOtherScaleHint);
@@ -220,46 +213,39 @@ Result<RobotLimbs> RobotMeasure::measure() {
 
 }  // namespace
 
-std::array<int, 13> limb_bones() {
-  std::array<int, 13> bones{find_bone("Hips").value()};
-  std::size_t next = 1;
-  for (const std::string side : kSides) {
-    for (const char* part : {"UpLeg", "Leg", "Foot", "Arm", "ForeArm", "Hand"}) {
-      bones[next++] = find_bone(side + part).value();
-    }
-  }
-  return bones;
-}
-
-LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone, bool forearms) {
-  const auto at = [&](const std::string& bone) -> const Eigen::Vector3d& {
-    return world_from_bone[find_bone(bone).value()].translation;
+LimbLengths human_limb_lengths(const HumanPose& world_from_bone, bool forearms) {
+  const auto at = [&](Bone bone) -> const Eigen::Vector3d& {
+    return world_from_bone[bone].translation;
   };
-  const auto way = [&](std::initializer_list<std::string> bones) {
+  const auto way = [&](std::initializer_list<Bone> bones) {
     double sum = 0.0;
-    for (auto bone = bones.begin(); bone + 1 != bones.end(); ++bone) {
+    for (const Bone* bone = bones.begin(); bone + 1 != bones.end(); ++bone) {
       sum += (at(bone[1]) - at(*bone)).norm();
     }
     return sum;
   };
   LimbLengths lengths;
-  for (const std::string side : kSides) {
-    lengths.leg += 0.5 * way({side + "UpLeg", side + "Leg", side + "Foot"});
-    lengths.arm += 0.5 * (forearms ? way({side + "Arm", side + "ForeArm", side + "Hand"})
-                                   : way({side + "Arm", side + "ForeArm"}));
+  for (const Side side : kSides) {
+    lengths.leg +=
+        0.5 * way({side_bone(side, kUpLeg), side_bone(side, kLeg), side_bone(side, kFoot)});
+    lengths.arm +=
+        0.5 * (forearms
+                   ? way({side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kHand)})
+                   : way({side_bone(side, kArm), side_bone(side, kForeArm)}));
   }
-  const Eigen::Vector3d hips = 0.5 * (at("LeftUpLeg") + at("RightUpLeg"));
-  const Eigen::Vector3d shoulders = 0.5 * (at("LeftArm") + at("RightArm"));
-  lengths.trunk = (at("Spine") - hips).norm() + way({"Spine", "Spine1", "Spine2"}) +
-                  (shoulders - at("Spine2")).norm();
+  const Eigen::Vector3d hips = 0.5 * (at(Bone::kLeftUpLeg) + at(Bone::kRightUpLeg));
+  const Eigen::Vector3d shoulders = 0.5 * (at(Bone::kLeftArm) + at(Bone::kRightArm));
+  lengths.trunk = (at(Bone::kSpine) - hips).norm() +
+                  way({Bone::kSpine, Bone::kSpine1, Bone::kSpine2}) +
+                  (shoulders - at(Bone::kSpine2)).norm();
   return lengths;
 }
 
-Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables) {
+Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedMapping& tables) {
   return RobotMeasure(robot, tables).measure();
 }
 
-Result<double> robot_leg_length(const Robot& robot, const IkTables& tables) {
+Result<double> robot_leg_length(const Robot& robot, const ResolvedMapping& tables) {
   return RobotMeasure(robot, tables).measure_leg();
 }
 

@@ -3,13 +3,10 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <span>
 
 #include "base/option_name.h"
-#include "human/bones.h"
-#include "pipeline/ik_tables.h"
 #include "retarget/error.h"
-#include "retarget/pose.h"
+#include "retarget/ik_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -23,14 +20,11 @@ struct LimbLengths {
 
 /// A robot's limbs as its tree and a mapping tell them.
 struct RobotLimbs {
-  /// Vectors of Eigen are not zero by themselves, not even in braces.
-  RobotLimbs() { body_from_joint.fill(Eigen::Vector3d::Zero()); }
-
   LimbLengths lengths;
   bool forearms = true;  ///< False: nothing follows the hands, lengths.arm ends at the elbows.
   /// Where the joint that a bone begins at lies in the frame of the body that follows the bone,
   /// metres; of Hips the middle of the hips. Zero for the bones outside legs and arms.
-  std::array<Eigen::Vector3d, kBoneCount> body_from_joint;
+  BoneArray<Eigen::Vector3d> body_from_joint{Eigen::Vector3d(Eigen::Vector3d::Zero())};
   /// Of the ankles over the soles in the zero configuration, metres; nothing without soles.
   std::optional<double> ankle_height;
   /// In the zero configuration, metres, world: the middles of both hips and both shoulders, and the
@@ -44,13 +38,16 @@ struct RobotLimbs {
 /// What a user can do whose human or robot has no limbs to measure.
 inline constexpr const char* kOtherScaleHint = "scale with " OPTION("scale") " table or height";
 
-/// The bones without which a human's limbs cannot be measured, indices into kBoneNames.
-[[nodiscard]] std::array<int, 13> limb_bones();
+/// The bones without which a human's limbs cannot be measured.
+inline constexpr std::array kMeasuredBones = {
+    Bone::kHips,        Bone::kLeftUpLeg,    Bone::kLeftLeg,    Bone::kLeftFoot, Bone::kLeftArm,
+    Bone::kLeftForeArm, Bone::kLeftHand,     Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot,
+    Bone::kRightArm,    Bone::kRightForeArm, Bone::kRightHand};
 
 /// Lengths of a human, from the bones of one frame; the trunk's is summed along the spine.
-/// @param world_from_bone  kBoneCount poses, metres; those of limb_bones() and the spine count.
+/// @param world_from_bone  those of kMeasuredBones and the spine count.
 /// @param forearms         whether arms go beyond the elbow, as RobotLimbs::forearms has it.
-[[nodiscard]] LimbLengths human_limb_lengths(std::span<const Pose> world_from_bone,
+[[nodiscard]] LimbLengths human_limb_lengths(const HumanPose& world_from_bone,
                                              bool forearms = true);
 
 /// Measures a robot in its zero configuration.
@@ -64,9 +61,9 @@ inline constexpr const char* kOtherScaleHint = "scale with " OPTION("scale") " t
 ///
 /// kConfig error: the mapping has no body for one of these, they do not follow each other, or a
 /// limb has no length.
-[[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const IkTables& tables);
+[[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedMapping& tables);
 
 /// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.
-[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const IkTables& tables);
+[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const ResolvedMapping& tables);
 
 }  // namespace retarget

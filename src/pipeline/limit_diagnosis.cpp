@@ -99,7 +99,7 @@ class PushSum {
 
   // the strongest of the parts, as means
   [[nodiscard]] std::optional<LimitPush> strongest(const Candidate& candidate,
-                                                   const std::vector<int>& bones) const {
+                                                   const std::vector<Bone>& bones) const {
     std::optional<LimitPush> strongest;
     for (std::size_t t = 0; t < pass_.size(); ++t) {
       for (const int part : {0, 1}) {
@@ -165,7 +165,7 @@ void find_passes(const std::vector<PushSum>& sums, std::vector<Candidate>& candi
 
 }  // namespace
 
-std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables& tables,
+std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const ResolvedMapping& tables,
                                            const TargetBuilder& targets,
                                            const HumanPoseSource& poses, const LimitSet& limits,
                                            double least_share) {
@@ -176,7 +176,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
   std::vector<PushSum> sums;
   for (const IkPass& pass : problem->passes) sums.emplace_back(robot, pass);
   find_passes(sums, candidates);
-  std::vector<Pose> world_from_bone(kBoneCount);
+  HumanPose world_from_bone;
   std::vector<Pose> world_from_target(targets.target_count());
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
@@ -193,7 +193,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
       sums[candidate.pass].add(candidate, world_from_target);
     }
   }
-  const std::vector<int> bones = targets.bones();
+  const std::vector<Bone> bones = targets.bones();
   std::vector<JointAtLimit> result;
   for (Candidate& candidate : candidates) {
     candidate.found.push = sums[candidate.pass].strongest(candidate, bones);
@@ -205,11 +205,12 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const IkTables
 }
 
 std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
-                                           const HumanMapping& mapping, const IkTables& tables,
-                                           HeightScale scale, TrunkRule trunk,
-                                           const LimitSet& limits, double least_share) {
+                                           const HumanMapping& mapping,
+                                           const ResolvedMapping& tables, HeightScale scale,
+                                           TrunkRule trunk, const LimitSet& limits,
+                                           double least_share) {
   HumanPoser poser(clip, mapping);
-  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
+  const HumanPoseSource poses = [&](int frame, HumanPose& world_from_bone) {
     poser.pose(frame, world_from_bone);
   };
   const auto targets =

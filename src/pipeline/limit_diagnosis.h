@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "human/human_clip.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/targets.h"
+#include "retarget/ik_config.h"
 #include "retarget/motion.h"
 #include "retarget/robot.h"
 
@@ -15,12 +15,12 @@ namespace retarget {
 
 /// What pushes a joint against its limit: the position or the rotation of one task.
 struct LimitPush {
-  int body = 0;            ///< The task's body, an index into Robot::bodies().
-  int bone = 0;            ///< The bone it follows, an index into kBoneNames.
-  bool rotation = false;   ///< The task's rotation; else its position.
-  double strength = 0.0;   ///< Half the part's squared weighted error falls by so much per rad (m)
-                           ///< beyond the limit; mean over the frames at the limit, above 0.
-  double shortfall = 0.0;  ///< The part's error without weight, rad or m; mean over those frames.
+  int body = 0;             ///< The task's body, an index into Robot::bodies().
+  Bone bone = Bone::kHips;  ///< The bone it follows.
+  bool rotation = false;    ///< The task's rotation; else its position.
+  double strength = 0.0;    ///< Half the part's squared weighted error falls by so much per rad (m)
+                            ///< beyond the limit; mean over the frames at the limit, above 0.
+  double shortfall = 0.0;   ///< The part's error without weight, rad or m; mean over those frames.
 };
 
 /// A joint that is at one of its limits in many frames, and why.
@@ -46,21 +46,17 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
 /// A push is the derivative of a task's part of the objective,
 ///   1/2 w_p^2 |e_v|^2 or 1/2 w_r^2 |w|^2 with e = log(T_body^-1 T_target) = [e_v; w],
 /// along the joint, summed over the frames at that limit.
-/// @param tables   checked by check_ik_tables.
 /// @param targets  made from these tables.
-/// @param poses    fills the kBoneCount world poses of a frame; called for frames at a limit alone,
-///                 in ascending order.
+/// @param poses    called for frames at a limit alone, in ascending order.
 /// @param limits   the ones that the clip was solved under.
 [[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
-    const RobotClip& clip, const IkTables& tables, const TargetBuilder& targets,
+    const RobotClip& clip, const ResolvedMapping& tables, const TargetBuilder& targets,
     const HumanPoseSource& poses, const LimitSet& limits, double least_share);
 
 /// The same for a clip that was solved from a clip under a mapping.
-[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip,
-                                                         const Clip& clip,
-                                                         const HumanMapping& mapping,
-                                                         const IkTables& tables, HeightScale scale,
-                                                         TrunkRule trunk, const LimitSet& limits,
-                                                         double least_share);
+[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
+    const RobotClip& robot_clip, const Clip& clip, const HumanMapping& mapping,
+    const ResolvedMapping& tables, HeightScale scale, TrunkRule trunk, const LimitSet& limits,
+    double least_share);
 
 }  // namespace retarget

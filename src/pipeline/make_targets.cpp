@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/suggest.h"
+#include "base/try.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/targets.h"
 
@@ -14,8 +15,8 @@ namespace {
 Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
                          const std::string& clip_name, const std::string& mapping) {
   std::vector<std::string> missing, present;
-  for (const int bone : targets.bones()) {
-    if (!human.has(bone)) missing.emplace_back(kBoneNames[bone]);
+  for (const Bone bone : targets.bones()) {
+    if (!human.has(bone)) missing.emplace_back(bone_name(bone));
   }
   if (missing.empty()) return {};
   return input_failure(clip_name,
@@ -27,13 +28,13 @@ Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& target
 
 Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
                                    const std::string& clip_name, bool forearms) {
-  for (const int bone : limb_bones()) {
+  for (const Bone bone : kMeasuredBones) {
     if (human.has(bone)) continue;
     return input_failure(
-        clip_name, "limbs cannot be measured: no joint stands for " + std::string(kBoneNames[bone]),
+        clip_name, "limbs cannot be measured: no joint stands for " + std::string(bone_name(bone)),
         kOtherScaleHint);
   }
-  std::vector<Pose> world_from_bone(kBoneCount);
+  HumanPose world_from_bone;
   poses(0, world_from_bone);
   const LimbLengths lengths = human_limb_lengths(world_from_bone, forearms);
   if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
@@ -41,10 +42,10 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
 }
 
 std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                       const Robot& robot, const IkTables& tables,
+                                       const Robot& robot, const ResolvedMapping& tables,
                                        const RobotLimbs& limbs, const LimitSet& limits) {
   auto trunk = robot_trunk(robot, tables, limbs, limits);
-  const IkRow* const hips = tables.find_row("Hips");
+  const MappedTask* const hips = tables.find_task(Bone::kHips);
   if (!trunk || hips == nullptr) return std::nullopt;
   return TrunkAim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
 }
@@ -53,21 +54,17 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
                                    const std::string& clip_name, const Robot& robot,
-                                   const IkTables& tables, HeightScale scale, TrunkRule trunk,
-                                   const LimitSet* limits) {
+                                   const ResolvedMapping& tables, HeightScale scale,
+                                   TrunkRule trunk, const LimitSet* limits) {
   const double height = scale == HeightScale::kPublished ? human.height : human.size;
   TargetBuilder targets(tables, height, scale);
-  if (auto checked = check_bones(human, targets, clip_name, tables.file); !checked) {
-    return failure(checked.error());
-  }
+  TRY(check_bones(human, targets, clip_name, tables.file));
   if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
-  const auto limbs = robot_limbs(robot, tables);
-  if (!limbs) return failure(limbs.error());
-  const auto body = measured_human(human, poses, clip_name, limbs->forearms);
-  if (!body) return failure(body.error());
-  return TargetBuilder(tables, *limbs, *body,
+  TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, tables));
+  TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, clip_name, limbs.forearms));
+  return TargetBuilder(tables, limbs, body,
                        trunk == TrunkRule::kLines
-                           ? make_trunk_aim(human, poses, robot, tables, *limbs,
+                           ? make_trunk_aim(human, poses, robot, tables, limbs,
                                             limits == nullptr ? robot.model_limits() : *limits)
                            : std::nullopt);
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/suggest.h"
+#include "base/try.h"
 #include "math/trigonometry.h"
 #include "pipeline/strayed_arms.h"
 #include "pipeline/target_stream.h"
@@ -36,19 +36,19 @@ void keep_quaternion_sign(std::span<const double> before, std::span<double> now)
 class ClipSolver {
  public:
   ClipSolver(const std::string& clip_name, const std::shared_ptr<const Robot>& robot,
-             const IkTables& tables, const LimitSet& limits, const RetargetOptions& options)
+             const ResolvedMapping& tables, const LimitSet& limits, const RetargetOptions& options)
       : clip_name_(clip_name), robot_(robot), tables_(tables), limits_(limits), options_(options) {}
 
   Result<RetargetResult> solve(const HumanClipInfo& human, HumanPoseSource poses);
+  /// @param next  the targets of each frame, one after the other.
+  Result<RetargetResult> solve(const TargetBuilder& targets, const FrameRate& rate, int frames,
+                               const std::function<std::span<const Pose>()>& next);
 
  private:
-  void place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target);
-  [[nodiscard]] bool starts_anew(int frame, const TargetBuilder& targets,
-                                 std::span<const Pose> world_from_target);
-  Result<bool> settle_from_starts(int frame, const TargetBuilder& targets,
-                                  std::span<const Pose> world_from_target);
-  Result<void> find_way(int frame, const TargetBuilder& targets,
-                        std::span<const Pose> world_from_target, RetargetResult& result);
+  void place_root(std::span<const Pose> world_from_target);
+  [[nodiscard]] bool starts_anew(int frame, std::span<const Pose> world_from_target);
+  Result<bool> settle_from_starts(int frame, std::span<const Pose> world_from_target);
+  Result<void> find_way(int frame, std::span<const Pose> world_from_target, RetargetResult& result);
   Result<double> settle(int frame, std::span<const Pose> world_from_target);
   [[nodiscard]] std::vector<std::vector<double>> starts() const;
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error);
@@ -59,7 +59,7 @@ class ClipSolver {
 
   const std::string& clip_name_;
   const std::shared_ptr<const Robot>& robot_;
-  const IkTables& tables_;
+  const ResolvedMapping& tables_;
   const LimitSet& limits_;
   const RetargetOptions& options_;
   std::unique_ptr<IkSolver> solver_;
@@ -81,13 +81,16 @@ class ClipSolver {
 };
 
 Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSource poses) {
-  if (auto checked = check_ik_tables(tables_, *robot_); !checked) {
-    return failure(checked.error());
-  }
-  const auto made = make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale,
-                                 options_.trunk, options_.waist_limits);
-  if (!made) return failure(made.error());
-  const TargetBuilder& targets = *made;
+  TRY_ASSIGN(const TargetBuilder targets,
+             make_targets(human, poses, clip_name_, *robot_, tables_, options_.height_scale,
+                          options_.trunk, options_.waist_limits));
+  TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
+  return solve(targets, human.rate, human.frame_count, [&stream] { return stream.next(); });
+}
+
+Result<RetargetResult> ClipSolver::solve(const TargetBuilder& targets, const FrameRate& rate,
+                                         int frames,
+                                         const std::function<std::span<const Pose>()>& next) {
   const auto problem = make_problem(robot_, tables_, targets, limits_);
   passes_ = static_cast<int>(problem->passes.size());
   solver_ = options_.engine == IkEngine::kFast ? make_fast_solver(problem, options_.ik)
@@ -95,8 +98,8 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
   qpos_ = robot_->zero_configuration();
 
   RetargetResult result;
-  frame_time_ = human.rate.frame_time();
-  result.clip = RobotClip(robot_, human.rate, human.frame_count);
+  frame_time_ = rate.frame_time();
+  result.clip = RobotClip(robot_, rate, frames);
   StrayedArms strayed(*problem, targets);
   constexpr double kWayBack = 2.0;  // seconds
   kept_ = 1;
@@ -104,39 +107,27 @@ Result<RetargetResult> ClipSolver::solve(const HumanClipInfo& human, HumanPoseSo
     kept_ = std::clamp(static_cast<int>(kWayBack / frame_time_), 1, 1000);
   }
   recent_.resize(static_cast<std::size_t>(kept_));
-  TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
-  for (int frame = 0; frame < human.frame_count; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     if (options_.keep_going && !options_.keep_going(frame)) return interrupted_failure();
-    const std::span<const Pose> world_from_target = stream.next();
-    if (options_.settle && starts_anew(frame, targets, world_from_target)) {
+    const std::span<const Pose> world_from_target = next();
+    if (options_.settle && starts_anew(frame, world_from_target)) {
       new_way_ = frame;
-      if (auto settled = settle_from_starts(frame, targets, world_from_target); !settled) {
-        return failure(settled.error());
-      }
+      TRY(settle_from_starts(frame, world_from_target));
     }
-    if (auto solved = solve_frame(frame, world_from_target, result); !solved) {
-      return failure(solved.error());
-    }
+    TRY(solve_frame(frame, world_from_target, result));
     if (options_.settle && strayed.seen(qpos_, world_from_target)) {
-      if (auto found = find_way(frame, targets, world_from_target, result); !found) {
-        return failure(found.error());
-      }
+      TRY(find_way(frame, world_from_target, result));
     }
     if (frame + 1 >= kept_) tell(frame + 1 - kept_, result);
   }
-  for (int frame = std::max(0, human.frame_count + 1 - kept_); frame < human.frame_count; ++frame) {
-    tell(frame, result);
-  }
-  if (human.frame_count > 0) result.mean_error /= human.frame_count;
+  for (int frame = std::max(0, frames + 1 - kept_); frame < frames; ++frame) tell(frame, result);
+  if (frames > 0) result.mean_error /= frames;
   return result;
 }
 
 // the robot's root where the mapping wants it
-void ClipSolver::place_root(const TargetBuilder& targets, std::span<const Pose> world_from_target) {
-  const auto bone = find_bone(tables_.human_root);
-  const int target = bone ? targets.target_of(*bone) : -1;
-  if (target < 0) return;
-  const Pose& pose = world_from_target[static_cast<std::size_t>(target)];
+void ClipSolver::place_root(std::span<const Pose> world_from_target) {
+  const Pose& pose = world_from_target.front();
   if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) return;
   std::ranges::copy(pose.translation, qpos_.begin());
   const Eigen::Quaterniond rotation = pose.rotation.normalized();
@@ -165,15 +156,11 @@ std::vector<std::vector<double>> ClipSolver::starts() const {
 // Whether this is the first frame, or the root's target has turned farther since the frame before
 // than bodies turn. From there the steps lead astray: the trunk is wound up until it is at its
 // limits, and stays there.
-bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
-                             std::span<const Pose> world_from_target) {
+bool ClipSolver::starts_anew(int frame, std::span<const Pose> world_from_target) {
   constexpr double kFarthestTurn = 1.0471975511965976;  // 60 degrees
   constexpr double kFastestTurn = 20.0;                 // rad/s
-  const auto bone = find_bone(tables_.human_root);
-  const int target = bone ? targets.target_of(*bone) : -1;
-  if (target < 0) return frame == 0;
   const Eigen::Quaterniond before = root_target_;
-  root_target_ = world_from_target[static_cast<std::size_t>(target)].rotation.normalized();
+  root_target_ = world_from_target.front().rotation.normalized();
   const Eigen::Quaterniond step = before.conjugate() * root_target_;
   const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w()));
   return frame == 0 || turn > std::max(kFarthestTurn, kFastestTurn * frame_time_);
@@ -182,8 +169,7 @@ bool ClipSolver::starts_anew(int frame, const TargetBuilder& targets,
 // Solves a frame from several configurations and takes the best: on the way from a single one a
 // limb may run into its limits and stay there. After the first frame the one before is the first of
 // them. True: another one was clearly better.
-Result<bool> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targets,
-                                            std::span<const Pose> world_from_target) {
+Result<bool> ClipSolver::settle_from_starts(int frame, std::span<const Pose> world_from_target) {
   constexpr double kClearlyBetter = 0.95;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> best;
@@ -192,11 +178,10 @@ Result<bool> ClipSolver::settle_from_starts(int frame, const TargetBuilder& targ
   if (frame > 0) all.insert(all.begin(), qpos_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     qpos_ = std::move(all[i]);
-    place_root(targets, world_from_target);
-    const auto error = settle(frame, world_from_target);
-    if (!error) return failure(error.error());
-    if (*error < kClearlyBetter * least) {
-      least = *error;
+    place_root(world_from_target);
+    TRY_ASSIGN(const double error, settle(frame, world_from_target));
+    if (error < kClearlyBetter * least) {
+      least = error;
       best = qpos_;
       other = i > 0;
     }
@@ -212,8 +197,7 @@ Result<double> ClipSolver::settle(int frame, std::span<const Pose> world_from_ta
   double error = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<double> before = qpos_;
-    const auto solved = solve_passes(frame, world_from_target, error);
-    if (!solved) return failure(solved.error());
+    TRY(solve_passes(frame, world_from_target, error));
     double change = 0.0;
     for (std::size_t i = 0; i < qpos_.size(); ++i) {
       change = std::max(change, std::abs(qpos_[i] - before[i]));
@@ -247,8 +231,7 @@ Result<int> ClipSolver::solve_passes(int frame, std::span<const Pose> world_from
 Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from_target,
                                      RetargetResult& result) {
   double error = 0.0;
-  const auto steps = solve_passes(frame, world_from_target, error);
-  if (!steps) return failure(steps.error());
+  TRY_ASSIGN(const int steps, solve_passes(frame, world_from_target, error));
   result.mean_error += error;
   if (options_.settle) {
     recent(frame).error = error;
@@ -256,8 +239,8 @@ Result<void> ClipSolver::solve_frame(int frame, std::span<const Pose> world_from
   }
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
-  result.steps += *steps;
-  result.most_steps = std::max(result.most_steps, *steps);
+  result.steps += steps;
+  result.most_steps = std::max(result.most_steps, steps);
   return {};
 }
 
@@ -265,31 +248,28 @@ constexpr double kBetterWay = 0.98;  // of the error that the other way leaves
 
 // Looks for another configuration for a frame that is solved. A better one counts, and for the frames
 // before as well, as far back as it is better.
-Result<void> ClipSolver::find_way(int frame, const TargetBuilder& targets,
-                                  std::span<const Pose> world_from_target, RetargetResult& result) {
+Result<void> ClipSolver::find_way(int frame, std::span<const Pose> world_from_target,
+                                  RetargetResult& result) {
   const std::vector<double> before = qpos_;
-  const auto other = settle_from_starts(frame, targets, world_from_target);
-  if (!other) return failure(other.error());
-  if (!*other) {
+  TRY_ASSIGN(const bool other, settle_from_starts(frame, world_from_target));
+  if (!other) {
     qpos_ = before;
     return {};
   }
   double error = 0.0;
-  const auto steps = solve_passes(frame, world_from_target, error);
-  if (!steps) return failure(steps.error());
+  TRY_ASSIGN(const int steps, solve_passes(frame, world_from_target, error));
   double& known = recent(frame).error;
   if (!(error < kBetterWay * known)) {
     qpos_ = before;
     return {};
   }
-  result.steps += *steps;
+  result.steps += steps;
   result.mean_error += error - known;
   known = error;
   if (frame > 0) keep_quaternion_sign(result.clip.qpos(frame - 1), qpos_);
   std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
-  const auto from = solve_backwards(frame, result);
-  if (!from) return failure(from.error());
-  for (int changed = std::max(1, *from); changed <= frame; ++changed) {
+  TRY_ASSIGN(const int from, solve_backwards(frame, result));
+  for (int changed = std::max(1, from); changed <= frame; ++changed) {
     keep_quaternion_sign(result.clip.qpos(changed - 1), result.clip.qpos(changed));
   }
   std::ranges::copy(result.clip.qpos(frame), qpos_.begin());
@@ -302,11 +282,10 @@ Result<int> ClipSolver::solve_backwards(int from, RetargetResult& result) {
   int frame = from - 1;
   for (; frame > std::max(new_way_, from - kept_); --frame) {
     double error = 0.0;
-    const auto steps = solve_passes(frame, recent(frame).world_from_target, error);
-    if (!steps) return failure(steps.error());
+    TRY_ASSIGN(const int steps, solve_passes(frame, recent(frame).world_from_target, error));
     double& known = recent(frame).error;
     if (!(error < kBetterWay * known)) break;
-    result.steps += *steps;
+    result.steps += steps;
     result.mean_error += error - known;
     known = error;
     std::ranges::copy(qpos_, result.clip.qpos(frame).begin());
@@ -321,22 +300,33 @@ void ClipSolver::tell(int frame, const RetargetResult& result) const {
 }  // namespace
 
 Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
-                                const std::shared_ptr<const Robot>& robot, const IkTables& tables,
-                                const LimitSet& limits, const RetargetOptions& options) {
-  return ClipSolver(clip_name, robot, tables, limits, options)
-      .solve(human, [&human](int frame, std::span<Pose> world_from_bone) {
-        std::ranges::copy(human.frame(frame), world_from_bone.begin());
-      });
+                                const std::shared_ptr<const Robot>& robot,
+                                const ResolvedMapping& tables, const LimitSet& limits,
+                                const RetargetOptions& options) {
+  return ClipSolver(clip_name, robot, tables, limits, options).solve(human, poses_of(human));
 }
 
 Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
                                 const std::string& clip_name,
-                                const std::shared_ptr<const Robot>& robot, const IkTables& tables,
-                                const LimitSet& limits, const RetargetOptions& options) {
+                                const std::shared_ptr<const Robot>& robot,
+                                const ResolvedMapping& tables, const LimitSet& limits,
+                                const RetargetOptions& options) {
   HumanPoser poser(clip, mapping);
   return ClipSolver(clip_name, robot, tables, limits, options)
-      .solve(poser.info(), [&poser](int frame, std::span<Pose> world_from_bone) {
+      .solve(poser.info(), [&poser](int frame, HumanPose& world_from_bone) {
         poser.pose(frame, world_from_bone);
+      });
+}
+
+Result<RetargetResult> retarget(const MadeTargets& made, const std::string& clip_name,
+                                const std::shared_ptr<const Robot>& robot,
+                                const ResolvedMapping& tables, const LimitSet& limits,
+                                const RetargetOptions& options) {
+  const auto count = static_cast<std::size_t>(made.targets.target_count());
+  const auto frames = static_cast<int>(made.world_from_target.size() / count);
+  return ClipSolver(clip_name, robot, tables, limits, options)
+      .solve(made.targets, made.rate, frames, [&made, count, frame = std::size_t{0}]() mutable {
+        return std::span(made.world_from_target).subspan(count * frame++, count);
       });
 }
 

@@ -4,12 +4,13 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "human/human_clip.h"
 #include "ik/ik_solver.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/targets.h"
 #include "retarget/error.h"
+#include "retarget/ik_config.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
@@ -50,19 +51,32 @@ struct RetargetResult {
 /// Retargets frame by frame with the published two-pass method: the first frame starts from the
 /// model's zero configuration (qpos0), every other from the frame before.
 ///
-/// Errors: a fault in the mapping, or weights that lead to values that are not finite (kConfig); a
-/// mapped bone that the clip lacks, or positions too large to compute with (kInput).
+/// Errors: weights that lead to values that are not finite (kConfig); a mapped bone that the clip
+/// lacks, or positions too large to compute with (kInput).
 /// @param clip_name  the clip's file, for messages.
 [[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
                                               const std::shared_ptr<const Robot>& robot,
-                                              const IkTables& tables, const LimitSet& limits,
+                                              const ResolvedMapping& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});
 
 /// The same for a clip under a mapping, without holding all human poses in memory.
 [[nodiscard]] Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
                                               const std::string& clip_name,
                                               const std::shared_ptr<const Robot>& robot,
-                                              const IkTables& tables, const LimitSet& limits,
+                                              const ResolvedMapping& tables, const LimitSet& limits,
+                                              const RetargetOptions& options = {});
+
+/// Targets of all frames.
+struct MadeTargets {
+  const TargetBuilder& targets;  ///< That they were made with.
+  FrameRate rate;
+  std::vector<Pose> world_from_target;  ///< Frame-major.
+};
+
+/// The same for targets that were made before; what options say of how to make them does not count.
+[[nodiscard]] Result<RetargetResult> retarget(const MadeTargets& made, const std::string& clip_name,
+                                              const std::shared_ptr<const Robot>& robot,
+                                              const ResolvedMapping& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});
 
 }  // namespace retarget

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "human/bones.h"
 #include "math/so3.h"
 
 namespace retarget {
@@ -19,8 +18,8 @@ StrayedArms::StrayedArms(const IkProblem& problem, const TargetBuilder& targets)
       world_from_body_(problem.robot->bodies().size()),
       next_wait_(kFirstWait) {
   if (problem.passes.empty()) return;
-  for (const char* bone : {"LeftArm", "RightArm"}) {
-    const int target = targets.target_of(find_bone(bone).value());
+  for (const Bone bone : {Bone::kLeftArm, Bone::kRightArm}) {
+    const int target = targets.target_of(bone);
     for (const FrameTask& task : problem.passes.back()) {
       if (target >= 0 && task.target == target && task.rotation_weight > 0.0) {
         arms_.push_back(task);

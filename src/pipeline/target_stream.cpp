@@ -11,7 +11,6 @@ TargetStream::TargetStream(int frame_count, HumanPoseSource human, const TargetB
     : frame_count_(frame_count),
       human_(std::move(human)),
       targets_(targets),
-      world_from_bone_(kBoneCount),
       ring_(static_cast<std::size_t>(kChunkFrames * kChunks) * targets.target_count()) {
   if (!ahead || frame_count <= kChunkFrames) return;
   try {

@@ -41,7 +41,7 @@ class TargetStream {
   const int frame_count_;
   const HumanPoseSource human_;
   const TargetBuilder& targets_;
-  std::vector<Pose> world_from_bone_;
+  HumanPose world_from_bone_;
   std::vector<Pose> ring_;  // of frames, by number modulo its length
   int frame_ = 0;           // next() gives it
 

@@ -10,32 +10,31 @@
 namespace retarget {
 namespace {
 
-constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5;
-static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
+using enum LimbBone;
 
 // from the right hip to the left one
-Eigen::Vector3d hip_line(std::span<const Pose> world_from_bone) {
-  return world_from_bone[kLeftUpLeg].translation - world_from_bone[kRightUpLeg].translation;
+Eigen::Vector3d hip_line(const HumanPose& world_from_bone) {
+  return world_from_bone[Bone::kLeftUpLeg].translation -
+         world_from_bone[Bone::kRightUpLeg].translation;
 }
 
-bool is_of_leg(std::string_view bone) {
-  return std::ranges::any_of(std::array{"Leg", "Foot", "Toe", "FootMod"},
-                             [&](const char* end) { return bone.ends_with(end); });
+bool is_of_leg(std::optional<LimbBone> part) {
+  return part == kUpLeg || part == kLeg || part == kFoot || part == kToe || part == kFootMod;
 }
 
 }  // namespace
 
-TargetBuilder::TargetBuilder(const IkTables& tables, double height, HeightScale scale) {
+TargetBuilder::TargetBuilder(const ResolvedMapping& tables, double height, HeightScale scale) {
   constexpr double kPublishedHeight = 1.75;
   const double ratio =
       scale == HeightScale::kPublished
           ? height / tables.human_height_assumption
           : kPublishedHeight / tables.human_height_assumption * (kPublishedHeight / height);
   add_rules(tables);
-  for (Rule& rule : rules_) rule.scale = *tables.find_scale(kBoneNames[rule.bone]) * ratio;
+  for (Rule& rule : rules_) rule.scale = tables.scales[rule.bone] * ratio;
 }
 
-TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
+TargetBuilder::TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& robot,
                              const LimbLengths& human, std::optional<TrunkAim> trunk)
     : by_limbs_(true),
       leg_scale_(robot.lengths.leg / human.leg),
@@ -49,45 +48,40 @@ TargetBuilder::TargetBuilder(const IkTables& tables, const RobotLimbs& robot,
   for (Rule& rule : rules_) {
     // the table's position offsets make up for its scales, which are not used here
     rule.position_offset = -ground - robot.body_from_joint[rule.bone];
-    const std::string_view name = kBoneNames[rule.bone];
-    if (is_of_leg(name)) {
+    const std::optional<LimbBone> part = limb_bone(rule.bone);
+    if (is_of_leg(part)) {
       rule.scale = leg_scale_;
-    } else if (name.ends_with("ForeArm") || name.ends_with("Hand")) {
+    } else if (part == kForeArm || part == kHand) {
       rule.scale = robot.lengths.arm / human.arm;
-      rule.pivot = find_bone(name.starts_with("Left") ? "LeftArm" : "RightArm").value();
+      rule.pivot = side_bone(side_of(rule.bone), kArm);
     } else {
       rule.scale = trunk_scale_;
     }
   }
   if (!trunk_) return;
-  const IkRow* const torso = torso_row(tables);
-  find_parts(torso == nullptr ? std::string() : torso->bone);
+  const MappedTask* const torso = torso_task(tables);
+  find_parts(torso == nullptr ? std::nullopt : std::optional(torso->bone));
 }
 
 // what each rule's body is of a body that is aimed by its lines
-void TargetBuilder::find_parts(const std::string& torso) {
+void TargetBuilder::find_parts(std::optional<Bone> torso) {
   for (Rule& rule : rules_) {
-    const std::string name(kBoneNames[rule.bone]);
-    const double sign = name.starts_with("Left") ? 1.0 : -1.0;
-    rule.of_arm = name.ends_with("Arm") || name.ends_with("Hand");
-    if (is_of_leg(name)) rule.leg_side = sign;
-    if (name == "Hips") rule.part = Part::kPelvis;
-    if (name == torso) rule.part = Part::kTorso;
-    const std::string side = name.starts_with("Left") ? "Left" : "Right";
-    for (const auto& limb :
-         {std::array{"Arm", "ForeArm", "Hand"}, std::array{"UpLeg", "Leg", "Foot"}}) {
-      const bool upper = name == side + limb[0];
-      if (!upper && name != side + limb[1]) continue;
-      rule.part = upper ? Part::kUpperLimb : Part::kLowerLimb;
-      for (std::size_t i = 0; i < limb.size(); ++i) {
-        rule.limb[i] = find_bone(side + limb[i]).value();
-      }
+    const Side side = side_of(rule.bone);
+    const std::optional<LimbBone> part = limb_bone(rule.bone);
+    rule.of_arm = part == kArm || part == kForeArm || part == kHand;
+    if (is_of_leg(part)) rule.leg_side = side == Side::kLeft ? 1.0 : -1.0;
+    if (rule.bone == Bone::kHips) rule.part = Part::kPelvis;
+    if (rule.bone == torso) rule.part = Part::kTorso;
+    for (const auto& [upper, lower, end] :
+         {std::array{kArm, kForeArm, kHand}, std::array{kUpLeg, kLeg, kFoot}}) {
+      if (part != upper && part != lower) continue;
+      rule.part = part == upper ? Part::kUpperLimb : Part::kLowerLimb;
+      rule.limb = {side_bone(side, upper), side_bone(side, lower), side_bone(side, end)};
     }
   }
 }
 
-Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule,
-                                              std::span<const Pose> world_from_bone,
+Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule, const HumanPose& world_from_bone,
                                               const std::optional<TrunkAim::Aimed>& aimed) const {
   if (aimed && rule.part == Part::kPelvis) return aimed->world_from_pelvis;
   if (aimed && rule.part == Part::kTorso) return aimed->world_from_torso;
@@ -102,55 +96,54 @@ Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule,
   return (world_from_bone[rule.bone].rotation.normalized() * rule.bone_from_target).normalized();
 }
 
-void TargetBuilder::add_rules(const IkTables& tables) {
+void TargetBuilder::add_rules(const ResolvedMapping& tables) {
   const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
-  const auto add = [&](const std::string& name) {
-    const int bone = find_bone(name).value();
+  const auto add = [&](Bone bone) {
     if (target_of(bone) >= 0) return;
     Rule rule{.bone = bone,
               .scale = 1.0,
               .position_offset = -ground,
               .bone_from_target = Eigen::Quaterniond::Identity()};
     // table 1 first, in use or not
-    if (const IkRow* row = tables.find_row(name); row != nullptr && row->has_weight()) {
-      rule.position_offset += row->position_offset;
-      rule.bone_from_target = row->rotation_offset;
+    if (const MappedTask* task = tables.find_task(bone); task != nullptr && task->has_weight()) {
+      rule.position_offset += task->position_offset;
+      rule.bone_from_target = task->rotation_offset;
     }
     rules_.push_back(rule);
   };
-  add(tables.human_root);
-  for (const IkTable& table : tables.tables) {
-    if (!table.used) continue;
-    for (const IkRow& row : table.rows) {
-      if (row.has_weight()) add(row.bone);
+  add(tables.root_bone);
+  for (const auto& [used, tasks] : tables.tables) {
+    if (!used) continue;
+    for (const MappedTask& task : tasks) {
+      if (task.has_weight()) add(task.bone);
     }
   }
 }
 
-std::vector<int> TargetBuilder::bones() const {
-  std::vector<int> bones;
+std::vector<Bone> TargetBuilder::bones() const {
+  std::vector<Bone> bones;
   for (const Rule& rule : rules_) bones.push_back(rule.bone);
   return bones;
 }
 
-int TargetBuilder::target_of(int bone) const {
+int TargetBuilder::target_of(Bone bone) const {
   const auto found = std::ranges::find(rules_, bone, &Rule::bone);
   return found == rules_.end() ? -1 : static_cast<int>(found - rules_.begin());
 }
 
 Eigen::Vector3d TargetBuilder::scaled_limb(const Rule& rule,
-                                           std::span<const Pose> world_from_bone) const {
-  const Eigen::Vector3d hips =
-      0.5 * (world_from_bone[kLeftUpLeg].translation + world_from_bone[kRightUpLeg].translation);
+                                           const HumanPose& world_from_bone) const {
+  const Eigen::Vector3d hips = 0.5 * (world_from_bone[Bone::kLeftUpLeg].translation +
+                                      world_from_bone[Bone::kRightUpLeg].translation);
   Eigen::Vector3d scaled_hips = leg_scale_ * hips + Eigen::Vector3d(0.0, 0.0, lift_);
   const Eigen::Vector3d& bone = world_from_bone[rule.bone].translation;
   if (&rule == &rules_.front()) return scaled_hips;
-  if (rule.pivot < 0) return scaled_hips + rule.scale * (bone - hips);
-  const Eigen::Vector3d& pivot = world_from_bone[rule.pivot].translation;
+  if (!rule.pivot) return scaled_hips + rule.scale * (bone - hips);
+  const Eigen::Vector3d& pivot = world_from_bone[*rule.pivot].translation;
   return scaled_hips + trunk_scale_ * (pivot - hips) + rule.scale * (bone - pivot);
 }
 
-void TargetBuilder::build(std::span<const Pose> world_from_bone,
+void TargetBuilder::build(const HumanPose& world_from_bone,
                           std::span<Pose> world_from_target) const {
   const Eigen::Vector3d root = world_from_bone[rules_.front().bone].translation;
   const Eigen::Vector3d scaled_root = rules_.front().scale * root;
@@ -177,20 +170,17 @@ void TargetBuilder::build(std::span<const Pose> world_from_bone,
 }
 
 std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
-                                              const IkTables& tables, const TargetBuilder& targets,
+                                              const ResolvedMapping& tables,
+                                              const TargetBuilder& targets,
                                               const LimitSet& limits) {
   auto problem = std::make_shared<IkProblem>();
-  for (const IkTable& table : tables.tables) {
-    if (!table.used) continue;
+  for (const auto& [used, tasks] : tables.tables) {
+    if (!used) continue;
     IkPass pass;
-    for (const IkRow& row : table.rows) {
-      if (!row.has_weight()) continue;
-      FrameTask task;
-      task.body = robot->find_body(row.body).value();
-      task.target = targets.target_of(find_bone(row.bone).value());
-      task.position_weight = row.position_weight;
-      task.rotation_weight = row.rotation_weight;
-      pass.push_back(task);
+    for (const MappedTask& task : tasks) {
+      if (!task.has_weight()) continue;
+      pass.push_back(
+          {task.body, targets.target_of(task.bone), task.position_weight, task.rotation_weight});
     }
     problem->passes.push_back(std::move(pass));
   }

@@ -7,35 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "human/bones.h"
 #include "human/human_clip.h"
 #include "ik/ik_solver.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_aim.h"
 #include "pipeline/trunk_lines.h"
-#include "retarget/pose.h"
+#include "retarget/ik_config.h"
 
 namespace retarget {
-
-/// How the height of the body scales a human to a robot.
-enum class HeightScale : unsigned char {
-  /// As the published method: in proportion to the height, which it takes to be 1.75 m whoever is
-  /// recorded.
-  kPublished,
-  /// Inversely: every body is brought to the size of the published one first, so that a child and
-  /// a giant who move alike give one robot motion.
-  kNormalised,
-  /// Not at all: legs, trunk and arms take the robot's lengths each, the table's scales are not
-  /// used.
-  kLimbs,
-};
-
-/// How pelvis and torso turn where limbs are scaled one by one (kLimbs).
-enum class TrunkRule : unsigned char {
-  kBones,  ///< As the bones Hips and Spine2, as published.
-  kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's (TrunkAim).
-};
 
 /// Where the robot's bodies should be: human bones, scaled about the root and offset.
 ///
@@ -61,45 +40,43 @@ enum class TrunkRule : unsigned char {
 /// not use has those of table 2.
 class TargetBuilder {
  public:
-  /// @param tables  checked by check_ik_tables.
   /// @param height  of the human body, metres.
-  TargetBuilder(const IkTables& tables, double height, HeightScale scale = HeightScale::kPublished);
+  TargetBuilder(const ResolvedMapping& tables, double height,
+                HeightScale scale = HeightScale::kPublished);
   /// Limb by limb.
   /// @param trunk  how pelvis and torso turn; without: as the bones that they follow.
-  TargetBuilder(const IkTables& tables, const RobotLimbs& robot, const LimbLengths& human,
+  TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& robot, const LimbLengths& human,
                 std::optional<TrunkAim> trunk = std::nullopt);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
-  /// Bone of each target, an index into kBoneNames; the root first.
-  [[nodiscard]] std::vector<int> bones() const;
+  /// Bone of each target; the root first.
+  [[nodiscard]] std::vector<Bone> bones() const;
   /// Index of a bone's target; -1 for bones without one.
-  [[nodiscard]] int target_of(int bone) const;
+  [[nodiscard]] int target_of(Bone bone) const;
 
-  /// @param world_from_bone    kBoneCount poses.
   /// @param world_from_target  target_count() poses, filled.
-  void build(std::span<const Pose> world_from_bone, std::span<Pose> world_from_target) const;
+  void build(const HumanPose& world_from_bone, std::span<Pose> world_from_target) const;
 
  private:
   enum class Part : unsigned char { kOther, kPelvis, kTorso, kUpperLimb, kLowerLimb };
   struct Rule {
-    int bone;
+    Bone bone;
     double scale;
-    int pivot = -1;  // limb by limb: the upper arm of a forearm or hand
+    std::optional<Bone> pivot = std::nullopt;  // limb by limb: the upper arm of a forearm or hand
     Part part = Part::kOther;
-    std::array<int, 3> limb = {-1, -1, -1};  // of a limb's part: bones from its root on
+    std::array<Bone, 3> limb{};  // of a limb's part: bones from its root on
     bool of_arm = false;
     double leg_side = 0.0;            // of a leg's part: +1 left, -1 right
     Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
     Eigen::Quaterniond bone_from_target;
   };
-  void add_rules(const IkTables& tables);
+  void add_rules(const ResolvedMapping& tables);
 
-  void find_parts(const std::string& torso);
-  [[nodiscard]] Eigen::Quaterniond rotation_of(const Rule& rule,
-                                               std::span<const Pose> world_from_bone,
+  void find_parts(std::optional<Bone> torso);
+  [[nodiscard]] Eigen::Quaterniond rotation_of(const Rule& rule, const HumanPose& world_from_bone,
                                                const std::optional<TrunkAim::Aimed>& aimed) const;
   [[nodiscard]] Eigen::Vector3d scaled_limb(const Rule& rule,
-                                            std::span<const Pose> world_from_bone) const;
+                                            const HumanPose& world_from_bone) const;
 
   std::vector<Rule> rules_;  // the root first
   // limb by limb
@@ -115,19 +92,18 @@ class TargetBuilder {
 /// be measured (kInput); a robot whose limbs cannot be (kConfig).
 /// @param poses      asked for single frames when limbs are measured.
 /// @param clip_name  the clip's file, for messages.
-/// @param tables     checked by check_ik_tables.
 /// @param limits     how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses,
                                                  const std::string& clip_name, const Robot& robot,
-                                                 const IkTables& tables, HeightScale scale,
+                                                 const ResolvedMapping& tables, HeightScale scale,
                                                  TrunkRule trunk = TrunkRule::kBones,
                                                  const LimitSet* limits = nullptr);
 
 /// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
 /// tables that are not used are left out.
 [[nodiscard]] std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
-                                                            const IkTables& tables,
+                                                            const ResolvedMapping& tables,
                                                             const TargetBuilder& targets,
                                                             const LimitSet& limits);
 

@@ -7,12 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/body_path.h"
-
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/se3.h"
 #include "math/so3.h"
+#include "pipeline/body_path.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -196,32 +194,31 @@ void add_waist(const Robot& robot, const LimitSet& limits, const std::vector<Pos
 
 }  // namespace
 
-const IkRow* torso_row(const IkTables& tables) {
-  for (const char* bone : {"Spine2", "Spine1", "Spine"}) {
-    const IkRow* const row = tables.find_row(bone);
-    if (row != nullptr && row->has_weight()) return row;
+const MappedTask* torso_task(const ResolvedMapping& tables) {
+  for (const Bone bone : {Bone::kSpine2, Bone::kSpine1, Bone::kSpine}) {
+    const MappedTask* const task = tables.find_task(bone);
+    if (task != nullptr && task->has_weight()) return task;
   }
   return nullptr;
 }
 
-std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables,
+std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedMapping& tables,
                                       const RobotLimbs& limbs, const LimitSet& limits) {
-  const IkRow* const hips = tables.find_row("Hips");
-  const auto pelvis = hips == nullptr ? std::nullopt : robot.find_body(hips->body);
-  if (!pelvis) return std::nullopt;
+  const int pelvis = tables.body_of(Bone::kHips);
+  if (pelvis < 0) return std::nullopt;
   // without a torso of its own, pelvis and torso are one
-  const IkRow* const spine = torso_row(tables);
-  const int torso = spine == nullptr ? *pelvis : robot.find_body(spine->body).value_or(*pelvis);
+  const MappedTask* const spine = torso_task(tables);
+  const int torso = spine == nullptr || spine->body < 0 ? pelvis : spine->body;
   std::vector<Pose> world_from_body(robot.bodies().size());
   forward_kinematics(robot, robot.zero_configuration(), world_from_body);
   RobotTrunk trunk;
   trunk.lines = {limbs.shoulder_centre - limbs.hip_centre, limbs.shoulder_line};
   trunk.hip_line = limbs.hip_line;
-  trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(*pelvis)].rotation;
+  trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(pelvis)].rotation;
   trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
 
   // from the pelvis up to the body that carries both, and down to the torso
-  std::vector<int> up = path_to(robot, *pelvis), down = path_to(robot, torso);
+  std::vector<int> up = path_to(robot, pelvis), down = path_to(robot, torso);
   const auto parting = std::ranges::mismatch(up, down);
   up.erase(up.begin(), parting.in1);
   down.erase(down.begin(), parting.in2);
@@ -236,7 +233,7 @@ TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
                    const Eigen::Quaterniond& hips_to_pelvis)
     : robot_(std::move(robot)) {
   // the robot's zero configuration, turned to where the mapping has it in the T-pose
-  const Eigen::Quaterniond t_pose(canonical_t_pose(find_bone("Hips").value()));
+  const Eigen::Quaterniond t_pose(canonical_t_pose(Bone::kHips));
   const Eigen::Quaterniond turn =
       (t_pose * hips_to_pelvis * robot_.world_from_pelvis.conjugate()).normalized();
   for (Eigen::Vector3d* line : {&robot_.lines.chord, &robot_.lines.across, &robot_.hip_line}) {
@@ -253,14 +250,13 @@ TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
   if (usable_) standing_from_world_ = frame->transpose();
 }
 
-std::optional<TrunkAim::Aimed> TrunkAim::aim(std::span<const Pose> world_from_bone) const {
+std::optional<TrunkAim::Aimed> TrunkAim::aim(const HumanPose& world_from_bone) const {
   if (!usable_) return std::nullopt;
   const auto frame = trunk_frame(trunk_lines(world_from_bone));
   if (!frame) return std::nullopt;
-  const auto hips = static_cast<std::size_t>(find_bone("Hips").value());
-  const Eigen::Quaterniond t_pose(canonical_t_pose(static_cast<int>(hips)));
+  const Eigen::Quaterniond t_pose(canonical_t_pose(Bone::kHips));
   Search search(robot_, *frame * standing_from_world_,
-                world_from_bone[hips].rotation.normalized() * t_pose.conjugate());
+                world_from_bone[Bone::kHips].rotation.normalized() * t_pose.conjugate());
   search.run();
   return Aimed{search.pelvis() * robot_.world_from_pelvis, search.torso() * robot_.world_from_torso,
                search.chord(), search.pelvis() * robot_.hip_line};

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/ik_tables.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_lines.h"
+#include "retarget/ik_config.h"
 #include "retarget/pose.h"
 #include "retarget/robot.h"
 
@@ -29,12 +29,13 @@ struct RobotTrunk {
   Eigen::Quaterniond world_from_torso = Eigen::Quaterniond::Identity();
 };
 
-/// The row that the torso follows: of Spine2, else Spine1, else Spine; null: none.
-[[nodiscard]] const IkRow* torso_row(const IkTables& tables);
+/// The task of the torso: of Spine2, else Spine1, else Spine; null: none.
+[[nodiscard]] const MappedTask* torso_task(const ResolvedMapping& tables);
 
 /// Nothing for a robot whose mapping has no body for Hips.
 /// @param limits  of the run: how far the waist turns.
-[[nodiscard]] std::optional<RobotTrunk> robot_trunk(const Robot& robot, const IkTables& tables,
+[[nodiscard]] std::optional<RobotTrunk> robot_trunk(const Robot& robot,
+                                                    const ResolvedMapping& tables,
                                                     const RobotLimbs& limbs,
                                                     const LimitSet& limits);
 
@@ -62,8 +63,7 @@ class TrunkAim {
     Eigen::Vector3d chord, hip_line;
   };
   /// Nothing for a human without a trunk: all bones in one place, say.
-  /// @param world_from_bone  kBoneCount poses.
-  [[nodiscard]] std::optional<Aimed> aim(std::span<const Pose> world_from_bone) const;
+  [[nodiscard]] std::optional<Aimed> aim(const HumanPose& world_from_bone) const;
 
  private:
   RobotTrunk robot_;  // in the axes of the canonical T-pose

@@ -3,10 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <string>
 #include <vector>
 
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/statistics.h"
 #include "math/trigonometry.h"
@@ -20,13 +18,9 @@ constexpr double kDegree = 0.017453292519943295;
 constexpr double kStraightSpine = 3.0 * kDegree;
 constexpr double kCurvedSpine = 10.0 * kDegree;
 
-std::size_t bone(const std::string& name) {
-  return static_cast<std::size_t>(find_bone(name).value());
-}
-
 // turns from the T-pose to the bone's pose
-Eigen::Quaterniond turn_from_t_pose(std::span<const Pose> world_from_bone, std::size_t bone) {
-  const Eigen::Quaterniond t_pose(canonical_t_pose(static_cast<int>(bone)));
+Eigen::Quaterniond turn_from_t_pose(const HumanPose& world_from_bone, Bone bone) {
+  const Eigen::Quaterniond t_pose(canonical_t_pose(bone));
   return world_from_bone[bone].rotation.normalized() * t_pose.conjugate();
 }
 
@@ -34,21 +28,20 @@ Eigen::Quaterniond turn_from_t_pose(std::span<const Pose> world_from_bone, std::
 class TrunkChain {
  public:
   explicit TrunkChain(const HumanClipInfo& human) {
-    const auto has = [&](const std::string& name) { return human.has(find_bone(name).value()); };
-    for (const char* name : {"Hips", "Spine", "Spine1", "Spine2"}) {
-      if (has(name)) spine_.push_back(bone(name));
+    for (const Bone bone : {Bone::kHips, Bone::kSpine, Bone::kSpine1, Bone::kSpine2}) {
+      if (human.has(bone)) spine_.push_back(bone);
     }
     for (std::size_t side = 0; side < 2; ++side) {
-      const std::string name = side == 0 ? "Left" : "Right";
-      if (has(name + "Shoulder")) shoulders_[side].push_back(bone(name + "Shoulder"));
-      shoulders_[side].push_back(bone(name + "Arm"));
+      const Bone clavicle = side_bone(kSides[side], LimbBone::kShoulder);
+      if (human.has(clavicle)) shoulders_[side].push_back(clavicle);
+      shoulders_[side].push_back(side_bone(kSides[side], LimbBone::kArm));
     }
   }
 
   /// The lines that the bones have in the T-pose, from what they have in a frame.
-  [[nodiscard]] TrunkLines in_t_pose(std::span<const Pose> bones) const {
+  [[nodiscard]] TrunkLines in_t_pose(const HumanPose& bones) const {
     const Eigen::Vector3d hips =
-        0.5 * (bones[bone("LeftUpLeg")].translation + bones[bone("RightUpLeg")].translation);
+        0.5 * (bones[Bone::kLeftUpLeg].translation + bones[Bone::kRightUpLeg].translation);
     Eigen::Vector3d spine = Eigen::Vector3d::Zero(), from = hips;
     for (std::size_t i = 1; i < spine_.size(); ++i) {
       const Eigen::Vector3d& to = bones[spine_[i]].translation;
@@ -59,8 +52,8 @@ class TrunkChain {
     for (std::size_t side = 0; side < 2; ++side) {
       ends[side] = spine;
       Eigen::Vector3d start = from;
-      std::size_t carrier = spine_.back();
-      for (const std::size_t next : shoulders_[side]) {
+      Bone carrier = spine_.back();
+      for (const Bone next : shoulders_[side]) {
         const Eigen::Vector3d& to = bones[next].translation;
         ends[side] += turn_from_t_pose(bones, carrier).conjugate() * (to - start);
         start = to;
@@ -71,14 +64,14 @@ class TrunkChain {
   }
 
   /// How far the upper end of the spine is bent forward against the lower one, radians.
-  [[nodiscard]] double bend(std::span<const Pose> bones) const {
+  [[nodiscard]] double bend(const HumanPose& bones) const {
     const Eigen::Vector3d up = turn_from_t_pose(bones, spine_.front()).conjugate() *
                                (turn_from_t_pose(bones, spine_.back()) * Eigen::Vector3d::UnitZ());
     return portable::atan2(up.x(), up.z());
   }
 
   /// Whether hips and trunk are within 26 degrees of the vertical.
-  [[nodiscard]] bool is_upright(std::span<const Pose> bones) const {
+  [[nodiscard]] bool is_upright(const HumanPose& bones) const {
     constexpr double kUpright = 0.9;
     const Eigen::Vector3d chord = trunk_lines(bones).chord;
     const Eigen::Vector3d hips = turn_from_t_pose(bones, spine_.front()) * Eigen::Vector3d::UnitZ();
@@ -86,8 +79,8 @@ class TrunkChain {
   }
 
  private:
-  std::vector<std::size_t> spine_;                     // Hips first
-  std::array<std::vector<std::size_t>, 2> shoulders_;  // left, right: clavicle, arm
+  std::vector<Bone> spine_;                     // Hips first
+  std::array<std::vector<Bone>, 2> shoulders_;  // left, right: clavicle, arm
 };
 
 // a T-pose in which the chord leans back is brought to the vertical, by a share of the way
@@ -103,16 +96,13 @@ void straighten(TrunkLines& lines, double share) {
 
 }  // namespace
 
-TrunkLines trunk_lines(std::span<const Pose> world_from_bone) {
-  // asked for in every frame: not by name
-  constexpr std::size_t kLeftUpLeg = 1, kRightUpLeg = 5, kLeftArm = 15, kRightArm = 19;
-  static_assert(kBoneNames[kLeftUpLeg] == "LeftUpLeg" && kBoneNames[kRightUpLeg] == "RightUpLeg");
-  static_assert(kBoneNames[kLeftArm] == "LeftArm" && kBoneNames[kRightArm] == "RightArm");
-  const auto at = [&](std::size_t bone) -> const Eigen::Vector3d& {
+TrunkLines trunk_lines(const HumanPose& world_from_bone) {
+  const auto at = [&](Bone bone) -> const Eigen::Vector3d& {
     return world_from_bone[bone].translation;
   };
-  return {0.5 * (at(kLeftArm) + at(kRightArm) - at(kLeftUpLeg) - at(kRightUpLeg)),
-          at(kLeftArm) - at(kRightArm)};
+  return {0.5 * (at(Bone::kLeftArm) + at(Bone::kRightArm) - at(Bone::kLeftUpLeg) -
+                 at(Bone::kRightUpLeg)),
+          at(Bone::kLeftArm) - at(Bone::kRightArm)};
 }
 
 std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
@@ -133,7 +123,7 @@ TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSourc
   constexpr int kMostFrames = 100;
   const int step = std::max(1, (human.frame_count + kMostFrames - 1) / kMostFrames);
   const TrunkChain chain(human);
-  std::vector<Pose> bones(kBoneCount);
+  HumanPose bones;
   TrunkLines sum;
   int frames = 0;
   std::vector<double> upright, bends;

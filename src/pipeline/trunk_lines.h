@@ -1,17 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <optional>
-#include <span>
 
 #include "human/human_clip.h"
-#include "retarget/pose.h"
 
 namespace retarget {
-
-/// Fills the human's kBoneCount world poses of a frame; most callers ask for 0, 1, 2, ...
-using HumanPoseSource = std::function<void(int frame, std::span<Pose> world_from_bone)>;
 
 /// The lines of a trunk that every body has, human or robot, metres.
 struct TrunkLines {
@@ -22,8 +16,8 @@ struct TrunkLines {
 };
 
 /// The lines of a human in a frame, in the world.
-/// @param world_from_bone  kBoneCount poses; those of UpLeg and Arm count.
-[[nodiscard]] TrunkLines trunk_lines(std::span<const Pose> world_from_bone);
+/// @param world_from_bone  those of UpLeg and Arm count.
+[[nodiscard]] TrunkLines trunk_lines(const HumanPose& world_from_bone);
 
 /// World from trunk: z along the chord, y to the left as far as the shoulders say so. Nothing where
 /// the lines are too short or along each other.

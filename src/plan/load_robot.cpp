@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/bare_robot.h"
 #include "base/data_folder.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "plan/check_options.h"
 #include "retarget/load.h"
-#include "anatomy/bare_robot.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"
@@ -74,10 +74,11 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
              find_data_folder(chosen.empty() ? std::nullopt : std::optional(chosen),
                               data_folder.installed));
   TRY(check_model_file(choice.model));
-  LoadedRobot loaded{nullptr, choice.name, choice.model, choice.profile, folder.string(), {}, {}};
+  LoadedRobot loaded{nullptr,        choice,          choice.name, choice.model,
+                     choice.profile, folder.string(), {},          {}};
   if (choice.model.empty()) {
     TRY_ASSIGN(const RobotFiles files, find_robot(choice.name, folder / "robots"));
-    loaded.name = files.name;
+    loaded.name = loaded.choice.name = files.name;
     loaded.model = files.model.string();
     loaded.profile = files.profile.string();
   }

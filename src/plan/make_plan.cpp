@@ -40,8 +40,8 @@ Result<FrameRange> chosen_part(const Clip& clip, const PartOptions& part) {
 }
 
 // How the body's size scales the motion: as the options say, else as is best for the clip.
-HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const IkTables& mapping,
-                         const Options& options) {
+HeightScale choose_scale(const HumanInClip& human, const Robot& robot,
+                         const ResolvedMapping& mapping, const Options& options) {
   const SolveOptions& solve = options.solve;
   if (solve.scale == ScaleRule::kTable) return HeightScale::kPublished;
   if (solve.scale == ScaleRule::kHeight) return HeightScale::kNormalised;
@@ -50,8 +50,8 @@ HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const IkT
   const bool as_published =
       solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");
   if (as_published && human.is_lafan1()) return HeightScale::kPublished;
-  const bool measurable = std::ranges::all_of(limb_bones(), [&](int bone) {
-    return human.calibration.mapping.bones[static_cast<std::size_t>(bone)].position_joint >= 0;
+  const bool measurable = std::ranges::all_of(kMeasuredBones, [&](Bone bone) {
+    return human.calibration.mapping.bones[bone].position_joint >= 0;
   });
   if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
   const auto limbs = robot_limbs(robot, mapping);
@@ -60,18 +60,21 @@ HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const IkT
   return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
 }
 
-// of a partial body: rows of bones that it lacks
-void leave_out_missing(Plan& plan) {
-  std::vector<std::string> missing;
-  for (int bone = 0; bone < kBoneCount; ++bone) {
-    const auto& source = plan.human.calibration.mapping.bones[static_cast<std::size_t>(bone)];
-    if (source.position_joint < 0) missing.emplace_back(kBoneNames[bone]);
+// of a partial body: tasks of bones that it lacks
+Result<void> leave_out_missing(Plan& plan) {
+  std::vector<Bone> missing;
+  std::vector<std::string> names;
+  for (const Bone bone : kAllBones) {
+    if (plan.human.calibration.mapping.bones[bone].position_joint >= 0) continue;
+    missing.push_back(bone);
+    names.emplace_back(bone_name(bone));
   }
-  const int dropped = leave_out_bones(plan.mapping, missing);
-  if (dropped == 0) return;
+  TRY_ASSIGN(const int dropped, leave_out_bones(plan.mapping, missing));
+  if (dropped == 0) return {};
   plan.notes.push_back(
       {"partial", fmt::format("{} row{} of the mapping left out, for there is no {}", dropped,
-                              dropped == 1 ? "" : "s", list_names(missing))});
+                              dropped == 1 ? "" : "s", list_names(names))});
+  return {};
 }
 
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
@@ -116,7 +119,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.is_mapping_of_others =
       robot.mapping_of_others && plan.mapping.file == robot.mapping_of_others->file;
   TRY(choose_frames(clip, options, plan));
-  if (plan.human.map.partial) leave_out_missing(plan);
+  if (plan.human.map.partial) TRY(leave_out_missing(plan));
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.mapping, options);
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));

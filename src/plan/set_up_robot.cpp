@@ -30,7 +30,7 @@ Result<FitOptions> choose_fit(const Options& options) {
   return fit;
 }
 
-const IkTables& RobotSetup::mapping_for(const HumanInClip& human) const {
+const ResolvedMapping& RobotSetup::mapping_for(const HumanInClip& human) const {
   return mapping_of_others && !human.is_lafan1() ? *mapping_of_others : mapping;
 }
 
@@ -46,9 +46,9 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   TRY_ASSIGN(const MappingFiles files,
              find_mappings(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
                            loaded.data_folder, fs::path(robot.name()).filename().string()));
-  TRY_ASSIGN(setup.mapping, load_ik_tables(files.of_lafan1, &robot));
+  TRY_ASSIGN(setup.mapping, load_mapping(files.of_lafan1, robot));
   if (!files.of_others.empty()) {
-    TRY_ASSIGN(setup.mapping_of_others, load_ik_tables(files.of_others, &robot));
+    TRY_ASSIGN(setup.mapping_of_others, load_mapping(files.of_others, robot));
   }
   if (solve.method == Method::kFit) {
     TRY_ASSIGN(setup.fit, choose_fit(options));

@@ -14,21 +14,20 @@ constexpr double kFreeFallShare = 0.4;
 // how far the lower end of the lower foot is above its standing height
 double clearance(const HumanClip& human, const FootContacts& contacts, int frame) {
   double least = HUGE_VAL;
-  const auto look = [&](const char* name, double standing) {
-    const int bone = find_bone(name).value();
+  const auto look = [&](Bone bone, double standing) {
     if (!human.has(bone)) return;
     least = std::min(least, human.frame(frame)[bone].translation.z() - standing);
   };
-  for (const char* ankle : {"LeftFoot", "RightFoot"}) look(ankle, contacts.standing_ankle_height);
-  for (const char* toe : {"LeftToe", "RightToe"}) look(toe, contacts.standing_toe_height);
+  for (const Bone ankle : {Bone::kLeftFoot, Bone::kRightFoot})
+    look(ankle, contacts.standing_ankle_height);
+  for (const Bone toe : {Bone::kLeftToe, Bone::kRightToe}) look(toe, contacts.standing_toe_height);
   return std::isfinite(least) ? least : 0.0;
 }
 
 bool falls_freely(const HumanClip& human, const SourceFlight& flight) {
-  const int hips = find_bone("Hips").value();
   const int last = flight.end - 1, steps = last - flight.begin;
-  if (!human.has(hips) || steps < 2) return false;
-  const auto height = [&](int frame) { return human.frame(frame)[hips].translation.z(); };
+  if (!human.has(Bone::kHips) || steps < 2) return false;
+  const auto height = [&](int frame) { return human.frame(frame)[Bone::kHips].translation.z(); };
   const double first = height(flight.begin), slope = (height(last) - first) / steps;
   double rise = 0.0;
   for (int frame = flight.begin; frame <= last; ++frame) {

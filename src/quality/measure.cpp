@@ -25,7 +25,7 @@ namespace {
 HumanClip first_frames(const HumanClip& human, int frames) {
   HumanClip part = human;
   part.frame_count = frames;
-  part.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  part.world_from_bone.resize(static_cast<std::size_t>(frames));
   return part;
 }
 
@@ -38,17 +38,16 @@ FootContacts contacts_of(const HumanClip& human, int frames) {
 // how far the target of a foot rises when the foot is lifted by a metre
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
   const HumanClip& human = *source.human;
-  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
-    std::ranges::copy(human.frame(frame), world_from_bone.begin());
-  };
-  const auto targets = make_targets(human, poses, {}, robot, *source.tables, source.scale);
+  const HumanPoseSource poses = poses_of(human);
+  const auto targets =
+      make_targets(human, poses_of(human), {}, robot, *source.tables, source.scale);
   if (!targets) return std::nullopt;
-  for (const char* bone : {"LeftFootMod", "LeftFoot", "RightFootMod", "RightFoot"}) {
-    const int index_of_bone = find_bone(bone).value();
-    const int target = targets->target_of(index_of_bone);
+  for (const Bone bone :
+       {Bone::kLeftFootMod, Bone::kLeftFoot, Bone::kRightFootMod, Bone::kRightFoot}) {
+    const int target = targets->target_of(bone);
     if (target < 0) continue;
-    std::vector<Pose> low(kBoneCount), high(kBoneCount);
-    high[static_cast<std::size_t>(index_of_bone)].translation.z() = 1.0;
+    HumanPose low, high;
+    high[bone].translation.z() = 1.0;
     std::vector<Pose> from(static_cast<std::size_t>(targets->target_count())), to = from;
     targets->build(low, from);
     targets->build(high, to);
@@ -65,7 +64,7 @@ LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int fr
   joint.frames = found.frames;
   joint.frames_pct = 100.0 * found.frames / frames;
   if (found.push) {
-    joint.task = kBoneNames[static_cast<std::size_t>(found.push->bone)];
+    joint.task = bone_name(found.push->bone);
     joint.rotation = found.push->rotation;
     joint.shortfall = (joint.rotation ? kDegreesPerRadian : 100.0) * found.push->shortfall;
   }
@@ -79,9 +78,7 @@ void find_limited_joints(const Draft& draft, const LimitSet& limits, const Quali
   constexpr double kLeastShare = 0.05;
   const HumanClip& human = *source.human;
   if (human.frame_count < draft.clip.frame_count()) return;
-  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
-    std::ranges::copy(human.frame(frame), world_from_bone.begin());
-  };
+  const HumanPoseSource poses = poses_of(human);
   const auto targets = make_targets(human, poses, {}, draft.clip.robot(), *source.tables,
                                     source.scale, TrunkRule::kLines, &limits);
   // a body that lacks what the mapping needs has no targets
@@ -110,9 +107,9 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   if (tracked) {
     if (const auto leg = robot_leg_length(clip.robot(), *source->tables)) report.leg = *leg;
   }
-  const BodyTracks tracks = track_bodies(
-      clip, tracked ? tracked_bodies(clip.robot(), *source->tables) : std::vector<int>(),
-      options.self_collision_stride);
+  const BodyTracks tracks =
+      track_bodies(clip, tracked ? tracked_bodies(*source->tables) : std::vector<int>(),
+                   options.self_collision_stride);
   measure_bodies(draft, tracks);
   if (source != nullptr) {
     const int frames = std::min(clip.frame_count(), source->human->frame_count);

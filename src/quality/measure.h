@@ -3,9 +3,8 @@
 #include <cstddef>
 #include <string>
 
-#include "human/human_clip.h"
-#include "pipeline/ik_tables.h"
-#include "pipeline/targets.h"
+#include "retarget/human.h"
+#include "retarget/ik_config.h"
 #include "retarget/motion.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
@@ -15,7 +14,8 @@ namespace retarget {
 /// The movement that a robot's motion came from. Frame i of both is the same instant.
 struct QualitySource {
   const HumanClip* human = nullptr;  ///< At the motion's rate; may be longer or shorter.
-  const IkTables* tables = nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
+  const ResolvedMapping* tables =
+      nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
   /// How the targets were scaled.
   HeightScale scale = HeightScale::kPublished;
 };

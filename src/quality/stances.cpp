@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 
 namespace retarget {
@@ -15,7 +14,7 @@ class FootSole {
  public:
   FootSole(const HumanClip& human, int foot)
       : human_(human),
-        bone_(*find_bone(foot == 0 ? "LeftFoot" : "RightFoot")),
+        bone_(side_bone(kSides[foot], LimbBone::kFoot)),
         up_in_foot_(canonical_t_pose(bone_).transpose() * Eigen::Vector3d::UnitZ()) {}
 
   [[nodiscard]] bool is_down(int frame) const {
@@ -24,7 +23,7 @@ class FootSole {
 
  private:
   const HumanClip& human_;
-  int bone_;
+  Bone bone_;
   Eigen::Vector3d up_in_foot_;
 };
 

@@ -10,6 +10,7 @@
 #include "math/statistics.h"
 #include "math/trigonometry.h"
 #include "pipeline/limb_lengths.h"
+#include "pipeline/targets.h"
 #include "quality/trunk_lean.h"
 
 namespace retarget {
@@ -19,10 +20,10 @@ using Eigen::Vector3d;
 
 // a row that can be measured: its bone is there
 struct Row {
-  const IkRow* row = nullptr;
+  const MappedTask* task = nullptr;
   int table = 0;  // 0 or 1
   int body = 0;   // index among the kept bodies
-  int bone = 0;
+  Bone bone = Bone::kHips;
   double scale = 1.0;
 };
 
@@ -40,8 +41,7 @@ class TrackingMeasure {
         tables_(*source.tables),
         frames_(frames) {
     collect_rows(size_ratio(source));
-    root_bone_ = find_bone(tables_.human_root).value_or(0);
-    root_body_ = kept(draft.clip.robot().find_body(tables_.robot_root).value_or(0)).value_or(0);
+    root_body_ = kept(tables_.root_body).value_or(0);
     if (source.scale == HeightScale::kLimbs) collect_limb_targets();
     find_yaw();
   }
@@ -61,7 +61,7 @@ class TrackingMeasure {
     if (found == tracks_.kept_bodies.end()) return std::nullopt;
     return static_cast<int>(found - tracks_.kept_bodies.begin());
   }
-  [[nodiscard]] const Pose& bone_pose(int frame, int bone) const {
+  [[nodiscard]] const Pose& bone_pose(int frame, Bone bone) const {
     return human_.frame(frame)[bone];
   }
   // from the root: where the body is, and where its bone wants it
@@ -69,16 +69,15 @@ class TrackingMeasure {
     return tracks_.kept(frame, row.body).translation - tracks_.kept(frame, root_body_).translation;
   }
   [[nodiscard]] const Pose& limb_target(int frame, const Row& row) const {
-    return limb_targets_[static_cast<std::size_t>(frame) * kBoneCount +
-                         static_cast<std::size_t>(row.bone)];
+    return limb_targets_[static_cast<std::size_t>(frame)][row.bone];
   }
   [[nodiscard]] Vector3d want(int frame, const Row& row) const {
     if (!limb_targets_.empty()) return limb_target(frame, row).translation;
-    return row.scale *
-           (bone_pose(frame, row.bone).translation - bone_pose(frame, root_bone_).translation);
+    return row.scale * (bone_pose(frame, row.bone).translation -
+                        bone_pose(frame, tables_.root_bone).translation);
   }
   [[nodiscard]] bool has_position(const Row& row) const {
-    return row.row->position_weight > 0.0 && row.bone != root_bone_;
+    return row.task->position_weight > 0.0 && row.bone != tables_.root_bone;
   }
   // the table that is judged by: the second, or the first where there is no second
   [[nodiscard]] int judged_table() const {
@@ -86,17 +85,17 @@ class TrackingMeasure {
   }
   [[nodiscard]] std::vector<double> position_errors(const Row& row) const;
   [[nodiscard]] std::vector<double> rotation_errors(const Row& row) const;
-  [[nodiscard]] const Row* row_of(std::string_view bone) const;
+  [[nodiscard]] const Row* row_of(Bone bone) const;
   [[nodiscard]] std::optional<TrunkBodies> trunk_bodies() const;
 
   const Draft& draft_;
   const BodyTracks& tracks_;
   const HumanClip& human_;
-  const IkTables& tables_;
+  const ResolvedMapping& tables_;
   const int frames_;
   std::vector<Row> rows_;
-  std::vector<Pose> limb_targets_;  // kBoneCount a frame, from the root; empty: not by limbs
-  int root_bone_ = 0, root_body_ = 0;
+  std::vector<HumanPose> limb_targets_;  // by frame, from the root; empty: not by limbs
+  int root_body_ = 0;
   Eigen::Quaterniond robot_from_human_ = Eigen::Quaterniond::Identity();  // a yaw
 };
 
@@ -110,41 +109,31 @@ double TrackingMeasure::size_ratio(const QualitySource& source) const {
 
 void TrackingMeasure::collect_rows(double ratio) {
   for (int table = 0; table < 2; ++table) {
-    if (!tables_.tables[table].used) continue;
-    for (const IkRow& row : tables_.tables[table].rows) {
-      const auto bone = find_bone(row.bone);
-      const auto body = draft_.clip.robot().find_body(row.body);
-      const double* scale = tables_.find_scale(row.bone);
-      if (!bone || !body || !human_.has(*bone)) continue;
-      const auto index = kept(*body);
-      if (!index) continue;
-      rows_.push_back({&row, table, *index, *bone, scale == nullptr ? 1.0 : ratio * *scale});
+    const auto& [used, tasks] = tables_.tables[table];
+    if (!used) continue;
+    for (const MappedTask& task : tasks) {
+      const auto index = kept(task.body);
+      if (!index || !human_.has(task.bone)) continue;
+      rows_.push_back({&task, table, *index, task.bone, ratio * tables_.scales[task.bone]});
     }
   }
 }
 
 // limb by limb a target is no multiple of its bone's way from the root
 void TrackingMeasure::collect_limb_targets() {
-  const HumanPoseSource poses = [this](int frame, std::span<Pose> world_from_bone) {
-    std::ranges::copy(human_.frame(frame), world_from_bone.begin());
-  };
-  const auto targets = make_targets(human_, poses, {}, draft_.clip.robot(), tables_,
+  const auto targets = make_targets(human_, poses_of(human_), {}, draft_.clip.robot(), tables_,
                                     HeightScale::kLimbs, TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));
-  limb_targets_.assign(static_cast<std::size_t>(frames_) * kBoneCount, Pose());
-  const int root = targets->target_of(root_bone_);
-  if (root < 0) return limb_targets_.clear();
+  limb_targets_.resize(static_cast<std::size_t>(frames_));
+  const std::vector<Bone> bones = targets->bones();
   for (int frame = 0; frame < frames_; ++frame) {
     targets->build(human_.frame(frame), world_from_target);
-    for (int bone = 0; bone < kBoneCount; ++bone) {
-      const int target = targets->target_of(bone);
-      if (target < 0) continue;
-      const Pose& pose = world_from_target[static_cast<std::size_t>(target)];
-      limb_targets_[static_cast<std::size_t>(frame) * kBoneCount + static_cast<std::size_t>(bone)] =
-          {pose.rotation,
-           pose.translation - world_from_target[static_cast<std::size_t>(root)].translation};
+    for (std::size_t i = 0; i < bones.size(); ++i) {
+      const Pose& pose = world_from_target[i];
+      limb_targets_[static_cast<std::size_t>(frame)][bones[i]] = {
+          pose.rotation, pose.translation - world_from_target.front().translation};
     }
   }
 }
@@ -180,7 +169,7 @@ std::vector<double> TrackingMeasure::rotation_errors(const Row& row) const {
   for (int frame = 0; frame < frames_; ++frame) {
     const Eigen::Quaterniond wanted =
         robot_from_human_ * (limb_targets_.empty()
-                                 ? bone_pose(frame, row.bone).rotation * row.row->rotation_offset
+                                 ? bone_pose(frame, row.bone).rotation * row.task->rotation_offset
                                  : limb_target(frame, row).rotation);
     const Eigen::Quaterniond between = wanted.conjugate() * tracks_.kept(frame, row.body).rotation;
     errors.push_back(2.0 * kDegreesPerRadian *
@@ -194,8 +183,8 @@ void TrackingMeasure::measure_rows() const {
   for (const Row& row : rows_) {
     TrackingRow result;
     result.table = row.table + 1;
-    result.body = row.row->body;
-    result.bone = row.row->bone;
+    result.body = draft_.clip.robot().bodies()[row.task->body].name;
+    result.bone = bone_name(row.bone);
     const bool judged = row.table == judged_table();
     if (has_position(row)) {
       const std::vector<double> errors = position_errors(row);
@@ -203,7 +192,7 @@ void TrackingMeasure::measure_rows() const {
       result.position_cm = mean(errors);
       result.position_p95_cm = percentile(errors, 95.0);
     }
-    if (row.row->rotation_weight > 0.0) {
+    if (row.task->rotation_weight > 0.0) {
       const std::vector<double> errors = rotation_errors(row);
       if (judged) append(rotations, errors);
       result.rotation_deg = mean(errors);
@@ -220,31 +209,35 @@ void TrackingMeasure::measure_rows() const {
 }
 
 // the first row of a bone; of feet, which are mapped by either of two bones, of one of them
-const Row* TrackingMeasure::row_of(std::string_view bone) const {
-  const auto found =
-      std::ranges::find_if(rows_, [bone](const Row& row) { return row.row->bone == bone; });
+const Row* TrackingMeasure::row_of(Bone bone) const {
+  const auto found = std::ranges::find(rows_, bone, &Row::bone);
   if (found != rows_.end()) return &*found;
-  return bone.ends_with("Foot") ? row_of(std::string(bone) + "Mod") : nullptr;
+  const bool is_foot = limb_bone(bone) == LimbBone::kFoot;
+  return is_foot ? row_of(side_bone(side_of(bone), LimbBone::kFootMod)) : nullptr;
 }
 
 // a part of the body between two joints, or between the middles of two pairs of joints
 struct Segment {
   const char* name;
-  std::array<const char*, 2> from, to;  // bones
+  std::array<Bone, 2> from, to;
 };
 
+constexpr Segment between(const char* name, Bone from, Bone to) {
+  return {name, {from, from}, {to, to}};
+}
+
 constexpr std::array<Segment, 11> kSegments = {{
-    {"left thigh", {"LeftUpLeg", "LeftUpLeg"}, {"LeftLeg", "LeftLeg"}},
-    {"right thigh", {"RightUpLeg", "RightUpLeg"}, {"RightLeg", "RightLeg"}},
-    {"left shin", {"LeftLeg", "LeftLeg"}, {"LeftFoot", "LeftFoot"}},
-    {"right shin", {"RightLeg", "RightLeg"}, {"RightFoot", "RightFoot"}},
-    {"left upper arm", {"LeftArm", "LeftArm"}, {"LeftForeArm", "LeftForeArm"}},
-    {"right upper arm", {"RightArm", "RightArm"}, {"RightForeArm", "RightForeArm"}},
-    {"left forearm", {"LeftForeArm", "LeftForeArm"}, {"LeftHand", "LeftHand"}},
-    {"right forearm", {"RightForeArm", "RightForeArm"}, {"RightHand", "RightHand"}},
-    {"trunk", {"LeftUpLeg", "RightUpLeg"}, {"LeftArm", "RightArm"}},
-    {"hip line", {"RightUpLeg", "RightUpLeg"}, {"LeftUpLeg", "LeftUpLeg"}},
-    {"shoulder line", {"RightArm", "RightArm"}, {"LeftArm", "LeftArm"}},
+    between("left thigh", Bone::kLeftUpLeg, Bone::kLeftLeg),
+    between("right thigh", Bone::kRightUpLeg, Bone::kRightLeg),
+    between("left shin", Bone::kLeftLeg, Bone::kLeftFoot),
+    between("right shin", Bone::kRightLeg, Bone::kRightFoot),
+    between("left upper arm", Bone::kLeftArm, Bone::kLeftForeArm),
+    between("right upper arm", Bone::kRightArm, Bone::kRightForeArm),
+    between("left forearm", Bone::kLeftForeArm, Bone::kLeftHand),
+    between("right forearm", Bone::kRightForeArm, Bone::kRightHand),
+    {"trunk", {Bone::kLeftUpLeg, Bone::kRightUpLeg}, {Bone::kLeftArm, Bone::kRightArm}},
+    between("hip line", Bone::kRightUpLeg, Bone::kLeftUpLeg),
+    between("shoulder line", Bone::kRightArm, Bone::kLeftArm),
 }};
 
 void TrackingMeasure::measure_limbs() const {
@@ -252,13 +245,11 @@ void TrackingMeasure::measure_limbs() const {
   const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
   std::vector<double> all;
   for (const Segment& segment : kSegments) {
-    std::array<int, 4> bones{};
+    const std::array bones = {segment.from[0], segment.from[1], segment.to[0], segment.to[1]};
     std::array<const Row*, 4> rows{};
     std::array<Vector3d, 4> body_from_joint;
     for (std::size_t i = 0; i < 4; ++i) {
-      const std::string_view name = i < 2 ? segment.from[i] : segment.to[i - 2];
-      bones[i] = find_bone(name).value_or(0);
-      rows[i] = human_.has(bones[i]) ? row_of(name) : nullptr;
+      rows[i] = human_.has(bones[i]) ? row_of(bones[i]) : nullptr;
       const bool known = limbs && rows[i] != nullptr;
       body_from_joint[i] = known ? limbs->body_from_joint[rows[i]->bone] : Vector3d::Zero();
     }
@@ -287,7 +278,7 @@ std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
   const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
   TrunkBodies trunk;
   std::size_t next = 0;
-  for (const std::string_view bone : kTrunkBones) {
+  for (const Bone bone : kTrunkBones) {
     const Row* row = row_of(bone);
     if (row == nullptr) return std::nullopt;
     trunk.bodies[next] = row->body;
@@ -307,15 +298,14 @@ void TrackingMeasure::measure() const {
 
 }  // namespace
 
-std::vector<int> tracked_bodies(const Robot& robot, const IkTables& tables) {
-  std::vector<int> bodies;
-  const auto add = [&](const std::string& name) {
-    const auto body = robot.find_body(name);
-    if (body && std::ranges::find(bodies, *body) == bodies.end()) bodies.push_back(*body);
-  };
-  add(tables.robot_root);
-  for (const IkTable& table : tables.tables) {
-    for (const IkRow& row : table.rows) add(row.body);
+std::vector<int> tracked_bodies(const ResolvedMapping& tables) {
+  std::vector<int> bodies = {tables.root_body};
+  for (const auto& [used, tasks] : tables.tables) {
+    for (const MappedTask& task : tasks) {
+      if (task.body >= 0 && std::ranges::find(bodies, task.body) == bodies.end()) {
+        bodies.push_back(task.body);
+      }
+    }
   }
   return bodies;
 }

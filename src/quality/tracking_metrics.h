@@ -8,7 +8,7 @@
 namespace retarget {
 
 /// The bodies whose poses measure_tracking needs: those of the tables and the root, each once.
-[[nodiscard]] std::vector<int> tracked_bodies(const Robot& robot, const IkTables& tables);
+[[nodiscard]] std::vector<int> tracked_bodies(const ResolvedMapping& tables);
 
 /// How the mapped bodies follow their bones, row by row, and the limbs the human's.
 /// @param tracks  with tracked_bodies kept.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "human/bones.h"
 #include "math/so3.h"
 #include "math/statistics.h"
 #include "quality/fault_list.h"
@@ -42,20 +41,15 @@ struct Leans {
 }  // namespace
 
 bool has_trunk(const HumanClipInfo& human) {
-  if (!human.has(*find_bone("Hips"))) return false;
-  for (const std::string_view end : kTrunkBones) {
-    if (!human.has(*find_bone(end))) return false;
-  }
-  return true;
+  return human.has(Bone::kHips) &&
+         std::ranges::all_of(kTrunkBones, [&](Bone bone) { return human.has(bone); });
 }
 
 namespace {
 
 std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human) {
   if (!has_trunk(human)) return std::nullopt;
-  return trunk_frame(standing_trunk_lines(human, [&](int frame, std::span<Pose> world_from_bone) {
-    std::ranges::copy(human.frame(frame), world_from_bone.begin());
-  }));
+  return trunk_frame(standing_trunk_lines(human, poses_of(human)));
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
-#include <span>
-#include <string_view>
 
 #include "human/human_clip.h"
 #include "pipeline/trunk_lines.h"
@@ -15,8 +13,8 @@
 namespace retarget {
 
 /// The bones that begin at hips and shoulders.
-inline constexpr std::array<std::string_view, 4> kTrunkBones = {"LeftUpLeg", "RightUpLeg",
-                                                                "LeftArm", "RightArm"};
+inline constexpr std::array kTrunkBones = {Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftArm,
+                                           Bone::kRightArm};
 
 /// Whether the hips, both hip joints and both shoulders are there.
 [[nodiscard]] bool has_trunk(const HumanClipInfo& human);

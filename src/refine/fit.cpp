@@ -5,6 +5,7 @@
 #include <cmath>
 #include <thread>
 
+#include "base/try.h"
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
 #include "refine/fit_windows.h"
@@ -22,28 +23,25 @@ namespace {
 struct PathScales {
   double root = 1.0, foot = 1.0;
 };
-PathScales path_scales(const TargetBuilder& targets, int root_bone) {
-  std::vector<Pose> low(kBoneCount), high(kBoneCount), all(kBoneCount);
+PathScales path_scales(const TargetBuilder& targets) {
+  HumanPose low, high, all;
   for (Pose& pose : all) pose.translation.z() = 1.0;
-  int foot_bone = find_bone("LeftFootMod").value();
+  int foot = targets.target_of(Bone::kLeftFootMod);
   // of a body with one leg, that one
-  if (targets.target_of(foot_bone) < 0) foot_bone = find_bone("RightFootMod").value();
+  const Bone foot_bone = foot < 0 ? Bone::kRightFootMod : Bone::kLeftFootMod;
+  foot = targets.target_of(foot_bone);
   std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
   targets.build(low, at_rest);
   targets.build(all, raised);
-  PathScales scales;
-  const auto rise = [&](int bone) {
-    const int target = targets.target_of(bone);
-    return target < 0 ? 1.0
-                      : (raised[at(target)].translation - at_rest[at(target)].translation).z();
+  const auto rise = [&](int target) {
+    return (raised[at(target)].translation - at_rest[at(target)].translation).z();
   };
-  scales.root = rise(root_bone);
   // everything raised, the feet are raised as the root is; by the feet alone, by their own scale
-  scales.foot = scales.root;
-  if (targets.target_of(foot_bone) >= 0) {
-    high[at(foot_bone)].translation.z() = 1.0;
+  PathScales scales{rise(0), rise(0)};
+  if (foot >= 0) {
+    high[foot_bone].translation.z() = 1.0;
     targets.build(high, raised);
-    scales.foot = rise(foot_bone);
+    scales.foot = rise(foot);
   }
   return scales;
 }
@@ -77,8 +75,8 @@ LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
 class Fit {
  public:
   Fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
-      const std::shared_ptr<const Robot>& robot, const IkTables& tables, const LimitSet& limits,
-      const FitOptions& options, const FitRun& run)
+      const std::shared_ptr<const Robot>& robot, const ResolvedMapping& tables,
+      const LimitSet& limits, const FitOptions& options, const FitRun& run)
       : source_(clip),
         mapping_(mapping),
         clip_name_(clip_name),
@@ -91,10 +89,10 @@ class Fit {
   Result<FitResult> run();
 
  private:
-  bool read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets);
-  void read_feet(std::span<const Pose> bones);
+  bool read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made);
+  void read_feet(const HumanPose& bones);
   double floor_height(const StandingHeights& standing, double scale) const;
-  Result<void> solve(FitResult& result);
+  Result<void> solve(const MadeTargets& made, FitResult& result);
   void keep_bounds(FitReport& report);
   void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                     FitReport& report) const;
@@ -103,7 +101,7 @@ class Fit {
   const HumanMapping& mapping_;
   const std::string& clip_name_;
   const std::shared_ptr<const Robot>& robot_;
-  const IkTables& tables_;
+  const ResolvedMapping& tables_;
   const LimitSet& limits_;
   FitOptions options_;
   const FitRun& run_;
@@ -116,22 +114,21 @@ class Fit {
 };
 
 // thigh and shank, metres
-double leg_length(std::span<const Pose> bones, const SourceSides& sides) {
-  const auto joint = [&](const char* part) {
-    const std::string name = (sides.left ? "Left" : "Right") + std::string(part);
-    return bones[at(find_bone(name).value())].translation;
-  };
-  return (joint("UpLeg") - joint("Leg")).norm() + (joint("Leg") - joint("Foot")).norm();
+double leg_length(const HumanPose& bones, const SourceSides& sides) {
+  const Side side = sides.left ? Side::kLeft : Side::kRight;
+  const auto joint = [&](LimbBone part) { return bones[side_bone(side, part)].translation; };
+  return (joint(LimbBone::kUpLeg) - joint(LimbBone::kLeg)).norm() +
+         (joint(LimbBone::kLeg) - joint(LimbBone::kFoot)).norm();
 }
 
 // the sides on which the source has what foot contacts are found from
 SourceSides sides_with_feet(const HumanClipInfo& info) {
-  const auto has_foot = [&](const std::string& side) {
-    return std::ranges::all_of(std::array{"UpLeg", "Leg", "Foot", "Toe"}, [&](const char* part) {
-      return info.has(find_bone(side + part).value());
-    });
+  const auto has_foot = [&](Side side) {
+    return std::ranges::all_of(
+        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
+        [&](LimbBone part) { return info.has(side_bone(side, part)); });
   };
-  return {has_foot("Left"), has_foot("Right")};
+  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
 }
 
 // why the robot's feet have less to hold on to than they could
@@ -146,10 +143,11 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
   }
 }
 
-void Fit::read_feet(std::span<const Pose> bones) {
+void Fit::read_feet(const HumanPose& bones) {
   for (const FitFoot& foot : model_.feet) {
-    const Pose& ankle = bones[at(find_bone(foot.left ? "LeftFoot" : "RightFoot").value())];
-    const Pose& toe = bones[at(find_bone(foot.left ? "LeftToe" : "RightToe").value())];
+    const Side side = foot.left ? Side::kLeft : Side::kRight;
+    const Pose& ankle = bones[side_bone(side, LimbBone::kFoot)];
+    const Pose& toe = bones[side_bone(side, LimbBone::kToe)];
     // a canonical foot's y axis points up and its z axis sideways while it stands
     feet_.feet.push_back({ankle.translation, toe.translation,
                           (toe.rotation * Eigen::Vector3d::UnitY()).z(),
@@ -158,25 +156,26 @@ void Fit::read_feet(std::span<const Pose> bones) {
 }
 
 // @return whether all targets are numbers that can be computed with
-bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, const TargetBuilder& targets) {
+bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
   constexpr double kTooLarge = 1e50;  // metres
-  const int root = find_bone(tables_.human_root).value();
-  const PathScales scales = path_scales(targets, root);
+  const PathScales scales = path_scales(made.targets);
   bool usable = true;
-  std::vector<Pose> bones(kBoneCount), world_from_target(at(targets.target_count()));
+  HumanPose bones;
+  const std::size_t count = at(made.targets.target_count());
+  made.world_from_target.resize(at(info.frame_count) * count);
   feet_.foot_count = static_cast<int>(model_.feet.size());
   feet_.frame_time = clip_.frame_time = info.rate.frame_time();
   clip_.frame_count = info.frame_count;
   for (int frame = 0; frame < info.frame_count; ++frame) {
+    const auto world_from_target =
+        std::span(made.world_from_target).subspan(at(frame) * count, count);
     poser.pose(frame, bones);
-    targets.build(bones, world_from_target);
+    made.targets.build(bones, world_from_target);
     if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones, sides_);
     read_feet(bones);
-    if (info.has(find_bone("Hips").value())) {
-      feet_.hips.push_back(bones[at(find_bone("Hips").value())].translation.z());
-    }
+    if (info.has(Bone::kHips)) feet_.hips.push_back(bones[Bone::kHips].translation.z());
     // the whole robot goes as its feet go: feet that stand stay in one place
-    path_.emplace_back((scales.foot - scales.root) * bones[at(root)].translation);
+    path_.emplace_back((scales.foot - scales.root) * bones[tables_.root_bone].translation);
     for (const FitTask& task : model_.tasks) {
       const Pose& pose = world_from_target[at(task.target)];
       clip_.targets.push_back({pose.translation + path_.back(),
@@ -214,7 +213,7 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
 
 // The first stage and the windows behind it, side by side: each window begins when the frames that
 // it looks at have their start.
-Result<void> Fit::solve(FitResult& result) {
+Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   const FitWindows plan = plan_windows(clip_, options_);
   const int threads = options_.threads > 0 ? options_.threads
                                            : static_cast<int>(std::thread::hardware_concurrency());
@@ -222,18 +221,13 @@ Result<void> Fit::solve(FitResult& result) {
   WindowCrew crew(model_, options_, plan, clip_, threads);
   RetargetOptions options = run_.retarget;
   options.settle = true;
-  options.trunk = TrunkRule::kLines;
-  options.waist_limits = &limits_;
-  // windows keep the other threads busy
-  options.targets_ahead = options.targets_ahead && plan.windows.size() == 1;
   options.frame_solved = [&](int frame, std::span<const double> qpos) {
     starts.take(frame, qpos);
     crew.starts_are_there(frame + 1);
   };
-  const auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
-                              first_limits(*robot_, limits_), options);
-  if (!first) return failure(first.error());
-  result.steps = first->steps;
+  TRY_ASSIGN(const auto first,
+             retarget(made, clip_name_, robot_, tables_, first_limits(*robot_, limits_), options));
+  result.steps = first.steps;
   crew.starts_are_there(clip_.frame_count);
   if (!crew.finish(run_.keep_going)) return interrupted_failure();
   keep_bounds(result.report);
@@ -309,22 +303,19 @@ void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<T
 }
 
 Result<FitResult> Fit::run() {
-  if (auto checked = check_ik_tables(tables_, *robot_); !checked) return failure(checked.error());
   FitResult result;
   HumanPoser poser(source_, mapping_);
   const HumanClipInfo info = poser.info();
-  const HumanPoseSource poses = [&](int frame, std::span<Pose> world_from_bone) {
+  const HumanPoseSource poses = [&](int frame, HumanPose& world_from_bone) {
     poser.pose(frame, world_from_bone);
   };
-  const auto made = make_targets(info, poses, clip_name_, *robot_, tables_,
-                                 run_.retarget.height_scale, TrunkRule::kLines, &limits_);
-  if (!made) return failure(made.error());
-  const TargetBuilder& targets = *made;
+  TRY_ASSIGN(const TargetBuilder targets,
+             make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale,
+                          TrunkRule::kLines, &limits_));
   const auto limbs = robot_limbs(*robot_, tables_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
-  std::vector<int> target_of_bone;
-  target_of_bone.reserve(kBoneCount);
-  for (int bone = 0; bone < kBoneCount; ++bone) target_of_bone.push_back(targets.target_of(bone));
+  BoneArray<int> target_of_bone;
+  for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
   sides_ = sides_with_feet(info);
   model_ = make_fit_model(*robot_, tables_, limits_, target_of_bone, options_, sides_);
   FitReport& report = result.report;
@@ -332,14 +323,14 @@ Result<FitResult> Fit::run() {
   if (model_.shapes.empty()) {
     report.notes.emplace_back("the robot has no collision shapes: no self-collision");
   }
-  if (!read_source(info, poser, targets)) {
+  MadeTargets made{targets, info.rate, {}};
+  if (!read_source(info, poser, made)) {
     // the first stage tells what is wrong with it
-    const auto first = retarget(source_, mapping_, clip_name_, robot_, tables_,
-                                first_limits(*robot_, limits_), run_.retarget);
-    if (!first) return failure(first.error());
+    TRY(retarget(source_, mapping_, clip_name_, robot_, tables_, first_limits(*robot_, limits_),
+                 run_.retarget));
   }
   if (!model_.feet.empty()) {
-    const double scale = path_scales(targets, find_bone(tables_.human_root).value()).foot;
+    const double scale = path_scales(targets).foot;
     const StandingHeights standing = find_standing_heights(feet_, options_);
     report.floor_found = standing.found;
     report.floor_height = floor_height(standing, scale);
@@ -348,7 +339,7 @@ Result<FitResult> Fit::run() {
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;
   report.contact_phases = static_cast<int>(clip_.feet.phases.size());
-  if (auto solved = solve(result); !solved) return failure(solved.error());
+  TRY(solve(made, result));
   result.clip = RobotClip(robot_, info.rate, info.frame_count);
   for (int t = 0; t < clip_.frame_count; ++t) {
     const auto now = clip_.frame(t, model_.configuration_size);
@@ -361,7 +352,7 @@ Result<FitResult> Fit::run() {
 }  // namespace
 
 Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
-                      const std::shared_ptr<const Robot>& robot, const IkTables& tables,
+                      const std::shared_ptr<const Robot>& robot, const ResolvedMapping& tables,
                       const LimitSet& limits, const FitOptions& options, const FitRun& run) {
   return Fit(clip, mapping, clip_name, robot, tables, limits, options, run).run();
 }

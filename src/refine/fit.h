@@ -5,7 +5,6 @@
 #include <string>
 
 #include "human/human_clip.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/retarget.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
@@ -49,7 +48,7 @@ struct FitRun {
 [[nodiscard]] Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping,
                                     const std::string& clip_name,
                                     const std::shared_ptr<const Robot>& robot,
-                                    const IkTables& tables, const LimitSet& limits,
+                                    const ResolvedMapping& tables, const LimitSet& limits,
                                     const FitOptions& options = {}, const FitRun& run = {});
 
 }  // namespace retarget

@@ -7,7 +7,6 @@
 #include <set>
 #include <string_view>
 
-#include "human/bones.h"
 #include "ik/moving_tree.h"
 
 namespace retarget {
@@ -27,8 +26,8 @@ struct Hanging {
 
 class ModelMaker {
  public:
-  ModelMaker(const Robot& robot, const IkTables& tables, const LimitSet& limits,
-             std::span<const int> target_of_bone, const FitOptions& options,
+  ModelMaker(const Robot& robot, const ResolvedMapping& tables, const LimitSet& limits,
+             const BoneArray<int>& target_of_bone, const FitOptions& options,
              const SourceSides& sides)
       : robot_(robot),
         tables_(tables),
@@ -50,16 +49,16 @@ class ModelMaker {
   void add_foot_shapes();
   void add_pairs();
   void group_pairs();
-  [[nodiscard]] int link_of_bone(std::string_view bone) const;
+  [[nodiscard]] int link_of_bone(Bone bone) const;
   [[nodiscard]] int body_above(int link) const;
   /// The link itself or the next one above that moves.
   [[nodiscard]] int carrier(int link) const;
   [[nodiscard]] std::vector<int> chain_to_root(int link) const;
 
   const Robot& robot_;
-  const IkTables& tables_;
+  const ResolvedMapping& tables_;
   const LimitSet& limits_;
-  std::span<const int> target_of_bone_;
+  const BoneArray<int>& target_of_bone_;
   const FitOptions& options_;
   const SourceSides& sides_;
   FitModel model_;
@@ -117,12 +116,11 @@ void ModelMaker::add_links() {
   }
 }
 
-int ModelMaker::link_of_bone(std::string_view bone) const {
-  for (const IkTable& table : tables_.tables) {
-    for (const IkRow& row : table.rows) {
-      if (row.bone != bone) continue;
-      const auto body = robot_.find_body(row.body);
-      if (body) return hanging_[static_cast<std::size_t>(*body)].link;
+int ModelMaker::link_of_bone(Bone bone) const {
+  for (const auto& [used, tasks] : tables_.tables) {
+    for (const MappedTask& task : tasks) {
+      if (task.bone != bone || task.body < 0) continue;
+      return hanging_[static_cast<std::size_t>(task.body)].link;
     }
   }
   return -1;
@@ -143,8 +141,8 @@ void ModelMaker::add_smoothness() {
   model_.smoothness.assign(static_cast<std::size_t>(dofs), o.smoothness_leg);
   std::fill_n(model_.smoothness.begin(), 3, o.smoothness_root_position);
   std::fill_n(model_.smoothness.begin() + 3, 3, o.smoothness_root_rotation);
-  const std::vector<int> left = chain_to_root(link_of_bone("LeftHand"));
-  const std::vector<int> right = chain_to_root(link_of_bone("RightHand"));
+  const std::vector<int> left = chain_to_root(link_of_bone(Bone::kLeftHand));
+  const std::vector<int> right = chain_to_root(link_of_bone(Bone::kRightHand));
   const auto mark = [&](const std::vector<int>& arm, const std::vector<int>& other, int forearm) {
     bool wrist = std::ranges::find(arm, forearm) != arm.end();
     for (const int link : arm) {
@@ -154,8 +152,8 @@ void ModelMaker::add_smoothness() {
           wrist ? o.smoothness_wrist : o.smoothness_arm;
     }
   };
-  mark(left, right, link_of_bone("LeftForeArm"));
-  mark(right, left, link_of_bone("RightForeArm"));
+  mark(left, right, link_of_bone(Bone::kLeftForeArm));
+  mark(right, left, link_of_bone(Bone::kRightForeArm));
 }
 
 // what a mapping holds less important than usual is less important here too
@@ -163,44 +161,43 @@ double importance(double weight, double usual) {
   return weight > 0.0 ? std::sqrt(std::min(1.0, weight / usual)) : 0.0;
 }
 
+// how well a kind of bone is tracked
+struct Tracking {
+  double position, rotation;
+  double usual_position, usual_rotation;  // weights of the mapping that these are for
+};
+
+Tracking tracking_of(Bone bone, const TrackingWeights& w) {
+  if (bone == Bone::kHips) return {w.hips_position, w.hips_rotation, 100.0, 5.0};
+  if (bone == Bone::kSpine2) return {w.hips_position, w.torso_rotation, 10.0, 10.0};
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (part == LimbBone::kUpLeg) return {w.thigh_position, w.thigh_rotation, 10.0, 5.0};
+  if (part == LimbBone::kLeg) return {w.shank_position, w.shank_rotation, 10.0, 5.0};
+  if (part == LimbBone::kFoot || part == LimbBone::kFootMod) {
+    return {w.foot_position, w.foot_rotation, 50.0, 10.0};
+  }
+  if (part == LimbBone::kForeArm) return {w.forearm_position, w.forearm_rotation, 10.0, 5.0};
+  if (part == LimbBone::kArm) return {w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0};
+  if (part == LimbBone::kHand) return {w.hand_position, w.hand_rotation, 10.0, 5.0};
+  return {w.other_position, w.other_rotation, 10.0, 5.0};
+}
+
 void ModelMaker::add_tasks() {
   if (!options_.tracking) return;
-  const IkTable& table = tables_.tables[tables_.tables[1].used ? 1 : 0];
-  const TrackingWeights& w = options_.weights;
-  struct Class {
-    std::string_view end;  // of the bone's name
-    double position, rotation;
-    double usual_position, usual_rotation;  // weights of the mapping that these are for
-  };
-  const std::array classes = {Class{"UpLeg", w.thigh_position, w.thigh_rotation, 10.0, 5.0},
-                              Class{"Leg", w.shank_position, w.shank_rotation, 10.0, 5.0},
-                              Class{"FootMod", w.foot_position, w.foot_rotation, 50.0, 10.0},
-                              Class{"Foot", w.foot_position, w.foot_rotation, 50.0, 10.0},
-                              Class{"ForeArm", w.forearm_position, w.forearm_rotation, 10.0, 5.0},
-                              Class{"Arm", w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0},
-                              Class{"Hand", w.hand_position, w.hand_rotation, 10.0, 5.0},
-                              Class{"Hips", w.hips_position, w.hips_rotation, 100.0, 5.0},
-                              Class{"Spine2", w.hips_position, w.torso_rotation, 10.0, 10.0},
-                              Class{"", w.other_position, w.other_rotation, 10.0, 5.0}};
-  for (const IkRow& row : table.rows) {
-    const auto bone = find_bone(row.bone);
-    if (!row.has_weight() || !bone || target_of_bone_[static_cast<std::size_t>(*bone)] < 0) {
-      continue;
-    }
-    const int body = robot_.find_body(row.body).value_or(0);
-    const Hanging& hanging = hanging_[static_cast<std::size_t>(body)];
+  for (const MappedTask& mapped : tables_.tables[tables_.tables[1].used ? 1 : 0].tasks) {
+    if (!mapped.has_weight() || target_of_bone_[mapped.bone] < 0) continue;
+    const Hanging& hanging = hanging_[static_cast<std::size_t>(mapped.body)];
     if (hanging.link < 0) continue;
-    const Class& kind = *std::ranges::find_if(
-        classes, [&](const Class& c) { return std::string_view(row.bone).ends_with(c.end); });
+    const Tracking kind = tracking_of(mapped.bone, options_.weights);
     FitTask task;
-    task.body = row.body;
+    task.body = robot_.bodies()[static_cast<std::size_t>(mapped.body)].name;
     task.link = hanging.link;
-    task.target = target_of_bone_[static_cast<std::size_t>(*bone)];
+    task.target = target_of_bone_[mapped.bone];
     task.position = hanging.link_from_body.translation;
     task.link_from_body = hanging.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =
-        kind.position * importance(row.position_weight, kind.usual_position);
-    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation);
+        kind.position * importance(mapped.position_weight, kind.usual_position);
+    task.rotation_weight = kind.rotation * importance(mapped.rotation_weight, kind.usual_rotation);
     model_.tasks.push_back(task);
   }
 }
@@ -366,12 +363,9 @@ void ModelMaker::hold_unmapped_joints() {
   const auto mark = [&](int link) {
     for (const int above : chain_to_root(link)) moves[static_cast<std::size_t>(above)] = true;
   };
-  for (const IkTable& table : tables_.tables) {
-    for (const IkRow& row : table.rows) {
-      const auto body = robot_.find_body(row.body);
-      if (table.used && row.has_weight() && body) {
-        mark(hanging_[static_cast<std::size_t>(*body)].link);
-      }
+  for (const auto& [used, tasks] : tables_.tables) {
+    for (const MappedTask& task : tasks) {
+      if (used && task.has_weight()) mark(hanging_[static_cast<std::size_t>(task.body)].link);
     }
   }
   for (const FitFoot& foot : model_.feet) mark(foot.link);
@@ -482,8 +476,8 @@ void ModelMaker::group_pairs() {
 
 }  // namespace
 
-FitModel make_fit_model(const Robot& robot, const IkTables& tables, const LimitSet& limits,
-                        std::span<const int> target_of_bone, const FitOptions& options,
+FitModel make_fit_model(const Robot& robot, const ResolvedMapping& tables, const LimitSet& limits,
+                        const BoneArray<int>& target_of_bone, const FitOptions& options,
                         const SourceSides& sides) {
   return ModelMaker(robot, tables, limits, target_of_bone, options, sides).make();
 }

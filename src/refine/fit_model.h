@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
 
@@ -131,10 +131,10 @@ struct SourceSides {
   bool left = true, right = true;
 };
 
-/// @param target_of_bone  index of a bone's target, -1: none; kBoneCount entries.
+/// @param target_of_bone  index of a bone's target, -1: none.
 /// @param sides  the robot's feet of the other sides follow nothing and are none of the model's.
-[[nodiscard]] FitModel make_fit_model(const Robot& robot, const IkTables& tables,
-                                      const LimitSet& limits, std::span<const int> target_of_bone,
+[[nodiscard]] FitModel make_fit_model(const Robot& robot, const ResolvedMapping& tables,
+                                      const LimitSet& limits, const BoneArray<int>& target_of_bone,
                                       const FitOptions& options, const SourceSides& sides = {});
 
 }  // namespace retarget

@@ -10,10 +10,10 @@
 
 #include "anatomy/branches.h"
 #include "base/suggest.h"
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
 #include "pipeline/targets.h"
+#include "retarget/human.h"
 #include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"
@@ -32,15 +32,10 @@ struct OffsetError {
   double direction = 0.0, twist = 0.0;
 };
 
-std::string other_side(const std::string& bone) {
-  if (bone.starts_with("Left")) return "Right" + bone.substr(4);
-  return {};
-}
-
-const IkRow* row_of(const IkTable& table, const std::string& bone) {
+const MappedTask* task_of(const ResolvedMapping::Table& table, Bone bone) {
   const auto found = std::ranges::find_if(
-      table.rows, [&](const IkRow& row) { return row.bone == bone && row.has_weight(); });
-  return found == table.rows.end() ? nullptr : &*found;
+      table.tasks, [&](const MappedTask& task) { return task.bone == bone && task.has_weight(); });
+  return found == table.tasks.end() ? nullptr : &*found;
 }
 
 class Doctor {
@@ -55,18 +50,22 @@ class Doctor {
 
   void check_mapping();
   void check_offsets();
-  [[nodiscard]] std::optional<OffsetError> offset_error(const IkRow& row) const;
+  [[nodiscard]] std::optional<OffsetError> offset_error(const MappedTask& task) const;
   void check_reach();
   void check_moved_joints();
   void check_sides_of_mapping();
   void check_sides_of_ranges();
   void check_limit_sets();
   void check_profile();
-  [[nodiscard]] std::vector<Pose> human_t_pose() const;
+  [[nodiscard]] HumanPose human_t_pose() const;
+  [[nodiscard]] std::string body_name(const MappedTask& task) const {
+    return task.body < 0 ? std::string()
+                         : robot_.bodies()[static_cast<std::size_t>(task.body)].name;
+  }
 
   const Robot& robot_;
   const IkTables* tables_;
-  bool mapping_is_sound_ = false;
+  std::optional<ResolvedMapping> mapping_;  // where it is sound
   std::optional<RobotAnatomy> limbs_;
   std::optional<TPose> t_pose_;
   std::vector<RobotFinding> findings_;
@@ -74,30 +73,32 @@ class Doctor {
 
 void Doctor::check_mapping() {
   if (tables_ == nullptr) return note("there is no mapping (ik.json)");
-  const auto checked = check_ik_tables(*tables_, robot_);
-  mapping_is_sound_ = checked.has_value();
-  if (checked) return;
-  const Error& error = checked.error();
+  auto resolved = resolve_mapping(*tables_, robot_);
+  if (resolved) {
+    mapping_ = std::move(*resolved);
+    return;
+  }
+  const Error& error = resolved.error();
   if (error.details.empty()) return fault(error.message);
   for (const std::string& detail : error.details) fault(detail);
 }
 
-std::optional<OffsetError> Doctor::offset_error(const IkRow& row) const {
-  const auto bone = find_bone(row.bone);
-  const auto body = robot_.find_body(row.body);
-  if (!bone || !body) return std::nullopt;
+std::optional<OffsetError> Doctor::offset_error(const MappedTask& task) const {
+  if (task.body < 0) return std::nullopt;
   // the bone's axes in the body: as found in it, else as the T-pose has them
   std::optional<Eigen::Matrix3d> body_from_bone;
   for (const BonePart& part : bone_parts(*limbs_)) {
-    if (part.bone == *bone && part.part.body == *body) body_from_bone = part.part.body_from_bone;
+    if (part.bone == task.bone && part.part.body == task.body) {
+      body_from_bone = part.part.body_from_bone;
+    }
   }
   if (!body_from_bone) {
     const PosedRobot posed(robot_, t_pose_->qpos);
-    body_from_bone =
-        posed.body(*body).rotation.toRotationMatrix().transpose() * t_pose_of(*limbs_, *bone);
+    body_from_bone = posed.body(task.body).rotation.toRotationMatrix().transpose() *
+                     t_pose_of(*limbs_, task.bone);
   }
   const Eigen::Matrix3d given =
-      row.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the row
+      task.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the task
   OffsetError error;
   error.direction = angle_between(given.col(0), body_from_bone->col(0));
   const Eigen::Vector3d z = rotation_between(given.col(0), body_from_bone->col(0)) * given.col(2);
@@ -106,77 +107,73 @@ std::optional<OffsetError> Doctor::offset_error(const IkRow& row) const {
 }
 
 void Doctor::check_offsets() {
-  for (const IkRow& row : tables_->tables[0].rows) {
-    if (row.rotation_weight == 0.0) continue;
-    const auto error = offset_error(row);
+  for (const MappedTask& task : mapping_->tables[0].tasks) {
+    if (task.rotation_weight == 0.0) continue;
+    const auto error = offset_error(task);
     if (!error || std::max(error->direction, error->twist) < kOddOffset) continue;
-    const std::string text = "the rotation offset of \"" + row.body + "\" (" + row.bone +
-                             ") leaves it " + degrees_text(error->direction) +
-                             " degrees off the T-pose in direction and " +
-                             degrees_text(error->twist) + " in twist";
+    const std::string text =
+        "the rotation offset of \"" + body_name(task) + "\" (" + std::string(bone_name(task.bone)) +
+        ") leaves it " + degrees_text(error->direction) +
+        " degrees off the T-pose in direction and " + degrees_text(error->twist) + " in twist";
     error->direction > kWrongOffset ? fault(text) : note(text);
   }
 }
 
 // the canonical human of LAFAN1's lengths in the T-pose, hips over the origin
-std::vector<Pose> Doctor::human_t_pose() const {
+HumanPose Doctor::human_t_pose() const {
+  using enum LimbBone;
   constexpr HumanLengths kHuman;
-  std::vector<Pose> poses(static_cast<std::size_t>(kBoneCount));
+  HumanPose poses;
   const double hips = kHuman.thigh + kHuman.shin + kHuman.ankle_height;
-  const auto set = [&](const std::string& bone, double x, double y, double z) {
-    const int index = find_bone(bone).value();
-    poses[static_cast<std::size_t>(index)] = {Eigen::Quaterniond(canonical_t_pose(index)),
-                                              {x, y, z}};
+  const auto set = [&](Bone bone, double x, double y, double z) {
+    poses[bone] = {Eigen::Quaterniond(canonical_t_pose(bone)), {x, y, z}};
   };
-  for (const std::string_view bone : kBoneNames) set(std::string(bone), 0.0, 0.0, hips);
-  for (const std::string side : {"Left", "Right"}) {
-    const double sign = side == "Left" ? 1.0 : -1.0;
+  for (const Bone bone : kAllBones) set(bone, 0.0, 0.0, hips);
+  for (const Side side : kSides) {
+    const double sign = side == Side::kLeft ? 1.0 : -1.0;
     const double x = kHuman.hips_behind;
     const double y = sign * kHuman.hip_width;
-    set(side + "UpLeg", x, y, hips);
-    set(side + "Leg", x, y, hips - kHuman.thigh);
-    for (const std::string foot : {"Foot", "FootMod"}) {
-      set(side + foot, x, y, hips - kHuman.thigh - kHuman.shin);
+    set(side_bone(side, kUpLeg), x, y, hips);
+    set(side_bone(side, kLeg), x, y, hips - kHuman.thigh);
+    for (const LimbBone foot : {kFoot, kFootMod}) {
+      set(side_bone(side, foot), x, y, hips - kHuman.thigh - kHuman.shin);
     }
     const double arm = sign * kHuman.shoulder_width;
     const double z = hips + kHuman.shoulder_height;
-    set(side + "Arm", 0.0, arm, z);
-    set(side + "ForeArm", 0.0, arm + sign * kHuman.upper_arm, z);
-    set(side + "Hand", 0.0, arm + sign * (kHuman.upper_arm + kHuman.forearm), z);
+    set(side_bone(side, kArm), 0.0, arm, z);
+    set(side_bone(side, kForeArm), 0.0, arm + sign * kHuman.upper_arm, z);
+    set(side_bone(side, kHand), 0.0, arm + sign * (kHuman.upper_arm + kHuman.forearm), z);
   }
   return poses;
 }
 
 // whether the feet's targets lie within the legs' reach when hips and feet stand in the T-pose
 void Doctor::check_reach() {
-  const TargetBuilder targets(*tables_, HumanLengths{}.height);
+  const TargetBuilder targets(*mapping_, HumanLengths{}.height);
   std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
   targets.build(human_t_pose(), built);
   const PosedRobot posed(robot_, t_pose_->qpos);
-  const IkRow* root = row_of(tables_->tables[1], tables_->human_root);
-  if (root == nullptr || root->position_weight == 0.0) return;
-  const auto root_body = robot_.find_body(root->body);
-  const int root_target = targets.target_of(find_bone(root->bone).value());
+  const MappedTask* root = task_of(mapping_->tables[1], mapping_->root_bone);
+  if (root == nullptr || root->position_weight == 0.0 || root->body < 0) return;
+  const int root_target = targets.target_of(root->bone);
   for (std::size_t side = 0; side < 2; ++side) {
-    const std::string name = side == 0 ? "Left" : "Right";
     const Limb& leg = limbs_->legs[side];
-    for (const char* foot : {"FootMod", "Foot"}) {
-      const IkRow* row = row_of(tables_->tables[1], name + foot);
-      if (row == nullptr || row->position_weight == 0.0) continue;
-      const int target = targets.target_of(find_bone(row->bone).value());
-      const auto body = robot_.find_body(row->body);
-      if (target < 0 || root_target < 0 || !body || !root_body) continue;
+    for (const LimbBone foot : {LimbBone::kFootMod, LimbBone::kFoot}) {
+      const MappedTask* task = task_of(mapping_->tables[1], side_bone(kSides[side], foot));
+      if (task == nullptr || task->position_weight == 0.0) continue;
+      const int target = targets.target_of(task->bone);
+      if (target < 0 || root_target < 0 || task->body < 0) continue;
       // both bodies moved to their targets: how far hip and ankle are apart then
       const Eigen::Vector3d hip = posed.body(leg.upper.body) * leg.upper.joint -
-                                  posed.body(*root_body).translation +
+                                  posed.body(root->body).translation +
                                   built[static_cast<std::size_t>(root_target)].translation;
       const Eigen::Vector3d ankle = posed.body(leg.end->body) * leg.end->joint -
-                                    posed.body(*body).translation +
+                                    posed.body(task->body).translation +
                                     built[static_cast<std::size_t>(target)].translation;
       const double length = leg.upper_length + leg.lower_length;
       const double beyond = (ankle - hip).norm() - length;
       if (beyond < kOddReach * length) continue;
-      const std::string text = "in the T-pose the target of \"" + row->body + "\" is " +
+      const std::string text = "in the T-pose the target of \"" + body_name(*task) + "\" is " +
                                number_text(rounded(100.0 * beyond, 1)) +
                                " cm farther from the hip than the leg is long";
       beyond > kWrongReach* length ? fault(text) : note(text);
@@ -186,11 +183,10 @@ void Doctor::check_reach() {
 
 void Doctor::check_moved_joints() {
   std::set<int> moved;
-  for (const IkTable& table : tables_->tables) {
-    for (const IkRow& row : table.rows) {
-      const auto body = robot_.find_body(row.body);
-      if (!table.used || !row.has_weight() || !body) continue;
-      for (int at = *body; at > 0; at = robot_.bodies()[static_cast<std::size_t>(at)].parent) {
+  for (const auto& [used, tasks] : mapping_->tables) {
+    for (const MappedTask& task : tasks) {
+      if (!used || !task.has_weight()) continue;
+      for (int at = task.body; at > 0; at = robot_.bodies()[static_cast<std::size_t>(at)].parent) {
         moved.insert(at);
       }
     }
@@ -205,11 +201,11 @@ void Doctor::check_moved_joints() {
 
 void Doctor::check_sides_of_mapping() {
   for (std::size_t t = 0; t < 2; ++t) {
-    for (const IkRow& left : tables_->tables[t].rows) {
-      const std::string other = other_side(left.bone);
-      if (other.empty() || !left.has_weight()) continue;
-      const IkRow* right = row_of(tables_->tables[t], other);
-      const std::string place = left.bone + " in table " + std::to_string(t + 1);
+    for (const MappedTask& left : mapping_->tables[t].tasks) {
+      if (side_of(left.bone) != Side::kLeft || !left.has_weight()) continue;
+      const std::string bone(bone_name(left.bone)), other(bone_name(mirrored(left.bone)));
+      const MappedTask* right = task_of(mapping_->tables[t], mirrored(left.bone));
+      const std::string place = bone + " in table " + std::to_string(t + 1);
       if (right == nullptr) {
         note(place + " has no counterpart on the right");
         continue;
@@ -218,17 +214,15 @@ void Doctor::check_sides_of_mapping() {
           left.rotation_weight != right->rotation_weight) {
         note("weights of " + place + " differ from those of " + other);
       }
-      const double* a = tables_->find_scale(left.bone);
-      const double* b = tables_->find_scale(other);
-      if (t == 0 && a != nullptr && b != nullptr && *a != *b) {
-        note("the scale of " + left.bone + " differs from that of " + other);
+      if (t == 0 && mapping_->scales[left.bone] != mapping_->scales[right->bone]) {
+        note("the scale of " + bone + " differs from that of " + other);
       }
       const auto error = offset_error(left);
       const auto error_right = offset_error(*right);
       if (t == 0 && error && error_right &&
           std::max(std::abs(error->direction - error_right->direction),
                    std::abs(error->twist - error_right->twist)) > kOddOffset) {
-        note("the rotation offset of " + left.bone + " is no mirror image of that of " + other);
+        note("the rotation offset of " + bone + " is no mirror image of that of " + other);
       }
     }
   }
@@ -305,12 +299,12 @@ std::vector<RobotFinding> Doctor::examine() {
   } else {
     fault(limbs.error().message);
   }
-  if (limbs_ && mapping_is_sound_) {
+  if (limbs_ && mapping_) {
     check_offsets();
     check_reach();
     check_sides_of_mapping();
   }
-  if (mapping_is_sound_) check_moved_joints();
+  if (mapping_) check_moved_joints();
   if (limbs_) check_sides_of_ranges();
   check_limit_sets();
   check_profile();

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 

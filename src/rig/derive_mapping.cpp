@@ -6,7 +6,7 @@
 #include <string>
 
 #include "anatomy/branches.h"
-#include "human/bones.h"
+#include "retarget/human.h"
 #include "rig/number_text.h"
 
 namespace retarget {
@@ -20,26 +20,21 @@ struct Weights {
   double position = 0.0, rotation = 0.0;
 };
 
-std::string without_side(std::string_view bone) {
-  for (const std::string_view side : {"Left", "Right"}) {
-    if (bone.starts_with(side)) bone.remove_prefix(side.size());
-  }
-  return std::string(bone);
-}
-
 // what the published tables have in common: a first pass of rotations that places the feet alone,
 // a second that places everything. The first turns trunk and upper arms harder than the rest: from
 // the zero configuration an arm may have to go half around, and a shoulder that is stuck is stuck
 // for good. Positions of forearms and hands are weak against the arm's rotations, for a robot's
 // shoulders are not where the human's are.
-Weights weights_of(const std::string& bone, int pass, int wrist_joints) {
+Weights weights_of(Bone bone, int pass, int wrist_joints) {
+  using enum LimbBone;
   const bool second = pass == 1;
-  if (bone == "Hips") return {second ? 100.0 : 0.0, 10.0};
-  if (bone == "FootMod") return {50.0, 10.0};
-  if (bone == "Spine2" || bone == "Arm") return {0.0, second ? 10.0 : 30.0};
-  if (bone == "Head") return {0.0, 2.0};
-  if (bone == "UpLeg" || bone == "Leg") return {0.0, 10.0};
-  if (bone == "ForeArm") return {second ? 5.0 : 0.0, 10.0};
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (bone == Bone::kHips) return {second ? 100.0 : 0.0, 10.0};
+  if (part == kFootMod) return {50.0, 10.0};
+  if (bone == Bone::kSpine2 || part == kArm) return {0.0, second ? 10.0 : 30.0};
+  if (bone == Bone::kHead) return {0.0, 2.0};
+  if (part == kUpLeg || part == kLeg) return {0.0, 10.0};
+  if (part == kForeArm) return {second ? 5.0 : 0.0, 10.0};
   // a hand without a whole wrist cannot turn as the human's does
   const double rotation = wrist_joints >= 3 ? 5.0 : (wrist_joints > 0 ? 2.0 : 0.0);
   return {second ? 10.0 : 0.0, rotation};
@@ -65,8 +60,7 @@ class MappingMaker {
   [[nodiscard]] IkTables make() const;
 
  private:
-  [[nodiscard]] Eigen::Vector3d position_offset(const std::string& bone, const BonePart& part,
-                                                double side) const;
+  [[nodiscard]] Eigen::Vector3d position_offset(const BonePart& part) const;
 
   const Robot& robot_;
   const RobotAnatomy& limbs_;
@@ -78,17 +72,19 @@ class MappingMaker {
 };
 
 // from the joint to the body's origin, in the body's frame; legs stand apart and high as the robot's
-Eigen::Vector3d MappingMaker::position_offset(const std::string& bone, const BonePart& part,
-                                              double side) const {
+Eigen::Vector3d MappingMaker::position_offset(const BonePart& part) const {
+  using enum LimbBone;
   const Eigen::Matrix3d& axes = part.part.body_from_bone;
-  if (bone == "Hips") return higher_ * axes.col(0) - hips_in_pelvis_;
-  if (bone == "Spine2" || bone == "Head") return Eigen::Vector3d::Zero();
+  if (part.bone == Bone::kHips) return higher_ * axes.col(0) - hips_in_pelvis_;
+  if (part.bone == Bone::kSpine2 || part.bone == Bone::kHead) return Eigen::Vector3d::Zero();
   // the bone's Z points right in the legs
+  const double side = side_of(part.bone) == Side::kLeft ? 1.0 : -1.0;
+  const std::optional<LimbBone> of_limb = limb_bone(part.bone);
   const Eigen::Vector3d aside = -side * wider_ * axes.col(2);
-  if (bone == "UpLeg" || bone == "Leg") {
+  if (of_limb == kUpLeg || of_limb == kLeg) {
     return aside - higher_ * axes.col(0) - part.part.joint;
   }
-  if (bone == "FootMod") return aside + higher_ * axes.col(1) - part.part.joint;
+  if (of_limb == kFootMod) return aside + higher_ * axes.col(1) - part.part.joint;
   return -part.part.joint;
 }
 
@@ -99,21 +95,21 @@ IkTables MappingMaker::make() const {
   tables.human_root = "Hips";
   tables.human_height_assumption = kHeightAssumption;
   for (const BonePart& part : bone_parts(limbs_)) {
-    const std::string name(kBoneNames[static_cast<std::size_t>(part.bone)]);
-    const std::string bone = without_side(name);
-    const double side = name.starts_with("Left") ? 1.0 : -1.0;
-    const bool of_arm = bone == "Arm" || bone == "ForeArm" || bone == "Hand";
+    const std::string name(bone_name(part.bone));
+    const auto of_limb = limb_bone(part.bone);
+    const bool of_arm =
+        of_limb == LimbBone::kArm || of_limb == LimbBone::kForeArm || of_limb == LimbBone::kHand;
     const double scale = (of_arm ? scales_.arm : scales_.leg) / kWholeHeight;
     tables.scales.emplace_back(name, rounded(scale, 4));
-    const Limb& arm = limbs_.arms[side > 0.0 ? 0 : 1];
+    const Limb& arm = limbs_.arms[side_of(part.bone) == Side::kLeft ? 0 : 1];
     for (int pass = 0; pass < 2; ++pass) {
-      const Weights weights = weights_of(bone, pass, arm.end_joints);
+      const Weights weights = weights_of(part.bone, pass, arm.end_joints);
       IkRow row;
       row.body = robot_.bodies()[part.part.body].name;
       row.bone = name;
       row.position_weight = weights.position;
       row.rotation_weight = weights.rotation;
-      row.position_offset = position_offset(bone, part, side);
+      row.position_offset = position_offset(part);
       row.rotation_offset =
           Eigen::Quaterniond(Eigen::Matrix3d(part.part.body_from_bone.transpose())).normalized();
       tables.tables[static_cast<std::size_t>(pass)].rows.push_back(row);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "rig/t_pose.h"
 
 namespace retarget {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/bones.h"
+#include "retarget/human.h"
 #include "rig/number_text.h"
 
 namespace retarget {

@@ -8,7 +8,7 @@
 #include "base/number_text.h"
 #include "base/printable.h"
 #include "base/try.h"
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 #include "retarget/rig.h"
 #include "robot/load_robot.h"
 

@@ -7,17 +7,13 @@
 #include <numeric>
 
 #include "anatomy/branches.h"
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {
-
-int bone_of(std::size_t side, const std::string& name) {
-  return find_bone((side == 0 ? "Left" : "Right") + name).value();
-}
 
 // axes of bones against the canonical ones
 class TPoseProblem {
@@ -231,29 +227,28 @@ std::vector<int> start_patterns() {
 
 std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
   std::vector<BonePart> parts;
-  parts.push_back(
-      {find_bone("Hips").value(), {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
+  parts.push_back({Bone::kHips, {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
   const auto add_limb = [&](const Limb& limb, std::size_t side,
-                            const std::array<const char*, 3>& bones) {
-    parts.push_back({bone_of(side, bones[0]), limb.upper});
-    parts.push_back({bone_of(side, bones[1]), limb.lower});
-    if (limb.end) parts.push_back({bone_of(side, bones[2]), *limb.end});
+                            const std::array<LimbBone, 3>& bones) {
+    parts.push_back({side_bone(kSides[side], bones[0]), limb.upper});
+    parts.push_back({side_bone(kSides[side], bones[1]), limb.lower});
+    if (limb.end) parts.push_back({side_bone(kSides[side], bones[2]), *limb.end});
   };
   for (std::size_t side = 0; side < 2; ++side) {
-    add_limb(limbs.legs[side], side, {"UpLeg", "Leg", "FootMod"});
+    add_limb(limbs.legs[side], side, {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFootMod});
   }
   if (limbs.torso != limbs.pelvis) {
-    parts.push_back({find_bone("Spine2").value(),
-                     {limbs.torso, limbs.torso_from_spine2, Eigen::Vector3d::Zero()}});
+    parts.push_back(
+        {Bone::kSpine2, {limbs.torso, limbs.torso_from_spine2, Eigen::Vector3d::Zero()}});
   }
   for (std::size_t side = 0; side < 2; ++side) {
-    add_limb(limbs.arms[side], side, {"Arm", "ForeArm", "Hand"});
+    add_limb(limbs.arms[side], side, {LimbBone::kArm, LimbBone::kForeArm, LimbBone::kHand});
   }
-  if (limbs.head) parts.push_back({find_bone("Head").value(), *limbs.head});
+  if (limbs.head) parts.push_back({Bone::kHead, *limbs.head});
   return parts;
 }
 
-Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone) {
+Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, Bone bone) {
   Eigen::Matrix3d world_from_standing;
   world_from_standing << limbs.forward, limbs.left, Eigen::Vector3d::UnitZ();
   return world_from_standing * canonical_t_pose(bone);
@@ -280,7 +275,7 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
         posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
     const Eigen::Matrix3d wanted = t_pose_of(limbs, part.bone);
     TPoseResidual residual;
-    residual.bone = kBoneNames[static_cast<std::size_t>(part.bone)];
+    residual.bone = bone_name(part.bone);
     residual.body = part.part.body;
     const Eigen::Vector3d turn = found.col(0).cross(wanted.col(0));
     residual.direction = portable::atan2(turn.norm(), found.col(0).dot(wanted.col(0)));

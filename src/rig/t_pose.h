@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "anatomy/limbs.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
@@ -23,7 +24,7 @@ struct TPose {
 
 /// A canonical bone, the part of the robot that follows it, and how much it counts.
 struct BonePart {
-  int bone = 0;  ///< Index into kBoneNames.
+  Bone bone = Bone::kHips;
   LimbPart part;
 };
 
@@ -32,7 +33,7 @@ struct BonePart {
 [[nodiscard]] std::vector<BonePart> bone_parts(const RobotAnatomy& limbs);
 
 /// World from bone in the T-pose of this robot: canonical_t_pose turned to where the robot faces.
-[[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, int bone);
+[[nodiscard]] Eigen::Matrix3d t_pose_of(const RobotAnatomy& limbs, Bone bone);
 
 /// Solves for the T-pose within the model's ranges: bounded Levenberg-Marquardt on the angles
 /// between the parts' bone axes and the canonical ones, with the joint axes as Jacobian, from the

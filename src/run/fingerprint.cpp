@@ -9,11 +9,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "provenance/hash.h"
 #include "base/try.h"
 #include "options/fit_options.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
+#include "provenance/hash.h"
 #include "retarget/version.h"
 #include "run/folder_hash.h"
 

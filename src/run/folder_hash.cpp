@@ -4,8 +4,8 @@
 #include <system_error>
 #include <vector>
 
-#include "provenance/hash.h"
 #include "base/try.h"
+#include "provenance/hash.h"
 
 namespace retarget {
 

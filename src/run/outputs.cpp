@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "provenance/hash.h"
 #include "base/suggest.h"
+#include "provenance/hash.h"
 #include "robot/normalize_start.h"
 
 namespace retarget {

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "base/number_text.h"
-#include "human/bones.h"
 #include "pipeline/limit_diagnosis.h"
+#include "retarget/human.h"
 #include "robot/limit_distance.h"
 
 namespace retarget {
@@ -21,7 +21,7 @@ constexpr std::size_t kMostLines = 5;
 
 std::string push_text(const LimitPush& push) {
   const double degrees = push.shortfall * 180.0 / std::numbers::pi;
-  return "task " + std::string(kBoneNames[static_cast<std::size_t>(push.bone)]) +
+  return "task " + std::string(bone_name(push.bone)) +
          (push.rotation ? " rotation, " + number_text(degrees, 1) + " degrees short"
                         : " position, " + number_text(100.0 * push.shortfall, 1) + " cm short");
 }

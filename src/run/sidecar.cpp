@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "provenance/hash.h"
 #include "base/json_bounds.h"
 #include "base/plain_name.h"
 #include "base/try.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/mapping_files.h"
+#include "provenance/hash.h"
 #include "retarget/version.h"
 #include "run/folder_hash.h"
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string_view>
 
-#include "human/bones.h"
 #include "math/so3.h"
+#include "retarget/human.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {
@@ -92,7 +92,7 @@ const std::array<Limb, 5>& limbs() {
 
 std::optional<Eigen::Vector3d> bone_place(const HumanClip& human, int frame,
                                           const std::string& name) {
-  const auto bone = find_bone(name);
+  const auto bone = bone_from_name(name);
   if (!bone || !human.has(*bone)) return std::nullopt;
   return human.frame(frame)[*bone].translation;
 }

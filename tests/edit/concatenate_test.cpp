@@ -69,7 +69,7 @@ TEST(Concatenation, PartsThatShareNoFrameArePutTogether) {
 TEST(Concatenation, AJoltOfTheRecordingIsNotThatOfTheParts) {
   const EditSample& walk = data_sample("walk");
   Clip whole = walk.clip;
-  const int arm = walk.map.joint("LeftForeArm");
+  const int arm = walk.map.joint(Bone::kLeftForeArm);
   constexpr int kJolt = 151;
   whole.rotations(kJolt)[arm] =
       whole.rotations(kJolt)[arm] * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
@@ -145,7 +145,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
     const HumanClip is = rooted.human_of(joined->clip), as = plain.human_of(wanted->clip);
     ASSERT_EQ(is.frame_count, as.frame_count);
     for (int frame = 0; frame < is.frame_count; ++frame) {
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      for (const Bone bone : kMappedBones) {
         ASSERT_LT((is.frame(frame)[bone].translation - as.frame(frame)[bone].translation).norm(),
                   1e-6)
             << frame;
@@ -193,7 +193,7 @@ TEST(Concatenation, InertialSeamsAreSmooth) {
   const auto largest_bend = [](const HumanClip& human, int begin, int end) {
     double largest = 0.0;
     for (int frame = begin; frame < end; ++frame) {
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      for (const Bone bone : kMappedBones) {
         const auto at = [&](int f) { return human.frame(f)[bone].translation; };
         largest = std::max(largest, (at(frame + 1) - 2.0 * at(frame) + at(frame - 1)).norm());
       }
@@ -303,7 +303,7 @@ TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
 TEST(Concatenation, JoltsAreSaid) {
   const EditSample& sample = data_sample("walk");
   Clip b = cut(sample.clip, 150, 301);
-  const int arm = sample.map.joint("LeftArm");
+  const int arm = sample.map.joint(Bone::kLeftArm);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.12, Eigen::Vector3d::UnitZ()));
   for (int frame = 0; frame < b.frame_count(); ++frame) {
     b.rotations(frame)[arm] = b.rotations(frame)[arm] * turn;

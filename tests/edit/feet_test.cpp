@@ -22,7 +22,7 @@ using Track = std::vector<Eigen::Vector3d>;
 Track track_of(const HumanClip& human, const char* bone) {
   Track track;
   for (int i = 0; i < human.frame_count; ++i) {
-    track.push_back(human.frame(i)[static_cast<std::size_t>(*find_bone(bone))].translation);
+    track.push_back(human.frame(i)[*bone_from_name(bone)].translation);
   }
   return track;
 }

@@ -26,10 +26,12 @@ TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
     ASSERT_TRUE(shaped) << describe(shaped.error());
     const Clip read = read_bvh(format_bvh(*shaped).value(), name).value().clip;
     const HumanClip again = to_human(read, lafan1_mapping(read.skeleton(), name).value());
-    for (std::size_t i = 0; i < human.world_from_bone.size(); ++i) {
-      const Pose &a = human.world_from_bone[i], &b = again.world_from_bone[i];
-      ASSERT_LT((a.translation - b.translation).norm(), 1e-9) << name;
-      ASSERT_GT(std::abs(a.rotation.dot(b.rotation)), 1.0 - 1e-12) << name;
+    for (int frame = 0; frame < human.frame_count; ++frame) {
+      for (const Bone bone : kAllBones) {
+        const Pose &a = human.frame(frame)[bone], &b = again.frame(frame)[bone];
+        ASSERT_LT((a.translation - b.translation).norm(), 1e-9) << name;
+        ASSERT_GT(std::abs(a.rotation.dot(b.rotation)), 1.0 - 1e-12) << name;
+      }
     }
   }
 }
@@ -53,13 +55,13 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
 TEST(Lafan1Clip, FillsWhatIsMissingButLimbs) {
   const Clip clip = sample("walk");
   HumanMapping mapping = lafan1_mapping(clip.skeleton(), "walk").value();
-  mapping.bones[find_bone("Neck").value()] = {};
-  mapping.bones[find_bone("LeftToe").value()] = {};
+  mapping.bones[Bone::kNeck] = {};
+  mapping.bones[Bone::kLeftToe] = {};
   const auto shaped = lafan1_clip(clip, mapping);
   ASSERT_TRUE(shaped);
   EXPECT_EQ(shaped->skeleton().joint_count(), 22);
   EXPECT_EQ(shaped->skeleton().joint(4).offset.norm(), 0.0);
-  mapping.bones[find_bone("LeftArm").value()] = {};
+  mapping.bones[Bone::kLeftArm] = {};
   const auto armless = lafan1_clip(clip, mapping);
   ASSERT_FALSE(armless);
   EXPECT_NE(armless.error().message.find("LeftArm"), std::string::npos);

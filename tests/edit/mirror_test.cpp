@@ -14,10 +14,11 @@ namespace {
 
 using namespace edit_test;
 
-int mate_of_bone(int bone) {
-  const std::string name(kBoneNames[bone]);
-  if (name.starts_with("Left")) return *find_bone("Right" + name.substr(4));
-  if (name.starts_with("Right")) return *find_bone("Left" + name.substr(5));
+// by name; mirrored() is the library's
+Bone mate_of_bone(Bone bone) {
+  const std::string name(bone_name(bone));
+  if (name.starts_with("Left")) return *bone_from_name("Right" + name.substr(4));
+  if (name.starts_with("Right")) return *bone_from_name("Left" + name.substr(5));
   return bone;
 }
 
@@ -45,14 +46,14 @@ TEST(Mirror, BonesAreMirrorImages) {
   const HumanClip before = sample.human(), after = sample.human_of(image);
   const GroundPose start = hips_over_ground(before).front();
   for (int frame = 0; frame < before.frame_count; frame += 7) {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       if (!before.has(bone)) continue;
-      const auto seen = [&](const HumanClip& human, int which) {
+      const auto seen = [&](const HumanClip& human, Bone which) {
         return Eigen::Vector3d(start.inverse().in_space() * human.frame(frame)[which].translation);
       };
       Eigen::Vector3d wanted = seen(before, mate_of_bone(bone));
       wanted.y() = -wanted.y();
-      ASSERT_LT((seen(after, bone) - wanted).norm(), 1e-9) << kBoneNames[bone];
+      ASSERT_LT((seen(after, bone) - wanted).norm(), 1e-9) << bone_name(bone);
     }
   }
 }
@@ -78,7 +79,7 @@ TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
     return static_cast<int>(joints.size()) - 1;
   };
   // two fingers on each hand, in another order; their places in LAFAN1's axes mirror about x, y
-  const int left = sample.map.joint("LeftHand"), right = sample.map.joint("RightHand");
+  const int left = sample.map.joint(Bone::kLeftHand), right = sample.map.joint(Bone::kRightHand);
   const int thumb = add(left, "a", {3.0, 2.0, 1.0}), ring = add(left, "b", {9.0, 0.0, -2.0});
   const int other_ring = add(right, "c", {9.0, 0.0, 2.0});
   const int other_thumb = add(right, "d", {3.0, 2.0, -1.0});

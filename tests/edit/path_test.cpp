@@ -156,7 +156,7 @@ struct StepFacts {
 StepFacts steps_of(const HumanClip& human, const FootContacts& contacts) {
   std::vector<double> strides, speeds;
   for (int foot = 0; foot < 2; ++foot) {
-    const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
+    const Bone bone = *bone_from_name(foot == 0 ? "LeftFoot" : "RightFoot");
     const auto at = [&](int frame) {
       return Eigen::Vector2d(human.frame(frame)[bone].translation.head<2>());
     };
@@ -196,7 +196,7 @@ TEST(Rethreading, AStraightWalkAlongACircle) {
     ASSERT_LT(angle_between(was.heading, is.heading), 1e-9);
   }
   // joints that are neither the root's nor the legs' stay as they are
-  const int spine = sample.map.joint("Spine");
+  const int spine = sample.map.joint(Bone::kSpine);
   for (int joint = spine; joint < sample.clip.skeleton().joint_count(); ++joint) {
     ASSERT_EQ(round.clip.rotations(150)[joint].coeffs(),
               sample.clip.rotations(150)[joint].coeffs());

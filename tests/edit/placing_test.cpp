@@ -40,7 +40,7 @@ TEST(BodyMoves, AreRigidAndChangeTheRootAlone) {
   const HumanClip before = sample.human(), after = sample.human_of(clip);
   const auto places = hips_over_ground(before), new_places = hips_over_ground(after);
   for (int frame = 0; frame < clip.frame_count(); frame += 20) {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       ASSERT_LT((move.in_space() * before.frame(frame)[bone].translation -
                  after.frame(frame)[bone].translation)
                     .norm(),
@@ -119,7 +119,7 @@ TEST(Loops, AWalkHasNoSeam) {
     const HumanClip human = sample.human_of(clip);
     double largest = 0.0;
     for (int frame = begin; frame < end; ++frame) {
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+      for (const Bone bone : kMappedBones) {
         const auto at = [&](int f) { return human.frame(f)[bone].translation; };
         largest =
             std::max(largest, (at(frame + 1) - 2.0 * at(frame) + at(frame - 1)).norm() * 900.0);
@@ -145,7 +145,7 @@ TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   const double floor = floor_height(sample.clip, sample.mapping).value();
   EXPECT_NEAR(floor_height(loop.clip, sample.mapping).value(), floor, 0.01);
   for (int foot = 0; foot < 2; ++foot) {
-    const int bone = *find_bone(foot == 0 ? "LeftFoot" : "RightFoot");
+    const Bone bone = *bone_from_name(foot == 0 ? "LeftFoot" : "RightFoot");
     for (const ContactPhase& phase : contacts.phases[foot]) {
       // the second time; on both sides of the seam a contact may be another
       const int begin = std::max(phase.begin, 4), end = std::min(phase.end, loop.cycle - 4);

@@ -83,7 +83,7 @@ TEST(PoseDistance, NoiseFreeCloudsAreFoundExactly) {
 
 TEST(PoseDistance, TheMapHoldsEachWindowsDistance) {
   const HumanClip a = data_sample("walk").human(), b = data_sample("turn_in_place").human();
-  const std::vector<int> bones = common_bones(a, b);
+  const std::vector<Bone> bones = common_bones(a, b);
   const PoseClouds in_a(a, bones), in_b(b, bones);
   const WindowDistance distance(in_a, in_b, 10);
   const int from = a.frame_count - 25;

@@ -161,7 +161,7 @@ TEST(Transfer, HelpersInAJointsPlaceTurnItsBone) {
   const auto is_same = [](const HumanClip& a, const HumanClip& b) {
     for (int frame = 0; frame < a.frame_count; frame += 25) {
       for (const char* name : {"LeftLeg", "LeftFoot", "LeftToe", "RightToe"}) {
-        const int bone = *find_bone(name);
+        const Bone bone = *bone_from_name(name);
         ASSERT_LT((a.frame(frame)[bone].translation - b.frame(frame)[bone].translation).norm(),
                   0.001)
             << name << " " << frame;
@@ -180,10 +180,10 @@ TEST(Transfer, TrunksThatHangFromTheHeadAreTurned) {
   const HumanClip was = human_of(walk, source),
                   is = human_of(transfer(walk, source.mapping, target), target);
   for (int frame = 0; frame < was.frame_count; frame += 25) {
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       ASSERT_LT((is.frame(frame)[bone].translation - was.frame(frame)[bone].translation).norm(),
                 0.002)
-          << kBoneNames[bone] << " " << frame;
+          << bone_name(bone) << " " << frame;
     }
   }
 }
@@ -219,17 +219,17 @@ TEST(Transfer, TheHumanSurvivesEveryDialect) {
     EXPECT_EQ(moved.skeleton().names(), clip.skeleton().names());
     const HumanClip again = to_human(moved, target.mapping);
     for (int frame = 0; frame < human.frame_count; frame += 10) {
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-        if (target.map.joint_of_bone[static_cast<std::size_t>(bone)] < 0) continue;
+      for (const Bone bone : kMappedBones) {
+        if (target.map.joint_of_bone[bone] < 0) continue;
         const auto& before = human.frame(frame)[bone].rotation;
         const auto& after = again.frame(frame)[bone].rotation;
-        ASSERT_GT(std::abs(before.dot(after)), 1.0 - 1e-9) << file << " " << kBoneNames[bone];
+        ASSERT_GT(std::abs(before.dot(after)), 1.0 - 1e-9) << file << " " << bone_name(bone);
       }
-      const Eigen::Vector3d from_scaled =
-          again.frame(frame)[0].translation - human.frame(frame)[0].translation * scale;
+      const Eigen::Vector3d from_scaled = again.frame(frame)[Bone::kHips].translation -
+                                          human.frame(frame)[Bone::kHips].translation * scale;
       ASSERT_LT(from_scaled.head<2>().norm(), 1e-9) << file;
       const Eigen::Vector3d first =
-          again.frame(0)[0].translation - human.frame(0)[0].translation * scale;
+          again.frame(0)[Bone::kHips].translation - human.frame(0)[Bone::kHips].translation * scale;
       ASSERT_NEAR(from_scaled.z(), first.z(), 1e-9) << file;
     }
   }

@@ -11,8 +11,8 @@
 #include "human/bone_map_file.h"
 #include "human/dialect.h"
 #include "options/fit_options.h"
-#include "pipeline/ik_tables.h"
 #include "retarget/ground_path.h"
+#include "retarget/ik_config.h"
 #include "retarget/report.h"
 #include "retarget/robot.h"
 #include "rig/urdf_speeds.h"
@@ -40,7 +40,7 @@ const Skeleton& body() {
 
 void fuzz_mapping(std::string_view bytes) {
   if (const auto tables = parse_ik_tables(bytes, "fuzz.json"); good(tables)) {
-    (void)good(check_ik_tables(*tables, *fuzz_robot()));
+    (void)good(resolve_mapping(*tables, *fuzz_robot()));
   }
 }
 

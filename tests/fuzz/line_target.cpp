@@ -16,9 +16,9 @@
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
-#include "pipeline/ik_tables.h"
 #include "pipeline/retarget.h"
 #include "refine/fit.h"
+#include "retarget/ik_config.h"
 #include "retarget/motion_io.h"
 
 namespace retarget::fuzz {
@@ -31,7 +31,7 @@ constexpr int kMostFrames = 6;
 // what a run needs beside the motion
 struct Setup {
   std::vector<Dialect> dialects;
-  IkTables of_lafan1, of_others;
+  ResolvedMapping of_lafan1, of_others;
   LimitSet limits;
   FitOptions fit;
 };
@@ -47,8 +47,9 @@ const Setup& setup() {
     const std::string root(RETARGET_SOURCE_DIR);
     Setup setup;
     setup.dialects = take(load_dialects(root + "/configs/skeletons"));
-    setup.of_lafan1 = take(load_ik_tables(root + "/configs/lafan1_to_unitree_g1.json"));
-    setup.of_others = take(load_ik_tables(root + "/robots/unitree_g1/ik.json"));
+    setup.of_lafan1 =
+        take(load_mapping(root + "/configs/lafan1_to_unitree_g1.json", *fuzz_robot()));
+    setup.of_others = take(load_mapping(root + "/robots/unitree_g1/ik.json", *fuzz_robot()));
     setup.limits = take(load_limits(*fuzz_robot(), "official"));
     setup.fit.iterations = 2;
     setup.fit.anchor_iterations = 1;
@@ -116,7 +117,7 @@ void fuzz_line(std::string_view bytes) {
   const auto resampled = resample(*clip, FrameRate{30, 1});
   if (!good(resampled) || resampled->frame_count() > kMostFrames) return;
   const bool is_lafan1 = calibration->rest_pose == "lafan1";
-  const IkTables& tables = is_lafan1 ? setup().of_lafan1 : setup().of_others;
+  const ResolvedMapping& tables = is_lafan1 ? setup().of_lafan1 : setup().of_others;
   FitRun run;
   run.retarget.height_scale = is_lafan1 ? HeightScale::kPublished : HeightScale::kLimbs;
   const auto fitted = fit(*resampled, calibration->mapping, "fuzz.bvh", fuzz_robot(), tables,

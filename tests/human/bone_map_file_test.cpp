@@ -28,7 +28,7 @@ TEST(BoneMapFile, WhatIsWrittenIsReadAgain) {
 TEST(BoneMapFile, BonesWithoutAJointAreNull) {
   const Skeleton skeleton = tiny_skeleton("Hips 0 0 0\n  Spine 0 1 0\n");
   BoneMap map;
-  map.joint_of_bone[0] = 0;
+  map.joint_of_bone[Bone::kHips] = 0;
   const std::string text = format_bone_map(map, skeleton);
   EXPECT_THAT(text, HasSubstr("\"Hips\": \"Hips\""));
   EXPECT_THAT(text, HasSubstr("\"LeftUpLeg\": null"));
@@ -75,10 +75,10 @@ HMD 0 0 0
         LeftHip -10 0 0
 )");
   BoneMap map;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("Hips").value())] = 3;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("Spine2").value())] = 2;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("Head").value())] = 0;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftUpLeg").value())] = 4;
+  map.joint_of_bone[Bone::kHips] = 3;
+  map.joint_of_bone[Bone::kSpine2] = 2;
+  map.joint_of_bone[Bone::kHead] = 0;
+  map.joint_of_bone[Bone::kLeftUpLeg] = 4;
   EXPECT_EQ(rotation_joint(map, skeleton, "Hips"), 3);
   EXPECT_EQ(rotation_joint(map, skeleton, "Spine2"), 1);
   EXPECT_EQ(rotation_joint(map, skeleton, "Head"), 0);

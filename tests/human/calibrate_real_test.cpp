@@ -29,7 +29,7 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
     const char* file;
     int frame;
   };
-  std::vector<double> sums(kBoneCount, 0.0);
+  BoneArray<double> sums;
   const std::vector<Frame> frames = {{"obstacles1_subject1.bvh", 51},
                                      {"walk4_subject1.bvh", 4917},
                                      {"multipleActions1_subject1.bvh", 4518}};
@@ -37,22 +37,22 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
     const Clip clip = load("lafan1", file);
     const HumanClip human =
         to_human(cut(clip, number, number + 1), lafan1_mapping(clip.skeleton(), file).value());
-    const auto pose = human.frame(0);
-    const auto at = [&](const char* bone) { return pose[*find_bone(bone)].translation; };
+    const HumanPose& pose = human.frame(0);
+    const auto at = [&](const char* bone) { return pose[*bone_from_name(bone)].translation; };
     Eigen::Vector3d left = at("LeftUpLeg") - at("RightUpLeg") + at("LeftArm") - at("RightArm");
     left.z() = 0.0;
     const auto body_from_world =
         Eigen::Quaterniond::FromTwoVectors(left.normalized(), Eigen::Vector3d::UnitY());
-    for (int bone = 0; bone < kBoneCount; ++bone) {
+    for (const Bone bone : kAllBones) {
       const Eigen::Quaterniond axes(canonical_t_pose(bone));
       sums[bone] += (body_from_world * pose[bone].rotation).angularDistance(axes) * kDegree;
     }
   }
-  for (int bone = 0; bone < kBoneCount; ++bone) {
+  for (const Bone bone : kAllBones) {
     // people turn their feet out and let their hands hang
-    const bool is_end = kBoneNames[bone].find("Hand") != std::string_view::npos ||
-                        kBoneNames[bone].find("ForeArm") != std::string_view::npos;
-    EXPECT_LT(sums[bone] / 3.0, is_end ? 32.0 : 20.0) << kBoneNames[bone];
+    const bool is_end = bone_name(bone).find("Hand") != std::string_view::npos ||
+                        bone_name(bone).find("ForeArm") != std::string_view::npos;
+    EXPECT_LT(sums[bone] / 3.0, is_end ? 32.0 : 20.0) << bone_name(bone);
   }
 }
 
@@ -66,7 +66,7 @@ TEST(CalibrateReal, Lafan1StaysAsItIs) {
     const HumanClip b = to_human(clip, lafan1_mapping(clip.skeleton(), file).value());
     ASSERT_EQ(a.world_from_bone.size(), b.world_from_bone.size());
     EXPECT_EQ(std::memcmp(a.world_from_bone.data(), b.world_from_bone.data(),
-                          a.world_from_bone.size() * sizeof(Pose)),
+                          a.world_from_bone.size() * sizeof(HumanPose)),
               0);
   }
 }
@@ -109,7 +109,7 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
          {"Hips", "Spine2", "LeftUpLeg", "LeftLeg", "LeftFootMod", "RightUpLeg", "RightLeg",
           "RightFootMod", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
       const double degrees =
-          Eigen::AngleAxisd(*found.mapping.bones[*find_bone(bone)].joint_from_bone).angle() *
+          Eigen::AngleAxisd(*found.mapping.bones[*bone_from_name(bone)].joint_from_bone).angle() *
           kDegree;
       const double turn = std::min(degrees, 360.0 - degrees);
       EXPECT_LT(turn, 15.0) << file << " " << bone;
@@ -143,9 +143,9 @@ TEST(CalibrateReal, LimbsOfEveryDialectLieWhereTheirBonesClaim) {
     // no lying or sunken body: hips at a person's height over the lower foot
     for (int frame = 0; frame < human.frame_count; frame += 10) {
       const auto pose = human.frame(frame);
-      const double foot = std::min(pose[*find_bone("LeftFoot")].translation.z(),
-                                   pose[*find_bone("RightFoot")].translation.z());
-      const double hips = pose[*find_bone("Hips")].translation.z() - foot;
+      const double foot =
+          std::min(pose[Bone::kLeftFoot].translation.z(), pose[Bone::kRightFoot].translation.z());
+      const double hips = pose[Bone::kHips].translation.z() - foot;
       EXPECT_GT(hips, 0.2 * human.height) << frame;
       EXPECT_LT(hips, 1.2) << frame;
     }

@@ -52,8 +52,8 @@ TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
     std::vector<Pose> joints(clip.skeleton().joint_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
       forward_kinematics(clip, frame, joints);
-      for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-        const Pose& joint = joints[clip.skeleton().find(kBoneNames[bone]).value()];
+      for (const Bone bone : kMappedBones) {
+        const Pose& joint = joints[clip.skeleton().find(bone_name(bone)).value()];
         const Eigen::Vector3d place = turn * joint.translation * 0.01;
         const Eigen::Quaterniond rotation = quarter * joint.rotation;
         const Pose& pose = human.frame(frame)[bone];
@@ -120,12 +120,12 @@ TEST(Calibrate, SeesTheTreeFromTheHips) {
     ASSERT_EQ(found.frame_count, expected.frame_count);
     double largest = 0.0;
     for (int frame = 0; frame < expected.frame_count; ++frame) {
-      for (int bone = 0; bone < kBoneCount; ++bone) {
+      for (const Bone bone : kAllBones) {
         const Pose& a = expected.frame(frame)[bone];
         const Pose& b = found.frame(frame)[bone];
         largest = std::max(largest, (a.translation - b.translation).norm());
         // a headset's file does not hold how the neck turns the head
-        if (kBoneNames[bone] == "Head") continue;
+        if (bone_name(bone) == "Head") continue;
         largest = std::max(largest,
                            (a.rotation.toRotationMatrix() - b.rotation.toRotationMatrix()).norm());
       }
@@ -204,8 +204,7 @@ TEST(Calibrate, TheSameMovementStoredOtherwiseGivesTheSameHuman) {
       picked.frame_count = half.frame_count;
       picked.world_from_bone.clear();
       for (int frame = 0; frame < half.frame_count; ++frame) {
-        const auto poses = expected.frame(2 * frame);
-        picked.world_from_bone.insert(picked.world_from_bone.end(), poses.begin(), poses.end());
+        picked.world_from_bone.push_back(expected.frame(2 * frame));
       }
       // at 30 and 15 frames a second the movement is looked at every third frame and every other
       if (has_rest) {
@@ -224,7 +223,7 @@ TEST(Calibrate, DoesNotDependOnTheFrameRateEvenWithoutARestPose) {
   const Clip fast = resample(clip, {60, 1}).value();
   const HumanClip at_60 = human_of(fast), at_30 = human_of(clip);
   for (int frame = 0; frame < at_30.frame_count; ++frame) {
-    for (int bone = 0; bone < kBoneCount; ++bone) {
+    for (const Bone bone : kAllBones) {
       const Pose &a = at_30.frame(frame)[bone], &b = at_60.frame(2 * frame)[bone];
       ASSERT_LT((a.translation - b.translation).norm(), 1e-9);
       ASSERT_LT(a.rotation.angularDistance(b.rotation), 1e-6);
@@ -257,15 +256,15 @@ TEST(Calibrate, LearnsAxesFromTheMovementNearToTheRealOnes) {
   const Calibration found = calibrated(clip);
   EXPECT_EQ(found.rest_pose, "learned");
   const HumanClip human = to_human(clip, found.mapping), expected = fixed_human(clip);
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+  for (const Bone bone : kMappedBones) {
     const double degrees =
         human.frame(0)[bone].rotation.angularDistance(expected.frame(0)[bone].rotation) * 180.0 /
         M_PI;
-    EXPECT_LT(degrees, kBoneNames[bone].find("Arm") != std::string_view::npos ||
-                               kBoneNames[bone].ends_with("Hand")
+    EXPECT_LT(degrees, bone_name(bone).find("Arm") != std::string_view::npos ||
+                               bone_name(bone).ends_with("Hand")
                            ? 14.5
                            : 6.0)
-        << kBoneNames[bone];
+        << bone_name(bone);
   }
 }
 
@@ -282,8 +281,8 @@ TEST(Calibrate, HasEveryUpAxisWithoutAMirror) {
       EXPECT_NEAR(found.mapping.human_from_source.determinant(), 1.0, 1e-15);
       EXPECT_TRUE(found.mapping.doubts.empty());
       const HumanClip human = to_human(twin, found.mapping);
-      const auto head = human.frame(0)[*find_bone("Head")].translation;
-      const auto hips = human.frame(0)[*find_bone("Hips")].translation;
+      const auto head = human.frame(0)[Bone::kHead].translation;
+      const auto hips = human.frame(0)[Bone::kHips].translation;
       EXPECT_GT(head.z() - hips.z(), 0.4);
     }
   }
@@ -323,7 +322,7 @@ TEST(Calibrate, TakesTheTPoseOfAnotherFile) {
   const Eigen::Quaterniond file_from_human(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
   std::vector<Eigen::Quaterniond> world;
   for (const Joint& joint : clip.skeleton().joints()) {
-    const Eigen::Quaterniond axes(canonical_t_pose(find_bone(joint.name).value()));
+    const Eigen::Quaterniond axes(canonical_t_pose(bone_from_name(joint.name).value()));
     world.push_back(file_from_human * axes);
     tpose.rotations(0)[world.size() - 1] =
         joint.parent < 0 ? world.back() : world[joint.parent].inverse() * world.back();
@@ -340,7 +339,7 @@ TEST(Calibrate, TakesTheTPoseOfAnotherFile) {
 TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   BoneMap map = lafan1_map(clip.skeleton(), "test");
-  const auto drop = [&](const char* bone) { map.joint_of_bone[*find_bone(bone)] = -1; };
+  const auto drop = [&](const char* bone) { map.joint_of_bone[*bone_from_name(bone)] = -1; };
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "LeftShoulder",
                            "RightShoulder", "Spine", "Spine1", "Neck"}) {
     drop(bone);
@@ -348,18 +347,18 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   const auto found = calibrate(clip, map, {}, "clip");
   ASSERT_TRUE(found) << describe(found.error());
   const HumanClip human = to_human(clip, found->mapping), whole = fixed_human(sample("walk"));
-  for (int bone = 0; bone < kBoneCount; ++bone) EXPECT_TRUE(human.has(bone)) << kBoneNames[bone];
+  for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
   // the wrist and the toes are where they were, and the foot without toes is turned as before
   for (const char* bone : {"LeftHand", "RightToe"}) {
-    const Eigen::Vector3d apart =
-        human.frame(5)[*find_bone(bone)].translation - whole.frame(5)[*find_bone(bone)].translation;
+    const Eigen::Vector3d apart = human.frame(5)[*bone_from_name(bone)].translation -
+                                  whole.frame(5)[*bone_from_name(bone)].translation;
     EXPECT_LT(apart.norm(), 1e-9) << bone;
   }
-  const Eigen::Quaterniond foot(canonical_t_pose(*find_bone("LeftFoot")));
-  const Eigen::Quaterniond toe(canonical_t_pose(*find_bone("LeftToe")));
+  const Eigen::Quaterniond foot(canonical_t_pose(Bone::kLeftFoot));
+  const Eigen::Quaterniond toe(canonical_t_pose(Bone::kLeftToe));
   const Eigen::Quaterniond expected =
-      whole.frame(5)[*find_bone("LeftFoot")].rotation * foot.inverse() * toe;
-  EXPECT_LT(human.frame(5)[*find_bone("LeftFootMod")].rotation.angularDistance(expected), 1e-6);
+      whole.frame(5)[Bone::kLeftFoot].rotation * foot.inverse() * toe;
+  EXPECT_LT(human.frame(5)[Bone::kLeftFootMod].rotation.angularDistance(expected), 1e-6);
 }
 
 TEST(Calibrate, RefusesWhatIsNotSafe) {
@@ -370,14 +369,14 @@ TEST(Calibrate, RefusesWhatIsNotSafe) {
   ASSERT_FALSE(unit);
   EXPECT_EQ(unit.error().kind, ErrorKind::kInput);
   EXPECT_THAT(unit.error().hint, testing::HasSubstr(OPTION("unit")));
-  map.joint_of_bone[*find_bone("LeftForeArm")] = -1;
+  map.joint_of_bone[Bone::kLeftForeArm] = -1;
   const auto arm = calibrate(clip, map, {}, "clip");
   ASSERT_FALSE(arm);
   EXPECT_THAT(arm.error().message, testing::HasSubstr("LeftForeArm"));
   map.partial = true;
   const auto partial = calibrate(clip, map, {}, "clip");
   ASSERT_TRUE(partial);
-  EXPECT_FALSE(to_human(clip, partial->mapping).has(*find_bone("LeftForeArm")));
+  EXPECT_FALSE(to_human(clip, partial->mapping).has(Bone::kLeftForeArm));
   BoneMap none;
   EXPECT_FALSE(calibrate(clip, none, {}, "clip"));
 }
@@ -385,10 +384,9 @@ TEST(Calibrate, RefusesWhatIsNotSafe) {
 TEST(Calibrate, DoubtsSwappedSides) {
   const Clip clip = sample("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
-    if (!name.starts_with("Left")) continue;
-    std::swap(map.joint_of_bone[bone], map.joint_of_bone[*find_bone("Right" + name.substr(4))]);
+  for (const Bone bone : kMappedBones) {
+    if (side_of(bone) != Side::kLeft) continue;
+    std::swap(map.joint_of_bone[bone], map.joint_of_bone[mirrored(bone)]);
   }
   const auto found = calibrate(clip, map, {}, "clip");
   ASSERT_TRUE(found);

@@ -69,7 +69,7 @@ Skeleton body_of(const Dialect& dialect) {
   std::vector<int> new_index(body.joint_count(), -1);
   for (int i = 0; i < body.joint_count(); ++i) {
     Joint joint = body.joint(i);
-    const auto& names = dialect.names[static_cast<std::size_t>(find_bone(joint.name).value())];
+    const auto& names = dialect.names[bone_from_name(joint.name).value()];
     int parent = joint.parent;
     // a bone that the kind has not is passed over
     while (parent >= 0 && new_index[parent] < 0) {
@@ -103,9 +103,9 @@ TEST(Dialect, ShippedOnesRecogniseTheirOwnNames) {
     const Skeleton skeleton = body_of(dialect);
     const auto map = recognise_skeleton(skeleton, shipped_dialects(), "clip.bvh");
     ASSERT_TRUE(map) << describe(map.error());
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
+    for (const Bone bone : kMappedBones) {
       if (dialect.names[bone].empty()) continue;
-      EXPECT_EQ(joint_name(*map, skeleton, std::string(kBoneNames[bone]).c_str()),
+      EXPECT_EQ(joint_name(*map, skeleton, std::string(bone_name(bone)).c_str()),
                 dialect.names[bone][0])
           << "as " << map->dialect;
     }
@@ -120,7 +120,7 @@ Skeleton without_bones(const Skeleton& skeleton, const Dialect& dialect,
   for (int i = 0; i < skeleton.joint_count(); ++i) {
     Joint joint = skeleton.joint(i);
     const bool is_gone = std::ranges::any_of(bones, [&](std::string_view bone) {
-      return dialect.names[static_cast<std::size_t>(find_bone(bone).value())][0] == joint.name;
+      return dialect.names[bone_from_name(bone).value()][0] == joint.name;
     });
     if (is_gone || (joint.parent >= 0 && new_index[joint.parent] < 0)) continue;
     if (joint.parent >= 0) joint.parent = new_index[joint.parent];

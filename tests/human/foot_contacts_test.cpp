@@ -12,13 +12,13 @@ using ::testing::IsEmpty;
 HumanClip standing_human(int frames, double left_leg) {
   HumanClip human;
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, "");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.sources = BoneArray<std::string>("");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   const auto place = [&](const char* name, const Eigen::Vector3d& position) {
-    const int bone = find_bone(name).value();
+    const Bone bone = bone_from_name(name).value();
     human.sources[bone] = name;
     for (int i = 0; i < frames; ++i) {
-      human.world_from_bone[static_cast<std::size_t>(i) * kBoneCount + bone].translation = position;
+      human.world_from_bone[static_cast<std::size_t>(i)][bone].translation = position;
     }
   };
   for (const auto& [side, y] : {std::pair{std::string("Left"), 0.1}, {"Right", -0.1}}) {
@@ -42,16 +42,16 @@ TEST(FootContacts, OfAStandingHuman) {
 
 TEST(FootContacts, WithoutBones) {
   HumanClip human = standing_human(10, 0.8);
-  human.sources[find_bone("LeftToe").value()].clear();
-  human.sources[find_bone("RightToe").value()].clear();
+  human.sources[Bone::kLeftToe].clear();
+  human.sources[Bone::kRightToe].clear();
   EXPECT_THAT(find_foot_contacts(human).phases[0], ElementsAre(ContactPhase{0, 10}));
 
-  human.sources[find_bone("LeftFoot").value()].clear();
+  human.sources[Bone::kLeftFoot].clear();
   EXPECT_DOUBLE_EQ(leg_length(human), 0.9);
   EXPECT_THAT(find_foot_contacts(human).phases[0], IsEmpty());
   EXPECT_THAT(find_foot_contacts(human).phases[1], ElementsAre(ContactPhase{0, 10}));
 
-  human.sources[find_bone("RightLeg").value()].clear();
+  human.sources[Bone::kRightLeg].clear();
   EXPECT_THAT(find_foot_contacts(human).phases[1], IsEmpty());
 }
 

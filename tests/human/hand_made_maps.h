@@ -8,14 +8,14 @@
 
 namespace retarget {
 
-/// A bone map from joint names in the order of kBoneNames; `-` for a bone that is not there.
+/// A bone map from joint names in the order of the bones; `-` for a bone that is not there.
 inline BoneMap bone_map(const Skeleton& skeleton, const std::vector<std::string>& names,
                         const std::string& dialect = "test") {
   BoneMap map;
   map.dialect = dialect;
   map.confidence = 1.0;
   for (std::size_t bone = 0; bone < names.size(); ++bone) {
-    map.joint_of_bone[bone] = skeleton.find(names[bone]).value_or(-1);
+    map.joint_of_bone[kAllBones[bone]] = skeleton.find(names[bone]).value_or(-1);
   }
   return map;
 }
@@ -45,11 +45,11 @@ inline std::vector<std::string> two_sided(const std::vector<std::string>& leg,
 inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) {
   BoneMap map;
   map.dialect = dialect;
-  for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-    const std::string name(kBoneNames[static_cast<std::size_t>(bone)]);
+  for (const Bone bone : kMappedBones) {
+    const std::string name(bone_name(bone));
     auto joint = skeleton.find(name);
     if (!joint && name.ends_with("Toe")) joint = skeleton.find(name + "Base");
-    map.joint_of_bone[static_cast<std::size_t>(bone)] = joint.value_or(-1);
+    map.joint_of_bone[bone] = joint.value_or(-1);
   }
   return map;
 }

@@ -68,7 +68,7 @@ Clip with_split_joints(const Clip& clip, const std::vector<std::string>& split, 
 double largest_turn_of(const HumanClip& a, const HumanClip& b) {
   double largest = 0.0;
   for (int frame = 0; frame < a.frame_count; ++frame) {
-    for (int bone = 0; bone < kBoneCount; ++bone) {
+    for (const Bone bone : kAllBones) {
       largest = std::max(
           largest, a.frame(frame)[bone].rotation.angularDistance(b.frame(frame)[bone].rotation));
     }
@@ -151,12 +151,12 @@ TEST(HelperJoints, ChainsOfAnyLengthAreFollowed) {
   for (int i = 0; i < kCount + 3; ++i) joints[i].parent = i - 1;
   joints[1].offset = joints[kCount + 2].offset = Eigen::Vector3d(0, -1, 0);
   BoneMap map;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("Hips").value())] = 0;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftUpLeg").value())] = 1;
-  map.joint_of_bone[static_cast<std::size_t>(find_bone("LeftLeg").value())] = kCount + 2;
+  map.joint_of_bone[Bone::kHips] = 0;
+  map.joint_of_bone[Bone::kLeftUpLeg] = 1;
+  map.joint_of_bone[Bone::kLeftLeg] = kCount + 2;
   const Skeleton skeleton(std::move(joints));
-  EXPECT_EQ(rotation_joint(map, skeleton, "LeftUpLeg"), kCount + 1);
-  EXPECT_EQ(rotation_joint(map, skeleton, "LeftLeg"), kCount + 2);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kLeftUpLeg), kCount + 1);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kLeftLeg), kCount + 2);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
   const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
   EXPECT_EQ(human.frame_count, 2);
   EXPECT_EQ(human.height, 1.75);
-  const Pose& foot = human.frame(0)[*find_bone("LeftFoot")];
+  const Pose& foot = human.frame(0)[Bone::kLeftFoot];
   // (10, 5, 15) with y up
   EXPECT_LT((foot.translation - Eigen::Vector3d(0.10, -0.15, 0.05)).norm(), 1e-15);
   // what pointed up along y now points up along z
@@ -44,9 +44,9 @@ TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
   for (const char* toe : {"LeftToe", "LeftToeBase"}) {
     const Clip clip = leg_clip(toe);
     const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
-    const Pose& mod = human.frame(1)[*find_bone("LeftFootMod")];
-    EXPECT_EQ(mod.translation, human.frame(1)[*find_bone("LeftFoot")].translation);
-    EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[*find_bone("LeftToe")].rotation.coeffs());
+    const Pose& mod = human.frame(1)[Bone::kLeftFootMod];
+    EXPECT_EQ(mod.translation, human.frame(1)[Bone::kLeftFoot].translation);
+    EXPECT_EQ(mod.rotation.coeffs(), human.frame(1)[Bone::kLeftToe].rotation.coeffs());
     // the toe turned about the file's y axis, which is now z
     const Eigen::Vector3d x = mod.rotation * Eigen::Vector3d::UnitX();
     EXPECT_LT((x - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);
@@ -56,11 +56,11 @@ TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
 TEST(Lafan1Mapping, LeavesOutBonesThatAreNotThere) {
   const Clip clip = leg_clip("Ball");
   const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton(), "clip.bvh").value());
-  EXPECT_TRUE(human.has(*find_bone("LeftFoot")));
-  EXPECT_EQ(human.sources[*find_bone("LeftFoot")], "LeftFoot");
-  EXPECT_FALSE(human.has(*find_bone("LeftToe")));
-  EXPECT_FALSE(human.has(*find_bone("LeftFootMod")));
-  EXPECT_FALSE(human.has(*find_bone("RightArm")));
+  EXPECT_TRUE(human.has(Bone::kLeftFoot));
+  EXPECT_EQ(human.sources[Bone::kLeftFoot], "LeftFoot");
+  EXPECT_FALSE(human.has(Bone::kLeftToe));
+  EXPECT_FALSE(human.has(Bone::kLeftFootMod));
+  EXPECT_FALSE(human.has(Bone::kRightArm));
 }
 
 TEST(Lafan1Mapping, RefusesABoneWhoseNameTwoJointsHave) {
@@ -99,10 +99,37 @@ TEST(Lafan1Mapping, DoubtsSkeletonsThatOnlyHaveTheNames) {
   EXPECT_NE(sides[0].message.find("Left/RightUpLeg"), std::string::npos);
 }
 
-TEST(FindBone, KnowsTheToeByBothNames) {
-  EXPECT_EQ(find_bone("LeftToeBase"), find_bone("LeftToe"));
-  EXPECT_EQ(kBoneNames[*find_bone("RightHand")], "RightHand");
-  EXPECT_FALSE(find_bone("hips"));
+TEST(Bone, IsFoundByItsName) {
+  ASSERT_EQ(bone_names().size(), kBoneCount);
+  for (const Bone bone : kAllBones) {
+    EXPECT_EQ(bone_names()[static_cast<std::size_t>(bone)], bone_name(bone));
+    EXPECT_EQ(bone_from_name(bone_name(bone)), bone);
+  }
+  EXPECT_EQ(bone_from_name("LeftToeBase"), Bone::kLeftToe);
+  EXPECT_EQ(bone_name(Bone::kRightHand), "RightHand");
+  EXPECT_EQ(mapped_bone_names().back(), "RightHand");
+  EXPECT_FALSE(bone_from_name("hips"));
+}
+
+TEST(Bone, SidesAreThoseOfTheNames) {
+  for (const Bone bone : kAllBones) {
+    const std::string name(bone_name(bone));
+    const Side side = name.starts_with("Left")    ? Side::kLeft
+                      : name.starts_with("Right") ? Side::kRight
+                                                  : Side::kNone;
+    EXPECT_EQ(side_of(bone), side) << name;
+    EXPECT_EQ(mirrored(mirrored(bone)), bone) << name;
+    const auto part = limb_bone(bone);
+    ASSERT_EQ(part.has_value(), side != Side::kNone) << name;
+    if (side == Side::kLeft) {
+      EXPECT_EQ(bone_name(mirrored(bone)), "Right" + name.substr(4));
+    } else if (side == Side::kNone) {
+      EXPECT_EQ(mirrored(bone), bone) << name;
+    }
+    if (part) {
+      EXPECT_EQ(side_bone(side, *part), bone) << name;
+    }
+  }
 }
 
 }  // namespace

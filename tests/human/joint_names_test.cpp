@@ -69,11 +69,11 @@ TEST(BodyWords, FingersTwistsAndEndsMeanNothing) {
 }
 
 TEST(BodyWords, CanonicalNamesMeanTheirBones) {
-  EXPECT_TRUE(may_mean(normalised("lShin"), "LeftLeg"));
-  EXPECT_FALSE(may_mean(normalised("rShin"), "LeftLeg"));
-  EXPECT_FALSE(may_mean(normalised("LeftThigh"), "LeftLeg"));
-  EXPECT_TRUE(may_mean(normalised("Chest"), "Spine2"));
-  EXPECT_TRUE(may_mean(normalised("LeftCollar"), "LeftShoulder"));
+  EXPECT_TRUE(may_mean(normalised("lShin"), Bone::kLeftLeg));
+  EXPECT_FALSE(may_mean(normalised("rShin"), Bone::kLeftLeg));
+  EXPECT_FALSE(may_mean(normalised("LeftThigh"), Bone::kLeftLeg));
+  EXPECT_TRUE(may_mean(normalised("Chest"), Bone::kSpine2));
+  EXPECT_TRUE(may_mean(normalised("LeftCollar"), Bone::kLeftShoulder));
 }
 
 }  // namespace

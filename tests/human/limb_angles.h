@@ -42,13 +42,13 @@ inline std::vector<LimbAngle> limb_angles(const HumanClip& human) {
        {"trunk", "Hips", "Neck", "", 0},
        {"hip line", "RightUpLeg", "LeftUpLeg", "Hips", 2},
        {"shoulder line", "RightArm", "LeftArm", "Spine2", 2}}};
-  const auto bone = [](const char* name) { return find_bone(name).value(); };
+  const auto bone = [](const char* name) { return bone_from_name(name).value(); };
   std::vector<LimbAngle> angles;
   for (const Limb& limb : kLimbs) {
     if (!human.has(bone(limb.from)) || !human.has(bone(limb.to))) continue;
     LimbAngle angle{limb.name};
     for (int frame = 0; frame < human.frame_count; ++frame) {
-      const auto poses = human.frame(frame);
+      const HumanPose& poses = human.frame(frame);
       const Eigen::Vector3d way =
           poses[bone(limb.to)].translation - poses[bone(limb.from)].translation;
       const auto axis = [&](const char* name) -> Eigen::Vector3d {
@@ -68,9 +68,11 @@ inline std::vector<LimbAngle> limb_angles(const HumanClip& human) {
 /// Largest angle in degrees, over frames and bones, between the rotations of two humans.
 inline double largest_turn(const HumanClip& a, const HumanClip& b) {
   double largest = 0.0;
-  for (std::size_t i = 0; i < a.world_from_bone.size(); ++i) {
-    largest = std::max(
-        largest, a.world_from_bone[i].rotation.angularDistance(b.world_from_bone[i].rotation));
+  for (std::size_t frame = 0; frame < a.world_from_bone.size(); ++frame) {
+    for (const Bone bone : kAllBones) {
+      const auto& turned = b.world_from_bone[frame][bone].rotation;
+      largest = std::max(largest, a.world_from_bone[frame][bone].rotation.angularDistance(turned));
+    }
   }
   return largest * 180.0 / M_PI;
 }

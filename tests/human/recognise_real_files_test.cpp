@@ -127,8 +127,8 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
       continue;
     }
     EXPECT_EQ(shaped->dialect, "topology");
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-      EXPECT_EQ(shaped->joint_of_bone[bone], named->joint_of_bone[bone]) << kBoneNames[bone];
+    for (const Bone bone : kMappedBones) {
+      EXPECT_EQ(shaped->joint_of_bone[bone], named->joint_of_bone[bone]) << bone_name(bone);
     }
   }
 }

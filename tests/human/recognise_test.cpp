@@ -529,9 +529,8 @@ TEST(Recognise, Lafan1GivesTheJointsOfThePublishedMethod) {
     EXPECT_EQ(map->dialect, "lafan1");
     const auto published = lafan1_mapping(skeleton, "clip.bvh");
     ASSERT_TRUE(published);
-    for (int bone = 0; bone < kMappedBoneCount; ++bone) {
-      EXPECT_EQ(map->joint_of_bone[bone], published->bones[bone].position_joint)
-          << kBoneNames[bone];
+    for (const Bone bone : kMappedBones) {
+      EXPECT_EQ(map->joint_of_bone[bone], published->bones[bone].position_joint) << bone_name(bone);
     }
   }
 }

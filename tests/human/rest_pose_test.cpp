@@ -74,7 +74,7 @@ TEST(RestPose, RaisesArmsAboutTheForwardAxis) {
   const JointFromBone axes = bring_to_t(body, zero_of(body));
   // world axes of the canonical arm when it hangs: X down, Y back, and Z, up in the T-pose, outward
   for (const char* bone : {"LeftArm", "LeftForeArm", "LeftHand"}) {
-    const Eigen::Matrix3d& hanging = *axes[*find_bone(bone)];
+    const Eigen::Matrix3d& hanging = *axes[*bone_from_name(bone)];
     EXPECT_LT((hanging.col(0) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12) << bone;
     EXPECT_LT((hanging.col(1) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12) << bone;
     EXPECT_LT((hanging.col(2) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12) << bone;

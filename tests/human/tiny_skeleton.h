@@ -55,7 +55,8 @@ inline std::string replaced(std::string text, const std::string& from, const std
 
 /// The name of the joint of a bone; empty: none.
 inline std::string joint_name(const BoneMap& map, const Skeleton& skeleton, const char* bone) {
-  return map.joint(bone) < 0 ? std::string() : skeleton.joint(map.joint(bone)).name;
+  const int joint = map.joint(bone_from_name(bone).value());
+  return joint < 0 ? std::string() : skeleton.joint(joint).name;
 }
 
 inline const std::vector<Dialect>& shipped_dialects() {

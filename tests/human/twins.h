@@ -42,7 +42,7 @@ inline Clip with_t_pose_as_zero(const Clip& clip, double lowered = 0.0) {
   const Eigen::Quaterniond file_from_human(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
   std::vector<Eigen::Quaterniond> turns;
   for (const Joint& joint : clip.skeleton().joints()) {
-    const int bone = find_bone(joint.name).value();
+    const Bone bone = bone_from_name(joint.name).value();
     const bool is_arm = joint.name.ends_with("Arm") || joint.name.ends_with("Hand");
     const double angle = !is_arm ? 0.0 : joint.name.starts_with("Left") ? -lowered : lowered;
     const Eigen::Quaterniond lowering(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()));
@@ -125,12 +125,14 @@ inline Clip with_extra_joints(const Clip& clip) {
 inline double largest_difference(const HumanClip& a, const HumanClip& b) {
   if (a.frame_count != b.frame_count) return std::numeric_limits<double>::infinity();
   double largest = std::abs(a.height - b.height);
-  for (std::size_t i = 0; i < a.world_from_bone.size(); ++i) {
-    const Pose &p = a.world_from_bone[i], &q = b.world_from_bone[i];
-    const double sign = p.rotation.dot(q.rotation) < 0.0 ? -1.0 : 1.0;
-    largest = std::max(largest, (p.translation - q.translation).cwiseAbs().maxCoeff());
-    largest =
-        std::max(largest, (p.rotation.coeffs() - sign * q.rotation.coeffs()).cwiseAbs().maxCoeff());
+  for (int frame = 0; frame < a.frame_count; ++frame) {
+    for (const Bone bone : kAllBones) {
+      const Pose &p = a.frame(frame)[bone], &q = b.frame(frame)[bone];
+      const double sign = p.rotation.dot(q.rotation) < 0.0 ? -1.0 : 1.0;
+      largest = std::max(largest, (p.translation - q.translation).cwiseAbs().maxCoeff());
+      largest = std::max(largest,
+                         (p.rotation.coeffs() - sign * q.rotation.coeffs()).cwiseAbs().maxCoeff());
+    }
   }
   return largest;
 }

@@ -159,8 +159,8 @@ TEST(CalibrateSize, AChildWithLafan1sNamesAndAxesHasItsOwnHeight) {
     // its axes are LAFAN1's all the same
     const HumanClip human = to_human(clip, found->mapping);
     const HumanClip grown = to_human(sample_in(1.0, true), adult.mapping);
-    EXPECT_LT(human.frame(7)[*find_bone("LeftArm")].rotation.angularDistance(
-                  grown.frame(7)[*find_bone("LeftArm")].rotation),
+    EXPECT_LT(human.frame(7)[Bone::kLeftArm].rotation.angularDistance(
+                  grown.frame(7)[Bone::kLeftArm].rotation),
               1e-9);
   }
   // within what people of one data set differ by the published height stays

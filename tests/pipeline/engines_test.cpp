@@ -39,9 +39,12 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
     const std::string mapping = "lafan1_to_" + std::string(GetParam().robot) + ".json";
-    const auto tables = load_ik_tables((source / "configs" / mapping).string(), robot_.get());
+    const auto tables = load_ik_tables((source / "configs" / mapping).string());
     ASSERT_TRUE(tables) << describe(tables.error());
     tables_ = *tables;
+    const auto resolved = resolve_mapping(*tables, *robot_);
+    ASSERT_TRUE(resolved) << describe(resolved.error());
+    mapping_ = *resolved;
     const auto limits = load_limits(*robot_, robot_->limits_for("gmr"));
     ASSERT_TRUE(limits) << describe(limits.error());
     limits_ = *limits;
@@ -56,6 +59,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   fs::path shared_;
   std::shared_ptr<const Robot> robot_;
   IkTables tables_;
+  ResolvedMapping mapping_;
   LimitSet limits_;  // of the published method
 };
 
@@ -87,8 +91,8 @@ TEST_P(Engines, MappingIsThePublishedOne) {
 TEST_P(Engines, AgreeInEveryFrameFromTheSamePose) {
   for (const char* clip : {"walk4_subject1", "dance1_subject2"}) {
     const HumanClip source = human(clip, 400);
-    const TargetBuilder targets(tables_, source.height);
-    const auto problem = make_problem(robot_, tables_, targets, limits_);
+    const TargetBuilder targets(mapping_, source.height);
+    const auto problem = make_problem(robot_, mapping_, targets, limits_);
     const auto reference = make_reference_solver(problem);
     const auto fast = make_fast_solver(problem);
     std::vector<Pose> world_from_target(targets.target_count());
@@ -129,7 +133,7 @@ TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
       RetargetOptions options;
       options.engine = engine;
       const auto result = retarget(human(clip, static_cast<int>(expected.size())), clip, robot_,
-                                   tables_, limits_, options);
+                                   mapping_, limits_, options);
       ASSERT_TRUE(result) << describe(result.error());
       const auto difference =
           compare_tables(parse_csv(format_robot_csv(result->clip, csv_options)), expected, 1e-6);

@@ -1,4 +1,4 @@
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ std::string fault_of(const Json& json) {
     EXPECT_EQ(tables.error().location.file, "map.json");
     return describe(tables.error());
   }
-  const auto checked = check_ik_tables(*tables, *robot_from_text(kTwoArms));
+  const auto checked = resolve_mapping(*tables, *robot_from_text(kTwoArms));
   if (checked) return "no fault";
   EXPECT_EQ(checked.error().kind, ErrorKind::kConfig);
   return describe(checked.error());
@@ -73,7 +73,7 @@ TEST(IkTables, ReadsTheMappingOfTheRepository) {
   const auto tables =
       load_ik_tables(std::string(RETARGET_SOURCE_DIR) + "/configs/lafan1_to_unitree_g1.json");
   ASSERT_TRUE(tables) << describe(tables.error());
-  const auto checked = check_ik_tables(*tables, *load_g1());
+  const auto checked = resolve_mapping(*tables, *load_g1());
   EXPECT_TRUE(checked) << describe(checked.error());
 }
 
@@ -138,6 +138,39 @@ TEST(IkTables, DoesNotLookAtATableThatIsSwitchedOff) {
   EXPECT_EQ(fault_of(json), "no fault");
   json["use_ik_match_table1"] = false;
   EXPECT_THAT(fault_of(json), HasSubstr("nothing would move"));
+}
+
+TEST(ResolvedMapping, HasIndicesInPlaceOfNames) {
+  const auto robot = robot_from_text(kTwoArms);
+  const auto mapping = resolve_mapping(parse(good_mapping()).value(), *robot).value();
+  EXPECT_EQ(mapping.root_body, *robot->find_body("base"));
+  EXPECT_EQ(mapping.root_bone, Bone::kHips);
+  EXPECT_EQ(mapping.scales[Bone::kLeftArm], 0.75);
+  const MappedTask& task = mapping.tables[1].tasks[0];
+  EXPECT_EQ(task.body, *robot->find_body("left_upper"));
+  EXPECT_EQ(task.bone, Bone::kLeftArm);
+  EXPECT_EQ(mapping.body_of(Bone::kLeftArm), task.body);
+  EXPECT_EQ(mapping.body_of(Bone::kHead), -1);
+}
+
+TEST(ResolvedMapping, FindsTheFirstTaskOfABoneThatHasAWeight) {
+  Json json = good_mapping();
+  json["ik_match_table1"]["left_upper"] = {"LeftArm", 0, 0, {1, 0, 0}, {1, 0, 0, 0}};
+  const auto robot = robot_from_text(kTwoArms);
+  const auto mapping = resolve_mapping(parse(json).value(), *robot).value();
+  const MappedTask* const task = mapping.find_task(Bone::kLeftArm);
+  ASSERT_NE(task, nullptr);
+  EXPECT_EQ(task->position_weight, 5.0);
+  EXPECT_EQ(mapping.find_task(Bone::kRightArm), nullptr);
+}
+
+TEST(ResolvedMapping, BonesCanBeLeftOutAsLongAsSomethingIsLeft) {
+  auto mapping = resolve_mapping(parse(good_mapping()).value(), *robot_from_text(kTwoArms)).value();
+  EXPECT_EQ(leave_out_bones(mapping, std::array{Bone::kLeftArm, Bone::kHead}).value(), 2);
+  EXPECT_EQ(mapping.find_task(Bone::kLeftArm), nullptr);
+  const auto nothing = leave_out_bones(mapping, std::array{Bone::kHips});
+  ASSERT_FALSE(nothing);
+  EXPECT_THAT(nothing.error().message, HasSubstr("nothing would move"));
 }
 
 TEST(IkTables, ReadsAllPublishedMappings) {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {
@@ -91,7 +91,7 @@ TEST(LimbAim, ALimbThatIsBentTheWrongWayIsStraightAsFarAsItsHingeGoes) {
 
 TEST(LimbAim, KneesBendAsElbowsDo) {
   // the shin goes back: about the left, which is -Z of a thigh
-  const int thigh = find_bone("LeftUpLeg").value(), shin = find_bone("LeftLeg").value();
+  const Bone thigh = Bone::kLeftUpLeg, shin = Bone::kLeftLeg;
   const Quaterniond bent = exp_so3(Vector3d(0, 0.7, 0));
   const Pose upper{Quaterniond(canonical_t_pose(thigh)), {0, 0.1, 0.9}};
   const Pose lower{bent * Quaterniond(canonical_t_pose(shin)), {0, 0.1, 0.45}};

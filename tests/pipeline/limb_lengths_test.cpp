@@ -62,7 +62,7 @@ TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {
 
 TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
   const auto robot = robot_from_text(kLimbed);
-  const auto limbs = robot_limbs(*robot, limbed_tables());
+  const auto limbs = robot_limbs(*robot, resolved(limbed_tables(), *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
   // the hip's axes meet at its second body, 12 cm over the thigh's origin; the pull towards the
   // anchors moves the centre by millimetres
@@ -70,7 +70,7 @@ TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
   EXPECT_NEAR(limbs->lengths.arm, 0.20 + 0.15, 2e-3);
   EXPECT_NEAR(limbs->lengths.trunk, 0.40, 2e-3);
   const auto centre = [&](const char* bone) {
-    return limbs->body_from_joint[find_bone(bone).value()];
+    return limbs->body_from_joint[bone_from_name(bone).value()];
   };
   EXPECT_LT((centre("LeftUpLeg") - Eigen::Vector3d(0, 0, 0.12)).norm(), 2e-3);
   EXPECT_LT((centre("RightFootMod") - Eigen::Vector3d(-0.03, 0, 0)).norm(), 2e-2);
@@ -81,42 +81,43 @@ TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
 TEST(RobotLegLength, NeedsNoArms) {
   const auto robot = robot_from_text(kLimbed);
   IkTables tables = limbed_tables();
-  EXPECT_EQ(robot_leg_length(*robot, tables).value(),
-            robot_limbs(*robot, tables).value().lengths.leg);
+  EXPECT_EQ(robot_leg_length(*robot, resolved(tables, *robot)).value(),
+            robot_limbs(*robot, resolved(tables, *robot)).value().lengths.leg);
   const auto leave_out = [&](std::string_view ending) {
     std::erase_if(tables.tables[0].rows,
                   [&](const IkRow& row) { return row.bone.ends_with(ending); });
   };
   leave_out("Arm");
-  EXPECT_FALSE(robot_limbs(*robot, tables));
-  EXPECT_NEAR(robot_leg_length(*robot, tables).value(), 0.30 + 0.25, 2e-3);
+  EXPECT_FALSE(robot_limbs(*robot, resolved(tables, *robot)));
+  EXPECT_NEAR(robot_leg_length(*robot, resolved(tables, *robot)).value(), 0.30 + 0.25, 2e-3);
   leave_out("FootMod");
-  EXPECT_FALSE(robot_leg_length(*robot, tables));
+  EXPECT_FALSE(robot_leg_length(*robot, resolved(tables, *robot)));
 }
 
 TEST(RobotLimbs, EndAtTheElbowsWhereNothingFollowsTheHands) {
   const auto robot = robot_from_text(kLimbed);
   IkTables tables = limbed_tables();
   std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
-  const auto limbs = robot_limbs(*robot, tables);
+  const auto limbs = robot_limbs(*robot, resolved(tables, *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
   EXPECT_FALSE(limbs->forearms);
   EXPECT_NEAR(limbs->lengths.arm, 0.20, 2e-3);
   EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
-  EXPECT_TRUE(robot_limbs(*robot, limbed_tables())->forearms);
+  EXPECT_TRUE(robot_limbs(*robot, resolved(limbed_tables(), *robot))->forearms);
   // the human's arms are then measured as far
-  std::vector<Pose> bones(kBoneCount);
-  bones[find_bone("LeftForeArm").value()].translation = {0, 0.3, 0};
-  bones[find_bone("RightForeArm").value()].translation = {0, -0.3, 0};
-  bones[find_bone("LeftHand").value()].translation = {0, 0.5, 0};
-  bones[find_bone("RightHand").value()].translation = {0, -0.5, 0};
+  HumanPose bones;
+  bones[Bone::kLeftForeArm].translation = {0, 0.3, 0};
+  bones[Bone::kRightForeArm].translation = {0, -0.3, 0};
+  bones[Bone::kLeftHand].translation = {0, 0.5, 0};
+  bones[Bone::kRightHand].translation = {0, -0.5, 0};
   EXPECT_NEAR(human_limb_lengths(bones, false).arm, 0.3, 1e-12);
   EXPECT_NEAR(human_limb_lengths(bones).arm, 0.5, 1e-12);
 }
 
 TEST(RobotLimbs, OfTheG1) {
   const auto robot = load_g1();
-  const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+  const auto tables =
+      load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
   const auto limbs = robot_limbs(*robot, *tables);
   ASSERT_TRUE(limbs) << describe(limbs.error());
   // from the figures of the model: hips 3 cm below the pitch axis, shins of 300 mm
@@ -132,7 +133,7 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
   const auto robot = robot_from_text(kLimbed);
   IkTables tables = limbed_tables();
   std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone == "LeftHand"; });
-  const auto missing = robot_limbs(*robot, tables);
+  const auto missing = robot_limbs(*robot, resolved(tables, *robot));
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().kind, ErrorKind::kConfig);
   EXPECT_THAT(missing.error().message, testing::HasSubstr("no body follows LeftHand"));
@@ -141,7 +142,7 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
   for (IkRow& row : tables.tables[0].rows) {
     if (row.bone == "RightLeg") row.body = "l_shin";
   }
-  const auto crossed = robot_limbs(*robot, tables);
+  const auto crossed = robot_limbs(*robot, resolved(tables, *robot));
   ASSERT_FALSE(crossed);
   EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not follow each other"));
 }
@@ -151,7 +152,7 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
 TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
   const auto robot = robot_from_text(kLimbed);
   const IkTables tables = limbed_tables();
-  const auto limbs = robot_limbs(*robot, tables).value();
+  const auto limbs = robot_limbs(*robot, resolved(tables, *robot)).value();
   std::vector<double> qpos = robot->zero_configuration();
   // knees and elbows bend; the shoulders' and hips' centres stay where their axes meet
   for (const RobotJoint& joint : robot->joints()) {
@@ -163,15 +164,15 @@ TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
   forward_kinematics(*robot, qpos, world_from_body);
 
   constexpr double kLeg = 1.4, kTrunk = 1.25, kArm = 1.7;  // the human's over the robot's
-  std::vector<Pose> bones(kBoneCount);
-  std::vector<Eigen::Vector3d> centre(kBoneCount);
+  HumanPose bones;
+  BoneArray<Eigen::Vector3d> centre;
   for (const IkRow& row : tables.tables[0].rows) {
-    const int bone = find_bone(row.bone).value();
+    const Bone bone = bone_from_name(row.bone).value();
     const Pose& body = world_from_body[robot->find_body(row.body).value()];
     bones[bone].rotation = body.rotation;
     centre[bone] = body.translation + body.rotation * limbs.body_from_joint[bone];
   }
-  const auto index = [](const std::string& bone) { return find_bone(bone).value(); };
+  const auto index = [](const std::string& bone) { return bone_from_name(bone).value(); };
   const Eigen::Vector3d hips = centre[index("Hips")];
   const auto place = [&](const std::string& bone, const std::string& from, double stretch) {
     bones[index(bone)].translation =
@@ -189,7 +190,7 @@ TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
   }
   const LimbLengths human = {kLeg * limbs.lengths.leg, kArm * limbs.lengths.arm,
                              kTrunk * limbs.lengths.trunk};
-  const TargetBuilder builder(tables, limbs, human);
+  const TargetBuilder builder(resolved(tables, *robot), limbs, human);
   std::vector<Pose> targets(static_cast<std::size_t>(builder.target_count()));
   builder.build(bones, targets);
   for (const IkRow& row : tables.tables[0].rows) {
@@ -201,9 +202,9 @@ TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
 }
 
 TEST(HumanLimbLengths, AreSumsOfTheWay) {
-  std::vector<Pose> bones(kBoneCount);
+  HumanPose bones;
   const auto put = [&](const std::string& bone, double x, double y, double z) {
-    bones[find_bone(bone).value()].translation = {x, y, z};
+    bones[bone_from_name(bone).value()].translation = {x, y, z};
   };
   put("Hips", 0, 0, 1);
   put("Spine", 0, 0, 1.1);

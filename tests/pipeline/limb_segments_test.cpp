@@ -117,8 +117,9 @@ class LimbSegments : public ::testing::Test {
     const fs::path source(RETARGET_SOURCE_DIR);
     dialects_ = load_dialects(source / "configs" / "skeletons").value();
     published_ =
-        load_ik_tables((source / "configs" / "lafan1_to_unitree_g1.json").string()).value();
-    derived_ = load_ik_tables((source / "robots" / "unitree_g1" / "ik.json").string()).value();
+        load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot_).value();
+    derived_ =
+        load_mapping((source / "robots" / "unitree_g1" / "ik.json").string(), *robot_).value();
     robot_ = load_g1();
   }
 
@@ -166,7 +167,7 @@ class LimbSegments : public ::testing::Test {
     for (int frame = 0; frame < human.frame_count; ++frame) {
       forward_kinematics(*robot_, robot.qpos(frame), world_from_body);
       const auto bone = [&](const char* name) -> const Eigen::Vector3d& {
-        return human.frame(frame)[find_bone(name).value()].translation;
+        return human.frame(frame)[bone_from_name(name).value()].translation;
       };
       const auto body = [&](const char* name) -> const Eigen::Vector3d& {
         return world_from_body[robot_->find_body(name).value()].translation;
@@ -205,7 +206,7 @@ class LimbSegments : public ::testing::Test {
 
   fs::path data_;
   std::vector<Dialect> dialects_;
-  IkTables published_, derived_;  // of LAFAN1, of all others
+  ResolvedMapping published_, derived_;  // of LAFAN1, of all others
   std::shared_ptr<const Robot> robot_;
 };
 

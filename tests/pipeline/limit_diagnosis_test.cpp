@@ -66,15 +66,15 @@ struct Scene {
   std::shared_ptr<const Robot> robot;
   RobotClip clip;
   IkTables tables;
-  std::vector<Pose> world_from_bone = std::vector<Pose>(kBoneCount);
+  HumanPose world_from_bone;
 
   [[nodiscard]] std::vector<JointAtLimit> diagnose(const LimitSet& limits,
                                                    double least_share = 0.05) const {
-    const TargetBuilder targets(tables, 1.0);
+    const ResolvedMapping mapping = resolve_mapping(tables, *robot).value();
+    const TargetBuilder targets(mapping, 1.0);
     return joints_at_limits(
-        clip, tables, targets,
-        [&](int, std::span<Pose> bones) { std::ranges::copy(world_from_bone, bones.begin()); },
-        limits, least_share);
+        clip, mapping, targets, [&](int, HumanPose& bones) { bones = world_from_bone; }, limits,
+        least_share);
   }
 };
 
@@ -99,10 +99,10 @@ TEST(JointsAtLimits, NamesTheTaskThatPushesAndHowFarItIsShort) {
   for (const int frame : {2, 3, 4, 7}) set_joint(scene, frame, "shoulder", -0.25);
   std::vector<Pose> poses(scene.robot->bodies().size());
   forward_kinematics(*scene.robot, scene.clip.qpos(2), poses);
-  scene.world_from_bone[*find_bone("Hips")] = poses[1];
-  scene.world_from_bone[*find_bone("LeftArm")] = {
+  scene.world_from_bone[Bone::kHips] = poses[1];
+  scene.world_from_bone[Bone::kLeftArm] = {
       Eigen::Quaterniond(Eigen::AngleAxisd(-1.0, Eigen::Vector3d::UnitX())), {0, 0, 0}};
-  scene.world_from_bone[*find_bone("LeftForeArm")] = poses[3];
+  scene.world_from_bone[Bone::kLeftForeArm] = poses[3];
   const auto found = scene.diagnose(scene.robot->model_limits());
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(scene.robot->joints()[found[0].joint].name, "shoulder");
@@ -111,7 +111,7 @@ TEST(JointsAtLimits, NamesTheTaskThatPushesAndHowFarItIsShort) {
   EXPECT_EQ(found[0].share, 0.4);
   EXPECT_EQ(found[0].wider_set, "");
   ASSERT_TRUE(found[0].push.has_value());
-  EXPECT_EQ(found[0].push->bone, *find_bone("LeftArm"));
+  EXPECT_EQ(found[0].push->bone, Bone::kLeftArm);
   EXPECT_EQ(scene.robot->bodies()[found[0].push->body].name, "upper");
   EXPECT_TRUE(found[0].push->rotation);
   EXPECT_NEAR(found[0].push->shortfall, 0.75, 1e-12);
@@ -125,7 +125,7 @@ TEST(JointsAtLimits, PositionsAreShortInMetresAlsoOfASlide) {
   std::vector<Pose> poses(scene.robot->bodies().size());
   forward_kinematics(*scene.robot, scene.clip.qpos(0), poses);
   poses[3].translation += Eigen::Vector3d(0, 0.3, 0.4);
-  scene.world_from_bone[*find_bone("LeftForeArm")] = poses[3];
+  scene.world_from_bone[Bone::kLeftForeArm] = poses[3];
   const auto found = scene.diagnose(scene.robot->model_limits());
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_TRUE(found[0].at_upper);
@@ -150,12 +150,12 @@ TEST(JointsAtLimits, AnEarlierPassCountsWhereTheLastMovesNothing) {
   Scene scene = stiff_arm({task_row("base", "Hips", 10, 10)}, 1);
   scene.tables.tables[0].rows = {task_row("upper", "LeftArm", 0, 10)};
   set_joint(scene, 0, "shoulder", 0.25);
-  scene.world_from_bone[*find_bone("LeftArm")].rotation =
+  scene.world_from_bone[Bone::kLeftArm].rotation =
       Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
   const auto found = scene.diagnose(scene.robot->model_limits());
   ASSERT_THAT(found, SizeIs(1));
   ASSERT_TRUE(found[0].push.has_value());
-  EXPECT_EQ(found[0].push->bone, *find_bone("LeftArm"));
+  EXPECT_EQ(found[0].push->bone, Bone::kLeftArm);
 }
 
 TEST(JointsAtLimits, WorstFirstAndRareOnesLeftOut) {
@@ -229,7 +229,7 @@ RandomTask random_task(int trial, std::mt19937& random) {
   for (int i = 0; i < 3; ++i) task.target.translation[i] = 0.5 * uniform(random);
   task.target.rotation =
       Eigen::Quaterniond(1.0, uniform(random), uniform(random), uniform(random)).normalized();
-  scene.world_from_bone[*find_bone("LeftArm")] = task.target;
+  scene.world_from_bone[Bone::kLeftArm] = task.target;
   return task;
 }
 

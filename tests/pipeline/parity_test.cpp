@@ -24,8 +24,9 @@ using Json = nlohmann::json;
 const fs::path kSource = RETARGET_SOURCE_DIR;
 constexpr double kTolerance = 1e-6;  // rad and m
 
-IkTables g1_tables() {
-  const auto tables = load_ik_tables((kSource / "configs" / "lafan1_to_unitree_g1.json").string());
+ResolvedMapping g1_tables(const Robot& robot) {
+  const auto tables =
+      load_mapping((kSource / "configs" / "lafan1_to_unitree_g1.json").string(), robot);
   EXPECT_TRUE(tables) << describe(tables.error());
   return *tables;
 }
@@ -49,7 +50,7 @@ std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, 
   const auto robot = load_g1();
   RetargetOptions retarget_options;
   retarget_options.engine = engine;
-  const auto result = retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(),
+  const auto result = retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(*robot),
                                gmr_limits(*robot), retarget_options);
   EXPECT_TRUE(result) << describe(result.error());
   RobotCsvOptions options;
@@ -75,7 +76,7 @@ TEST_P(Samples, AgreeWithTheOracleInEveryFrame) {
 TEST_P(Samples, LeaveNoQpUnsolved) {
   const auto robot = load_g1();
   const HumanClip human = load_human(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
-  const IkTables tables = g1_tables();
+  const ResolvedMapping tables = g1_tables(*robot);
   const TargetBuilder targets(tables, human.height);
   const auto problem = make_problem(robot, tables, targets, gmr_limits(*robot));
   long count = 0, bounded = 0;
@@ -141,7 +142,7 @@ TEST(Reference, EveryStageAgrees) {
   std::ifstream file(*shared / "reference/gmr_output/unitree_g1/walk4_subject1_stages.json");
   const Json stages = Json::parse(file);
   const auto robot = load_g1();
-  const IkTables tables = g1_tables();
+  const ResolvedMapping tables = g1_tables(*robot);
   const HumanClip human = load_human(*shared / "data/lafan1/walk4_subject1.bvh",
                                      static_cast<int>(stages["frames"].size()));
   const TargetBuilder targets(tables, human.height);
@@ -152,16 +153,16 @@ TEST(Reference, EveryStageAgrees) {
   for (int frame = 0; frame < human.frame_count; ++frame) {
     SCOPED_TRACE("frame " + std::to_string(frame));
     const Json& stage = stages["frames"][frame];
-    ASSERT_EQ(stage["bones"].size(), static_cast<std::size_t>(kBoneCount));
+    ASSERT_EQ(stage["bones"].size(), kBoneCount);
     for (const auto& [name, pose] : stage["bones"].items()) {
-      const Pose& bone = human.frame(frame)[find_bone(name).value()];
+      const Pose& bone = human.frame(frame)[bone_from_name(name).value()];
       EXPECT_LT((bone.translation - vector_of(pose["pos"])).norm(), 1e-12) << name;
       EXPECT_LT(angle_between(bone.rotation, pose["quat"]), 1e-12) << name;
     }
     targets.build(human.frame(frame), world_from_target);
     ASSERT_EQ(stage["targets"].size(), world_from_target.size());
     for (const auto& [name, pose] : stage["targets"].items()) {
-      const Pose& target = world_from_target[targets.target_of(find_bone(name).value())];
+      const Pose& target = world_from_target[targets.target_of(bone_from_name(name).value())];
       EXPECT_LT((target.translation - vector_of(pose["pos"])).norm(), 1e-12) << name;
       EXPECT_LT(angle_between(target.rotation, pose["quat"]), 1e-12) << name;
     }

@@ -19,7 +19,8 @@ RobotClip robot_motion(const Clip& clip) {
   const auto found = calibrate(clip, map, {}, "clip");
   EXPECT_TRUE(found) << describe(found.error());
   const auto robot = load_g1();
-  const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+  const auto tables =
+      load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
   RetargetOptions options;
   options.height_scale = HeightScale::kLimbs;
   auto result =

@@ -30,7 +30,7 @@ Clip first_frame(const std::filesystem::path& bvh, int frames) {
 RobotClip solved(const Clip& clip, const std::string& name,
                  const std::shared_ptr<const Robot>& robot, bool settle) {
   const auto tables =
-      load_ik_tables((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string());
+      load_mapping((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
   EXPECT_TRUE(tables.has_value() && mapping.has_value());
   RetargetOptions options;
@@ -53,7 +53,7 @@ double way(const RobotClip& clip) {
 // frames may still change for two seconds, and are told when they do not any more
 TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
   const auto robot = load_g1();
-  const auto tables = load_ik_tables((kRoot / "robots/unitree_g1/ik.json").string());
+  const auto tables = load_mapping((kRoot / "robots/unitree_g1/ik.json").string(), *robot);
   const Clip whole = load_bvh((kRoot / "data/wave.bvh").string())->clip;
   for (const int frames : {0, 1, 59, 60, 61, 121}) {
     const Clip clip = cut(whole, 0, frames);

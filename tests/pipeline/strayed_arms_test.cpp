@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "human/bones.h"
 #include "math/so3.h"
+#include "retarget/human.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -15,7 +15,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(StrayedArms, AreSeenFromSixtyDegreesOnAndLessOftenWhereNothingHelps) {
   const auto robot = load_g1();
-  const IkTables tables = load_ik_tables(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json").value();
+  const ResolvedMapping tables =
+      load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *robot).value();
   const TargetBuilder targets(tables, 1.75);
   const auto problem = make_problem(robot, tables, targets, robot->model_limits());
   const std::vector<double> qpos = robot->zero_configuration();
@@ -28,8 +29,7 @@ TEST(StrayedArms, AreSeenFromSixtyDegreesOnAndLessOftenWhereNothingHelps) {
       world_from_target[static_cast<std::size_t>(task.target)] =
           world_from_body[static_cast<std::size_t>(task.body)];
     }
-    Pose& arm = world_from_target[static_cast<std::size_t>(
-        targets.target_of(find_bone("RightArm").value()))];
+    Pose& arm = world_from_target[static_cast<std::size_t>(targets.target_of(Bone::kRightArm))];
     arm.rotation = arm.rotation * exp_so3({0.0, degrees * kDegree, 0.0});
   };
   StrayedArms arms(*problem, targets);

@@ -13,17 +13,15 @@
 namespace retarget {
 namespace {
 
-IkTables one_bone_tables() {
-  IkTables tables;
-  tables.human_root = "Hips";
+ResolvedMapping one_bone_tables() {
+  ResolvedMapping tables;
   tables.human_height_assumption = 1.0;
-  tables.scales = {{"Hips", 1.0}};
   return tables;
 }
 
 // the root of frame n stands at x = n
-void stand_at_frame(int frame, std::span<Pose> world_from_bone) {
-  world_from_bone[0].translation.x() = frame;
+void stand_at_frame(int frame, HumanPose& world_from_bone) {
+  world_from_bone[Bone::kHips].translation.x() = frame;
 }
 
 void expect_frames(TargetStream& stream, int count, std::chrono::microseconds pause) {
@@ -48,7 +46,7 @@ TEST(TargetStream, GivesEveryFrameInOrder) {
 
 TEST(TargetStream, WaitsForWhoeverIsSlower) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
-  const auto slow = [](int frame, std::span<Pose> world_from_bone) {
+  const auto slow = [](int frame, HumanPose& world_from_bone) {
     if (frame % 50 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
     stand_at_frame(frame, world_from_bone);
   };
@@ -61,7 +59,7 @@ TEST(TargetStream, WaitsForWhoeverIsSlower) {
 TEST(TargetStream, DoesNotRunAheadWithoutBound) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
   std::atomic<int> latest = 0;
-  const auto source = [&](int frame, std::span<Pose> world_from_bone) {
+  const auto source = [&](int frame, HumanPose& world_from_bone) {
     latest = frame;
     stand_at_frame(frame, world_from_bone);
   };
@@ -87,7 +85,7 @@ TEST(Retarget, SameConfigurationsHoweverTheTargetsAreMade) {
   const auto mapping = lafan1_mapping(clip.skeleton(), "walk").value();
   const auto robot = load_g1();
   const auto tables =
-      load_ik_tables((source / "configs" / "lafan1_to_unitree_g1.json").string()).value();
+      load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot).value();
   const auto& limits = robot->model_limits();
   RetargetOptions alone, ahead;
   ahead.targets_ahead = true;

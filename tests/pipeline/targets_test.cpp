@@ -40,15 +40,16 @@ IkTables small_tables() {
 }
 
 TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
-  const TargetBuilder builder(small_tables(), 1.0);
-  std::vector<Pose> bones(kBoneCount);
-  const int hips = *find_bone("Hips"), left = *find_bone("LeftArm"), right = *find_bone("RightArm");
+  const auto robot = robot_from_text(kTwoArms);
+  const TargetBuilder builder(resolve_mapping(small_tables(), *robot).value(), 1.0);
+  HumanPose bones;
+  const Bone hips = Bone::kHips, left = Bone::kLeftArm, right = Bone::kRightArm;
   bones[hips].translation = {1, 2, 3};
   bones[left].translation = {2, 2, 4};
   bones[left].rotation = Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x
   bones[right].translation = {1, 0, 3};
   ASSERT_EQ(builder.target_count(), 3);
-  EXPECT_EQ(builder.bones(), (std::vector<int>{hips, left, right}));
+  EXPECT_EQ(builder.bones(), (std::vector<Bone>{hips, left, right}));
   std::vector<Pose> targets(3);
   builder.build(bones, targets);
 
@@ -67,8 +68,9 @@ TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
 
 TEST(MakeProblem, LeavesOutTablesThatAreNotUsedAndRowsWithoutWeight) {
   const auto robot = robot_from_text(kTwoArms);
-  IkTables tables = small_tables();
-  tables.tables[0].rows[0].position_weight = tables.tables[0].rows[0].rotation_weight = 0.0;
+  ResolvedMapping tables = resolve_mapping(small_tables(), *robot).value();
+  MappedTask& first = tables.tables[0].tasks[0];
+  first.position_weight = first.rotation_weight = 0.0;
   const auto problem =
       make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
   ASSERT_EQ(problem->passes.size(), 2u);

@@ -12,10 +12,10 @@
 #include <numbers>
 #include <random>
 
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
 #include "pipeline/targets.h"
+#include "retarget/human.h"
 #include "robot/load_robot.h"
 #include "support/test_robots.h"
 
@@ -32,14 +32,12 @@ double between(const Vector3d& a, const Vector3d& b) {
 }
 
 // a human of straight lines whose pelvis and trunk are turned
-std::vector<Pose> human(const Quaterniond& pelvis, const Quaterniond& trunk) {
-  std::vector<Pose> bones(kBoneCount);
-  for (int bone = 0; bone < kBoneCount; ++bone) {
-    bones[static_cast<std::size_t>(bone)].rotation = Quaterniond(canonical_t_pose(bone));
+HumanPose human(const Quaterniond& pelvis, const Quaterniond& trunk) {
+  HumanPose bones;
+  for (const Bone bone : kAllBones) {
+    bones[bone].rotation = Quaterniond(canonical_t_pose(bone));
   }
-  const auto at = [&](const char* bone) -> Pose& {
-    return bones[static_cast<std::size_t>(find_bone(bone).value())];
-  };
+  const auto at = [&](const char* bone) -> Pose& { return bones[bone_from_name(bone).value()]; };
   at("Hips").rotation = pelvis * at("Hips").rotation;
   at("LeftUpLeg").translation = pelvis * Vector3d(0, 0.09, 0);
   at("RightUpLeg").translation = pelvis * Vector3d(0, -0.09, 0);
@@ -61,13 +59,13 @@ struct AimedRobot {
 AimedRobot aimed_robot(const std::string& name) {
   const std::string folder = RETARGET_SOURCE_DIR "/robots/" + name;
   auto robot = load_robot_files(folder + "/model.xml", folder + "/robot.json").value();
-  const IkTables tables = load_ik_tables(folder + "/ik.json").value();
+  const ResolvedMapping tables = load_mapping(folder + "/ik.json", *robot).value();
   const RobotLimbs limbs = robot_limbs(*robot, tables).value();
   auto trunk = robot_trunk(*robot, tables, limbs, robot->model_limits()).value();
-  const Quaterniond offset = tables.find_row("Hips")->rotation_offset;
-  const int pelvis = robot->find_body(tables.find_row("Hips")->body).value();
-  const IkRow* const spine = tables.find_row("Spine2");
-  const int torso = spine == nullptr ? pelvis : robot->find_body(spine->body).value();
+  const Quaterniond offset = tables.find_task(Bone::kHips)->rotation_offset;
+  const int pelvis = tables.body_of(Bone::kHips);
+  const MappedTask* const spine = tables.find_task(Bone::kSpine2);
+  const int torso = spine == nullptr ? pelvis : spine->body;
   TrunkAim aim(std::move(trunk), trunk_lines(human(kStill, kStill)), offset);
   return {std::move(robot), limbs, std::move(aim), pelvis, torso, offset};
 }
@@ -101,7 +99,7 @@ TEST_P(TrunkOf, StandsStraightWhenTheHumanDoes) {
   const Vector3d chord = of.limbs.shoulder_centre - of.limbs.hip_centre;
   EXPECT_NEAR(aimed->chord.z(), chord.z(), 1e-6);
   EXPECT_NEAR(aimed->chord.norm(), chord.norm(), 1e-6);
-  const Quaterniond hips(canonical_t_pose(find_bone("Hips").value()));
+  const Quaterniond hips(canonical_t_pose(Bone::kHips));
   EXPECT_LT(log_so3((hips * of.hips_to_pelvis).conjugate() * aimed->world_from_pelvis).norm(),
             1e-6);
 }
@@ -203,7 +201,8 @@ TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
 
 TEST(RobotTrunk, TurnsAsFarAsTheRunsLimitsLetIt) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  const IkTables tables = load_ik_tables(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json").value();
+  const ResolvedMapping tables =
+      load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
   LimitSet limits = of.robot->model_limits();
   const std::size_t yaw = of.robot->find_joint("waist_yaw_joint").value();
   const std::size_t roll = of.robot->find_joint("waist_roll_joint").value();
@@ -231,13 +230,14 @@ TEST(RobotTrunk, TurnsAsFarAsTheRunsLimitsLetIt) {
 
 TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  const IkTables tables = load_ik_tables(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json").value();
+  const ResolvedMapping tables =
+      load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
   // hips 18 cm apart, legs straight down
-  std::vector<Pose> bones = human(kStill, kStill);
+  HumanPose bones = human(kStill, kStill);
   for (const std::string side : {"Left", "Right"}) {
     const double y = side == "Left" ? 0.09 : -0.09;
     const auto put = [&](const char* part, double z) {
-      bones[static_cast<std::size_t>(find_bone(side + part).value())].translation = {0.0, y, z};
+      bones[bone_from_name(side + part).value()].translation = {0.0, y, z};
     };
     put("Leg", -0.45);
     put("Foot", -0.9);
@@ -248,9 +248,9 @@ TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
   targets.build(bones, world_from_target);
   for (const std::string side : {"Left", "Right"}) {
-    const int bone = find_bone(side + "FootMod").value();
+    const Bone bone = bone_from_name(side + "FootMod").value();
     const Pose& foot = world_from_target[static_cast<std::size_t>(targets.target_of(bone))];
-    const Vector3d ankle = foot * of.limbs.body_from_joint[static_cast<std::size_t>(bone)];
+    const Vector3d ankle = foot * of.limbs.body_from_joint[bone];
     const double sign = side == "Left" ? 1.0 : -1.0;
     EXPECT_NEAR(ankle.y(), sign * 0.5 * of.limbs.hip_line.norm(), 1e-6);
     EXPECT_NEAR(ankle.x(), 0.0, 1e-6);
@@ -261,7 +261,7 @@ TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
 
 TEST(TrunkAim, IsNoneWithoutATrunk) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  EXPECT_FALSE(of.aim.aim(std::vector<Pose>(kBoneCount)));
+  EXPECT_FALSE(of.aim.aim(HumanPose()));
 }
 
 }  // namespace

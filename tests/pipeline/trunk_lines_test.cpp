@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "human/bones.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {
@@ -21,11 +21,11 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 // a trunk of bones that are turned one after the other; shoulders 6 cm behind the hips in the T-pose
-std::vector<Pose> trunk(const std::array<Quaterniond, 4>& turns, const Quaterniond& clavicles) {
-  std::vector<Pose> bones(kBoneCount);
+HumanPose trunk(const std::array<Quaterniond, 4>& turns, const Quaterniond& clavicles) {
+  HumanPose bones;
   const auto put = [&](const char* bone, const Vector3d& place, const Quaterniond& turn) {
-    const int index = find_bone(bone).value();
-    bones[static_cast<std::size_t>(index)] = {turn * Quaterniond(canonical_t_pose(index)), place};
+    const Bone index = bone_from_name(bone).value();
+    bones[index] = {turn * Quaterniond(canonical_t_pose(index)), place};
   };
   Quaterniond turn = turns[0];
   Vector3d at(0.4, -0.3, 1.0);
@@ -51,14 +51,13 @@ std::vector<Pose> trunk(const std::array<Quaterniond, 4>& turns, const Quaternio
 HumanClipInfo whole_body(int frames) {
   HumanClipInfo info;
   info.frame_count = frames;
-  info.sources.assign(kBoneCount, "joint");
+  info.sources = BoneArray<std::string>("joint");
   return info;
 }
 
-TrunkLines standing(const HumanClipInfo& info, const std::vector<Pose>& bones) {
-  return standing_trunk_lines(info, [&](int, std::span<Pose> world_from_bone) {
-    std::ranges::copy(bones, world_from_bone.begin());
-  });
+TrunkLines standing(const HumanClipInfo& info, const HumanPose& bones) {
+  return standing_trunk_lines(info,
+                              [&](int, HumanPose& world_from_bone) { world_from_bone = bones; });
 }
 
 const std::array<Quaterniond, 4> kStraight = {Quaterniond::Identity(), Quaterniond::Identity(),
@@ -105,8 +104,8 @@ TEST(TrunkLines, AreLearnedFromFramesInWhichPeopleStand) {
   const auto bent = trunk({exp_so3({0.0, 1.0, 0.0}), part, part, part}, Quaterniond::Identity());
   const auto upright = trunk(kStraight, Quaterniond::Identity());
   const TrunkLines lines =
-      standing_trunk_lines(whole_body(40), [&](int frame, std::span<Pose> world_from_bone) {
-        std::ranges::copy(frame % 4 == 0 ? upright : bent, world_from_bone.begin());
+      standing_trunk_lines(whole_body(40), [&](int frame, HumanPose& world_from_bone) {
+        world_from_bone = frame % 4 == 0 ? upright : bent;
       });
   EXPECT_LT((lines.chord - trunk_lines(upright).chord).norm(), 1e-12);
 }
@@ -114,7 +113,7 @@ TEST(TrunkLines, AreLearnedFromFramesInWhichPeopleStand) {
 TEST(TrunkLines, DoWithoutClaviclesAndSpine) {
   HumanClipInfo info = whole_body(2);
   for (const char* bone : {"LeftShoulder", "RightShoulder", "Spine", "Spine1", "Spine2"}) {
-    info.sources[static_cast<std::size_t>(find_bone(bone).value())].clear();
+    info.sources[bone_from_name(bone).value()].clear();
   }
   const auto expected = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
   const Quaterniond turn = exp_so3({0.4, 0.8, -2.0});

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "support/temporary_folder.h"
@@ -106,6 +107,55 @@ TEST(FrontDoor, DecisionsCanBeReplaced) {
   const auto other = solve(std::move(limbs));
   ASSERT_TRUE(other);
   EXPECT_NE(format_robot_csv(motion->clip), format_robot_csv(other->clip));
+}
+
+TEST(FrontDoor, PlansAreWrittenAndReadAgain) {
+  const TemporaryFolder folder;
+  const auto robot = g1();
+  ASSERT_TRUE(robot);
+  for (const char* name : {"walk", "get_up"}) {
+    Options options = short_options();
+    options.human.rest = RestPose::kZero;
+    options.time.fps = 24.0;
+    const auto plan = make_plan(load_clip(sample(name)).value(), *robot, options);
+    ASSERT_TRUE(plan) << describe(plan.error());
+    const std::string text = plan_json(*plan);
+    const std::string file = (folder.path() / "plan.json").string();
+    std::ofstream(file) << text;
+    const auto back = load_plan(file, {kSource, {}});
+    ASSERT_TRUE(back) << describe(back.error());
+    EXPECT_EQ(plan_json(*back), text);
+    EXPECT_EQ(format_robot_csv(solve(*back).value().clip),
+              format_robot_csv(solve(*plan).value().clip));
+  }
+}
+
+TEST(FrontDoor, AChangedPlanIsSolvedAsItStands) {
+  const TemporaryFolder folder;
+  const auto robot = g1();
+  ASSERT_TRUE(robot);
+  const auto plan = make_plan(load_clip(sample("walk")).value(), *robot, short_options());
+  ASSERT_TRUE(plan);
+  auto json = nlohmann::ordered_json::parse(plan_json(*plan));
+  json["part"] = {5, 15};
+  const std::string file = (folder.path() / "plan.json").string();
+  std::ofstream(file) << json.dump();
+  const auto back = load_plan(file, {kSource, {}});
+  ASSERT_TRUE(back) << describe(back.error());
+  EXPECT_EQ(solve(*back).value().clip.frame_count(), 10);
+  json["part"] = {15, 5};
+  json["scale"] = "limb";
+  json["human"]["bones"]["Hips"]["position_joint"] = 1000;
+  std::ofstream(file) << json.dump();
+  const auto wrong = load_plan(file, {kSource, {}});
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(describe(wrong.error()), HasSubstr("is no joint of the clip"));
+  json["human"]["bones"]["Hips"]["position_joint"] = 0;
+  std::ofstream(file) << json.dump();
+  const auto odd = load_plan(file, {kSource, {}});
+  ASSERT_FALSE(odd);
+  EXPECT_THAT(describe(odd.error()), HasSubstr("\"part\" is no part of the clip"));
+  EXPECT_THAT(describe(odd.error()), HasSubstr("\"scale\" is none of"));
 }
 
 TEST(FrontDoor, SolvingCanBeFollowedAndStopped) {

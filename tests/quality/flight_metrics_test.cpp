@@ -22,8 +22,8 @@ HumanClip raised_human(int frames, const std::function<double(int)>& hips,
   HumanClip human;
   human.rate = {30, 1};
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, "");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.sources = BoneArray<std::string>("");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   for (const auto& [name, side, height, is_foot] : {std::tuple{"Hips", 0.0, 0.95, false},
                                                     {"LeftUpLeg", 0.1, 0.93, false},
                                                     {"LeftLeg", 0.1, 0.5, false},
@@ -33,10 +33,10 @@ HumanClip raised_human(int frames, const std::function<double(int)>& hips,
                                                     {"RightLeg", -0.1, 0.5, false},
                                                     {"RightFoot", -0.1, 0.08, true},
                                                     {"RightToe", -0.1, 0.02, true}}) {
-    const int bone = find_bone(name).value();
-    human.sources[static_cast<std::size_t>(bone)] = name;
+    const Bone bone = bone_from_name(name).value();
+    human.sources[bone] = name;
     for (int i = 0; i < frames; ++i) {
-      human.world_from_bone[static_cast<std::size_t>(i * kBoneCount + bone)].translation =
+      human.world_from_bone[static_cast<std::size_t>(i)][bone].translation =
           Eigen::Vector3d(0.0, side, height + (is_foot ? feet(i) : hips(i)));
     }
   }

@@ -111,17 +111,17 @@ std::vector<Fault> faults_of(const QualityReport& report, const std::string& met
 HumanClip standing_human(int frames) {
   HumanClip human;
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, "");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.sources = BoneArray<std::string>("");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   for (const auto& [name, x, z] : {std::tuple{"UpLeg", 0.0, 0.93},
                                    {"Leg", 0.0, 0.5},
                                    {"Foot", 0.0, 0.08},
                                    {"Toe", 0.1, 0.02}}) {
     for (const std::string side : {"Left", "Right"}) {
-      const int bone = find_bone(side + name).value();
+      const Bone bone = bone_from_name(side + name).value();
       human.sources[bone] = name;
       for (int i = 0; i < frames; ++i) {
-        human.world_from_bone[static_cast<std::size_t>(i) * kBoneCount + bone].translation =
+        human.world_from_bone[static_cast<std::size_t>(i)][bone].translation =
             Eigen::Vector3d(x, side == "Left" ? 0.1 : -0.1, z);
       }
     }
@@ -165,9 +165,9 @@ TEST_F(MeasureQuality, AFootThatSlidesWithATenthOfAMetrePerSecondReadsIt) {
 // turns the feet of a human from the T-pose
 void turn_feet(HumanClip& human, double angle) {
   for (const char* name : {"LeftFoot", "RightFoot"}) {
-    const int bone = find_bone(name).value();
+    const Bone bone = bone_from_name(name).value();
     for (int i = 0; i < human.frame_count; ++i) {
-      human.world_from_bone[static_cast<std::size_t>(i) * kBoneCount + bone].rotation =
+      human.world_from_bone[static_cast<std::size_t>(i)][bone].rotation =
           Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) *
           Eigen::Quaterniond(canonical_t_pose(bone));
     }

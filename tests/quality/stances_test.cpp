@@ -24,19 +24,16 @@ HumanClip human_with_left_foot(int frames, const Eigen::Vector3d& axis, const Tu
   HumanClip human;
   human.rate = {30, 1};
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, "joint");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.sources = BoneArray<std::string>("joint");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   for (int frame = 0; frame < frames; ++frame) {
-    for (int bone = 0; bone < kBoneCount; ++bone) {
+    for (const Bone bone : kAllBones) {
       Eigen::Quaterniond rotation(canonical_t_pose(bone));
-      if (kBoneNames[static_cast<std::size_t>(bone)] == "LeftFoot") {
+      if (bone_name(bone) == "LeftFoot") {
         const double angle = turn(frame) * std::numbers::pi / 180.0;
         rotation = Eigen::AngleAxisd(angle, axis) * rotation;
       }
-      human
-          .world_from_bone[static_cast<std::size_t>(frame) * kBoneCount +
-                           static_cast<std::size_t>(bone)]
-          .rotation = rotation;
+      human.world_from_bone[static_cast<std::size_t>(frame)][bone].rotation = rotation;
     }
   }
   return human;

@@ -78,14 +78,13 @@ HumanClip human_in(int frames, const std::function<Quaterniond(int)>& turn,
                    const std::function<Quaterniond(int)>& bend) {
   HumanClip human;
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, "joint");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.sources = BoneArray<std::string>("joint");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   const Vector3d hips(0.02, 0.0, 1.0);
   for (int frame = 0; frame < frames; ++frame) {
-    for (int bone = 0; bone < kBoneCount; ++bone) {
-      Pose& pose = human.world_from_bone[static_cast<std::size_t>(frame) * kBoneCount +
-                                         static_cast<std::size_t>(bone)];
-      const std::string_view name = kBoneNames[static_cast<std::size_t>(bone)];
+    for (const Bone bone : kAllBones) {
+      Pose& pose = human.world_from_bone[static_cast<std::size_t>(frame)][bone];
+      const std::string_view name = bone_name(bone);
       Quaterniond turned = turn(frame);
       Vector3d place = standing_place_of(name) - hips;
       if (of_the_trunk(name)) {
@@ -130,7 +129,7 @@ class TrunkLeanTest : public ::testing::Test {
   }
 
   const std::shared_ptr<const Robot> robot_ = robot_from_text(kLeaning);
-  const IkTables tables_ = limbed_tables();
+  const ResolvedMapping tables_ = resolved(limbed_tables(), *robot_);
 };
 
 const MetricValue& error_of(const QualityReport& report) {
@@ -202,8 +201,8 @@ TEST_F(TrunkLeanTest, IsAMeanOverFramesAndNamesThoseThatAreFarOff) {
 }
 
 TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
-  IkTables tables = tables_;
-  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
+  ResolvedMapping tables = tables_;
+  EXPECT_EQ(leave_out_bones(tables, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
   const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
   const QualitySource source{&human, &tables, HeightScale::kPublished};
   const RobotClip clip(robot_, {30, 1}, human.frame_count);
@@ -214,7 +213,7 @@ TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
 
 TEST_F(TrunkLeanTest, IsLeftOutOfBodiesWithoutShoulders) {
   HumanClip human = standing();
-  human.sources[find_bone("LeftArm").value()].clear();
+  human.sources[Bone::kLeftArm].clear();
   const QualityReport report = measure(human, Quaterniond::Identity());
   EXPECT_EQ(report.find("trunk_lean_error_deg"), nullptr);
   EXPECT_FALSE(report.trunk_lean);

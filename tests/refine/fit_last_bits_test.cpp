@@ -44,7 +44,7 @@ double difference(const RobotClip& a, const RobotClip& b) {
 // how far the fits of a clip and of its copy are apart
 double apart(const std::shared_ptr<const Robot>& robot, const std::string& mapping_file,
              const Clip& clip) {
-  const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/" + mapping_file);
+  const auto tables = load_mapping(RETARGET_SOURCE_DIR "/configs/" + mapping_file, *robot);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
   EXPECT_TRUE(tables.has_value() && mapping.has_value());
   const auto run = [&](const Clip& source) {

@@ -32,7 +32,8 @@ class FitTest : public testing::Test {
   static void TearDownTestSuite() { robot_.reset(); }
 
   void SetUp() override {
-    const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+    const auto tables =
+        load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
     ASSERT_TRUE(tables.has_value());
     tables_ = *tables;
     const auto limits = load_limits(*robot_, "official");
@@ -96,7 +97,7 @@ class FitTest : public testing::Test {
   }
 
   static std::shared_ptr<const Robot> robot_;
-  IkTables tables_;
+  ResolvedMapping tables_;
   LimitSet limits_;
 };
 std::shared_ptr<const Robot> FitTest::robot_;
@@ -223,7 +224,7 @@ TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
   const auto tables =
-      load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json");
+      load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", **robot);
   ASSERT_TRUE(robot.has_value() && tables.has_value());
   const Clip clip = cut(sample("wave.bvh"), 0, 8);
   const auto mapping = lafan1_mapping(clip.skeleton(), "clip");

@@ -13,12 +13,12 @@
 #include <random>
 #include <set>
 
-#include "human/bones.h"
 #include "math/so3.h"
 #include "pipeline/targets.h"
 #include "refine/clip_fitter.h"
 #include "refine/fit_distance.h"
 #include "refine/joint_speeds.h"
+#include "retarget/human.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -46,12 +46,13 @@ class FrameTermsTest : public testing::Test {
  protected:
   void SetUp() override {
     robot_ = load_g1();
-    const auto tables = load_ik_tables(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json");
+    const auto tables =
+        load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
     ASSERT_TRUE(tables.has_value());
     tables_ = *tables;
     const TargetBuilder targets(tables_, 1.75);
-    for (int bone = 0; bone < kBoneCount; ++bone) {
-      target_of_bone_.push_back(targets.target_of(bone));
+    for (const Bone bone : kAllBones) {
+      target_of_bone_[bone] = targets.target_of(bone);
     }
     use(FitOptions{});
   }
@@ -137,8 +138,8 @@ class FrameTermsTest : public testing::Test {
 
   std::mt19937 random_{7};
   std::shared_ptr<const Robot> robot_;
-  IkTables tables_;
-  std::vector<int> target_of_bone_;
+  ResolvedMapping tables_;
+  BoneArray<int> target_of_bone_;
   FitOptions options_;
   FitModel model_;
   std::size_t dofs_ = 0;

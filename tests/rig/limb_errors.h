@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "anatomy/limbs.h"
-#include "human/bones.h"
-#include "human/human_clip.h"
 #include "math/so3.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
 
 namespace retarget {
@@ -39,15 +38,16 @@ inline SegmentPoints segments(const std::array<std::array<Eigen::Vector3d, 3>, 4
   return found;
 }
 
-inline SegmentPoints human_segments(std::span<const Pose> bones) {
-  const auto at = [&](const std::string& name) {
-    return bones[static_cast<std::size_t>(find_bone(name).value())].translation;
+inline SegmentPoints human_segments(const HumanPose& bones) {
+  const auto at = [&](Side side, LimbBone part) {
+    return bones[side_bone(side, part)].translation;
   };
   std::array<std::array<Eigen::Vector3d, 3>, 4> limbs;
-  for (std::size_t side = 0; side < 2; ++side) {
-    const std::string name = side == 0 ? "Left" : "Right";
-    limbs[side] = {at(name + "UpLeg"), at(name + "Leg"), at(name + "Foot")};
-    limbs[2 + side] = {at(name + "Arm"), at(name + "ForeArm"), at(name + "Hand")};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Side side = kSides[i];
+    limbs[i] = {at(side, LimbBone::kUpLeg), at(side, LimbBone::kLeg), at(side, LimbBone::kFoot)};
+    limbs[2 + i] = {at(side, LimbBone::kArm), at(side, LimbBone::kForeArm),
+                    at(side, LimbBone::kHand)};
   }
   return segments(limbs);
 }

@@ -68,8 +68,9 @@ TEST(MakeRobot, WritesAFolderThatLoadsToTheSameKinematics) {
     EXPECT_NEAR((found[b].rotation.coeffs() - expected[b].rotation.coeffs()).norm(), 0.0, 1e-12);
   }
 
-  const auto tables = load_ik_tables((*written / "ik.json").string(), robot->get());
+  const auto tables = load_ik_tables((*written / "ik.json").string());
   ASSERT_TRUE(tables) << describe(tables.error());
+  EXPECT_TRUE(resolve_mapping(*tables, **robot));
   for (const RobotFinding& finding : check_robot(**robot, &*tables)) {
     EXPECT_FALSE(finding.fault) << finding.text;
   }

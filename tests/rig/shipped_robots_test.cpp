@@ -51,7 +51,8 @@ HumanClip walking(const fs::path& file) {
 
 double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>& robot,
                      const RobotAnatomy& limbs, const IkTables& tables) {
-  const auto result = retarget(human, "walk", robot, tables, robot->model_limits(), {});
+  const auto result = retarget(human, "walk", robot, resolve_mapping(tables, *robot).value(),
+                               robot->model_limits(), {});
   EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error()));
   if (!result) return 180.0;
   const auto errors = limb_errors(human, result->clip, limbs);
@@ -75,7 +76,7 @@ void expect_derived_no_worse(const HumanClip& human) {
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
     const fs::path config = source_folder() / "configs" / ("lafan1_to_" + name + ".json");
-    const auto published = load_ik_tables(config.string(), robot.get());
+    const auto published = load_ik_tables(config.string());
     ASSERT_TRUE(published) << describe(published.error());
     const double theirs = error_degrees(human, robot, *limbs, *published);
     const double ours = error_degrees(human, robot, *limbs, derived(*robot, *limbs));
@@ -109,8 +110,8 @@ TEST(DerivedMapping, BringsEveryLimbAroundFromTheZeroConfiguration) {
       const Pose turn{
           Eigen::Quaterniond(Eigen::AngleAxisd(heading / kDegrees, Eigen::Vector3d::UnitZ())),
           Eigen::Vector3d::Zero()};
-      for (Pose& world_from_bone : turned.world_from_bone) {
-        world_from_bone = turn * world_from_bone;
+      for (HumanPose& frame : turned.world_from_bone) {
+        for (Pose& world_from_bone : frame) world_from_bone = turn * world_from_bone;
       }
       EXPECT_LT(error_degrees(turned, robot, *limbs, tables), 5.0) << name << ", " << heading;
     }
@@ -153,7 +154,7 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
-    const auto tables = load_ik_tables(file.string(), robot.get());
+    const auto tables = load_ik_tables(file.string());
     ASSERT_TRUE(tables) << describe(tables.error());
     const double error = error_degrees(human, robot, *limbs, *tables);
     std::cout << name << ": limbs " << error << " degrees off\n";

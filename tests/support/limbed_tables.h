@@ -3,9 +3,14 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/ik_tables.h"
+#include "retarget/ik_config.h"
 
 namespace retarget {
+
+/// A mapping for a robot that it fits.
+inline ResolvedMapping resolved(const IkTables& tables, const Robot& robot) {
+  return resolve_mapping(tables, robot).value();
+}
 
 /// A mapping of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot, l_arm, l_elbow,
 /// l_hand and r_ likewise.

@@ -38,7 +38,7 @@ struct Measures {
   FrameRate rate;  // of the source
   std::optional<HumanClip> human;
   std::optional<HumanClip> human_with_lead_in;  // where there is one
-  std::optional<IkTables> tables;
+  std::optional<ResolvedMapping> tables;
   HeightScale scale = HeightScale::kPublished;
   std::string source;   // file name
   std::string mapping;  // file

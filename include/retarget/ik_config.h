@@ -1,0 +1,128 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/human.h"
+#include "retarget/robot.h"
+
+namespace RETARGET_API retarget {
+
+/// How the height of the body scales a human to a robot.
+enum class HeightScale : unsigned char {
+  /// As the published method: in proportion to the height, which it takes to be 1.75 m whoever is
+  /// recorded.
+  kPublished,
+  /// Inversely: every body is brought to the size of the published one first, so that a child and
+  /// a giant who move alike give one robot motion.
+  kNormalised,
+  /// Not at all: legs, trunk and arms take the robot's lengths each, the table's scales are not
+  /// used.
+  kLimbs,
+};
+
+/// How pelvis and torso turn where limbs are scaled one by one (kLimbs).
+enum class TrunkRule : unsigned char {
+  kBones,  ///< As the bones Hips and Spine2, as published.
+  kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's.
+};
+
+/// How a robot's body follows a bone.
+struct IkTask {
+  double position_weight = 0.0;
+  double rotation_weight = 0.0;
+  Eigen::Vector3d position_offset = Eigen::Vector3d::Zero();  ///< In the target's frame, metres.
+  /// bone_from_body: turns the bone's axes into the body's.
+  Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
+
+  [[nodiscard]] bool has_weight() const { return position_weight != 0.0 || rotation_weight != 0.0; }
+};
+
+/// One row of a mapping file: a robot body follows a human bone.
+struct IkRow : IkTask {
+  std::string body;
+  std::string bone;
+};
+
+/// A table of a mapping file, in file order: the order of the tasks.
+struct IkTable {
+  bool used = true;  ///< `use_ik_match_tableN`; a table that is not used is left out.
+  std::vector<IkRow> rows;
+};
+
+/// A mapping file from a human to a robot as read, in the schema of GMR (General Motion
+/// Retargeting). Its names may be any; resolve_mapping finds what they mean for a robot.
+///
+/// | key | meaning |
+/// |---|---|
+/// | `robot_root_name`, `human_root_name` | root body, root bone |
+/// | `ground_height` | metres that every target is lowered by, in the target's frame |
+/// | `human_height_assumption` | body height the scales are made for, metres |
+/// | `human_scale_table` | scale of each bone's distance from the root (the root's own: from the
+/// origin) | | `use_ik_match_table1`, `2` | whether the pass takes place | | `ik_match_table1`, `2`
+/// | body: [bone, position weight, rotation weight, [x, y, z], [w, x, y, z]] |
+struct IkTables {
+  std::string file;  ///< Where it was read from, for messages.
+  std::string robot_root;
+  std::string human_root;
+  double ground_height = 0.0;
+  double human_height_assumption = 1.8;
+  std::vector<std::pair<std::string, double>> scales;  ///< By bone.
+  std::array<IkTable, 2> tables;
+
+  [[nodiscard]] const double* find_scale(std::string_view bone) const;
+};
+
+/// Reads a mapping file. Syntax errors come with line and column; wrong types, missing keys and
+/// quaternions whose norm is not 1 within 1e-3 are named all at once. Quaternions are normalised.
+[[nodiscard]] Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file);
+[[nodiscard]] Result<IkTables> load_ik_tables(const std::string& path);
+
+/// A robot's body follows a bone.
+struct MappedTask : IkTask {
+  int body = -1;  ///< Index into Robot::bodies(); -1, in a table that is not used: it has no such.
+  Bone bone = Bone::kHips;
+};
+
+/// A mapping for one robot, all names resolved and held against robot and human.
+struct ResolvedMapping {
+  struct Table {
+    bool used = true;
+    std::vector<MappedTask> tasks;  ///< In file order.
+  };
+  std::string file;  ///< Where it was read from, for messages.
+  int root_body = 0;
+  Bone root_bone = Bone::kHips;
+  double ground_height = 0.0;            ///< As in IkTables.
+  double human_height_assumption = 1.8;  ///< Metres.
+  BoneArray<double> scales{1.0};         ///< Of bones with tasks in use, and of the root bone.
+  std::array<Table, 2> tables;
+
+  /// The first task of a bone that has a weight, else the first one; null: none. Tables that are not
+  /// used count too.
+  [[nodiscard]] const MappedTask* find_task(Bone bone) const;
+  /// The body of that task; -1: none.
+  [[nodiscard]] int body_of(Bone bone) const;
+};
+
+/// Finds bodies and bones of a mapping and names every fault at once (kConfig): unknown bodies and
+/// bones (with the nearest name), bones without a scale, two bodies on one bone, a root that is not
+/// there, no task at all. Tables that are not used are not looked at; of their rows those count whose
+/// bone is known.
+[[nodiscard]] Result<ResolvedMapping> resolve_mapping(const IkTables& tables, const Robot& robot);
+/// Reads a mapping file for a robot; faults of the file and of its names are named together.
+[[nodiscard]] Result<ResolvedMapping> load_mapping(const std::string& path, const Robot& robot);
+
+/// Takes the tasks of these bones out of both tables: for bodies that lack an arm or a leg.
+/// @return how many tasks that were; kConfig error: nothing is left.
+[[nodiscard]] Result<int> leave_out_bones(ResolvedMapping& mapping, std::span<const Bone> bones);
+
+}  // namespace retarget

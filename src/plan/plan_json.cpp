@@ -1,0 +1,287 @@
+// A plan as JSON: what was decided, so that it may be looked at, changed and solved again.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/faults.h"
+#include "base/json.h"
+#include "base/try.h"
+#include "human/limb_directions.h"
+#include "options/fit_options.h"
+#include "options/options_json.h"
+#include "options/run_tables.h"
+#include "retarget/plan.h"
+#include "retarget/version.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<HeightScale, const char*>, 3> kScales = {
+    {{HeightScale::kPublished, "table"},
+     {HeightScale::kNormalised, "height"},
+     {HeightScale::kLimbs, "limbs"}}};
+
+template <typename Vector>
+Json numbers(const Vector& values) {
+  return Json(std::vector<double>(values.data(), values.data() + values.size()));
+}
+
+// of no bounds, which JSON has no number for, null
+Json bound_json(double bound) {
+  return std::isfinite(bound) ? Json(bound) : Json();
+}
+
+Json bones_json(const Plan& plan) {
+  Json json = Json::object();
+  const Skeleton& skeleton = plan.clip->skeleton();
+  const auto joint_json = [&](int joint) {
+    return joint < 0 ? Json() : Json(skeleton.joint(joint).name);
+  };
+  for (const Bone bone : kAllBones) {
+    const BoneSource& source = plan.human.calibration.mapping.bones[bone];
+    if (source.position_joint < 0 && plan.human.map.joint(bone) < 0) continue;
+    Json& row = json[std::string(bone_name(bone))];
+    // the number counts, the name is for people and held against it
+    row["joint"] = plan.human.map.joint(bone);
+    row["position_joint"] = source.position_joint;
+    row["rotation_joint"] = source.rotation_joint;
+    row["position_joint_name"] = joint_json(source.position_joint);
+    if (source.joint_from_bone)
+      row["joint_from_bone_xyzw"] = numbers(source.joint_from_bone->coeffs());
+    if (source.position_in_joint) row["position_in_joint"] = numbers(*source.position_in_joint);
+  }
+  return json;
+}
+
+Json human_json(const Plan& plan) {
+  const auto& [map, calibration] = plan.human;
+  const HumanMapping& mapping = calibration.mapping;
+  Json json;
+  json["description"] = mapping.description;
+  json["dialect"] = mapping.dialect;
+  json["recognised_by"] = map.dialect;
+  json["confidence"] = map.confidence;
+  json["partial"] = map.partial;
+  json["unit"] = calibration.unit;
+  json["metres_per_unit"] = mapping.metres_per_unit;
+  json["up"] = to_text(calibration.up);
+  json["forward"] = to_text(calibration.forward);
+  json["rest_pose"] = calibration.rest_pose;
+  json["rest_deviation_deg"] = calibration.rest_deviation;
+  json["height"] = mapping.height;
+  json["size"] = mapping.size;
+  json["human_from_source"] = numbers(mapping.human_from_source);
+  json["bones"] = bones_json(plan);
+  return json;
+}
+
+// reads members, each of which must be there; faults are collected
+class Reader {
+ public:
+  Reader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+
+  template <typename Value>
+  void take(const char* key, Value& value) {
+    const auto found = json_.find(key);
+    if (found == json_.end()) return fault(key, "is missing");
+    try {
+      value = found->get<Value>();
+    } catch (const Json::exception&) {
+      fault(key, "is of another kind");
+    }
+  }
+  // as many numbers as the vector has
+  template <typename Vector>
+  void take_numbers(const char* key, Vector&& vector) {
+    std::vector<double> values;
+    take(key, values);
+    if (values.size() != static_cast<std::size_t>(vector.size())) {
+      return fault(key, fmt::format("has not {} numbers", vector.size()));
+    }
+    std::ranges::copy(values, vector.data());
+  }
+  void take_axis(const char* key, SignedAxis& axis) {
+    std::string text;
+    take(key, text);
+    const bool sound = text.size() == 2 && text[1] >= 'x' && text[1] <= 'z';
+    if (!sound) return fault(key, "is no axis");
+    axis = {text[1] - 'x', text[0] == '-'};
+  }
+  void take_joint(const char* key, int joints, int& joint) {
+    take(key, joint);
+    if (joint < -1 || joint >= joints) fault(key, "is no joint of the clip");
+  }
+  void fault(const char* key, const std::string& what) {
+    faults_.add(fmt::format("\"{}\" {}", key, what));
+  }
+  [[nodiscard]] bool has(const char* key) const { return json_.contains(key); }
+
+ private:
+  const Json& json_;
+  Faults& faults_;
+};
+
+const Json& member(const Json& json, const char* key) {
+  static const Json kNone = Json::object();
+  const auto found = json.find(key);
+  return found != json.end() && found->is_object() ? *found : kNone;
+}
+
+void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, Faults& faults) {
+  for (const auto& [name, row] : json.items()) {
+    const auto bone = bone_from_name(name);
+    if (!bone || !row.is_object()) {
+      faults.add("there is no bone \"" + name + "\"" + faults.suggestion(name, bone_names()));
+      continue;
+    }
+    Reader reader(row, faults);
+    BoneSource& source = human.calibration.mapping.bones[*bone];
+    reader.take_joint("joint", skeleton.joint_count(), human.map.joint_of_bone[*bone]);
+    reader.take_joint("position_joint", skeleton.joint_count(), source.position_joint);
+    reader.take_joint("rotation_joint", skeleton.joint_count(), source.rotation_joint);
+    if (reader.has("joint_from_bone_xyzw")) {
+      reader.take_numbers("joint_from_bone_xyzw", source.joint_from_bone.emplace().coeffs());
+    }
+    if (reader.has("position_in_joint")) {
+      reader.take_numbers("position_in_joint", source.position_in_joint.emplace());
+    }
+    if (source.position_joint < 0 || source.position_joint >= skeleton.joint_count()) continue;
+    const std::string& joint = skeleton.joint(source.position_joint).name;
+    if (row.value("position_joint_name", Json(joint)) != Json(joint)) {
+      faults.add("\"" + name + "\": the clip's joint there is \"" + joint + "\"");
+    }
+  }
+}
+
+void read_human(const Json& json, Plan& plan, const Skeleton& skeleton, Faults& faults) {
+  auto& [map, calibration] = plan.human;
+  HumanMapping& mapping = calibration.mapping;
+  Reader reader(json, faults);
+  reader.take("description", mapping.description);
+  reader.take("dialect", mapping.dialect);
+  reader.take("recognised_by", map.dialect);
+  reader.take("confidence", map.confidence);
+  reader.take("partial", map.partial);
+  reader.take("unit", calibration.unit);
+  reader.take("metres_per_unit", mapping.metres_per_unit);
+  reader.take_axis("up", calibration.up);
+  reader.take_axis("forward", calibration.forward);
+  reader.take("rest_pose", calibration.rest_pose);
+  reader.take("rest_deviation_deg", calibration.rest_deviation);
+  reader.take("height", mapping.height);
+  reader.take("size", mapping.size);
+  reader.take_numbers("human_from_source", mapping.human_from_source);
+  read_bones(member(json, "bones"), skeleton, plan.human, faults);
+}
+
+void read_limits(const Json& json, const Robot& robot, LimitSet& limits, Faults& faults) {
+  Reader(json, faults).take("name", limits.name);
+  const Json& ranges = member(json, "ranges");
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const std::string& name = robot.joints()[i].name;
+    const auto range = ranges.find(name);
+    if (range == ranges.end() || !range->is_array() || range->size() != 2) {
+      faults.add("limits: no range of the joint \"" + name + "\"");
+      continue;
+    }
+    const auto bound = [&](const Json& value, double none) {
+      return value.is_number() ? value.get<double>() : none;
+    };
+    limits.lower[i] = bound((*range)[0], -HUGE_VAL);
+    limits.upper[i] = bound((*range)[1], HUGE_VAL);
+    if (!(limits.lower[i] <= limits.upper[i])) {
+      faults.add("limits: the range of \"" + name + "\" is upside down");
+    }
+  }
+}
+
+void read_decisions(const Json& json, Plan& plan, Faults& faults) {
+  Reader reader(json, faults);
+  std::array<int, 2> part{};
+  reader.take("part", part);
+  plan.part = {part[0], part[1]};
+  const bool inside = 0 <= part[0] && part[0] < part[1] && part[1] <= plan.clip->frame_count();
+  if (!inside) reader.fault("part", "is no part of the clip");
+  reader.take("lead_in_frames", plan.lead_in_frames);
+  std::array<std::int64_t, 2> rate{};
+  reader.take("rate", rate);
+  plan.rate = {rate[0], rate[1]};
+  const bool sound =
+      rate[0] > 0 && rate[1] > 0 && plan.rate == frame_rate_from_fps(plan.rate.fps());
+  if (!sound) reader.fault("rate", "is no rate in lowest terms");
+  std::string scale;
+  reader.take("scale", scale);
+  const auto known =
+      std::ranges::find_if(kScales, [&](const auto& s) { return s.second == scale; });
+  if (known == kScales.end()) return reader.fault("scale", "is none of table, height, limbs");
+  plan.scale = known->first;
+}
+
+}  // namespace
+
+std::string plan_json(const Plan& plan) {
+  Json json;
+  json["retarget"] = version_number();
+  Run run;
+  run.motion = plan.clip->name();
+  run.robot = plan.robot.choice;
+  run.options = plan.options;
+  json["run"] = options_json(run_table(run));
+  json["human"] = human_json(plan);
+  json["part"] = {plan.part.begin, plan.part.end};
+  json["lead_in_frames"] = plan.lead_in_frames;
+  json["rate"] = {plan.rate.frames, plan.rate.seconds};
+  for (const auto& [scale, name] : kScales) {
+    if (scale == plan.scale) json["scale"] = name;
+  }
+  json["mapping"] = plan.mapping.file;
+  Json& limits = json["limits"];
+  limits["name"] = plan.limits.name;
+  const auto& joints = plan.robot.robot->joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    limits["ranges"][joints[i].name] = {bound_json(plan.limits.lower[i]),
+                                        bound_json(plan.limits.upper[i])};
+  }
+  FitOptions fit = plan.fit;
+  json["fit"] = options_json(fit_table(fit));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
+  TRY_ASSIGN(const Json json, load_json(file));
+  if (!json.is_object()) return config_failure(file, "the file is no plan");
+  Plan plan;
+  Run run;
+  TRY(read_options(member(json, "run"), run_table(run), file, "the plan's run"));
+  plan.options = run.options;
+  TRY_ASSIGN(plan.robot, load_robot(run.robot, data_folder));
+  TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source));
+  Faults faults;
+  read_human(member(json, "human"), plan, clip.skeleton(), faults);
+  if (!faults.empty()) return faults.failure_in(file, "the plan");
+  // positions that rotations do not carry: as the plan's own clip was mended
+  BoneMap map = plan.human.map;
+  static_cast<void>(let_directions_win(clip, map));
+  plan.clip = std::make_shared<const Clip>(std::move(clip));
+  read_decisions(json, plan, faults);
+  plan.limits = plan.robot.robot->model_limits();
+  read_limits(member(json, "limits"), *plan.robot.robot, plan.limits, faults);
+  std::string mapping;
+  Reader(json, faults).take("mapping", mapping);
+  if (!faults.empty()) return faults.failure_in(file, "the plan");
+  TRY(read_options(member(json, "fit"), fit_table(plan.fit), file, "the plan's fit"));
+  TRY_ASSIGN(plan.mapping, load_mapping(mapping, *plan.robot.robot));
+  std::vector<Bone> missing;
+  for (const Bone bone : kAllBones) {
+    if (plan.human.calibration.mapping.bones[bone].position_joint < 0) missing.push_back(bone);
+  }
+  if (plan.human.map.partial) TRY(leave_out_bones(plan.mapping, missing));
+  return plan;
+}
+
+}  // namespace retarget
