@@ -38,20 +38,21 @@ Result<RobotSources> find_sources(const std::string& robot, const fs::path& data
   return with_mappings(files.model, files.profile, data_folder);
 }
 
-Result<std::string> list_or_show(const RobotsOptions& options) {
+Result<ExitCode> list_or_show(const RobotsOptions& options) {
   TRY_ASSIGN(const auto data_folder, data_folder_of(options.common));
   const TextForm form = options.json ? TextForm::kJson : TextForm::kPlain;
-  if (options.action == RobotsAction::kShow) {
-    TRY_ASSIGN(const auto robot, find_sources(options.robot, data_folder));
-    return describe_robot(robot, form);
-  }
+  const bool shows = options.action == RobotsAction::kShow;
   std::vector<RobotSources> robots;
-  for (const std::string& name : list_robots(data_folder / "robots")) {
+  for (const std::string& name :
+       shows ? std::vector{options.robot} : list_robots(data_folder / "robots")) {
     TRY_ASSIGN(auto robot, find_sources(name, data_folder));
     robot.name = name;
     robots.push_back(std::move(robot));
   }
-  return describe_robots(robots, form);
+  TRY_ASSIGN(const auto text,
+             shows ? describe_robot(robots.front(), form) : describe_robots(robots, form));
+  TRY(write_file("-", text));
+  return kDone;
 }
 
 // what is wrong, of a model file as well
@@ -94,18 +95,12 @@ Result<ExitCode> add(const RobotsOptions& options, Console& console) {
   return kDone;
 }
 
-Result<ExitCode> print(const RobotsOptions& options) {
-  TRY_ASSIGN(const auto text, list_or_show(options));
-  TRY(write_file("-", text));
-  return kDone;
-}
-
 }  // namespace
 
 ExitCode robots(const RobotsOptions& options, Console& console) {
   const auto done = options.action == RobotsAction::kAdd     ? add(options, console)
                     : options.action == RobotsAction::kCheck ? check(options)
-                                                             : print(options);
+                                                             : list_or_show(options);
   return done ? *done : console.fail(done.error());
 }
 
