@@ -85,10 +85,10 @@ std::string human_text(const Inspection& found) {
     start.resize(kTextColumn, ' ');
     return start + wrapped_text(text, kTextColumn, kTextColumn + 2) + "\n";
   };
-  if (found.map == nullptr)
-    return line("human",
-                "not understood: " + spell_options(full_message(*found.reason), found.spelling)) +
-           "\n";
+  if (found.map == nullptr) {
+    const std::string reason = spell_options(full_message(*found.reason), found.spelling);
+    return line("human", "not understood: " + reason) + "\n";
+  }
   const BoneMap& map = *found.map;
   const Calibration& calibration = *found.calibration;
   std::string text = line("human", calibration.mapping.description + "; " + map.dialect +

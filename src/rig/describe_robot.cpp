@@ -1,5 +1,7 @@
 #include "rig/describe_robot.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -39,29 +41,30 @@ std::string limbs_section(const RobotFindings& findings) {
   const RobotAnatomy& limbs = findings.limbs;
   std::string text =
       "## Limbs\n\n| part | bodies | bends at | lengths | how sure |\n|---|---|---|---|---|\n";
-  text += "| pelvis | " + body_name(findings, limbs.pelvis) + " | | | both legs hang from it |\n";
-  text += "| torso | " + body_name(findings, limbs.torso) +
-          (limbs.torso == limbs.pelvis ? " (the pelvis) | | | " : " | | | ") +
-          "both arms hang from it |\n";
+  text += fmt::format(
+      "| pelvis | {} | | | both legs hang from it |\n| torso | {}{} | | | both arms hang from it "
+      "|\n",
+      body_name(findings, limbs.pelvis), body_name(findings, limbs.torso),
+      limbs.torso == limbs.pelvis ? " (the pelvis)" : "");
   for (const bool is_leg : {true, false}) {
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = is_leg ? limbs.legs[side] : limbs.arms[side];
       const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
-      text += std::string("| ") + (side == 0 ? "left " : "right ") + (is_leg ? "leg" : "arm") +
-              " | " + chain_text(findings, limb) + " | " +
-              findings.robot.joints()[static_cast<std::size_t>(middle)].name + " | " +
-              metres(limb.upper_length) + ", " + metres(limb.lower_length) + " | " +
-              sureness(limb) + " |\n";
+      text += fmt::format("| {} {} | {} | {} | {}, {} | {} |\n", side == 0 ? "left" : "right",
+                          is_leg ? "leg" : "arm", chain_text(findings, limb),
+                          findings.robot.joints()[static_cast<std::size_t>(middle)].name,
+                          metres(limb.upper_length), metres(limb.lower_length), sureness(limb));
     }
   }
   if (limbs.head) text += "| head | " + body_name(findings, limbs.head->body) + " | | | |\n";
-  text +=
-      "\nBodies are named from the trunk outwards: the last one before the knee or elbow, the one "
-      "beyond it, foot or hand. The robot faces " +
-      number_text(rounded(limbs.forward.x(), 2)) + " " +
-      number_text(rounded(limbs.forward.y(), 2)) + " (x y) in its zero configuration" +
-      (limbs.facing_is_sure ? ".\n" : ", which is doubtful.\n");
-  return text;
+  return text + fmt::format(
+                    "\nBodies are named from the trunk outwards: the last one before the knee or "
+                    "elbow, the "
+                    "one beyond it, foot or hand. The robot faces {} {} (x y) in its zero "
+                    "configuration{}.\n",
+                    number_text(rounded(limbs.forward.x(), 2)),
+                    number_text(rounded(limbs.forward.y(), 2)),
+                    limbs.facing_is_sure ? "" : ", which is doubtful");
 }
 
 std::string t_pose_section(const RobotFindings& findings) {
@@ -69,8 +72,9 @@ std::string t_pose_section(const RobotFindings& findings) {
       "## T-pose\n\nThe pose is `t_pose` in robot.json. How far each bone stays off, degrees:\n\n"
       "| bone | body | direction | twist |\n|---|---|---|---|\n";
   for (const TPoseResidual& residual : findings.t_pose.residuals) {
-    text += "| " + residual.bone + " | " + body_name(findings, residual.body) + " | " +
-            degrees_text(residual.direction) + " | " + degrees_text(residual.twist) + " |\n";
+    text +=
+        fmt::format("| {} | {} | {} | {} |\n", residual.bone, body_name(findings, residual.body),
+                    degrees_text(residual.direction), degrees_text(residual.twist));
   }
   text +=
       "\nRotation offsets are those of an exact T-pose: where a limit keeps a limb from it, the "
@@ -81,20 +85,19 @@ std::string t_pose_section(const RobotFindings& findings) {
 std::string rest_section(const RobotFindings& findings) {
   const DerivedScales scales = derive_scales(findings.limbs);
   const auto count = [&](ShapeSource source) {
-    return std::to_string(std::ranges::count(findings.shapes.shapes, source, &RoughShape::source));
+    return std::ranges::count(findings.shapes.shapes, source, &RoughShape::source);
   };
-  std::string text = "## Scales\n\nLegs are " + number_text(rounded(scales.leg, 3)) +
-                     " of the human's, arms " + number_text(rounded(scales.arm, 3)) +
-                     ": a straight human leg is a straight robot leg, arms likewise.\n\n";
-  text += "## Soles, shapes, speeds\n\n* Soles: " + source_text(findings.shapes.sole_source) +
-          ". The ankles stand " + metres(findings.shapes.ankle_height) + " above them.\n";
-  text += "* Collision shapes: " + count(ShapeSource::kModel) + " of the model, " +
-          count(ShapeSource::kMesh) + " fitted to meshes, " + count(ShapeSource::kEstimated) +
-          " estimated. Neighbours in the tree may touch.\n";
-  text += "* Speed limits: " + std::to_string(findings.speed_count) + " of " +
-          std::to_string(findings.robot.joints().size()) + " joints from the model, else " +
-          number_text(kDefaultSpeedLimit) + " rad/s.\n";
-  return text;
+  return fmt::format(
+      "## Scales\n\nLegs are {} of the human's, arms {}: a straight human leg is a straight robot "
+      "leg, "
+      "arms likewise.\n\n## Soles, shapes, speeds\n\n* Soles: {}. The ankles stand {} above them.\n"
+      "* Collision shapes: {} of the model, {} fitted to meshes, {} estimated. Neighbours in the "
+      "tree "
+      "may touch.\n* Speed limits: {} of {} joints from the model, else {} rad/s.\n",
+      number_text(rounded(scales.leg, 3)), number_text(rounded(scales.arm, 3)),
+      source_text(findings.shapes.sole_source), metres(findings.shapes.ankle_height),
+      count(ShapeSource::kModel), count(ShapeSource::kMesh), count(ShapeSource::kEstimated),
+      findings.speed_count, findings.robot.joints().size(), number_text(kDefaultSpeedLimit));
 }
 
 }  // namespace
@@ -112,18 +115,19 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
       const Limb& limb = is_leg ? findings.limbs.legs[side] : findings.limbs.arms[side];
       if (limb.clarity >= kClear) continue;
       const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
-      notes.push_back(std::string("the ") + (side == 0 ? "left " : "right ") +
-                      (is_leg ? "knee" : "elbow") + " was taken to be \"" +
-                      findings.robot.joints()[static_cast<std::size_t>(middle)].name +
-                      "\"; another joint fits nearly as well");
+      notes.push_back(
+          fmt::format("the {} {} was taken to be \"{}\"; another joint fits nearly as well",
+                      side == 0 ? "left" : "right", is_leg ? "knee" : "elbow",
+                      findings.robot.joints()[static_cast<std::size_t>(middle)].name));
     }
   }
   for (const TPoseResidual& residual : findings.t_pose.residuals) {
     if (std::max(residual.direction, residual.twist) < kOff) continue;
-    notes.push_back("in the T-pose \"" + body_name(findings, residual.body) + "\" stays " +
-                    degrees_text(residual.direction) + " degrees off in direction and " +
-                    degrees_text(residual.twist) +
-                    " in twist: its limits or its build do not allow more");
+    notes.push_back(
+        fmt::format("in the T-pose \"{}\" stays {} degrees off in direction and {} in "
+                    "twist: its limits or its build do not allow more",
+                    body_name(findings, residual.body), degrees_text(residual.direction),
+                    degrees_text(residual.twist)));
   }
   if (findings.shapes.sole_source == ShapeSource::kEstimated) {
     notes.emplace_back("the soles are estimated: put the feet's outline into robot.json");
@@ -147,15 +151,16 @@ std::vector<std::string> summary_of(const RobotFindings& findings) {
           "left leg: " + chain_text(findings, limbs.legs[0]),
           "left arm: " + chain_text(findings, limbs.arms[0]),
           "T-pose: every bone within " + degrees_text(worst) + " degrees",
-          "scales: legs " + number_text(rounded(scales.leg, 3)) + ", arms " +
-              number_text(rounded(scales.arm, 3)) + " of a human's",
+          fmt::format("scales: legs {}, arms {} of a human's", number_text(rounded(scales.leg, 3)),
+                      number_text(rounded(scales.arm, 3))),
           "soles: " + source_text(findings.shapes.sole_source)};
 }
 
 std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {
-  std::string text = "# " + findings.robot.name() + "\n\nMade from " + findings.source + ": " +
-                     std::to_string(findings.robot.joints().size()) +
-                     " joints. What was decided, and how sure it is.\n\n## What to look at\n\n";
+  std::string text = fmt::format(
+      "# {}\n\nMade from {}: {} joints. What was decided, and how sure it is.\n\n## What to look "
+      "at\n\n",
+      findings.robot.name(), findings.source, findings.robot.joints().size());
   if (notes.empty()) text += "Nothing stands out.\n";
   for (const std::string& note : notes) text += "* " + note + "\n";
   return text + "\n" + limbs_section(findings) + "\n" + t_pose_section(findings) + "\n" +

@@ -7,9 +7,9 @@
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
-#include "plan/mapping_files.h"
 #include "retarget/rig.h"
 #include "robot/find_robot.h"
+#include "plan/mapping_files.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -27,8 +27,8 @@ RobotSources with_mappings(const fs::path& model, const fs::path& profile,
                            const std::string& data_folder) {
   const fs::path named = model.parent_path();
   const fs::path folder = named.empty() ? fs::path(".") : named;
-  const auto found = find_mappings({}, Method::kGmr, folder, data_folder,
-                                   fs::absolute(folder).filename().string());
+  const auto found =
+      find_mappings({}, Method::kGmr, folder, data_folder, fs::absolute(folder).filename().string());
   const MappingFiles mappings = found.value_or(MappingFiles{});
   return {{}, model.string(), profile.string(), mappings.of_lafan1, mappings.of_others};
 }
@@ -38,20 +38,21 @@ Result<RobotSources> find_sources(const std::string& robot, const std::string& d
   return with_mappings(files.model, files.profile, data_folder);
 }
 
-Result<std::string> list_or_show(const RobotsArguments& arguments) {
+Result<ExitCode> list_or_show(const RobotsArguments& arguments) {
   TRY_ASSIGN(const auto data_folder, data_folder_of(arguments.common));
   const TextForm form = arguments.json ? TextForm::kJson : TextForm::kPlain;
-  if (arguments.action == RobotsAction::kShow) {
-    TRY_ASSIGN(const auto robot, find_sources(arguments.robot, data_folder));
-    return describe_robot(robot, form);
-  }
+  const bool shows = arguments.action == RobotsAction::kShow;
   std::vector<RobotSources> robots;
-  for (const std::string& name : list_robots(fs::path(data_folder) / "robots")) {
+  for (const std::string& name :
+       shows ? std::vector{arguments.robot} : list_robots(fs::path(data_folder) / "robots")) {
     TRY_ASSIGN(auto robot, find_sources(name, data_folder));
     robot.name = name;
     robots.push_back(std::move(robot));
   }
-  return describe_robots(robots, form);
+  TRY_ASSIGN(const auto text,
+             shows ? describe_robot(robots.front(), form) : describe_robots(robots, form));
+  TRY(write_file("-", text));
+  return kDone;
 }
 
 // what is wrong, of a model file as well
@@ -75,8 +76,8 @@ Result<ExitCode> check(const RobotsArguments& arguments) {
   }
   const auto faults = std::ranges::count(findings, true, &RobotFinding::fault);
   const auto notes = static_cast<long>(findings.size()) - faults;
-  text += arguments.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") +
-          "\n";
+  text +=
+      arguments.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") + "\n";
   TRY(write_file("-", printable(text)));
   return faults > 0 ? kBadConfig : kDone;
 }
@@ -94,18 +95,12 @@ Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
   return kDone;
 }
 
-Result<ExitCode> print(const RobotsArguments& arguments) {
-  TRY_ASSIGN(const auto text, list_or_show(arguments));
-  TRY(write_file("-", text));
-  return kDone;
-}
-
 }  // namespace
 
 ExitCode robots(const RobotsArguments& arguments, Console& console) {
   const auto done = arguments.action == RobotsAction::kAdd     ? add(arguments, console)
                     : arguments.action == RobotsAction::kCheck ? check(arguments)
-                                                               : print(arguments);
+                                                             : list_or_show(arguments);
   return done ? *done : console.fail(done.error());
 }
 
