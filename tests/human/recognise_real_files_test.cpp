@@ -148,7 +148,9 @@ TEST_F(RealFiles, AHeadsetWithoutArmsNeedsConsent) {
   EXPECT_EQ(map->joint(Bone::kLeftArm), -1);
   // the tree runs against the body: what turns the chest is the neck's rotation
   const auto turned_by = [&](const char* bone) {
-    return clip.skeleton().joint(rotation_joint(*map, clip.skeleton(), bone)).name;
+    return clip.skeleton()
+        .joint(rotation_joint(*map, clip.skeleton(), bone_from_name(bone).value()))
+        .name;
   };
   EXPECT_EQ(turned_by("Spine2"), "Neck");
   EXPECT_EQ(turned_by("Hips"), "Hip");
