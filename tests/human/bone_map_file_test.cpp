@@ -79,11 +79,11 @@ HMD 0 0 0
   map.joint_of_bone[Bone::kSpine2] = 2;
   map.joint_of_bone[Bone::kHead] = 0;
   map.joint_of_bone[Bone::kLeftUpLeg] = 4;
-  EXPECT_EQ(rotation_joint(map, skeleton, "Hips"), 3);
-  EXPECT_EQ(rotation_joint(map, skeleton, "Spine2"), 1);
-  EXPECT_EQ(rotation_joint(map, skeleton, "Head"), 0);
-  EXPECT_EQ(rotation_joint(map, skeleton, "LeftUpLeg"), 4);
-  EXPECT_EQ(rotation_joint(map, skeleton, "Neck"), -1);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kHips), 3);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kSpine2), 1);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kHead), 0);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kLeftUpLeg), 4);
+  EXPECT_EQ(rotation_joint(map, skeleton, Bone::kNeck), -1);
 }
 
 }  // namespace

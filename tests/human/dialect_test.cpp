@@ -23,8 +23,8 @@ TEST(Dialect, ReadsWhatAFileSays) {
                                      "kind", "kind.json");
   ASSERT_TRUE(dialect) << describe(dialect.error());
   EXPECT_EQ(dialect->name, "kind");
-  EXPECT_EQ(dialect->names[0], std::vector<std::string>{"Pelvis"});
-  EXPECT_EQ(dialect->names[4], (std::vector<std::string>{"LToe", "LBall"}));
+  EXPECT_EQ(dialect->names[Bone::kHips], std::vector<std::string>{"Pelvis"});
+  EXPECT_EQ(dialect->names[Bone::kLeftToe], (std::vector<std::string>{"LToe", "LBall"}));
   EXPECT_EQ(dialect->directions[0].second, Eigen::Vector3d(0, 0, 1));
   EXPECT_EQ(dialect->facts.height, 1.7);
   EXPECT_EQ(dialect->facts.metres_per_unit, 0.0254);
@@ -145,8 +145,8 @@ TEST(Dialect, BodiesOfAllKindsMayLackLegs) {
         continue;
       }
       EXPECT_TRUE(map->partial);
-      EXPECT_EQ(joint_name(*map, part, "Hips"), dialect.names[0][0]);
-      EXPECT_EQ(map->joint("LeftUpLeg"), -1);
+      EXPECT_EQ(joint_name(*map, part, "Hips"), dialect.names[Bone::kHips][0]);
+      EXPECT_EQ(map->joint(Bone::kLeftUpLeg), -1);
     }
   }
 }

@@ -55,7 +55,7 @@ TEST(LimbSearch, TwinsOfABoneThatABodyDoesWithoutAreChosenFrom) {
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_EQ(map->dialect, "names");
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "Head"}) {
-    EXPECT_GE(map->joint(bone), 0) << bone;
+    EXPECT_GE(map->joint(bone_from_name(bone).value()), 0) << bone;
     EXPECT_THAT(map->notes, Contains(HasSubstr("may each be the " + std::string(bone)))) << bone;
   }
   EXPECT_EQ(joint_name(*map, skeleton, "LeftToe").substr(4),
@@ -88,8 +88,8 @@ TEST(LimbSearch, AToeWhoseNameTwoJointsHaveIsLeftOut) {
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
     const auto map = recognise_skeleton(tiny_skeleton(body), dialects, "clip.bvh");
     ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->joint("LeftToe"), -1);
-    EXPECT_GE(map->joint("RightToe"), 0);
+    EXPECT_EQ(map->joint(Bone::kLeftToe), -1);
+    EXPECT_GE(map->joint(Bone::kRightToe), 0);
     EXPECT_THAT(map->notes, Contains(HasSubstr("2 joints are called \"LeftToeBase\"")));
   }
 }
@@ -192,7 +192,7 @@ void expect_no_arm(const std::string& body, const std::string& missing, const st
     for (const std::string part : {"Shoulder", "Arm"}) {
       EXPECT_EQ(joint_name(*map, skeleton, (side + part).c_str()), side + part);
     }
-    EXPECT_EQ(map->joint(side + "ForeArm"), -1);
+    EXPECT_EQ(map->joint(bone_from_name(side + "ForeArm").value()), -1);
   }
 }
 
