@@ -7,9 +7,9 @@
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
+#include "plan/mapping_files.h"
 #include "retarget/rig.h"
 #include "robot/find_robot.h"
-#include "plan/mapping_files.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -27,8 +27,8 @@ RobotSources with_mappings(const fs::path& model, const fs::path& profile,
                            const std::string& data_folder) {
   const fs::path named = model.parent_path();
   const fs::path folder = named.empty() ? fs::path(".") : named;
-  const auto found =
-      find_mappings({}, Method::kGmr, folder, data_folder, fs::absolute(folder).filename().string());
+  const auto found = find_mappings({}, Method::kGmr, folder, data_folder,
+                                   fs::absolute(folder).filename().string());
   const MappingFiles mappings = found.value_or(MappingFiles{});
   return {{}, model.string(), profile.string(), mappings.of_lafan1, mappings.of_others};
 }
@@ -76,8 +76,8 @@ Result<ExitCode> check(const RobotsArguments& arguments) {
   }
   const auto faults = std::ranges::count(findings, true, &RobotFinding::fault);
   const auto notes = static_cast<long>(findings.size()) - faults;
-  text +=
-      arguments.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") + "\n";
+  text += arguments.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") +
+          "\n";
   TRY(write_file("-", printable(text)));
   return faults > 0 ? kBadConfig : kDone;
 }
@@ -100,7 +100,7 @@ Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
 ExitCode robots(const RobotsArguments& arguments, Console& console) {
   const auto done = arguments.action == RobotsAction::kAdd     ? add(arguments, console)
                     : arguments.action == RobotsAction::kCheck ? check(arguments)
-                                                             : list_or_show(arguments);
+                                                               : list_or_show(arguments);
   return done ? *done : console.fail(done.error());
 }
 
