@@ -51,7 +51,7 @@ TEST(BoneMapFile, FaultsAreNamedTogether) {
        {"no joint \"Hipz\" (did you mean \"Hips\"?)", "no bone \"LeftUpleg\" (did you mean",
         "\"Spine\" stands for two bones", "2 joints are called \"LeftToeBase\"",
         "\"Head\" must be the name of a joint or null"}) {
-    EXPECT_THAT(read.error().message, HasSubstr(part));
+    EXPECT_THAT(full_message(read.error()), HasSubstr(part));
   }
 }
 

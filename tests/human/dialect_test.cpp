@@ -43,7 +43,7 @@ TEST(Dialect, NamesEveryFault) {
   for (const char* part :
        {"did you mean \"LeftUpLeg\"", "did you mean \"required\"", "\"height_m\" must be",
         "\"up\" must be", "did you mean \"zero\"", "\"joints\", \"Hips\" must be"}) {
-    EXPECT_THAT(dialect.error().message, HasSubstr(part));
+    EXPECT_THAT(full_message(dialect.error()), HasSubstr(part));
   }
   EXPECT_FALSE(parse_dialect("[]", "kind", "kind.json"));
   EXPECT_THAT(parse_dialect("{}", "kind", "kind.json").error().message, HasSubstr("\"joints\""));

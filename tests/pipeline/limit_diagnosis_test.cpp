@@ -186,6 +186,7 @@ TEST(JointsAtLimits, SayWhichLimitSetIsWiderAtThatSide) {
   scene.clip = RobotClip(g1, {30, 1}, 1);
   scene.tables = tables_of({task_row("left_elbow_link", "LeftForeArm", 0, 1),
                             task_row("right_elbow_link", "RightArm", 0, 1)});
+  scene.tables.robot_root = "pelvis";
   scene.tables.tables[0].rows.clear();  // there is no such body
   const LimitSet gmr = load_limits(*g1, "gmr").value();
   set_joint(scene, 0, "left_elbow_joint", 1.7);
