@@ -10,17 +10,16 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/ground_path.h"
+#include "retarget/human.h"
 
 // What `retarget edit` does: clips in, clips out (docs/editing.md). Defaults are the command's.
 //
 // Most edits look at the human in a clip and take its mapping, as recognition and calibration found
 // it in the whole clip. Errors of a single clip name no file: the caller knows which it is.
 
-namespace retarget {
-
-struct BoneMap;
-struct HumanMapping;
+namespace RETARGET_API retarget {
 
 /// A line of what an edit has to tell: a short label (none: it belongs to the line before) and text.
 struct EditNote {

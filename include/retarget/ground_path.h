@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/export.h"
 #include "retarget/pose.h"
 
-namespace retarget {
+namespace RETARGET_API retarget {
 
 /// A place on the ground and a heading, or the rigid motion over the ground that leads from the
 /// origin there: p goes to Rz(heading) p + position. In the canonical human's world (metres, x and

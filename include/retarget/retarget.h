@@ -16,6 +16,5 @@
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
-#include "retarget/save.h"
 #include "retarget/solve.h"
 #include "retarget/version.h"

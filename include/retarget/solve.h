@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "retarget/error.h"
 #include "retarget/export.h"
@@ -54,5 +55,15 @@ struct Motion {
 /// The figures of a motion as it is written with so many digits, held against the default gates of
 /// the data folder (docs/quality.md).
 [[nodiscard]] Result<QualityReport> evaluate(const Motion& motion);
+
+/// Writes a motion: in the format that the file's ending or the options name, in several formats to
+/// files named after it. Each file appears whole or not at all.
+/// Errors: of kUsage, an ending that says no format or another one; of kRun, what cannot be written.
+/// @param output  `-` writes standard output.
+/// @param options  without, those that the motion's plan was made with.
+[[nodiscard]] Result<void> save(const Motion& motion, const std::string& output,
+                                const std::optional<SaveOptions>& options = std::nullopt);
+[[nodiscard]] Result<void> save(const RobotClip& clip, const std::string& output,
+                                const SaveOptions& options = {});
 
 }  // namespace retarget

@@ -50,10 +50,9 @@ Result<void> check_robot_choice(const RobotChoice& robot) {
 
 Result<void> check_mapping_choice(const RobotChoice& robot, const SolveOptions& options) {
   if (robot.model.empty() || !options.ik_config.empty()) return {};
-  return usage_failure(OPTION("robot-xml") " comes without a mapping",
-                       "add " OPTION("ik-config")
-                       " FILE, or make a robot of the model: retarget robots add NAME "
-                       "--model FILE");
+  return usage_failure(
+      OPTION("robot-xml") " comes without a mapping",
+      "add " OPTION("ik-config") " FILE, or make a robot of the model: retarget robots add");
 }
 
 Result<void> check_solving_options(const Options& options) {

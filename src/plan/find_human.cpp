@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "bvh/read_bvh.h"
 #include "human/bone_map_file.h"
+#include "human/calibrate.h"
 #include "human/limb_directions.h"
 #include "human/recognise.h"
 #include "options/run_tables.h"

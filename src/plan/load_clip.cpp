@@ -6,6 +6,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "bvh/read_bvh.h"
+#include "motion/clip_size.h"
 #include "plan/memory.h"
 #include "retarget/load.h"
 #include "smpl/read_smpl.h"
@@ -55,22 +56,19 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
     return input_failure(file, "expected a motion file, found a directory",
-                         "retarget batch " + file + " -o OUT --robot NAME takes a folder of clips");
+                         "retarget batch " + file + " takes a folder of clips");
   }
-  auto bytes = read_file(file, ErrorKind::kInput, memory_share(options.memory_gb));
-  if (!bytes) {
-    add_memory_hint(bytes.error());
-    return failure(std::move(bytes).error());
-  }
+  TRY_ASSIGN(const auto bytes,
+             read_file(file, ErrorKind::kInput, memory_share(options.memory_gb), kLargeFileHint));
   // archives hold NPZ, and no BVH file begins like one
-  const bool is_smpl = options.smpl || bytes->view().starts_with("PK\x03\x04");
-  if (is_smpl) return load_smpl_clip(bytes->view(), name, options);
+  const bool is_smpl = options.smpl || bytes.view().starts_with("PK\x03\x04");
+  if (is_smpl) return load_smpl_clip(bytes.view(), name, options);
   if (!options.smpl_model.empty()) {
     return usage_failure(
         OPTION("smpl-model") " is a body of SMPL motions, and \"" + name + "\" is none",
         "leave it out");
   }
-  return load_bvh_clip(bytes->view(), name, options, skeleton_only);
+  return load_bvh_clip(bytes.view(), name, options, skeleton_only);
 }
 
 }  // namespace

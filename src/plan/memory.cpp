@@ -45,11 +45,6 @@ std::size_t memory_share(double memory_gb) {
   return bound == 0 ? std::numeric_limits<std::size_t>::max() : bound / kShares;
 }
 
-void add_memory_hint(Error& error) {
-  const bool too_large = error.message.starts_with("expected at most ") && error.hint.empty();
-  if (too_large) error.hint = OPTION("memory") " gives more; or split the motion";
-}
-
 Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOptions& save) {
   const std::uint64_t made = need.is_solved ? kBytesOfFrame : kBytesOfReadFrame;
   const bool pickled = makes(save, MotionFormat::kPklGmr, MotionFormat::kPklPbhc);

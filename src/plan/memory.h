@@ -18,9 +18,6 @@ namespace retarget {
 /// is known.
 [[nodiscard]] std::size_t memory_share(double memory_gb);
 
-/// Where a file was larger than its part: how it may have more.
-void add_memory_hint(Error& error);
-
 /// A robot's motion that is to be made, and of what.
 struct MotionNeed {
   std::int64_t frames = 0;

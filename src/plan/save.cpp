@@ -1,4 +1,4 @@
-#include "retarget/save.h"
+#include "retarget/solve.h"
 
 #include <vector>
 

@@ -12,7 +12,7 @@ MAY_INCLUDE = {
     "base": [],
     "options": ["base"],
     "math": ["base"],
-    "motion": ["math"],
+    "motion": ["math", "options"],
     "bvh": ["motion"],
     "smpl": ["motion"],
     "human": ["bvh", "smpl"],
@@ -162,7 +162,7 @@ class IncludeDirections(unittest.TestCase):
 
 class TheChecksThemselves(unittest.TestCase):
     def test_allowed_reaches_through(self):
-        self.assertEqual(allowed("motion"), {"motion", "math", "base"})
+        self.assertEqual(allowed("motion"), {"motion", "math", "options", "base"})
         self.assertIn("base", allowed("view"))
         self.assertNotIn("io", allowed("pipeline"))
 
