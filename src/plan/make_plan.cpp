@@ -6,6 +6,7 @@
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
 #include "pipeline/limb_lengths.h"

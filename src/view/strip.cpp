@@ -86,7 +86,7 @@ std::string draw_strip(const RobotClip& motion, const HumanClip* human,
       continue;
     }
     humans.add(
-        placed(human_figure(*human, frame, camera), camera, human->frame(frame)[0].translation));
+        placed(human_figure(*human, frame, camera), camera, human->frame(frame)[Bone::kHips].translation));
   }
 
   const double scale = kRowHeight / std::max({robots.height(), humans.height(), 1e-3});

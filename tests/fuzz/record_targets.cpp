@@ -1,11 +1,11 @@
-// Any bytes as what the tool wrote of a run: a line of a manifest, a sidecar.
+// Any bytes as what was written of a run: a line of a manifest, a sidecar.
 
 #include <string_view>
 
 #include "base/plain_name.h"
 #include "batch/manifest.h"
 #include "fuzz/fuzz_target.h"
-#include "tools/retarget/read_sidecar.h"
+#include "run/sidecar.h"
 
 namespace retarget::fuzz {
 
@@ -16,7 +16,7 @@ void fuzz_manifest(std::string_view bytes) {
 }
 
 void fuzz_sidecar(std::string_view bytes) {
-  const auto sidecar = cli::read_sidecar(bytes, "fuzz.csv.json");
+  const auto sidecar = read_sidecar(bytes, "fuzz.csv.json");
   if (!good(sidecar)) return;
   require(is_plain_name(sidecar->output), "outputs lie beside their sidecar");
 }

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 // a run's table, and one option more that nothing else knows
 struct Extended {
-  Run run;
+  retarget::Run run;
   double depth = 1.5;
   OptionTable table = run_table(run);
 
@@ -52,7 +52,7 @@ TEST(OptionTable, ARowAloneIsSuggestedAndChecked) {
 }
 
 TEST(OptionTable, RunsComeBackAsTheyWere) {
-  Run run;
+  retarget::Run run;
   run.motion = "a \xff.bvh";  // bytes that are no UTF-8
   run.robot.name = "unitree_g1";
   run.options.human.up = SignedAxis{2, true};
@@ -63,7 +63,7 @@ TEST(OptionTable, RunsComeBackAsTheyWere) {
   run.options.part.start_s = 0.25;
   run.options.solve.without = {"floor"};
   const Json json = options_json(run_table(run));
-  Run back;
+  retarget::Run back;
   ASSERT_TRUE(read_options(json, run_table(back), "a", "the options"));
   EXPECT_EQ(back.motion, run.motion);
   EXPECT_EQ(back.options.human.up, run.options.human.up);
@@ -72,13 +72,13 @@ TEST(OptionTable, RunsComeBackAsTheyWere) {
 }
 
 TEST(OptionTable, DefaultsComeBackThoughTheyAreOutOfRange) {
-  Run run;
-  Run back;
+  retarget::Run run;
+  retarget::Run back;
   EXPECT_TRUE(read_options(options_json(run_table(run)), run_table(back), "a", "the options"));
 }
 
 TEST(OptionTable, EveryFaultIsNamed) {
-  Run run;
+  retarget::Run run;
   const auto read = read_options(Json{{"method", "fitt"},
                                       {"precision", 18},
                                       {"lenient", 1},
@@ -100,7 +100,7 @@ TEST(OptionTable, EveryFaultIsNamed) {
 }
 
 TEST(OptionTable, ValuesAreReadFromText) {
-  Run run;
+  retarget::Run run;
   const OptionTable table = run_table(run);
   const auto value = [&](const char* name, const char* text) {
     return option_value(*find_option(table, name), text);
@@ -122,7 +122,7 @@ TEST(OptionTable, ValuesAreReadFromText) {
 }
 
 TEST(OptionTable, NamesAreUnique) {
-  Run run;
+  retarget::Run run;
   const std::vector<std::string> names = option_names(run_table(run));
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
   FitOptions fit;
@@ -131,7 +131,7 @@ TEST(OptionTable, NamesAreUnique) {
 }
 
 TEST(OptionTable, EveryRowSaysWhatItIs) {
-  Run run;
+  retarget::Run run;
   FitOptions fit;
   OptionTable table = run_table(run);
   append(table, fit_table(fit));

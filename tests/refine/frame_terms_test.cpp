@@ -2,6 +2,7 @@
 // finite differences of their costs, on the G1 in random configurations.
 
 #include "refine/frame_terms.h"
+#include "options/fit_options.h"
 
 #include <gtest/gtest.h>
 

@@ -51,15 +51,11 @@ RobotClip clip_of(const char* mjcf, int frames) {
 HumanClip standing_human(int frames) {
   HumanClip human;
   human.frame_count = frames;
-  human.sources.assign(kBoneCount, {});
-  human.world_from_bone.resize(static_cast<std::size_t>(frames) * kBoneCount);
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
   const auto put = [&](std::string_view name, const Eigen::Vector3d& place) {
-    const int bone = find_bone(name).value();
+    const Bone bone = bone_from_name(name).value();
     human.sources[bone] = name;
-    for (int frame = 0; frame < frames; ++frame) {
-      human.world_from_bone[static_cast<std::size_t>(frame) * kBoneCount + bone].translation =
-          place;
-    }
+    for (HumanPose& frame : human.world_from_bone) frame[bone].translation = place;
   };
   put("Hips", {5.0, 3.0, 1.0});
   put("LeftUpLeg", {5.0, 3.1, 1.0});
