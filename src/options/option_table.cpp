@@ -97,7 +97,8 @@ Result<OptionValue> option_value(const Option& row, const std::string& text) {
     value = std::vector<std::string>{text};
   }
   if (!value) return unexpected(row, text);
-  TRY(check_option(row, *value));
+  // what was found is told as it was written
+  if (!check_option(row, *value)) return unexpected(row, text);
   return *value;
 }
 

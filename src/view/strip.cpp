@@ -85,8 +85,8 @@ std::string draw_strip(const RobotClip& motion, const HumanClip* human,
       humans.add({});
       continue;
     }
-    humans.add(
-        placed(human_figure(*human, frame, camera), camera, human->frame(frame)[Bone::kHips].translation));
+    humans.add(placed(human_figure(*human, frame, camera), camera,
+                      human->frame(frame)[Bone::kHips].translation));
   }
 
   const double scale = kRowHeight / std::max({robots.height(), humans.height(), 1e-3});

@@ -302,13 +302,13 @@ class EditedSidecars(ToolTest):
     def test_options_are_held_to_the_command_lines_rules(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:3", "--sidecar"))
         text = (self.folder / "out.csv.json").read_text()
-        for name, value, words in (("precision", 2_000_000_000, "--precision"),
-                                   ("precision", -1, "--precision"), ("precision", 1e300, ""),
-                                   ("precision", 6.5, "--precision"), ("method", "magic", "--method"),
-                                   ("csv-delimiter", "pipe", "--csv-delimiter"),
-                                   ("npz-fps", 0, "--npz-fps"), ("start", -7.0, "--start"),
-                                   ("height", 1e9, "--height"), ("format", ["tape"], "--format"),
-                                   ("source-fps", -3.0, "--source-fps"), ("start", 1.0, "--frames"),
+        for name, value, words in (("precision", 2_000_000_000, '"precision"'),
+                                   ("precision", -1, '"precision"'), ("precision", 1e300, ""),
+                                   ("precision", 6.5, '"precision"'), ("method", "magic", '"method"'),
+                                   ("csv-delimiter", "pipe", '"csv-delimiter"'),
+                                   ("npz-fps", 0, '"npz-fps"'), ("start", -7.0, '"start"'),
+                                   ("height", 1e9, '"height"'), ("format", ["tape"], '"format"'),
+                                   ("source-fps", -3.0, '"source-fps"'), ("start", 1.0, "--frames"),
                                    ("robot-xml", "r.xml", "--robot-xml"), ("lenient", 1, "lenient")):
             edited = json.loads(text)
             edited["options"][name] = value

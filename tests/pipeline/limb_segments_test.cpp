@@ -115,12 +115,12 @@ class LimbSegments : public ::testing::Test {
     if (!shared) GTEST_SKIP() << kNoSharedFolder;
     data_ = *shared / "data";
     const fs::path source(RETARGET_SOURCE_DIR);
+    robot_ = load_g1();
     dialects_ = load_dialects(source / "configs" / "skeletons").value();
     published_ =
         load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot_).value();
     derived_ =
         load_mapping((source / "robots" / "unitree_g1" / "ik.json").string(), *robot_).value();
-    robot_ = load_g1();
   }
 
   Result<Outcome> run(const fs::path& file) {
