@@ -1,5 +1,7 @@
 """How commands are called: words without options, short names, mistakes and what is said of them."""
 
+import shutil
+import subprocess
 import unittest
 
 from tool import SOURCE, ToolTest, sample, short_clip
@@ -83,6 +85,59 @@ class Mistakes(ToolTest):
         self.assertEqual(self.run_tool("help").stdout, self.run_tool("--help").stdout)
         self.assertIn("  help ", self.run_tool("--help").stdout)
         self.assert_fails(self.run_tool("help", "walk"), 2, '"walk"')
+
+    def test_help_fits_a_screen_and_all_of_it_is_to_be_had(self):
+        for command in ((), *((name,) for name in COMMANDS), ("edit", "path")):
+            short = self.run_tool(*command, "--help").stdout
+            self.assertLessEqual(len(short.splitlines()), 60, command)
+            whole = self.run_tool(*command, "--help-all").stdout
+            self.assertIn("--quiet" if command not in (("edit",), ("robots",)) else "--help", whole)
+            for line in whole.splitlines():
+                self.assertLessEqual(len(line), 80, line)
+        self.assertIn("--tpose-file", self.run_tool("--help-all").stdout)
+        self.assertIn("Examples:", self.run_tool("batch", "--help").stdout)
+        self.assertIn("Examples:", self.run_tool("--help").stdout)
+
+    def test_the_page_of_options_is_that_of_this_tool(self):
+        made = self.run_tool("generate", "options")
+        self.assert_done(made)
+        page = (SOURCE / "docs" / "options.md").read_text()
+        self.assertEqual(made.stdout, page, "retarget generate options > docs/options.md")
+
+    def test_scripts_of_shells_are_sound(self):
+        for shell in ("bash", "zsh", "fish"):
+            script = self.run_tool("generate", shell)
+            self.assert_done(script)
+            for word in ("--tpose-file" if shell == "bash" else "tpose-file", "fit gmr", "batch"):
+                self.assertIn(word, script.stdout)
+            program = shutil.which(shell)
+            if program is None:
+                continue
+            checked = subprocess.run([program, "-n"], input=script.stdout, text=True,
+                                     capture_output=True, timeout=60)
+            self.assertEqual((checked.returncode, checked.stderr), (0, ""), shell)
+        page = self.run_tool("generate", "man")
+        self.assertIn(".SH EXIT STATUS", page.stdout)
+
+    def test_bash_completes(self):
+        bash = shutil.which("bash")
+        if bash is None:
+            self.skipTest("bash is not there")
+        self.write("complete.sh", self.run_tool("generate", "bash").stdout)
+
+        def completed(*words):
+            asked = " ".join(f"'{word}'" for word in ("retarget", *words))
+            line = (f". ./complete.sh; COMP_WORDS=({asked}); COMP_CWORD={len(words)}; _retarget; "
+                    'printf "%s\\n" "${COMPREPLY[@]}"')
+            return subprocess.run([bash, "-c", line], cwd=self.folder, text=True, timeout=60,
+                                  capture_output=True).stdout.split()
+
+        self.assertEqual(completed("--method", ""), ["fit", "gmr"])
+        self.assertEqual(completed("--tpose-fr"), ["--tpose-frame"])
+        self.assertIn("--clip-timeout", completed("batch", "--cl"))
+        self.assertIn("concat", completed("edit", "conc"))
+        self.assertIn("--search", completed("edit", "concat", "--sea"))
+        self.assertIn("complete.sh", completed("--map", "comp"))
 
     def test_hints_name_the_help_of_the_command(self):
         for words in (("evaluate", "x.csv", "--no-such"), ("evaluate", "x.csv", "--fps"),

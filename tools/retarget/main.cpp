@@ -51,14 +51,16 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kExamples = {{
     {"view", "  retarget view walk.csv --robot g1 --bvh walk.bvh -o walk.svg"},
 }};
 
-void add_help(CLI::App& app) {
+void add_help_all(CLI::App& app) {
   app.set_help_all_flag("--help-all", "Show all options")->group(kGeneralGroup);
+  app.get_help_ptr()->group(kGeneralGroup);
+  for (CLI::App* command : app.get_subcommands({})) add_help_all(*command);
+}
+
+void add_help(CLI::App& app) {
+  add_help_all(app);
   for (const auto& [name, examples] : kExamples) {
     app.get_subcommand(name)->footer(std::string("Examples:\n") + examples);
-  }
-  for (CLI::App* command : app.get_subcommands({})) {
-    command->set_help_all_flag("--help-all", "Show all options")->group(kGeneralGroup);
-    command->get_help_ptr()->group(kGeneralGroup);
   }
 }
 
