@@ -1,6 +1,6 @@
 #include <array>
 #include <memory>
-#include <ranges>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -91,7 +91,7 @@ Result<Clip> lafan1_clip(const Clip& source, const HumanMapping& mapping) {
   BoneArray<Eigen::Vector3d> offsets{Eigen::Vector3d(Eigen::Vector3d::Zero())};
   for (int frame = 0; frame < human.frame_count; ++frame) {
     const HumanPose bones = whole_body(human, frame);
-    for (const Bone bone : kMappedBones | std::views::drop(1)) {
+    for (const Bone bone : std::span(kMappedBones).subspan<1>()) {
       const Pose& parent = bones[parent_of(bone)];
       offsets[bone] += parent.rotation.conjugate() *
                        (bones[bone].translation - parent.translation) * (scale / human.frame_count);

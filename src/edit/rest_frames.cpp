@@ -2,7 +2,6 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
-#include <ranges>
 
 #include "human/bone_map.h"
 #include "human/canonical_pose.h"
@@ -58,7 +57,8 @@ constexpr double kNoLength = 1e-12;
 std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
                                                  const HumanMapping& mapping) {
   std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(skeleton.joint_count()));
-  for (const Bone bone : kMappedBones | std::views::reverse) {
+  for (auto at = kMappedBones.rbegin(); at != kMappedBones.rend(); ++at) {
+    const Bone bone = *at;
     const int joint = mapping.bones[bone].rotation_joint;
     if (joint >= 0) bones[joint] = bone;
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <ranges>
 #include <string>
 #include <utility>
 
@@ -56,7 +55,8 @@ std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
                                                  const TransferTarget& target) {
   std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(target.skeleton->joint_count()));
   // of bones that one joint turns the one nearest to the hips: the others hang from it
-  for (const Bone bone : kMappedBones | std::views::reverse) {
+  for (auto at = kMappedBones.rbegin(); at != kMappedBones.rend(); ++at) {
+    const Bone bone = *at;
     const BoneSource &from = source.bones[bone], &to = target.mapping.bones[bone];
     if (from.position_joint < 0 || from.rotation_joint < 0 || to.rotation_joint < 0) continue;
     // a bone without a joint of its own is turned as its neighbour
