@@ -6,6 +6,8 @@
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
 #   share/retarget/                robots/ and configs/
+#   share/doc/retarget/            the docs that help and messages name
+#   share/man, bash-completion, zsh, fish   made by the tool
 
 include(CMakePackageConfigHelpers)
 set(retarget_package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/retarget)
@@ -18,7 +20,8 @@ install(TARGETS ${retarget_exported} EXPORT retargetTargets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(EXPORT retargetTargets NAMESPACE retarget:: DESTINATION ${retarget_package_folder})
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
-install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
 foreach(folder IN ITEMS robots configs)
   if(EXISTS ${PROJECT_SOURCE_DIR}/${folder})
     install(DIRECTORY ${folder} DESTINATION ${retarget_data_folder})
@@ -26,6 +29,21 @@ foreach(folder IN ITEMS robots configs)
 endforeach()
 if(TARGET retarget_cli)
   install(TARGETS retarget_cli DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+# what a shell and man know of the tool, it says itself
+if(TARGET retarget_cli AND NOT CMAKE_CROSSCOMPILING)
+  function(retarget_install_generated what folder name)
+    set(file ${PROJECT_BINARY_DIR}/generated/${what}/${name})
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/${what})
+    add_custom_command(OUTPUT ${file} COMMAND retarget_cli generate ${what} > ${file}
+      DEPENDS retarget_cli VERBATIM)
+    add_custom_target(retarget_${what} ALL DEPENDS ${file})
+    install(FILES ${file} DESTINATION ${folder})
+  endfunction()
+  retarget_install_generated(bash ${CMAKE_INSTALL_DATADIR}/bash-completion/completions retarget)
+  retarget_install_generated(zsh ${CMAKE_INSTALL_DATADIR}/zsh/site-functions _retarget)
+  retarget_install_generated(fish ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d retarget.fish)
+  retarget_install_generated(man ${CMAKE_INSTALL_MANDIR}/man1 retarget.1)
 endif()
 
 # MuJoCo lies in a folder of our own, so that an install never replaces another one's

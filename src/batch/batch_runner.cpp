@@ -15,6 +15,7 @@
 #include "base/machine.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
 #include "plan/mapping_files.h"
@@ -147,9 +148,8 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
   for (const std::string& file : files) {
-    auto record = record_file(file, file.substr(context_.output_folder.size() + 1));
-    if (!record) return failure(record.error());
-    entry.outputs.push_back(std::move(*record));
+    TRY_ASSIGN(auto record, record_file(file, file.substr(context_.output_folder.size() + 1)));
+    entry.outputs.push_back(std::move(record));
   }
   return {};
 }
@@ -165,9 +165,7 @@ void BatchWorker::remove_outputs(const BatchTask& task) const {
 
 Result<void> BatchWorker::solve(const BatchTask& task, double memory_gb,
                                 ManifestEntry& entry) const {
-  auto input = record_file(task.input->path, task.input->path);
-  if (!input) return failure(input.error());
-  entry.input = std::move(*input);
+  TRY_ASSIGN(entry.input, record_file(task.input->path, task.input->path));
   const std::string output = context_.output_folder + "/" + task.robot->folder +
                              batch_output(task.robot->run.options.save, task.input->relative);
   std::error_code error;

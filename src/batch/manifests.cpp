@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 #include "batch/leftovers.h"
 #include "batch/summary.h"
 
@@ -22,20 +23,19 @@ constexpr const char* kEnd = ".jsonl";
 constexpr std::size_t kNamedWorst = 3;
 
 Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observer& observer) {
-  auto content = read_manifest(path);
-  if (!content) return failure(content.error());
-  if (content->unreadable > 0) {
-    observer.line("manifest", path + ": " + count_text(content->unreadable, "line") +
+  TRY_ASSIGN(auto content, read_manifest(path));
+  if (content.unreadable > 0) {
+    observer.line("manifest", path + ": " + count_text(content.unreadable, "line") +
                                   " cannot be read and counts for nothing");
   }
-  if (content->outside > 0) {
+  if (content.outside > 0) {
     observer.warn({{0, 0,
-                    count_text(content->outside, "line") + " with a name that is not inside the " +
-                        "output folder, as \"" + content->outside_name +
+                    count_text(content.outside, "line") + " with a name that is not inside the " +
+                        "output folder, as \"" + content.outside_name +
                         "\", counts for nothing: no batch writes such"}},
                   path);
   }
-  return std::move(content->entries);
+  return std::move(content.entries);
 }
 
 // of a whole batch or of a part; other names are other people's
@@ -98,7 +98,7 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
 Result<void> write_summary(const std::string& folder, const std::vector<ManifestEntry>& entries,
                            Observer& observer) {
   const std::string path = folder + "/summary.csv";
-  if (auto written = write_file(path, summary_csv(entries)); !written) return written;
+  TRY(write_file(path, summary_csv(entries)));
   print_worst(entries, observer);
   observer.line("wrote", path + ", the worst clips first");
   return {};
@@ -133,13 +133,10 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     }
     return manifests;
   }
-  auto own = read_entries(manifests.path, observer);
-  if (!own) return failure(own.error());
-  manifests.own = std::move(*own);
+  TRY_ASSIGN(manifests.own, read_entries(manifests.path, observer));
   for (const std::string& other : manifests_beside(folder, manifests.path)) {
-    auto entries = read_entries(other, observer);
-    if (!entries) return failure(entries.error());
-    append_to(manifests.others, std::move(*entries));
+    TRY_ASSIGN(auto entries, read_entries(other, observer));
+    append_to(manifests.others, std::move(entries));
   }
   return manifests;
 }
@@ -153,19 +150,17 @@ bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
 Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                               const std::set<std::string>& known, Observer& observer) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
-  auto own = read_entries(path, observer);
-  if (!own) return failure(own.error());
-  std::vector<ManifestEntry> entries = std::move(*own);
+  TRY_ASSIGN(auto own, read_entries(path, observer));
+  std::vector<ManifestEntry> entries = std::move(own);
   std::vector<std::string> parts;
   if (shard.count == 1) parts = manifests_beside(folder, path);
   for (const std::string& part : parts) {
-    auto more = read_entries(part, observer);
-    if (!more) return failure(more.error());
-    append_to(entries, std::move(*more));
+    TRY_ASSIGN(auto more, read_entries(part, observer));
+    append_to(entries, std::move(more));
   }
   entries = latest_entries(std::move(entries));
   std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
-  if (auto written = write_file(path, lines_of(entries)); !written) return written;
+  TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   std::error_code ignored;
   for (const std::string& part : parts) fs::remove(part, ignored);
@@ -189,15 +184,12 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   }
   std::vector<ManifestEntry> entries;
   for (const std::string& name : all) {
-    auto read = read_entries(name, observer);
-    if (!read) return failure(read.error());
-    append_to(entries, std::move(*read));
+    TRY_ASSIGN(auto read, read_entries(name, observer));
+    append_to(entries, std::move(read));
   }
   if (entries.empty()) return input_failure(folder, "there is no manifest of a batch to merge");
   entries = latest_entries(std::move(entries));
-  if (auto written = write_file(path, lines_of(entries)); !written) {
-    return failure(written.error());
-  }
+  TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   for (const std::string& part : parts) fs::remove(part, ignored);
   remove_unfinished(folder, output_folders(folder, entries));
@@ -206,9 +198,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
                               count_text(static_cast<long>(entries.size()), "clip") + ", " +
                               std::to_string(failed) + " failed");
   observer.line("wrote", path);
-  if (auto written = write_summary(folder, entries, observer); !written) {
-    return failure(written.error());
-  }
+  TRY(write_summary(folder, entries, observer));
   return failed;
 }
 

@@ -132,9 +132,9 @@ class OutputTree {
     const SaveOptions& save = request_.run.options.save;
     TRY_ASSIGN(const auto items, plan_outputs(batch_output(save, input.relative), save));
     for (const OutputItem& item : items) {
-      if (auto added = add_file(item.path, input); !added) return added;
+      TRY(add_file(item.path, input));
       if (!request_.of_clip.sidecar) continue;
-      if (auto added = add_file(item.path + ".json", input); !added) return added;
+      TRY(add_file(item.path + ".json", input));
     }
     return {};
   }
@@ -180,7 +180,7 @@ class OutputTree {
 Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const BatchRequest& request) {
   OutputTree tree(request);
   for (const BatchInput& input : inputs) {
-    if (auto added = tree.add(input); !added) return added;
+    TRY(tree.add(input));
   }
   return tree.check_folders();
 }
@@ -197,7 +197,7 @@ Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequ
   const WrittenFiles written(read);
   const std::string folder = without_last_slash(request.output) + "/";
   for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
-    if (auto spared = written.check_spared(folder + own); !spared) return spared;
+    TRY(written.check_spared(folder + own));
   }
   for (const BatchRobot& robot : robots) {
     const SaveOptions& save = robot.run.options.save;
@@ -205,9 +205,9 @@ Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequ
       TRY_ASSIGN(const auto items,
                  plan_outputs(folder + robot.folder + batch_output(save, input.relative), save));
       for (const OutputItem& item : items) {
-        if (auto spared = written.check_spared(item.path); !spared) return spared;
+        TRY(written.check_spared(item.path));
         if (!request.of_clip.sidecar) continue;
-        if (auto spared = written.check_spared(item.path + ".json"); !spared) return spared;
+        TRY(written.check_spared(item.path + ".json"));
       }
     }
   }
@@ -217,19 +217,14 @@ Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequ
 Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchPlan& plan,
                          Observer& observer) {
   InputSearch search{request.inputs, request.lists, request.base, request.exclude, request.output};
-  auto found = find_inputs(search);
-  if (!found) return failure(found.error());
-  for (const std::string& note : found->notes) observer.line("inputs", note);
-  if (auto distinct = check_distinct_outputs(found->inputs); !distinct) {
-    return failure(distinct.error());
-  }
-  if (auto distinct = check_outputs_of(found->inputs, request); !distinct) {
-    return failure(distinct.error());
-  }
-  if (auto spared = check_spared(found->inputs, request, plan.robots); !spared) return spared;
-  const std::size_t all = found->inputs.size();
-  for (const BatchInput& input : found->inputs) plan.known.insert(input.relative);
-  plan.inputs = take_shard(std::move(found->inputs), shard);
+  TRY_ASSIGN(auto found, find_inputs(search));
+  for (const std::string& note : found.notes) observer.line("inputs", note);
+  TRY(check_distinct_outputs(found.inputs));
+  TRY(check_outputs_of(found.inputs, request));
+  TRY(check_spared(found.inputs, request, plan.robots));
+  const std::size_t all = found.inputs.size();
+  for (const BatchInput& input : found.inputs) plan.known.insert(input.relative);
+  plan.inputs = take_shard(std::move(found.inputs), shard);
   observer.line("inputs",
                 count_text(static_cast<long>(plan.inputs.size()), "clip") +
                     (shard.count > 1 ? " of " + std::to_string(all) + ", part " + request.shard
@@ -296,31 +291,25 @@ struct BatchLocks {
 
 Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Observer& observer) {
   const bool is_part = shard.count > 1;
-  auto lock = FolderLock::take(folder, kLockName,
-                               is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone);
-  if (!lock) return failure(lock.error());
-  if (!lock->is_held()) {
+  TRY_ASSIGN(auto lock,
+             FolderLock::take(folder, kLockName,
+                              is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone));
+  if (!lock.is_held()) {
     observer.line("lock", "none: the file system of " + folder +
                               " has no locks; do not start a second batch there");
   }
-  BatchLocks locks{std::move(*lock), std::nullopt};
+  BatchLocks locks{std::move(lock), std::nullopt};
   if (!is_part) return locks;
-  auto part = FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
-                               FolderLock::Kind::kAlone);
-  if (!part) return failure(part.error());
-  locks.part = std::move(*part);
+  TRY_ASSIGN(locks.part, FolderLock::take(folder, shard_file_name(kLockStem, shard, ".lock"),
+                                          FolderLock::Kind::kAlone));
   return locks;
 }
 
 // robots and inputs
 Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Observer& observer) {
   BatchPlan plan;
-  auto robots = load_batch_robots(request, observer);
-  if (!robots) return failure(robots.error());
-  plan.robots = std::move(*robots);
-  if (auto planned = plan_inputs(request, shard, plan, observer); !planned) {
-    return failure(planned.error());
-  }
+  TRY_ASSIGN(plan.robots, load_batch_robots(request, observer));
+  TRY(plan_inputs(request, shard, plan, observer));
   return plan;
 }
 

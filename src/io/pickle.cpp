@@ -126,8 +126,7 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
   PickleDocument document;
   const bool compressed = is_zlib(bytes) || bytes.starts_with("\x1f\x8b");
   if (compressed) {
-    TRY_ASSIGN(auto unpacked, unpack(bytes, file));
-    document.unpacked_ = std::move(unpacked);
+    TRY_ASSIGN(document.unpacked_, unpack(bytes, file));
     // a short text would move with its object
     document.unpacked_.reserve(64);
     bytes = document.unpacked_;

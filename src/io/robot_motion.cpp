@@ -37,9 +37,8 @@ class MotionInterpreter {
 
   Result<RobotMotion> interpret() {
     if (raw_.joint_indices.empty()) {
-      TRY_ASSIGN(auto joints,
+      TRY_ASSIGN(raw_.joint_indices,
                  joints_by_count(*robot_, raw_.joint_count, raw_, file_, options_.variant));
-      raw_.joint_indices = std::move(joints);
     }
     TRY(check_numbers());
     const bool assumes_metres = !options_.metres_per_unit && !raw_.metres_per_unit;

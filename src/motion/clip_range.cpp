@@ -1,4 +1,5 @@
 #include "motion/clip_range.h"
+#include "base/try.h"
 
 #include <algorithm>
 #include <array>
@@ -70,8 +71,8 @@ Result<FrameRange> frame_range_from_text(std::string_view text, int frame_count)
 
 Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::optional<double> end,
                                             const FrameRate& rate, int frame_count) {
-  if (auto good = check_time(start, "start"); !good) return failure(good.error());
-  if (auto good = check_time(end, "end"); !good) return failure(good.error());
+  TRY(check_time(start, "start"));
+  TRY(check_time(end, "end"));
   if (start && end && *end < *start) {
     return usage_failure("the end at " + seconds_text(*end) + " comes before the start at " +
                          seconds_text(*start));

@@ -1,4 +1,5 @@
 #include "motion/resample.h"
+#include "base/try.h"
 
 #include <algorithm>
 #include <limits>
@@ -130,7 +131,7 @@ Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleO
   }
   const std::int64_t count =
       resampled_frame_count(source.frame_count(), source.rate(), output_rate);
-  if (auto fits = check_size(source, output_rate, count); !fits) return failure(fits.error());
+  TRY(check_size(source, output_rate, count));
 
   // joint by joint, so that no second copy of a long clip is needed
   const TrackResampler tracks(source, static_cast<int>(count), Stride(source.rate(), output_rate),

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "base/option_name.h"
+#include "base/try.h"
 
 namespace retarget {
 
@@ -48,7 +49,7 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, Method method,
   const fs::path own = robot_folder / "ik.json";
   const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
   for (const fs::path& path : {own, published}) {
-    if (auto looked = check_look(path); !looked) return failure(looked.error());
+    TRY(check_look(path));
   }
   if (!ik_config.empty()) {
     const fs::path& chosen = ik_config == kPublished ? published : own;

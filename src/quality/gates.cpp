@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -57,15 +58,14 @@ void Gates::set(Gate gate) {
 }
 
 Result<void> Gates::add_json(std::string_view text, const std::string& file) {
-  const auto json = parse_json(text, file);
-  if (!json) return failure(json.error());
-  if (!json->is_object() || !json->contains("gates") || !(*json)["gates"].is_object()) {
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  if (!json.is_object() || !json.contains("gates") || !json["gates"].is_object()) {
     return config_failure(file, "the file must hold an object with the member \"gates\"",
                           R"(such as {"gates": {"jumps": 0}})");
   }
   Faults faults;
   std::vector<Gate> found;
-  for (const auto& [key, value] : (*json)["gates"].items()) {
+  for (const auto& [key, value] : json["gates"].items()) {
     auto gate = gate_from(key, value);
     if (gate) {
       found.push_back(std::move(*gate));
@@ -79,9 +79,8 @@ Result<void> Gates::add_json(std::string_view text, const std::string& file) {
 }
 
 Result<void> Gates::add_file(const std::string& path) {
-  const auto content = read_file(path, ErrorKind::kConfig, kMostTextBytes);
-  if (!content) return failure(content.error());
-  return add_json(content->view(), path);
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  return add_json(content.view(), path);
 }
 
 void Gates::judge(QualityReport& report) const {

@@ -1,4 +1,5 @@
 #include "run/csv_sink.h"
+#include "base/try.h"
 
 #include <new>
 #include <system_error>
@@ -16,14 +17,11 @@ Result<std::unique_ptr<CsvSink>> CsvSink::open(const std::string& path,
                                                const Options& options) {
   std::optional<OutputFile> file;
   if (!path.empty()) {
-    auto created = OutputFile::create(path);
-    if (!created) return failure(created.error());
-    file = std::move(*created);
+    TRY_ASSIGN(file, OutputFile::create(path));
   }
-  auto hasher = ContentHasher::create();
-  if (!hasher) return failure(hasher.error());
+  TRY_ASSIGN(auto hasher, ContentHasher::create());
   return std::unique_ptr<CsvSink>(
-      new CsvSink(std::move(file), std::move(*hasher), std::move(robot), options));
+      new CsvSink(std::move(file), std::move(hasher), std::move(robot), options));
 }
 
 CsvSink::CsvSink(std::optional<OutputFile> file, ContentHasher hasher,

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/suggest.h"
+#include "base/try.h"
 #include "provenance/hash.h"
 #include "robot/normalize_start.h"
 
@@ -22,9 +23,7 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const std::string& ou
   std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
   outputs->options_ = options;
   outputs->in_memory_ = in_memory;
-  auto items = plan_outputs(output, options);
-  if (!items) return failure(items.error());
-  outputs->items_ = std::move(*items);
+  TRY_ASSIGN(outputs->items_, plan_outputs(output, options));
   outputs->write_options_ = write_options(output, options);
   for (const OutputItem& item : outputs->items_) {
     outputs->sinks_.push_back(nullptr);
@@ -32,9 +31,7 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const std::string& ou
       // fails now rather than after the work
       outputs->others_.emplace_back();
       if (in_memory) continue;
-      auto file = OutputFile::create(item.path);
-      if (!file) return failure(file.error());
-      outputs->others_.back() = std::move(*file);
+      TRY_ASSIGN(outputs->others_.back(), OutputFile::create(item.path));
       continue;
     }
     const RobotCsvOptions& csv = outputs->write_options_.csv;
@@ -42,9 +39,8 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const std::string& ou
         item.format == MotionFormat::kCsvSoma ? soma_csv_options(rate, csv.precision) : csv,
         options.normalize_start};
     outputs->others_.emplace_back();
-    auto sink = CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options);
-    if (!sink) return failure(sink.error());
-    outputs->sinks_.back() = std::move(*sink);
+    TRY_ASSIGN(outputs->sinks_.back(),
+               CsvSink::open(in_memory ? std::string() : item.path, robot, sink_options));
   }
   return outputs;
 }
@@ -65,11 +61,10 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
       if (bytes.error().location.file.empty()) bytes.error().location.file = items_[i].path;
       return failure(bytes.error());
     }
-    auto hash = hash_bytes(*bytes);
-    if (!hash) return failure(hash.error());
-    written_[i] = {items_[i], std::move(*hash)};
+    TRY_ASSIGN(auto hash, hash_bytes(*bytes));
+    written_[i] = {items_[i], std::move(hash)};
     if (in_memory_) continue;
-    if (auto done = others_[i]->write(*bytes); !done) return done;
+    TRY(others_[i]->write(*bytes));
   }
   return {};
 }
@@ -77,34 +72,31 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
 Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
                                                        const SidecarText& sidecar) {
   written_.resize(items_.size());
-  if (auto written = write_others(motion); !written) return failure(written.error());
+  TRY(write_others(motion));
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!sinks_[i]) continue;
-    auto hash = sinks_[i]->flush();
-    if (!hash) return failure(hash.error());
-    written_[i] = {items_[i], std::move(*hash)};
+    TRY_ASSIGN(auto hash, sinks_[i]->flush());
+    written_[i] = {items_[i], std::move(hash)};
   }
   if (sidecar && !in_memory_) {
     for (const WrittenFile& written : written_) {
-      const auto text = sidecar(written);
-      if (!text) return failure(text.error());
-      auto file = OutputFile::create(written.item.path + ".json");
-      if (!file) return failure(file.error());
-      if (auto done = file->write(*text); !done) return failure(done.error());
-      sidecars_.push_back(std::move(*file));
+      TRY_ASSIGN(const auto text, sidecar(written));
+      TRY_ASSIGN(auto file, OutputFile::create(written.item.path + ".json"));
+      TRY(file.write(text));
+      sidecars_.push_back(std::move(file));
     }
   }
   if (in_memory_) return written_;
   for (const auto& sink : sinks_) {
     if (!sink) continue;
-    if (auto done = sink->commit(); !done) return failure(done.error());
+    TRY(sink->commit());
   }
   for (auto& file : others_) {
     if (!file) continue;
-    if (auto done = file->commit(); !done) return failure(done.error());
+    TRY(file->commit());
   }
   for (OutputFile& file : sidecars_) {
-    if (auto done = file.commit(); !done) return failure(done.error());
+    TRY(file.commit());
   }
   return written_;
 }

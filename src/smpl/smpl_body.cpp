@@ -93,8 +93,7 @@ Result<void> BodyReader::read_arrays() {
   }
   const auto take = [this](const char* name, RowMatrix& target,
                            std::vector<std::optional<std::size_t>> shape) -> Result<void> {
-    TRY_ASSIGN(auto matrix, read_matrix(name, std::move(shape)));
-    target = std::move(matrix);
+    TRY_ASSIGN(target, read_matrix(name, std::move(shape)));
     return {};
   };
   constexpr std::nullopt_t any = std::nullopt;
