@@ -81,6 +81,14 @@ class ClipNotes : public Observer {
   const Observer& batch_;
 };
 
+// manifests and summaries are for people at the command line
+Error spelled(Error error) {
+  error.message = spell_options(error.message, option_as_flag);
+  for (std::string& detail : error.details) detail = spell_options(detail, option_as_flag);
+  error.hint = spell_options(error.hint, option_as_flag);
+  return error;
+}
+
 class BatchWorker {
  public:
   BatchWorker(const BatchContext& context, const BatchRequest& request, int threads)
@@ -223,6 +231,7 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
                                            ::strsignal(end.signal) + ")");
     error.hint = "that is a fault of this tool; the other clips are not touched by it";
   }
+  error = spelled(std::move(error));
   entry.exit_code = request_.exit_code(error.kind);
   entry.finished = finished_now(context_.finished, entry);
   return entry;
@@ -264,11 +273,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
   entry.done = done.has_value();
   if (!done) {
     entry.exit_code = request_.exit_code(done.error().kind);
-    entry.error = std::move(done.error());
-    // files and summaries are for people at the command line
-    for (std::string* text : {&entry.error->message, &entry.error->hint}) {
-      *text = spell_options(*text, option_as_flag);
-    }
+    entry.error = spelled(std::move(done.error()));
   }
   entry.finished = finished_now(context_.finished, entry);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -297,6 +302,7 @@ std::string batch_output(const SaveOptions& options, const std::string& relative
 
 Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchRequest& request,
                              const BatchContext& context) {
+  const auto interrupts = context.observer.hold_interrupts();
   const int cores = usable_cores();
   ProcessPoolOptions pool;
   pool.workers = std::min(request.jobs > 0 ? request.jobs : cores,

@@ -39,7 +39,7 @@ struct BatchContext {
   const FinishedClips& finished;
   ManifestWriter& manifest;
   BatchProgress& progress;
-  const Observer& observer;
+  Observer& observer;
 };
 
 /// Where a clip's motion goes, below its robot's folder: the name of its output.

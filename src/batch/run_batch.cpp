@@ -95,7 +95,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
     robot.name = fs::path(robot.setup.loaded.robot->name()).filename().string();
     if (names.size() > 1) robot.folder = robot.name + "/";
-    TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.setup));
+    TRY_ASSIGN(robot.fingerprint, run_fingerprint(robot.run, robot.request, robot.setup));
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
       return usage_failure("the robot \"" + robot.name + "\" is given twice");
     }

@@ -59,9 +59,9 @@ Result<void> check_option(const Option& row, const OptionValue& value) {
   const auto is_known = [&](const std::string& word) {
     return std::ranges::find(row.choices, word) != row.choices.end();
   };
-  // an optional without a value has none
   const auto* word = std::get_if<std::string>(&value);
-  if (word != nullptr && !word->empty() && !is_known(*word)) return unexpected(row, value);
+  const bool is_none = row.is_optional && word != nullptr && word->empty();
+  if (word != nullptr && !is_none && !is_known(*word)) return unexpected(row, value);
   if (const auto* words = std::get_if<std::vector<std::string>>(&value)) {
     for (const std::string& each : *words) {
       if (!is_known(each)) return unexpected(row, each);

@@ -47,6 +47,7 @@ struct Option {
   std::string name;  ///< At the command line and in JSON: `source-fps`.
   OptionInfo info;
   std::vector<std::string> choices;  ///< Values that it may have; empty: any.
+  bool is_optional = false;          ///< An empty text means no choice.
   std::function<OptionValue()> get;
   /// Takes a value that check_option let pass.
   std::function<Result<void>(const OptionValue&)> set;
@@ -66,6 +67,7 @@ Option text_option(std::string name, T& member, OptionInfo info, std::string (*t
   return {std::move(name),
           std::move(info),
           {},
+          false,
           [&member, to_text] { return OptionValue(to_text(member)); },
           [&member, from_text](const OptionValue& value) -> Result<void> {
             auto read = from_text(std::get<std::string>(value));
@@ -79,7 +81,7 @@ Option text_option(std::string name, T& member, OptionInfo info, std::string (*t
 /// or an optional of one. The member must outlive the row.
 template <typename T>
 Option option(std::string name, T& member, OptionInfo info) {
-  Option row{std::move(name), std::move(info), {}, {}, {}};
+  Option row{std::move(name), std::move(info), {}, false, {}, {}};
   if constexpr (Named<T>) {
     row.choices = enum_names<T>();
     row.get = [&member] { return OptionValue(std::string(enum_name(member))); };
@@ -91,6 +93,7 @@ Option option(std::string name, T& member, OptionInfo info) {
     using Enum = typename T::value_type;
     row.choices = enum_names<Enum>();
     if constexpr (std::is_same_v<T, std::optional<Enum>>) {
+      row.is_optional = true;
       row.get = [&member] {
         return OptionValue(member ? std::string(enum_name(*member)) : std::string());
       };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
 
 #include "base/faults.h"
@@ -29,6 +30,11 @@ std::optional<OptionValue> value_of(const Json& json, const OptionValue& kind) {
     const bool fits = json.is_number_unsigned() ? json.get<std::uint64_t>() >> 62U == 0
                                                 : json.is_number_integer();
     if (fits) return json.get<std::int64_t>();
+    // 6.0, as other writers have it
+    if (json.is_number_float() && std::nearbyint(json.get<double>()) == json.get<double>() &&
+        std::abs(json.get<double>()) < 1e15) {
+      return static_cast<std::int64_t>(json.get<double>());
+    }
   } else if (std::holds_alternative<double>(kind)) {
     if (json.is_number()) return json.get<double>();
   } else if (std::holds_alternative<std::string>(kind)) {

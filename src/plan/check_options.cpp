@@ -52,7 +52,7 @@ Result<void> check_mapping_choice(const RobotChoice& robot, const SolveOptions& 
   if (robot.model.empty() || !options.ik_config.empty()) return {};
   return usage_failure(
       OPTION("robot-xml") " comes without a mapping",
-      "add " OPTION("ik-config") " FILE, or make a robot of the model: retarget robots add");
+      "add " OPTION("ik-config") " FILE, or make a robot of the model: retarget robots add NAME " OPTION("model") " FILE");
 }
 
 Result<void> check_solving_options(const Options& options) {

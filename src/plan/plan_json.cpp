@@ -9,10 +9,12 @@
 #include "base/faults.h"
 #include "base/json.h"
 #include "base/try.h"
+#include "base/utf8.h"
 #include "human/limb_directions.h"
 #include "options/fit_options.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
+#include "plan/memory.h"
 #include "retarget/plan.h"
 #include "retarget/version.h"
 
@@ -40,7 +42,7 @@ Json bones_json(const Plan& plan) {
   Json json = Json::object();
   const Skeleton& skeleton = plan.clip->skeleton();
   const auto joint_json = [&](int joint) {
-    return joint < 0 ? Json() : Json(skeleton.joint(joint).name);
+    return joint < 0 ? Json() : Json(valid_utf8(skeleton.joint(joint).name));
   };
   for (const Bone bone : kAllBones) {
     const BoneSource& source = plan.human.calibration.mapping.bones[bone];
@@ -135,7 +137,11 @@ const Json& member(const Json& json, const char* key) {
 void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, Faults& faults) {
   for (const auto& [name, row] : json.items()) {
     const auto bone = bone_from_name(name);
-    if (!bone || !row.is_object()) {
+    if (bone && !row.is_object()) {
+      faults.add("\"" + name + "\" must be an object, found " + short_text(row));
+      continue;
+    }
+    if (!bone) {
       faults.add("there is no bone \"" + name + "\"" + faults.suggestion(name, bone_names()));
       continue;
     }
@@ -151,7 +157,7 @@ void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, 
       reader.take_numbers("position_in_joint", source.position_in_joint.emplace());
     }
     if (source.position_joint < 0 || source.position_joint >= skeleton.joint_count()) continue;
-    const std::string& joint = skeleton.joint(source.position_joint).name;
+    const std::string joint = valid_utf8(skeleton.joint(source.position_joint).name);
     if (row.value("position_joint_name", Json(joint)) != Json(joint)) {
       faults.add("\"" + name + "\": the clip's joint there is \"" + joint + "\"");
     }
@@ -239,7 +245,7 @@ std::string plan_json(const Plan& plan) {
   for (const auto& [scale, name] : kScales) {
     if (scale == plan.scale) json["scale"] = name;
   }
-  json["mapping"] = plan.mapping.file;
+  put_name(json, "mapping", plan.mapping.file);
   Json& limits = json["limits"];
   limits["name"] = plan.limits.name;
   const auto& joints = plan.robot.robot->joints();
@@ -271,10 +277,12 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   read_decisions(json, plan, faults);
   plan.limits = plan.robot.robot->model_limits();
   read_limits(member(json, "limits"), *plan.robot.robot, plan.limits, faults);
-  std::string mapping;
-  Reader(json, faults).take("mapping", mapping);
+  const std::string mapping = name_from(json, "mapping");
+  if (mapping.empty()) faults.add("\"mapping\" is missing");
   if (!faults.empty()) return faults.failure_in(file, "the plan");
   TRY(read_options(member(json, "fit"), fit_table(plan.fit), file, "the plan's fit"));
+  TRY(check_need({plan.frame_count(), plan.rate, plan.clip->origin().bytes, plan.clip->name()},
+                 plan.options.source.memory_gb, plan.options.save));
   TRY_ASSIGN(plan.mapping, load_mapping(mapping, *plan.robot.robot));
   std::vector<Bone> missing;
   for (const Bone bone : kAllBones) {

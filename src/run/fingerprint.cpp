@@ -111,10 +111,16 @@ Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
 
 }  // namespace
 
-Result<RunFingerprint> run_fingerprint(const Run& run, const RobotSetup& setup) {
+Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
+                                       const RobotSetup& setup) {
   Fingerprint print;
   print.hashed["tool"] = version_text();
   TRY(add_options(run, setup, print));
+  print.hashed["options"]["sidecar"] = request.sidecar;
+  print.hashed["options"]["measured"] = request.measure;
+  // a mapping that is named is scaled by otherwise than the same one that was found
+  const std::string& mapping = run.options.solve.ik_config;
+  print.hashed["options"]["ik-config-named"] = !mapping.empty() && mapping != "derived";
   TRY(add_robot(setup, print));
   const fs::path configs = fs::path(setup.loaded.data_folder) / "configs";
   TRY_ASSIGN(print.hashed["skeletons"], folder_hash(configs / "skeletons", ""));

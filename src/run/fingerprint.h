@@ -4,6 +4,7 @@
 
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "run/run_to_files.h"
 
 namespace retarget {
 
@@ -16,7 +17,9 @@ struct RunFingerprint {
 /// Options are taken by what they mean, so that a default that is given is none that is changed;
 /// files (mapping, limits, fit options, dialects, ...) by their content, the robot by its compiled
 /// model and its profile, the tool by its version.
-/// @param run  its motion, robot and output do not count.
-[[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RobotSetup& setup);
+/// @param run      its motion, robot and output do not count.
+/// @param request  whether sidecars are written and motions measured counts.
+[[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
+                                                     const RobotSetup& setup);
 
 }  // namespace retarget

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,9 @@ class Observer {
   /// How far a longer work is, in words.
   virtual void status(std::string_view /*text*/) {}
   virtual void end_progress() {}
+  /// While the result lives, who stops the work is told of it by is_stopped() alone and nothing ends
+  /// the process: from when there is something to be cleaned up.
+  [[nodiscard]] virtual std::shared_ptr<void> hold_interrupts() { return {}; }
   /// Whether the work should end; asked often, from any thread.
   [[nodiscard]] virtual bool is_stopped() const { return false; }
   /// Whether anybody reads the summary: what costs time for it alone is left out otherwise.

@@ -20,15 +20,20 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void tell_plan(const Plan& plan, Observer& observer) {
+// the first line that is about the robot
+auto robot_line(const std::vector<SummaryLine>& lines) {
+  return std::ranges::find_if(
+      lines, [](const auto& line) { return line.label == "partial" || line.label == "robot"; });
+}
+
+void tell_source(const Plan& plan, Observer& observer) {
   const auto lines = plan.lines();
   // doubts follow what the human was taken as
   const auto next = std::find_if(lines.begin() + 1, lines.end(),
                                  [](const SummaryLine& line) { return !line.label.empty(); });
-  for (auto line = lines.begin(); line != lines.end(); ++line) {
-    if (line == next) observer.warn(plan.doubts, plan.clip->name());
-    observer.line(line->label, line->text);
-  }
+  for (auto line = lines.begin(); line != next; ++line) observer.line(line->label, line->text);
+  observer.warn(plan.doubts, plan.clip->name());
+  for (auto line = next; line != robot_line(lines); ++line) observer.line(line->label, line->text);
 }
 
 Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs& outputs,
@@ -118,7 +123,7 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   const SummaryLine read = clip_line(clip);
   observer.line(read.label, read.text);
   TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
-  tell_plan(plan, observer);
+  tell_source(plan, observer);
   if (!request.write_map.empty()) {
     TRY(write_file(request.write_map, format_bone_map(plan.human.map, plan.clip->skeleton())));
   }
@@ -129,6 +134,10 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
                                 Observer& observer) {
   const auto start = std::chrono::steady_clock::now();
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
+  const auto lines = plan.lines();
+  observer.lines({robot_line(lines), lines.end()});
+  // from here on who stops it stops between two frames and leaves nothing behind
+  const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));
   TRY_ASSIGN(const Motion motion, solve_observed(std::move(plan), request, *outputs, observer));

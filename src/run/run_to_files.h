@@ -33,7 +33,8 @@ struct RunOutcome {
   std::optional<QualityReport> quality;  ///< Where it was asked for.
 };
 
-/// Reads the clip of a run and decides what becomes of it; tells what was found.
+/// Reads the clip of a run and decides what becomes of it; tells what was found
+/// in it.
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
                                          const RobotSetup& robot, Observer& observer);
 

@@ -164,7 +164,10 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
   sidecar.run.options.part.lead_in = LeadIn::kKeep;
   auto options =
       read_options(json["options"], run_table(sidecar.run), file, "the sidecar's options");
-  if (!options) return as_input(options.error());
+  if (!options) {
+    options.error().hint = "it may come from a newer version of this tool";
+    return as_input(options.error());
+  }
   for (const Json& each : json["inputs"]) {
     if (!each.is_object()) continue;
     sidecar.files.push_back(

@@ -301,4 +301,14 @@ std::set<std::string> advanced_option_names() {
   return names;
 }
 
+std::set<std::string> shared_option_names() {
+  RunArguments run;
+  OptionTable shared = source_table(run.run.options.source);
+  append(shared, human_table(run.run.options.human));
+  append(shared, common_table(run.common));
+  shared.push_back(write_map_row(run.request.write_map));
+  const std::vector<std::string> names = option_names(shared);
+  return {names.begin(), names.end()};
+}
+
 }  // namespace retarget::cli

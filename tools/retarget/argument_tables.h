@@ -21,8 +21,10 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable inspect_table(InspectArguments& arguments);
 [[nodiscard]] OptionTable view_table(ViewArguments& arguments);
 
-/// Names of the options that a command's short help leaves out.
+/// Names of the options that a command's short help leaves out; of a command's parts (`edit trim`)
+/// those that are the same for all.
 [[nodiscard]] std::set<std::string> advanced_option_names();
+[[nodiscard]] std::set<std::string> shared_option_names();
 
 /// All of the default command.
 [[nodiscard]] OptionTable run_command_table(RunArguments& arguments);

@@ -33,7 +33,6 @@ BatchRequest request_of(const BatchArguments& arguments, std::string data_folder
 Result<ExitCode> batch_checked(const BatchArguments& arguments, Console& console) {
   TRY_ASSIGN(std::string data_folder, data_folder_of(arguments.run.common));
   const BatchRequest request = request_of(arguments, std::move(data_folder));
-  const InterruptGuard guard;
   TRY_ASSIGN(const std::size_t failed,
              arguments.merge ? merge_batch(request, console) : run_batch(request, console));
   return failed > 0 ? kRunFailed : kDone;

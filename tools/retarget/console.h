@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,6 +45,9 @@ class Console : public Observer {
   void warn(const std::vector<Warning>& warnings, std::string_view file) override;
   /// Ctrl-C was pressed within an InterruptGuard.
   [[nodiscard]] bool is_stopped() const override { return InterruptGuard::interrupted(); }
+  [[nodiscard]] std::shared_ptr<void> hold_interrupts() override {
+    return std::make_shared<InterruptGuard>();
+  }
   void progress(const Progress& progress) override;
   void fault(const Error& error) override { static_cast<void>(fail(error)); }
   /// Prints the error and gives its exit code.

@@ -9,6 +9,7 @@ namespace retarget::cli {
 
 void add_run_options(CLI::App& app, RunArguments& arguments) {
   declare(app, run_command_table(arguments));
+  app.get_option("--without")->allow_extra_args();
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
@@ -30,6 +31,7 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                   {"bvh", "smpl", "write-map", "robot", "output", "report", "memory", "verbose"}));
   declare(*command, batch_table(arguments));
   command->get_option("--output")->required();
+  command->get_option("--without")->allow_extra_args();
   return command;
 }
 

@@ -111,7 +111,7 @@ Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measur
   const Run& run = arguments.run;
   TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
   TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
-  measures.tables = plan.mapping;
+  measures.tables = setup.mapping_for(plan.human);
   measures.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
   measures.scale = plan.scale;
   measures.rate = plan.rate;

@@ -137,15 +137,15 @@ std::string zsh_values(const Told& option) {
 
 std::string zsh_script(const std::vector<Command>& commands) {
   std::string text =
-      "#compdef retarget\n_retarget() {\n  local path= word\n"
-      "  for word in ${words[2,CURRENT-1]}; do\n    case \"$path $word\" in\n";
+      "#compdef retarget\n_retarget() {\n  local at= word\n"
+      "  for word in ${words[2,CURRENT-1]}; do\n    case \"$at $word\" in\n";
   for (const Command& command : commands) {
     for (const std::string& below : command.commands) {
       const std::string path = command.path.empty() ? below : command.path + " " + below;
-      text += fmt::format("      '{} {}') path='{}' ;;\n", command.path, below, path);
+      text += fmt::format("      '{} {}') at='{}' ;;\n", command.path, below, path);
     }
   }
-  text += "    esac\n  done\n  case \"$path\" in\n";
+  text += "    esac\n  done\n  case \"$at\" in\n";
   for (const Command& command : commands) {
     text += fmt::format("    '{}') _arguments", command.path);
     for (const Told& option : command.options) {
@@ -154,7 +154,7 @@ std::string zsh_script(const std::vector<Command>& commands) {
     }
     text += command.commands.empty()
                 ? " \\\n      '*:file:_files' ;;\n"
-                : fmt::format(" \\\n      '*:command or file:({})' '*:file:_files' ;;\n",
+                : fmt::format(" \\\n      '*:command or file:{{ _files; compadd -- {} }}' ;;\n",
                               joined(command.commands));
   }
   return text + "  esac\n}\n_retarget \"$@\"\n";

@@ -19,7 +19,8 @@ std::string description_lines(std::string text) {
 
 }  // namespace
 
-HelpFormat::HelpFormat(std::set<std::string> advanced) : advanced_(std::move(advanced)) {
+HelpFormat::HelpFormat(std::set<std::string> advanced, std::set<std::string> shared)
+    : advanced_(std::move(advanced)), shared_(std::move(shared)) {
   column_width(kColumn);
 }
 
@@ -34,11 +35,14 @@ std::string HelpFormat::make_help(const CLI::App* app, std::string name,
 std::string HelpFormat::short_options(const CLI::App* app) const {
   std::vector<const CLI::Option*> needed, others;
   std::size_t hidden = 0;
+  const CLI::App* parent = app->get_parent();
+  const bool is_part = parent != nullptr && parent->get_parent() != nullptr;
+  const std::set<std::string>& left_out = is_part ? shared_ : advanced_;
   for (const CLI::Option* option : app->get_options()) {
     if (!option->nonpositional() || option->get_group().empty()) continue;
     if (option->get_required()) {
       needed.push_back(option);
-    } else if (advanced_.contains(option->get_single_name())) {
+    } else if (left_out.contains(option->get_single_name())) {
       ++hidden;
     } else {
       others.push_back(option);

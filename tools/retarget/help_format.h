@@ -11,8 +11,9 @@ namespace retarget::cli {
 /// options of the command.
 class HelpFormat : public CLI::Formatter {
  public:
-  /// @param advanced  names of the options that --help leaves out.
-  explicit HelpFormat(std::set<std::string> advanced);
+  /// @param advanced  names of the options that --help leaves out,
+  /// @param shared    and of those for parts of a command.
+  HelpFormat(std::set<std::string> advanced, std::set<std::string> shared);
   [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override;
   [[nodiscard]] std::string make_subcommand(const CLI::App* command) const override;
   [[nodiscard]] std::string make_help(const CLI::App* app, std::string name,
@@ -23,7 +24,7 @@ class HelpFormat : public CLI::Formatter {
  private:
   [[nodiscard]] std::string short_options(const CLI::App* app) const;
 
-  std::set<std::string> advanced_;
+  std::set<std::string> advanced_, shared_;
 };
 
 }  // namespace retarget::cli

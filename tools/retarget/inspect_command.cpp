@@ -30,6 +30,7 @@ Result<void> inspect_checked(const InspectArguments& arguments, Console& console
   const Run& run = arguments.run.run;
   TRY(check_written({arguments.positions, arguments.run.request.write_map},
                     files_of(run, data_folder_of(arguments.run.common).value_or(std::string()))));
+  TRY(check_no_folder(run.motion));
   TRY_ASSIGN(const Clip clip, arguments.skeleton_only
                                   ? load_skeleton(run.motion, run.options.source)
                                   : load_clip(run.motion, run.options.source));

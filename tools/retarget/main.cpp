@@ -94,7 +94,7 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
 int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
-  app.formatter(std::make_shared<HelpFormat>(advanced_option_names()));
+  app.formatter(std::make_shared<HelpFormat>(advanced_option_names(), shared_option_names()));
   app.get_help_ptr()->group(kGeneralGroup);
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
 

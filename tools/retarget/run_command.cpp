@@ -108,8 +108,6 @@ Result<void> run_checked(RunArguments arguments, Console& console) {
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(arguments.run, arguments.common, console));
   // sidecars have the whole name
   if (!arguments.run.robot.name.empty()) arguments.run.robot.name = setup.loaded.name;
-  // from here on Ctrl-C stops between two frames and leaves nothing behind
-  const InterruptGuard guard;
   TRY(run_to_files(arguments.run, arguments.request, setup, console));
   return {};
 }

@@ -85,9 +85,12 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
     find_moved(named, beside);
     TRY(row.set(named));
   }
-  if (const auto format = enum_from_name<MotionFormat>(sidecar.format)) {
-    run.options.save.formats = {*format};
+  const auto format = enum_from_name<MotionFormat>(sidecar.format);
+  if (!format) {
+    return input_failure(file, "the sidecar is of the unknown format \"" + sidecar.format + "\"",
+                         "it may come from a newer version of this tool");
   }
+  run.options.save.formats = {*format};
   run.output = sidecar.output;
   return run;
 }
@@ -99,7 +102,6 @@ Result<void> verify_checked(const VerifyArguments& arguments, Console& console) 
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.common, console));
   RunRequest request;
   request.hashes_only = true;
-  const InterruptGuard guard;
   const auto outcome = run_to_files(run, request, setup, console);
   // which mapping is read is known from the source only
   Plan plan;
