@@ -328,7 +328,7 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchReq
     worker.work(tasks[task], static_cast<double>(most) / 1e9);
     return worker.take_answer();
   };
-  const auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {
+  auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {
     worker.take(tasks[task], end);
   });
   if (!ran) return ran;

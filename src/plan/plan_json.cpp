@@ -138,11 +138,12 @@ void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, 
   for (const auto& [name, row] : json.items()) {
     const auto bone = bone_from_name(name);
     if (bone && !row.is_object()) {
-      faults.add("\"" + name + "\" must be an object, found " + short_text(row));
+      faults.add(fmt::format("\"{}\" must be an object, found {}", name, short_text(row)));
       continue;
     }
     if (!bone) {
-      faults.add("there is no bone \"" + name + "\"" + faults.suggestion(name, bone_names()));
+      faults.add(
+          fmt::format("there is no bone \"{}\"{}", name, faults.suggestion(name, bone_names())));
       continue;
     }
     Reader reader(row, faults);
@@ -159,7 +160,7 @@ void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, 
     if (source.position_joint < 0 || source.position_joint >= skeleton.joint_count()) continue;
     const std::string joint = valid_utf8(skeleton.joint(source.position_joint).name);
     if (row.value("position_joint_name", Json(joint)) != Json(joint)) {
-      faults.add("\"" + name + "\": the clip's joint there is \"" + joint + "\"");
+      faults.add(fmt::format("\"{}\": the clip's joint there is \"{}\"", name, joint));
     }
   }
 }
