@@ -20,6 +20,10 @@ struct HumanInClip {
   BoneMap map;
   Calibration calibration;
 
+  /// What it was taken as, line by line.
+  [[nodiscard]] std::vector<SummaryLine> lines() const;
+  /// Why it may be understood wrongly.
+  [[nodiscard]] const std::vector<Warning>& doubts() const { return calibration.mapping.doubts; }
   /// Whether it has LAFAN1's own shape, for which the published mappings are made.
   [[nodiscard]] bool is_lafan1() const;
 };
@@ -43,7 +47,6 @@ struct Plan {
   Options options;  ///< As they were given; what members below decide, they decide.
 
   HumanInClip human;
-  std::vector<Warning> doubts;  ///< Why the human may be understood wrongly.
 
   FrameRange part;         ///< Frames of the clip that are taken.
   int lead_in_frames = 0;  ///< Of those left out in front, which are none of the motion.
@@ -54,11 +57,12 @@ struct Plan {
   bool is_mapping_of_others = false;  ///< Chosen because the clip is not in LAFAN1's shape.
   HeightScale scale = HeightScale::kLimbs;
   FitOptions fit;
-  std::vector<SummaryLine> notes;  ///< What was left out of clip and mapping, and why.
+  std::vector<SummaryLine> clip_notes;     ///< What was left out of the clip, and why.
+  std::vector<SummaryLine> mapping_notes;  ///< The same of the mapping.
 
-  /// What was decided, line by line.
-  [[nodiscard]] std::vector<SummaryLine> lines() const;
-  /// The same as text, a line each.
+  /// The robot, and by what the clip comes to it, line by line.
+  [[nodiscard]] std::vector<SummaryLine> robot_lines() const;
+  /// All that was decided as text, a line each.
   [[nodiscard]] std::string summary() const;
   /// Frames of the motion that solve() makes.
   [[nodiscard]] std::int64_t frame_count() const;

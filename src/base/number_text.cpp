@@ -21,10 +21,8 @@ std::string number_text(double value, int decimals) {
 
 std::optional<double> number_from_text(std::string_view text) {
   constexpr double kFarthest = 1e6;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && std::abs(value) <= kFarthest ? std::optional<double>(value) : std::nullopt;
+  const auto value = parse_number<double>(text);
+  return value && std::abs(*value) <= kFarthest ? value : std::nullopt;
 }
 
 std::string count_text(long count, std::string_view noun) {

@@ -88,9 +88,8 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     robot.run.robot.name = name;
     robot.request = request.of_clip;
     robot.request.measure = request.quality;
-    TRY_ASSIGN(LoadedRobot loaded, load_robot(robot.run.robot, {request.data_folder, {}}));
-    observer.lines(loaded.notes);
-    observer.warn(loaded.warnings, loaded.model);
+    TRY_ASSIGN(LoadedRobot loaded,
+               load_robot(robot.run.robot, {request.data_folder, {}}, observer));
     if (!name.empty()) robot.run.robot.name = loaded.name;
     TRY_ASSIGN(robot.setup, set_up_robot(std::move(loaded), robot.run.options));
     robot.name = fs::path(robot.setup.loaded.robot->name()).filename().string();

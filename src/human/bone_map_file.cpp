@@ -89,6 +89,10 @@ std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Result<void> save_bone_map(const std::string& path, const BoneMap& map, const Skeleton& skeleton) {
+  return path.empty() ? Result<void>() : write_file(path, format_bone_map(map, skeleton));
+}
+
 Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
                                const Skeleton& skeleton) {
   TRY_ASSIGN(const auto json, parse_json(text, file));

@@ -13,6 +13,10 @@ namespace retarget {
 /// bone in the order of kBoneNames.
 [[nodiscard]] std::string format_bone_map(const BoneMap& map, const Skeleton& skeleton);
 
+/// Writes that to a file; an empty path: nowhere.
+[[nodiscard]] Result<void> save_bone_map(const std::string& path, const BoneMap& map,
+                                         const Skeleton& skeleton);
+
 /// Reads such a text for a skeleton. Bones that are left out count as null. Errors are of kind
 /// kConfig and name every fault: unknown bones and joints (with the nearest name), one joint for
 /// two bones, names that several joints have, bones out of line, missing hips.

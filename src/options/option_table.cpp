@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "base/number_text.h"
 #include "base/suggest.h"
 #include "base/try.h"
 
@@ -16,14 +16,6 @@ Failure unexpected(const Option& row, const OptionValue& found) {
   const auto* word = std::get_if<std::string>(&found);
   return usage_failure(fmt::format("expected {}, found \"{}\"{}", expectation(row), to_text(found),
                                    word ? did_you_mean(*word, row.choices) : std::string()));
-}
-
-template <typename Number>
-std::optional<Number> number_from(const std::string& text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace
@@ -88,9 +80,9 @@ Result<OptionValue> option_value(const Option& row, const std::string& text) {
   if (std::holds_alternative<bool>(now)) {
     if (text == "true" || text == "false") value = text == "true";
   } else if (std::holds_alternative<std::int64_t>(now)) {
-    if (const auto count = number_from<std::int64_t>(text)) value = *count;
+    if (const auto count = parse_number<std::int64_t>(text)) value = *count;
   } else if (std::holds_alternative<double>(now)) {
-    if (const auto number = number_from<double>(text)) value = *number;
+    if (const auto number = parse_number<double>(text)) value = *number;
   } else if (std::holds_alternative<std::string>(now)) {
     value = text;
   } else {

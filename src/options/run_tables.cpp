@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 
+#include "base/number_text.h"
 #include "base/option_name.h"
 
 namespace retarget {
@@ -18,11 +18,8 @@ constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
     {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"cmu", 0.056444}}};
 
 std::optional<double> number_in(std::string_view text, double least, double most) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  const bool sound = whole && number >= least && number <= most;
-  return sound ? std::optional(number) : std::nullopt;
+  const auto number = parse_number<double>(text);
+  return number && *number >= least && *number <= most ? number : std::nullopt;
 }
 
 std::string axis_text(const std::optional<SignedAxis>& axis) {
@@ -50,11 +47,11 @@ Result<std::string> checked_unit(const std::string& text) {
   return text;
 }
 
-}  // namespace
-
 std::string rate_text(const std::optional<double>& fps) {
   return fps ? fmt::format("{}", *fps) : "source";
 }
+
+}  // namespace
 
 Result<std::optional<double>> rate_from_text(const std::string& text) {
   if (text == "source") return std::optional<double>();
@@ -73,6 +70,26 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
       fmt::format("expected m, dm, cm, mm, inch, cmu, or metres from 0.000001 to 1000000, found "
                   "\"{}\"",
                   text));
+}
+
+Option memory_row(double& memory_gb) {
+  return option("memory", memory_gb,
+                {.type = "GB",
+                 .group = kInputGroup,
+                 .help = "Take no motion that would need more memory than this, GB (default: three "
+                         "quarters of what there is)",
+                 .least = 0.001,
+                 .most = 1e6,
+                 .decides = false});
+}
+
+Option output_row(std::string& output) {
+  return option("output", output,
+                {.type = "FILE",
+                 .group = kOutputGroup,
+                 .help = "File to write; - writes standard output",
+                 .basic = true,
+                 .letter = "o"});
 }
 
 OptionTable source_table(SourceOptions& options) {
@@ -96,14 +113,7 @@ OptionTable source_table(SourceOptions& options) {
               .help = "Frames per second of the source, whatever its header says",
               .least = kSlowestRate,
               .most = kFastestRate}),
-      option("memory", options.memory_gb,
-             {.type = "GB",
-              .group = kInputGroup,
-              .help = "Take no motion that would need more memory than this, GB (default: three "
-                      "quarters of what there is)",
-              .least = 0.001,
-              .most = 1e6,
-              .decides = false})};
+      memory_row(options.memory_gb)};
 }
 
 OptionTable human_table(HumanOptions& options) {
@@ -326,12 +336,7 @@ OptionTable run_table(Run& run) {
   append(table, robot_table(run.robot));
   append(table, solve_table(options.solve));
   append(table, time_table(options.time));
-  table.push_back(option("output", run.output,
-                         {.type = "FILE",
-                          .group = kOutputGroup,
-                          .help = "File to write; - writes standard output",
-                          .basic = true,
-                          .letter = "o"}));
+  table.push_back(output_row(run.output));
   append(table, save_table(options.save));
   return table;
 }

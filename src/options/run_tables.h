@@ -13,6 +13,10 @@ inline constexpr const char* kTimeGroup = "Time";
 inline constexpr const char* kOutputGroup = "Output";
 inline constexpr const char* kGeneralGroup = "General";
 
+/// Rows that several commands have.
+[[nodiscard]] Option memory_row(double& memory_gb);
+[[nodiscard]] Option output_row(std::string& output);
+
 /// The rows of each struct of options; they are bound to the struct, which must outlive them.
 [[nodiscard]] OptionTable source_table(SourceOptions& options);
 [[nodiscard]] OptionTable human_table(HumanOptions& options);
@@ -24,8 +28,7 @@ inline constexpr const char* kGeneralGroup = "General";
 /// All of a run, in the order in which a sidecar has them.
 [[nodiscard]] OptionTable run_table(Run& run);
 
-/// `30`, `23.976`; of nothing `source`.
-[[nodiscard]] std::string rate_text(const std::optional<double>& fps);
+/// The rate that a text means; of `source` nothing.
 [[nodiscard]] Result<std::optional<double>> rate_from_text(const std::string& text);
 
 /// Metres that a unit's name or number means; nothing for an empty text.

@@ -5,6 +5,9 @@
 
 namespace retarget {
 
+/// Error (kInput): the path is a folder; the hint names the command that takes folders.
+[[nodiscard]] Result<void> check_no_folder(const std::string& path);
+
 /// What can be told of the options without a clip: contradictions are kUsage errors, files that
 /// cannot be read kConfig.
 [[nodiscard]] Result<void> check_human_options(const HumanOptions& options);

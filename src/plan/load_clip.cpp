@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "bvh/read_bvh.h"
 #include "motion/clip_size.h"
+#include "plan/check_options.h"
 #include "plan/memory.h"
 #include "retarget/load.h"
 #include "smpl/read_smpl.h"
@@ -53,11 +54,7 @@ Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
 
 Result<Clip> load(const std::string& file, const SourceOptions& options, bool skeleton_only) {
   const std::string name = file == "-" ? "standard input" : file;
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    return input_failure(file, "expected a motion file, found a directory",
-                         "retarget batch " + file + " takes a folder of clips");
-  }
+  TRY(check_no_folder(file));
   TRY_ASSIGN(const auto bytes,
              read_file(file, ErrorKind::kInput, memory_share(options.memory_gb), kLargeFileHint));
   // archives hold NPZ, and no BVH file begins like one
@@ -72,6 +69,14 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
 }
 
 }  // namespace
+
+Result<void> check_no_folder(const std::string& path) {
+  std::error_code ignored;
+  if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
+  return input_failure(
+      path, "expected a motion file, found a directory",
+      "retarget batch " + path + " -o OUT " OPTION("robot") " NAME takes a folder of clips");
+}
 
 Result<Clip> load_clip(const std::string& file, const SourceOptions& options) {
   return load(file, options, false);

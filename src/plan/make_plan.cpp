@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
@@ -72,9 +73,9 @@ Result<void> leave_out_missing(Plan& plan) {
   }
   TRY_ASSIGN(const int dropped, leave_out_bones(plan.mapping, missing));
   if (dropped == 0) return {};
-  plan.notes.push_back(
-      {"partial", fmt::format("{} row{} of the mapping left out, for there is no {}", dropped,
-                              dropped == 1 ? "" : "s", list_names(names))});
+  plan.mapping_notes.push_back(
+      {"partial", fmt::format("{} of the mapping left out, for there is no {}",
+                              count_text(dropped, "row"), list_names(names))});
   return {};
 }
 
@@ -84,11 +85,10 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
   if (plan.lead_in_frames > 0) {
     plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
     const bool one = plan.lead_in_frames == 1;
-    plan.notes.push_back(
-        {"lead-in",
-         fmt::format("{} frame{} in front left out, from which the motion jumps away; " OPTION(
-                         "lead-in") " keep takes {}",
-                     plan.lead_in_frames, one ? "" : "s", one ? "it" : "them")});
+    plan.clip_notes.push_back(
+        {"lead-in", fmt::format("{} in front left out, from which the motion jumps away; " OPTION(
+                                    "lead-in") " keep takes {}",
+                                count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
   }
   const auto& fps = options.time.fps;
   plan.rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
@@ -115,7 +115,6 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.fit = robot.fit;
   // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
   TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
-  plan.doubts = plan.human.calibration.mapping.doubts;
   plan.mapping = robot.mapping_for(plan.human);
   plan.is_mapping_of_others =
       robot.mapping_of_others && plan.mapping.file == robot.mapping_of_others->file;
@@ -134,14 +133,19 @@ Result<Plan> make_plan(Clip clip, const LoadedRobot& robot, const Options& optio
   return make_plan(std::move(clip), setup, options);
 }
 
-std::vector<SummaryLine> Plan::lines() const {
-  std::vector<SummaryLine> lines = {{"taken as", human.calibration.mapping.description}};
-  for (const std::string& note : human.map.notes) lines.push_back({"", note});
-  lines.insert(lines.end(), notes.begin(), notes.end());
-  const std::size_t joints = robot.robot->output_joints().size();
+std::vector<SummaryLine> HumanInClip::lines() const {
+  std::vector<SummaryLine> lines = {{"taken as", calibration.mapping.description}};
+  for (const std::string& note : map.notes) lines.push_back({"", note});
+  return lines;
+}
+
+std::vector<SummaryLine> Plan::robot_lines() const {
+  std::vector<SummaryLine> lines = mapping_notes;
   lines.push_back(
-      {"robot", fmt::format("{}, {} joint{}, limits {}, mapping {}", robot.robot->name(), joints,
-                            joints == 1 ? "" : "s", limits.name, mapping.file)});
+      {"robot",
+       fmt::format("{}, {}, limits {}, mapping {}", robot.robot->name(),
+                   count_text(static_cast<long>(robot.robot->output_joints().size()), "joint"),
+                   limits.name, mapping.file)});
   if (is_mapping_of_others) {
     lines.push_back({"", "the derived mapping, for the source is not LAFAN1; " OPTION(
                              "ik-config") " published takes the published one"});
@@ -152,10 +156,14 @@ std::vector<SummaryLine> Plan::lines() const {
 std::string Plan::summary() const {
   constexpr std::size_t kLabelWidth = 9;
   std::string text;
-  for (const auto& [label, words] : lines()) {
-    text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
+  for (const auto& part : {human.lines(), clip_notes, robot_lines()}) {
+    for (const auto& [label, words] : part) {
+      text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
+    }
   }
-  for (const Warning& doubt : doubts) text += describe(doubt, clip ? clip->name() : "") + "\n";
+  for (const Warning& doubt : human.doubts()) {
+    text += describe(doubt, clip ? clip->name() : "") + "\n";
+  }
   return text;
 }
 

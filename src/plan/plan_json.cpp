@@ -15,6 +15,7 @@
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/memory.h"
+#include "plan/scale_names.h"
 #include "retarget/plan.h"
 #include "retarget/version.h"
 
@@ -22,11 +23,6 @@ namespace retarget {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array<std::pair<HeightScale, const char*>, 3> kScales = {
-    {{HeightScale::kPublished, "table"},
-     {HeightScale::kNormalised, "height"},
-     {HeightScale::kLimbs, "limbs"}}};
 
 template <typename Vector>
 Json numbers(const Vector& values) {
@@ -223,10 +219,9 @@ void read_decisions(const Json& json, Plan& plan, Faults& faults) {
   if (!sound) reader.fault("rate", "is no rate in lowest terms");
   std::string scale;
   reader.take("scale", scale);
-  const auto known =
-      std::ranges::find_if(kScales, [&](const auto& s) { return s.second == scale; });
-  if (known == kScales.end()) return reader.fault("scale", "is none of table, height, limbs");
-  plan.scale = known->first;
+  const auto known = enum_from_name<HeightScale>(scale);
+  if (!known) return reader.fault("scale", "is none of table, height, limbs");
+  plan.scale = *known;
 }
 
 }  // namespace
@@ -243,9 +238,7 @@ std::string plan_json(const Plan& plan) {
   json["part"] = {plan.part.begin, plan.part.end};
   json["lead_in_frames"] = plan.lead_in_frames;
   json["rate"] = {plan.rate.frames, plan.rate.seconds};
-  for (const auto& [scale, name] : kScales) {
-    if (scale == plan.scale) json["scale"] = name;
-  }
+  json["scale"] = enum_name(plan.scale);
   put_name(json, "mapping", plan.mapping.file);
   Json& limits = json["limits"];
   limits["name"] = plan.limits.name;

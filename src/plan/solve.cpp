@@ -86,10 +86,11 @@ Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion&
 Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
   std::shared_ptr<const Clip> clip = plan.clip;
   const bool whole = plan.part == FrameRange{0, clip->frame_count()};
-  const TimeOptions& time = plan.options.time;
-  if (!whole || time.fps) {
+  const bool at_rate = plan.rate == clip->rate();
+  if (!whole || !at_rate) {
     Clip part = whole ? *clip : cut(*clip, plan.part.begin, plan.part.end);
-    if (time.fps) {
+    if (!at_rate) {
+      const TimeOptions& time = plan.options.time;
       auto resampled =
           resample(std::move(part), plan.rate, {time.interpolation, !time.no_antialias});
       if (!resampled) {

@@ -20,22 +20,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// the first line that is about the robot
-auto robot_line(const std::vector<SummaryLine>& lines) {
-  return std::ranges::find_if(
-      lines, [](const auto& line) { return line.label == "partial" || line.label == "robot"; });
-}
-
-void tell_source(const Plan& plan, Observer& observer) {
-  const auto lines = plan.lines();
-  // doubts follow what the human was taken as
-  const auto next = std::find_if(lines.begin() + 1, lines.end(),
-                                 [](const SummaryLine& line) { return !line.label.empty(); });
-  for (auto line = lines.begin(); line != next; ++line) observer.line(line->label, line->text);
-  observer.warn(plan.doubts, plan.clip->name());
-  for (auto line = next; line != robot_line(lines); ++line) observer.line(line->label, line->text);
-}
-
 Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs& outputs,
                               Observer& observer) {
   SolveControl control;
@@ -96,7 +80,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
   TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
   SidecarText sidecar;
   if (request.sidecar) {
-    TRY_ASSIGN(auto read, files_read(run, motion.plan));
+    TRY_ASSIGN(auto read, files_read(run, motion.plan.robot, motion.plan.mapping.file));
     sidecar = [&, read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
       return sidecar_text(run, motion, file, *outcome.quality, read);
     };
@@ -116,6 +100,14 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
 
 }  // namespace
 
+Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data_folder,
+                               Observer& observer, Soles soles) {
+  TRY_ASSIGN(LoadedRobot robot, load_robot(choice, data_folder, soles));
+  observer.lines(robot.notes);
+  observer.warn(robot.warnings, robot.model);
+  return robot;
+}
+
 Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const RobotSetup& robot,
                            Observer& observer) {
   TRY_ASSIGN(Clip clip, load_clip(run.motion, run.options.source));
@@ -123,10 +115,10 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   const SummaryLine read = clip_line(clip);
   observer.line(read.label, read.text);
   TRY_ASSIGN(Plan plan, make_plan(std::move(clip), robot, run.options));
-  tell_source(plan, observer);
-  if (!request.write_map.empty()) {
-    TRY(write_file(request.write_map, format_bone_map(plan.human.map, plan.clip->skeleton())));
-  }
+  observer.lines(plan.human.lines());
+  observer.warn(plan.human.doubts(), plan.clip->name());
+  observer.lines(plan.clip_notes);
+  TRY(save_bone_map(request.write_map, plan.human.map, plan.clip->skeleton()));
   return plan;
 }
 
@@ -134,8 +126,7 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
                                 Observer& observer) {
   const auto start = std::chrono::steady_clock::now();
   TRY_ASSIGN(Plan plan, read_and_plan(run, request, robot, observer));
-  const auto lines = plan.lines();
-  observer.lines({robot_line(lines), lines.end()});
+  observer.lines(plan.robot_lines());
   // from here on who stops it stops between two frames and leaves nothing behind
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,

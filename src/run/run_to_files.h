@@ -33,6 +33,11 @@ struct RunOutcome {
   std::optional<QualityReport> quality;  ///< Where it was asked for.
 };
 
+/// load_robot that tells what was found for it.
+[[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,
+                                             const DataFolder& data_folder, Observer& observer,
+                                             Soles soles = Soles::kFound);
+
 /// Reads the clip of a run and decides what becomes of it; tells what was found
 /// in it.
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,

@@ -12,6 +12,7 @@
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/mapping_files.h"
+#include "plan/scale_names.h"
 #include "provenance/hash.h"
 #include "retarget/version.h"
 #include "run/folder_hash.h"
@@ -40,12 +41,6 @@ Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
   return {};
 }
 
-const char* scale_name(HeightScale scale) {
-  return scale == HeightScale::kPublished    ? "table"
-         : scale == HeightScale::kNormalised ? "height"
-                                             : "limbs";
-}
-
 // what was found in the motion or chosen for it
 Json found_json(const Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
@@ -58,12 +53,12 @@ Json found_json(const Plan& plan) {
   found["forward"] = to_text(calibration.forward);
   found["rest_pose"] = calibration.rest_pose;
   found["height"] = calibration.mapping.height;
-  found["scale"] = scale_name(plan.scale);
+  found["scale"] = enum_name(plan.scale);
   found["limits"] = plan.limits.name;
   found["fps"] = plan.rate.fps();
   found["lead_in_frames"] = plan.lead_in_frames;
   Json doubts = Json::array();
-  for (const Warning& doubt : plan.doubts) {
+  for (const Warning& doubt : plan.human.doubts()) {
     doubts.push_back(spell_options(doubt.message, option_as_flag));
   }
   found["doubts"] = doubts;
@@ -88,13 +83,14 @@ std::string text_of(const Json& json, const char* key) {
 
 }  // namespace
 
-Result<std::vector<ReadFile>> files_read(const Run& run, const Plan& plan) {
-  const std::string& data_folder = plan.robot.data_folder;
+Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
+                                         const std::string& mapping) {
+  const std::string& data_folder = robot.data_folder;
   std::vector<ReadFile> files;
   TRY(add_file(files, "motion", run.motion, data_folder));
-  TRY(add_file(files, "model", plan.robot.model, data_folder));
-  TRY(add_file(files, "profile", plan.robot.profile, data_folder));
-  TRY(add_file(files, "mapping", plan.mapping.file, data_folder));
+  TRY(add_file(files, "model", robot.model, data_folder));
+  TRY(add_file(files, "profile", robot.profile, data_folder));
+  TRY(add_file(files, "mapping", mapping, data_folder));
   Run copy = run;
   for (const Option& row : run_table(copy)) {
     if (row.info.file == OptionFile::kNone || std::ranges::count(kOfTheRobot, row.name)) continue;

@@ -20,7 +20,9 @@ struct ReadFile {
 };
 
 /// All files that decide what a run makes, hashed.
-[[nodiscard]] Result<std::vector<ReadFile>> files_read(const Run& run, const Plan& plan);
+/// @param mapping  the mapping's file that was taken.
+[[nodiscard]] Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
+                                                       const std::string& mapping);
 
 /// The sidecar of one output: docs/formats.md describes its members.
 [[nodiscard]] std::string sidecar_text(const Run& run, const Motion& motion,

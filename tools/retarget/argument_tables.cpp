@@ -192,31 +192,12 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
                .basic = true})};
 }
 
-namespace {
-
-Option memory_row(double& memory_gb) {
-  return row("memory", memory_gb,
-             {.type = "GB",
-              .group = kInputGroup,
-              .help = "Take no motion that would need more memory than this, GB (default: three "
-                      "quarters of what there is)",
-              .least = 0.001,
-              .most = 1e6});
-}
-
-}  // namespace
-
 OptionTable convert_table(ConvertArguments& arguments) {
   OptionTable table = {memory_row(arguments.memory_gb)};
   append(table, reading_table(arguments.reading));
   append(table, robot_table(arguments.robot));
   append(table, time_table(arguments.time));
-  table.push_back(row("output", arguments.output,
-                      {.type = "FILE",
-                       .group = kOutputGroup,
-                       .help = "File to write; - writes standard output",
-                       .basic = true,
-                       .letter = "o"}));
+  table.push_back(output_row(arguments.output));
   append(table, save_table(arguments.save));
   append(table, common_table(arguments.common));
   return table;
@@ -292,9 +273,7 @@ std::set<std::string> advanced_option_names() {
   append(all, compare_table(compare));
   append(all, view_table(view));
   std::set<std::string> names;
-  for (const Option& each : all) {
-    if (!each.info.basic) names.insert(each.name);
-  }
+  for (const Option& each : all) names.insert(each.name);
   for (const Option& each : all) {
     if (each.info.basic) names.erase(each.name);
   }

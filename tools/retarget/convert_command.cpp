@@ -23,8 +23,7 @@ Result<void> check_usage(const ConvertArguments& arguments) {
   run.robot = arguments.robot;
   run.options.save = arguments.save;
   run.output = arguments.output;
-  return check_outputs(run, false,
-                       files_of(run, data_folder_of(arguments.common).value_or(std::string())), {});
+  return check_outputs(run, false, files_read(run, arguments.common), {});
 }
 
 Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes,

@@ -1,7 +1,6 @@
 #include "declare_table.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "base/number_text.h"
@@ -102,10 +101,8 @@ CLI::Validator silent(CLI::Validator validator) {
 
 CLI::Validator number_from(double least, double most) {
   const auto check = [least, most](const std::string& text) -> std::string {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    if (whole && value >= least && value <= most) return {};
+    const auto value = parse_number<double>(text);
+    if (value && *value >= least && *value <= most) return {};
     return "expected a number from " + number_text(least, 3) + " to " + number_text(most, 0) +
            ", found \"" + text + "\"";
   };

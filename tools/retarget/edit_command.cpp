@@ -47,8 +47,7 @@ std::vector<std::string> files_of(const EditArguments& options) {
   run.motion = options.file;
   run.options.source = options.source;
   run.options.human = options.human;
-  std::vector<std::string> files =
-      files_of(run, data_folder_of(options.common).value_or(std::string()));
+  std::vector<std::string> files = files_read(run, options.common);
   files.insert(files.end(), {options.like, options.path.to});
   files.insert(files.end(), options.files.begin(), options.files.end());
   return files;
@@ -89,7 +88,6 @@ class EditRun {
 
   // says what was odd about the file
   Result<Clip> read_clip(const std::string& file, bool skeleton_only = false) {
-    TRY(check_no_folder(file));
     TRY_ASSIGN(Clip clip, skeleton_only ? load_skeleton(file, options_.source)
                                         : load_clip(file, options_.source));
     console_.warn(clip.origin().warnings, clip.name());
@@ -99,12 +97,9 @@ class EditRun {
   Result<EditSource> read_human(Clip clip, const HumanOptions& how, const std::string& write_map) {
     TRY_ASSIGN(const std::string data_folder, data_folder_of(options_.common));
     TRY_ASSIGN(auto human, find_human(clip, how, data_folder));
-    if (!write_map.empty()) {
-      TRY(write_file(write_map, format_bone_map(human.map, clip.skeleton())));
-    }
-    console_.line("taken as", human.calibration.mapping.description);
-    for (const std::string& note : human.map.notes) console_.line("", note);
-    console_.warn(human.calibration.mapping.doubts, clip.name());
+    TRY(save_bone_map(write_map, human.map, clip.skeleton()));
+    console_.lines(human.lines());
+    console_.warn(human.doubts(), clip.name());
     return EditSource{std::move(clip), std::move(human)};
   }
 
@@ -155,9 +150,8 @@ class EditRun {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
     if (!options_.fps.empty()) {
-      const auto fps = rate_from_text(options_.fps);
-      if (!fps) return usage_failure("--fps: " + fps.error().message);
-      if (*fps) timing.rate = frame_rate_from_fps(**fps);
+      TRY_ASSIGN(const auto fps, rate_of(options_.fps));
+      if (fps) timing.rate = frame_rate_from_fps(*fps);
     }
     TRY_ASSIGN(Clip motion, read_clip(options_.file));
     TRY_ASSIGN(auto clip, trim(std::move(motion), options_.part));

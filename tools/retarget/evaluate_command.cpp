@@ -1,12 +1,12 @@
 // `retarget evaluate`: how good robot motions are, held against gates.
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/number_text.h"
 #include "base/printable.h"
 #include "base/suggest.h"
 #include "base/try.h"
@@ -56,8 +56,7 @@ Result<void> check_usage(const EvaluateArguments& arguments) {
   }
   const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
   if (inputs > 1) return usage_failure("standard input can be read once only");
-  std::vector<std::string> read =
-      files_of(run, data_folder_of(arguments.run.common).value_or(std::string()));
+  std::vector<std::string> read = files_read(run, arguments.run.common);
   read.insert(read.end(), arguments.motions.begin(), arguments.motions.end());
   read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
   read.push_back(arguments.run.smpl_file);
@@ -73,9 +72,8 @@ Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
   }
   const std::string_view number = std::string_view(text).substr(equals + 1);
   if (number == "none") return gate;
-  double most = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), most);
-  if (error != std::errc() || end != number.data() + number.size()) {
+  const auto most = parse_number<double>(number);
+  if (!most) {
     return usage_failure("--gate " + gate.metric +
                          "= must be followed by a number or none, found \"" + std::string(number) +
                          "\"");
@@ -128,9 +126,7 @@ Result<Measures> load_measures(const EvaluateArguments& arguments, Console& cons
   TRY(take_smpl_file(with_file));
   Run& run = with_file.run;
   if (!arguments.fps.empty()) {
-    auto fps = rate_from_text(arguments.fps);
-    if (!fps) return usage_failure("--fps: " + fps.error().message);
-    run.options.time.fps = *fps;
+    TRY_ASSIGN(run.options.time.fps, rate_of(arguments.fps));
   }
   Measures measures;
   TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));

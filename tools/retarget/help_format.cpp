@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include "argument_tables.h"
 #include "base/wrapped_text.h"
 
 namespace retarget::cli {
@@ -19,8 +20,7 @@ std::string description_lines(std::string text) {
 
 }  // namespace
 
-HelpFormat::HelpFormat(std::set<std::string> advanced, std::set<std::string> shared)
-    : advanced_(std::move(advanced)), shared_(std::move(shared)) {
+HelpFormat::HelpFormat() {
   column_width(kColumn);
 }
 
@@ -37,7 +37,7 @@ std::string HelpFormat::short_options(const CLI::App* app) const {
   std::size_t hidden = 0;
   const CLI::App* parent = app->get_parent();
   const bool is_part = parent != nullptr && parent->get_parent() != nullptr;
-  const std::set<std::string>& left_out = is_part ? shared_ : advanced_;
+  const std::set<std::string> left_out = is_part ? shared_option_names() : advanced_option_names();
   for (const CLI::Option* option : app->get_options()) {
     if (!option->nonpositional() || option->get_group().empty()) continue;
     if (option->get_required()) {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <set>
 #include <string>
 
 namespace retarget::cli {
@@ -11,9 +10,7 @@ namespace retarget::cli {
 /// options of the command.
 class HelpFormat : public CLI::Formatter {
  public:
-  /// @param advanced  names of the options that --help leaves out,
-  /// @param shared    and of those for parts of a command.
-  HelpFormat(std::set<std::string> advanced, std::set<std::string> shared);
+  HelpFormat();
   [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override;
   [[nodiscard]] std::string make_subcommand(const CLI::App* command) const override;
   [[nodiscard]] std::string make_help(const CLI::App* app, std::string name,
@@ -23,8 +20,6 @@ class HelpFormat : public CLI::Formatter {
 
  private:
   [[nodiscard]] std::string short_options(const CLI::App* app) const;
-
-  std::set<std::string> advanced_, shared_;
 };
 
 }  // namespace retarget::cli

@@ -17,8 +17,7 @@ namespace {
 Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
   TRY_ASSIGN(const std::string data_folder, data_folder_of(arguments.run.common));
   TRY_ASSIGN(auto human, find_human(clip, arguments.run.run.options.human, data_folder));
-  const std::string& write_map = arguments.run.request.write_map;
-  if (!write_map.empty()) TRY(write_file(write_map, format_bone_map(human.map, clip.skeleton())));
+  TRY(save_bone_map(arguments.run.request.write_map, human.map, clip.skeleton()));
   return human;
 }
 
@@ -29,8 +28,7 @@ Result<void> inspect_checked(const InspectArguments& arguments, Console& console
   }
   const Run& run = arguments.run.run;
   TRY(check_written({arguments.positions, arguments.run.request.write_map},
-                    files_of(run, data_folder_of(arguments.run.common).value_or(std::string()))));
-  TRY(check_no_folder(run.motion));
+                    files_read(run, arguments.run.common)));
   TRY_ASSIGN(const Clip clip, arguments.skeleton_only
                                   ? load_skeleton(run.motion, run.options.source)
                                   : load_clip(run.motion, run.options.source));

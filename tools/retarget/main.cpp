@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -91,81 +92,66 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
   return std::nullopt;
 }
 
+// the commands, each with what calls it once it was parsed
+class Commands {
+ public:
+  template <typename Arguments>
+  void add(const CLI::App* command, const Arguments& arguments, const CommonArguments& common,
+           ExitCode (*call)(const Arguments&, Console&)) {
+    calls_.emplace_back(command, [&arguments, &common, call] {
+      Console console(common.quiet);
+      return call(arguments, console);
+    });
+  }
+  // the first one that was parsed; the default command comes last
+  [[nodiscard]] ExitCode call() const {
+    const auto parsed =
+        std::ranges::find_if(calls_, [](const auto& each) { return each.first->parsed(); });
+    return parsed->second();
+  }
+
+ private:
+  std::vector<std::pair<const CLI::App*, std::function<ExitCode()>>> calls_;
+};
+
 int main_with(int argc, char** argv) {
   CLI::App app("Human motion capture to joint trajectories of humanoid robots.", "retarget");
   app.footer(kFooter);
-  app.formatter(std::make_shared<HelpFormat>(advanced_option_names(), shared_option_names()));
-  app.get_help_ptr()->group(kGeneralGroup);
+  app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", [] { return version_text(); })->group(kGeneralGroup);
 
-  RunArguments run_arguments;
-  add_run_options(app, run_arguments);
-  add_run_words(app, run_arguments);
-  BatchArguments batch_arguments;
-  const CLI::App* batch_command = add_batch_command(app, batch_arguments);
-  InspectArguments inspect_arguments;
-  const CLI::App* inspect_command = add_inspect_command(app, inspect_arguments);
-  EditArguments edit_arguments;
-  const CLI::App* edit_command = add_edit_command(app, edit_arguments);
-  EvaluateArguments evaluate_arguments;
-  const CLI::App* evaluate_command = add_evaluate_command(app, evaluate_arguments);
-  ConvertArguments convert_arguments;
-  const CLI::App* convert_command = add_convert_command(app, convert_arguments);
-  CompareArguments compare_arguments;
-  const CLI::App* compare_command = add_compare_command(app, compare_arguments);
-  VerifyArguments verify_arguments;
-  const CLI::App* verify_command = add_verify_command(app, verify_arguments);
-  ViewArguments view_arguments;
-  const CLI::App* view_command = add_view_command(app, view_arguments);
-  RobotsArguments robots_arguments;
-  const CLI::App* robots_command = add_robots_command(app, robots_arguments);
+  RunArguments run_of;
+  add_run_options(app, run_of);
+  add_run_words(app, run_of);
+  Commands commands;
+  BatchArguments batch_of;
+  commands.add(add_batch_command(app, batch_of), batch_of, batch_of.run.common, batch);
+  InspectArguments inspect_of;
+  commands.add(add_inspect_command(app, inspect_of), inspect_of, inspect_of.run.common, inspect);
+  EditArguments edit_of;
+  commands.add(add_edit_command(app, edit_of), edit_of, edit_of.common, edit);
+  EvaluateArguments evaluate_of;
+  commands.add(add_evaluate_command(app, evaluate_of), evaluate_of, evaluate_of.run.common,
+               evaluate);
+  ConvertArguments convert_of;
+  commands.add(add_convert_command(app, convert_of), convert_of, convert_of.common, convert);
+  CompareArguments compare_of;
+  commands.add(add_compare_command(app, compare_of), compare_of, compare_of.common, compare);
+  VerifyArguments verify_of;
+  commands.add(add_verify_command(app, verify_of), verify_of, verify_of.common, verify);
+  ViewArguments view_of;
+  commands.add(add_view_command(app, view_of), view_of, view_of.run.common, view);
+  RobotsArguments robots_of;
+  commands.add(add_robots_command(app, robots_of), robots_of, robots_of.common, robots);
+  commands.add(&app, run_of, run_of.common, run);
 
   app.add_subcommand("help", "The help of a command: retarget help edit path");
-
+  const CLI::App* generate = add_generate_command(app);
   add_help(app);
-  CLI::App* generate = add_generate_command(app);
   refuse_empty_values(app);
   if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
-  if (generate->parsed()) return print_generated(app, *generate);
-  if (batch_command->parsed()) {
-    Console console(batch_arguments.run.common.quiet);
-    return batch(batch_arguments, console);
-  }
-  if (inspect_command->parsed()) {
-    Console console(inspect_arguments.run.common.quiet);
-    return inspect(inspect_arguments, console);
-  }
-  if (edit_command->parsed()) {
-    Console console(edit_arguments.common.quiet);
-    return edit(edit_arguments, console);
-  }
-  if (evaluate_command->parsed()) {
-    Console console(evaluate_arguments.run.common.quiet);
-    return evaluate(evaluate_arguments, console);
-  }
-  if (convert_command->parsed()) {
-    Console console(convert_arguments.common.quiet);
-    return convert(convert_arguments, console);
-  }
-  if (compare_command->parsed()) {
-    Console console(compare_arguments.common.quiet);
-    return compare(compare_arguments, console);
-  }
-  if (verify_command->parsed()) {
-    Console console(verify_arguments.common.quiet);
-    return verify(verify_arguments, console);
-  }
-  if (view_command->parsed()) {
-    Console console(view_arguments.run.common.quiet);
-    return view(view_arguments, console);
-  }
-  if (robots_command->parsed()) {
-    Console console(robots_arguments.common.quiet);
-    return robots(robots_arguments, console);
-  }
-  Console console(run_arguments.common.quiet);
-  return run(run_arguments, console);
+  return generate->parsed() ? print_generated(app, *generate) : commands.call();
 }
 
 }  // namespace

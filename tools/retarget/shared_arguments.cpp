@@ -1,13 +1,14 @@
 #include "shared_arguments.h"
 
-#include <filesystem>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "base/data_folder.h"
 #include "base/try.h"
+#include "options/run_tables.h"
 #include "plan/check_options.h"
+#include "run/run_to_files.h"
+#include "run/written_files.h"
 
 namespace retarget::cli {
 
@@ -28,20 +29,19 @@ Result<void> take_smpl_file(RunArguments& arguments) {
   return {};
 }
 
-Result<void> check_no_folder(const std::string& path) {
-  std::error_code ignored;
-  if (path.empty() || !std::filesystem::is_directory(path, ignored)) return {};
-  return input_failure(path, "expected a motion file, found a directory",
-                       "retarget batch " + path + " -o OUT --robot NAME takes a folder of clips");
+std::vector<std::string> files_read(const Run& run, const CommonArguments& common) {
+  return files_of(run, data_folder_of(common).value_or(std::string()));
+}
+
+Result<std::optional<double>> rate_of(const std::string& fps) {
+  auto rate = rate_from_text(fps);
+  if (!rate) return usage_failure("--fps: " + rate.error().message);
+  return rate;
 }
 
 Result<LoadedRobot> load_robot(const RobotChoice& choice, const CommonArguments& common,
                                Console& console, Soles soles) {
-  TRY_ASSIGN(LoadedRobot robot,
-             retarget::load_robot(choice, DataFolder{common.data_dir, {}}, soles));
-  console.lines(robot.notes);
-  console.warn(robot.warnings, robot.model);
-  return robot;
+  return retarget::load_robot(choice, DataFolder{common.data_dir, {}}, console, soles);
 }
 
 Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common, Console& console) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "console.h"
@@ -16,8 +18,11 @@ namespace retarget::cli {
 /// Makes the file of --smpl the motion; --bvh beside it is refused (kUsage).
 [[nodiscard]] Result<void> take_smpl_file(RunArguments& arguments);
 
-/// Error (kInput): the path is a folder; the hint names the command that takes folders.
-[[nodiscard]] Result<void> check_no_folder(const std::string& path);
+/// Every file that a run reads, as far as it is known before: what must not be written.
+[[nodiscard]] std::vector<std::string> files_read(const Run& run, const CommonArguments& common);
+
+/// What --fps says where it may be left out; nothing: the source's own. kUsage error: no rate.
+[[nodiscard]] Result<std::optional<double>> rate_of(const std::string& fps);
 
 /// Loads the robot of a run and says what was found for it.
 [[nodiscard]] Result<LoadedRobot> load_robot(const RobotChoice& choice,

@@ -104,10 +104,7 @@ Result<void> verify_checked(const VerifyArguments& arguments, Console& console) 
   request.hashes_only = true;
   const auto outcome = run_to_files(run, request, setup, console);
   // which mapping is read is known from the source only
-  Plan plan;
-  plan.robot = setup.loaded;
-  plan.mapping.file = outcome ? outcome->mapping : setup.mapping.file;
-  const auto files = files_read(run, plan);
+  const auto files = files_read(run, setup.loaded, outcome ? outcome->mapping : setup.mapping.file);
   if (!files) return failure(outcome ? files.error() : outcome.error());
   const std::vector<std::string> changed = changes(sidecar, *files);
   for (const std::string& change : changed) console.line("changed", change);

@@ -30,7 +30,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
   if (arguments.motion == "-" && run.motion == "-") {
     return usage_failure("standard input can be read once only");
   }
-  auto inputs = files_of(run, data_folder_of(arguments.run.common).value_or(std::string()));
+  auto inputs = files_read(run, arguments.run.common);
   inputs.push_back(arguments.motion);
   return check_written({run.output, arguments.run.request.write_map}, inputs);
 }
