@@ -156,8 +156,8 @@ std::vector<SummaryLine> Plan::robot_lines() const {
 std::string Plan::summary() const {
   constexpr std::size_t kLabelWidth = 9;
   std::string text;
-  for (const auto& part : {human.lines(), clip_notes, robot_lines()}) {
-    for (const auto& [label, words] : part) {
+  for (const auto& lines : {human.lines(), clip_notes, robot_lines()}) {
+    for (const auto& [label, words] : lines) {
       text += fmt::format("{:<{}}{}\n", label, kLabelWidth, spell_options(words));
     }
   }
