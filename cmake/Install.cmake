@@ -69,5 +69,5 @@ configure_package_config_file(cmake/retargetConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/retargetConfig.cmake
-  ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/FindMuJoCo.cmake
+  ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/FindMuJoCo.cmake cmake/FindLibZip.cmake
   DESTINATION ${retarget_package_folder})

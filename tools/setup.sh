@@ -33,6 +33,7 @@ libcli11-dev       | cli11-devel    | cli11         | cli11         | has_header
 libfmt-dev         | fmt-devel      | fmt           | fmt           | has_header fmt/format.h
 libexpected-dev    | expected-devel | tl-expected   | tl-expected   | has_header tl/expected.hpp
 zlib1g-dev         | zlib-devel     | zlib          | zlib          | has_header zlib.h
+libzip-dev         | libzip-devel   | libzip        | libzip        | has_header zip.h
 libtinyxml2-dev    | tinyxml2-devel | tinyxml2      | tinyxml2      | has_header tinyxml2.h
 libssl-dev         | openssl-devel  | openssl       | openssl@3     | has_header openssl/evp.h ../opt/openssl@3/include/openssl/evp.h
 python3            | python3        | python        | python        | has_command python3

@@ -64,11 +64,10 @@ bool has_control_bytes(std::string_view name) {
 }  // namespace
 
 struct NpzFile::Contents {
-  std::string_view bytes;
   std::string file_name;
   NpzReadOptions options;
-  std::vector<ZipEntry> entries;
-  std::map<std::string, std::size_t, std::less<>> index;  // of each name in entries
+  ZipArchive archive;
+  std::map<std::string, std::size_t, std::less<>> index;  // of each name in the archive
 
   // the error with its file and, where one is meant, its array
   [[nodiscard]] Failure complete(Error error, std::string_view array = {}) const {
@@ -109,7 +108,6 @@ NpzFile::NpzFile(std::shared_ptr<const Contents> contents) : contents_(std::move
 Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
                               const NpzReadOptions& options) {
   auto contents = std::make_shared<Contents>();
-  contents->bytes = bytes;
   contents->file_name = std::move(file_name);
   contents->options = options;
   const auto fault = [&](std::string message, std::string_view hint = {}) {
@@ -121,12 +119,13 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
     if (!bytes.starts_with(foreign.prefix)) continue;
     return fault("expected an NPZ file, found " + std::string(foreign.what), foreign.hint);
   }
-  Result<std::vector<ZipEntry>> entries = read_zip_directory(bytes);
-  if (!entries) return contents->complete(entries.error());
-  contents->entries = std::move(*entries);
+  Result<ZipArchive> archive = ZipArchive::open(bytes);
+  if (!archive) return contents->complete(archive.error());
+  contents->archive = std::move(*archive);
+  const std::vector<ZipEntry>& entries = contents->archive.entries();
 
   std::uint64_t total = 0;
-  for (const ZipEntry& entry : contents->entries) {
+  for (const ZipEntry& entry : entries) {
     // written so that nothing overflows
     total += std::min(entry.size, std::numeric_limits<std::uint64_t>::max() - total);
   }
@@ -137,7 +136,7 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
   }
 
   std::vector<std::string> names;
-  for (const ZipEntry& entry : contents->entries) {
+  for (const ZipEntry& entry : entries) {
     std::string name = entry.name;
     if (name.ends_with(kSuffix)) name.resize(name.size() - kSuffix.size());
     if (has_control_bytes(name)) return fault("the name of an array has control bytes in it");
@@ -169,8 +168,7 @@ Failure NpzFile::no_such_array(std::string_view name) const {
 Result<std::string> NpzFile::type_of(std::string_view name) const {
   const auto place = find(name);
   if (!place) return no_such_array(name);
-  Result<ZipEntryReader> reader =
-      ZipEntryReader::open(contents_->bytes, contents_->entries[*place]);
+  Result<ZipEntryReader> reader = contents_->archive.entry_reader(*place);
   if (!reader) return contents_->complete(reader.error(), name);
   Result<NpyHeader> header =
       read_npy_header([&reader](std::size_t size) { return reader->read(size); });
@@ -181,8 +179,8 @@ Result<std::string> NpzFile::type_of(std::string_view name) const {
 Result<NpyArray> NpzFile::read(std::string_view name) const {
   const auto place = find(name);
   if (!place) return no_such_array(name);
-  const ZipEntry& entry = contents_->entries[*place];
-  Result<ZipEntryReader> reader = ZipEntryReader::open(contents_->bytes, entry);
+  const ZipEntry& entry = contents_->archive.entries()[*place];
+  Result<ZipEntryReader> reader = contents_->archive.entry_reader(*place);
   if (!reader) return contents_->complete(reader.error(), name);
   const Result<NpyHeader> header =
       read_npy_header([&reader](std::size_t size) { return reader->read(size); });
