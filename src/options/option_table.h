@@ -31,7 +31,7 @@ enum class OptionFile : unsigned char {
 struct OptionInfo {
   std::string type =
       {};  ///< What stands for its value in help: `FILE`, `N|source`; empty: choices.
-  std::string group = {};  ///< Of the help text.
+  std::string group = {};  ///< Of the help text; none: a word that is given without a name.
   std::string help = {};   ///< For people, one sentence or two, no full stop.
   double least = std::numeric_limits<double>::lowest();  ///< Of numbers.
   double most = std::numeric_limits<double>::max();
@@ -39,6 +39,7 @@ struct OptionInfo {
   OptionFile file = OptionFile::kNone;
   bool basic = false;       ///< Stands in the short help.
   std::string letter = {};  ///< Short name at the command line; may be empty.
+  bool required = false;    ///< At the command line.
 };
 
 /// An option that is bound to a member of a struct: one row of a table. Everything that is told,
@@ -77,8 +78,8 @@ Option text_option(std::string name, T& member, OptionInfo info, std::string (*t
           }};
 }
 
-/// The row of a member: a bool, a number, a text, a list of texts, an enum with EnumNames, or a list
-/// or an optional of one. The member must outlive the row.
+/// The row of a member: a bool, a number or an optional one, a text, a list of texts, an enum with
+/// named values, or a list or an optional of one. The member must outlive the row.
 template <typename T>
 Option option(std::string name, T& member, OptionInfo info) {
   Option row{std::move(name), std::move(info), {}, false, {}, {}};
@@ -115,6 +116,15 @@ Option option(std::string name, T& member, OptionInfo info) {
         return {};
       };
     }
+  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+    // no choice is a number that no range holds
+    row.get = [&member] {
+      return OptionValue(member.value_or(std::numeric_limits<double>::quiet_NaN()));
+    };
+    row.set = [&member](const OptionValue& value) -> Result<void> {
+      member = std::get<double>(value);
+      return {};
+    };
   } else {
     using Value = std::conditional_t<std::is_same_v<T, int>, std::int64_t, T>;
     row.get = [&member] { return OptionValue(static_cast<Value>(member)); };

@@ -9,9 +9,8 @@ namespace retarget::cli {
 
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a motion file holds");
-  command->add_option("file", arguments.run.run.motion, "BVH or SMPL NPZ; - reads standard input")
-      ->required()
-      ->type_name("FILE");
+  declare(*command, {word("file", arguments.run.run.motion, "FILE",
+                          "BVH or SMPL NPZ; - reads standard input")});
   declare(*command, inspect_table(arguments));
   return command;
 }
@@ -19,10 +18,9 @@ CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command =
       app.add_subcommand("convert", "A robot's motion from one file format to others");
-  command->add_option("input", arguments.input, "CSV, NPZ or pickle; - reads standard input")
-      ->required()
-      ->type_name("IN");
-  command->add_option("out", arguments.output, "File to write, as -o")->type_name("OUT");
+  declare(*command,
+          {word("input", arguments.input, "IN", "CSV, NPZ or pickle; - reads standard input"),
+           word("out", arguments.output, "OUT", "File to write, as -o", false)});
   declare(*command, convert_table(arguments));
   command->get_option("--interpolation")->description("Between frames");
   command->get_option("--no-antialias")
@@ -33,17 +31,16 @@ CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
 CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "compare", "Whether two motions agree, column by column; exit code 1 if not");
-  command->add_option("a", arguments.a, "CSV, NPZ or pickle")->required()->type_name("A");
-  command->add_option("b", arguments.b, "The other")->required()->type_name("B");
+  declare(*command, {word("a", arguments.a, "A", "CSV, NPZ or pickle"),
+                     word("b", arguments.b, "B", "The other")});
   declare(*command, compare_table(arguments));
   return command;
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   CLI::App* command = app.add_subcommand("view", "Draw a robot motion as a strip of poses, SVG");
-  command->add_option("motion", arguments.motion, "CSV, NPZ or pickle; - reads standard input")
-      ->required()
-      ->type_name("MOTION");
+  declare(*command, {word("motion", arguments.motion, "MOTION",
+                          "CSV, NPZ or pickle; - reads standard input")});
   declare(*command, view_table(arguments));
   command->get_option("--output")
       ->description("SVG to write; - writes standard output")
@@ -55,46 +52,38 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   return command;
 }
 
-namespace {
-
-// `retarget robots WORD`
-CLI::App* add_robots_action(CLI::App& robots, RobotsArguments& arguments, RobotsAction action,
-                            const char* name, const char* description) {
-  CLI::App* command = robots.add_subcommand(name, description);
-  command->parse_complete_callback([&arguments, action] { arguments.action = action; });
-  if (action == RobotsAction::kList || action == RobotsAction::kShow) {
-    command->add_flag("--json", arguments.json, "Print JSON")->group(kOutputGroup);
-  }
-  declare(*command, common_table(arguments.common));
-  return command;
-}
-
-}  // namespace
-
 CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
   CLI::App* command = app.add_subcommand("robots", "List, show, check and add robots");
   command->require_subcommand(1);
-  add_robots_action(*command, arguments, RobotsAction::kList, "list", "The robots that are there");
-  CLI::App* show = add_robots_action(*command, arguments, RobotsAction::kShow, "show",
-                                     "A robot's joints, limits, mapping and size");
-  show->add_option("robot", arguments.robot, "Name or folder")->required()->type_name("ROBOT");
-  CLI::App* check = add_robots_action(*command, arguments, RobotsAction::kCheck, "check",
-                                      "Every fault and oddity of a robot; exit code 4 on faults");
-  check->add_option("robot", arguments.robot, "Name, folder or model file")
-      ->required()
-      ->type_name("ROBOT");
-  CLI::App* add = add_robots_action(*command, arguments, RobotsAction::kAdd, "add",
-                                    "Make a robot's folder from a model");
-  add->add_option("name", arguments.robot, "The new robot's name")->required()->type_name("NAME");
-  add->add_option("--model", arguments.model, "MJCF, or URDF; meshes are not needed")
-      ->required()
-      ->type_name("FILE")
-      ->group(kInputGroup);
-  add->add_option("-o,--output", arguments.output, "Folder to put the robot's folder into")
-      ->type_name("DIR")
-      ->capture_default_str()
-      ->group(kOutputGroup);
-  add->add_flag("--force", arguments.force, "Replace a folder that is there")->group(kOutputGroup);
+  const auto add = [&](RobotsAction action, const char* name, const char* help, OptionTable rows) {
+    CLI::App* each = command->add_subcommand(name, help);
+    each->parse_complete_callback([&arguments, action] { arguments.action = action; });
+    append(rows, common_table(arguments.common));
+    declare(*each, rows);
+  };
+  const auto robot = [&](const char* type, const char* help) {
+    return word("robot", arguments.robot, type, help);
+  };
+  const Option json = option("json", arguments.json, {.group = kOutputGroup, .help = "Print JSON"});
+  add(RobotsAction::kList, "list", "The robots that are there", {json});
+  add(RobotsAction::kShow, "show", "A robot's joints, limits, mapping and size",
+      {robot("ROBOT", "Name or folder"), json});
+  add(RobotsAction::kCheck, "check", "Every fault and oddity of a robot; exit code 4 on faults",
+      {robot("ROBOT", "Name, folder or model file")});
+  add(RobotsAction::kAdd, "add", "Make a robot's folder from a model",
+      {word("name", arguments.robot, "NAME", "The new robot's name"),
+       option("model", arguments.model,
+              {.type = "FILE",
+               .group = kInputGroup,
+               .help = "MJCF, or URDF; meshes are not needed",
+               .required = true}),
+       option("output", arguments.output,
+              {.type = "DIR",
+               .group = kOutputGroup,
+               .help = "Folder to put the robot's folder into",
+               .letter = "o"}),
+       option("force", arguments.force,
+              {.group = kOutputGroup, .help = "Replace a folder that is there"})});
   return command;
 }
 

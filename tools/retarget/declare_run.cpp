@@ -13,24 +13,22 @@ void add_run_options(CLI::App& app, RunArguments& arguments) {
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
-  app.add_option("motion", arguments.words[0], "Motion to retarget, BVH or SMPL NPZ by its content")
-      ->type_name("[MOTION]");
-  app.add_option("robot-name", arguments.words[1], "The robot, as --robot")->type_name("[ROBOT]");
+  declare(app, {word("motion", arguments.words[0], "[MOTION]",
+                     "Motion to retarget, BVH or SMPL NPZ by its content", false),
+                word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
 }
 
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "batch", "Retarget folders of clips, all processors, resumable (docs/batch.md)");
-  command
-      ->add_option("inputs", arguments.inputs,
-                   "Files, folders (searched with all below), patterns, or\n@LIST for a file of "
-                   "names; with --merge, further manifests")
-      ->type_name("IN...");
+  declare(*command, {word("inputs", arguments.inputs, "IN...",
+                          "Files, folders (searched with all below), patterns, or @LIST for a file "
+                          "of names; with --merge, further manifests",
+                          false)});
   declare(*command,
           without(run_command_table(arguments.run),
                   {"bvh", "smpl", "write-map", "robot", "output", "report", "memory", "verbose"}));
   declare(*command, batch_table(arguments));
-  command->get_option("--output")->required();
   command->get_option("--without")->allow_extra_args();
   return command;
 }
@@ -38,11 +36,8 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
 CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure robot motions; exit code 1 when a gate is missed (docs/quality.md)");
-  command
-      ->add_option("motions", arguments.motions,
-                   "Robot motions, CSV, NPZ or pickle; - reads standard\ninput")
-      ->required()
-      ->type_name("MOTION...");
+  declare(*command, {word("motions", arguments.motions, "MOTION...",
+                          "Robot motions, CSV, NPZ or pickle; - reads standard input")});
   declare(*command,
           only(run_command_table(arguments.run),
                {"bvh",       "smpl",      "smpl-model",    "lenient",   "root",        "source-fps",
@@ -75,9 +70,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "verify", "Whether the run that a sidecar tells of still gives the same bytes");
-  command->add_option("file", arguments.file, "The sidecar, such as walk.csv.json")
-      ->required()
-      ->type_name("FILE");
+  declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
   declare(*command, common_table(arguments.common));
   return command;
 }

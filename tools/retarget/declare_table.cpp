@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/number_text.h"
 #include "retarget/error.h"
 
 namespace retarget::cli {
@@ -15,9 +14,13 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+bool is_word(const Option& row) {
+  return row.info.group.empty();
+}
+
 // throws what the parser shows as the option's fault
 void set_value(const Option& row, const std::vector<std::string>& words) {
-  const std::string flag = option_as_flag(row.name);
+  const std::string flag = is_word(row) ? row.name : option_as_flag(row.name);
   OptionValue value = words;
   if (!row.is_list()) {
     auto read = option_value(row, words.back());
@@ -29,16 +32,18 @@ void set_value(const Option& row, const std::vector<std::string>& words) {
   if (auto set = row.set(value); !set) throw CLI::ValidationError(flag, set.error().message);
 }
 
-// what the member has without the option, where that is a value that the option may have
+// what the member has without the option, where that is a value that the option may have and the help
+// does not say it in words
 std::string default_text(const Option& row) {
   const OptionValue value = row.get();
-  const bool is_unset = row.is_list() || row.is_flag() || !check_option(row, value);
+  const bool is_unset = row.is_list() || is_word(row) || !check_option(row, value) ||
+                        row.info.help.find("default:") != std::string::npos;
   return is_unset ? std::string() : to_text(value);
 }
 
 void declare(CLI::App& command, const Option& row) {
   const std::string letter = row.info.letter.empty() ? "" : "-" + row.info.letter + ",";
-  const std::string names = letter + option_as_flag(row.name);
+  const std::string names = is_word(row) ? row.name : letter + option_as_flag(row.name);
   const std::string help = spell_options(row.info.help, option_as_flag);
   if (row.is_flag()) {
     command
@@ -55,13 +60,14 @@ void declare(CLI::App& command, const Option& row) {
       },
       help);
   declared->type_name(row.info.type.empty() ? joined(row.choices) : row.info.type)
-      ->group(row.info.group);
+      ->required(row.info.required);
+  if (!is_word(row)) declared->group(row.info.group);
   if (const std::string text = default_text(row); !text.empty()) declared->default_str(text);
   if (!row.is_list()) return;
   declared->type_size(1)
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->take_all()
-      ->allow_extra_args(false);
+      ->allow_extra_args(is_word(row));
   // texts of people have commas
   if (row.info.type.ends_with(",...")) declared->delimiter(',');
 }
@@ -93,20 +99,6 @@ OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names
 OptionTable renamed(OptionTable rows, const char* name) {
   rows.front().name = name;
   return rows;
-}
-
-CLI::Validator silent(CLI::Validator validator) {
-  return validator.description("");
-}
-
-CLI::Validator number_from(double least, double most) {
-  const auto check = [least, most](const std::string& text) -> std::string {
-    const auto value = parse_number<double>(text);
-    if (value && *value >= least && *value <= most) return {};
-    return "expected a number from " + number_text(least, 3) + " to " + number_text(most, 0) +
-           ", found \"" + text + "\"";
-  };
-  return CLI::Validator(check, "");
 }
 
 void refuse_empty_values(CLI::App& app) {

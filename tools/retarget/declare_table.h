@@ -21,14 +21,14 @@ void declare(CLI::App& command, const OptionTable& rows);
 /// A table of one row under another name.
 [[nodiscard]] OptionTable renamed(OptionTable rows, const char* name);
 
+/// The row of a word that is given without an option's name.
+template <typename T>
+Option word(const char* name, T& member, const char* type, const char* help, bool required = true) {
+  return option(name, member, {.type = type, .help = help, .required = required});
+}
+
 /// Longest time that an option may say, seconds: more than any motion, less than any slip.
 inline constexpr double kLongestTime = 1e9;
-
-/// A check without words of its own in the help: the option's own say what it takes.
-[[nodiscard]] CLI::Validator silent(CLI::Validator validator);
-
-/// A finite number in a range, with words of its own where it is not.
-[[nodiscard]] CLI::Validator number_from(double least, double most);
 
 /// Makes an empty word an error in place of a value, in all options of a command and its
 /// subcommands: a shell's variable that is not set must not read as an option left out.

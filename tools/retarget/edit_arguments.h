@@ -33,18 +33,21 @@ struct EditArguments {
   HumanOptions human;
   std::string write_map;
   Edit edit = Edit::kRest;
-  TrimOptions part;
+  PartOptions part{};
   std::string like;             ///< BVH of the skeleton that is wanted.
   double degrees = 0.0;         ///< Of a turn.
   std::string shift;            ///< Of a move, `X,Y` in metres.
   std::optional<double> floor;  ///< Its height, metres; nothing: found.
   std::string fps;              ///< Of TimingOptions::rate; empty: not given.
   TimingOptions timing;
+  Interpolation interpolation = Interpolation::kCubic;
+  bool no_antialias = false;
   LoopOptions loop;
   std::vector<std::string> files;  ///< That are joined.
   std::string search;              ///< Seconds, or `all`; empty: 2, and more without a good seam.
   ConcatenateOptions concat;
-  std::string matrix;  ///< PGM to write; empty: none.
+  std::string matrix;          ///< PGM to write; empty: none.
+  double threshold_cm = 20.0;  ///< Of a seam.
   bool force = false;
   PathChange path;
   RethreadOptions rethread;

@@ -41,6 +41,11 @@ std::string shown_name(const std::string& file) {
   return file == "-" ? "standard input" : file;
 }
 
+TrimOptions part_of(const PartOptions& part) {
+  const auto given = [](double time) { return time < 0.0 ? std::nullopt : std::optional(time); };
+  return {given(part.start_s), given(part.end_s), part.frames};
+}
+
 // every file that an edit reads
 std::vector<std::string> files_of(const EditArguments& options) {
   Run run;
@@ -56,7 +61,10 @@ std::vector<std::string> files_of(const EditArguments& options) {
 class EditRun {
  public:
   EditRun(const EditArguments& options, Console& console)
-      : options_(options), console_(console), file_(shown_name(options.file)) {}
+      : options_(options),
+        console_(console),
+        file_(shown_name(options.file)),
+        part_(part_of(options.part)) {}
 
   // nothing: what was asked for is written already
   Result<std::optional<Clip>> run() {
@@ -111,11 +119,11 @@ class EditRun {
         edit != Edit::kMove && edit != Edit::kPath && !(edit == Edit::kGround && options_.floor);
     TRY_ASSIGN(Clip clip, read_clip(file));
     TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
-    TRY_ASSIGN(source.clip, trim(std::move(source.clip), options_.part));
+    TRY_ASSIGN(source.clip, trim(std::move(source.clip), part_));
     // what looks at the motion as a whole must not take a T-pose in front for a part of it
     const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
                                  edit == Edit::kConcat || edit == Edit::kGround;
-    if (options_.part.begun() || !looks_at_motion) return source;
+    if (part_.begun() || !looks_at_motion) return source;
     // clips that are joined have no --start
     const bool can_start = edit != Edit::kConcat;
     TRY_ASSIGN(source.clip,
@@ -143,10 +151,12 @@ class EditRun {
   Result<Clip> edit_time() {
     const bool resample = options_.edit == Edit::kResample;
     TimingOptions timing = options_.timing;
+    timing.linear = options_.interpolation == Interpolation::kLinear;
+    timing.antialias = !options_.no_antialias;
     if (resample && options_.fps.empty() && !timing.speed) {
       return usage_failure("edit resample needs --fps or --speed");
     }
-    if (!resample && !options_.part.any()) {
+    if (!resample && !part_.any()) {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
     if (!options_.fps.empty()) {
@@ -154,7 +164,7 @@ class EditRun {
       if (fps) timing.rate = frame_rate_from_fps(*fps);
     }
     TRY_ASSIGN(Clip motion, read_clip(options_.file));
-    TRY_ASSIGN(auto clip, trim(std::move(motion), options_.part));
+    TRY_ASSIGN(auto clip, trim(std::move(motion), part_));
     if (!resample) return clip;
     console_.line("source", summary(clip));
     return change_timing(std::move(clip), timing);
@@ -173,8 +183,11 @@ class EditRun {
       case Edit::kTurn:
         return turn_clip(std::move(source.clip), mapping,
                          options_.degrees / 180.0 * std::numbers::pi);
-      case Edit::kLoop:
-        return told(make_loop(source.clip, mapping, options_.loop), file_);
+      case Edit::kLoop: {
+        LoopOptions how = options_.loop;
+        how.seam.threshold = 0.01 * options_.threshold_cm;
+        return told(make_loop(source.clip, mapping, how), file_);
+      }
       case Edit::kMove: {
         TRY_ASSIGN(const auto way, way_from_text(options_.shift));
         return move_clip(std::move(source.clip), mapping, way);
@@ -198,6 +211,7 @@ class EditRun {
 
   Result<Clip> concat() {
     ConcatenateOptions how = options_.concat;
+    how.threshold = 0.01 * options_.threshold_cm;
     TRY(how.search(options_.search));
     const std::vector<std::string>& files = options_.files;
     if (files.size() < 2) return usage_failure("edit concat joins two files or more");
@@ -258,6 +272,7 @@ class EditRun {
   const EditArguments& options_;
   Console& console_;
   const std::string file_;
+  const TrimOptions part_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "declare_table.h"
 #include "options/fit_options.h"
 #include "retarget/version.h"
 
@@ -266,20 +267,18 @@ std::string options_page(const std::vector<Command>& commands) {
 
 }  // namespace
 
-CLI::App* add_generate_command(CLI::App& app) {
+CLI::App* add_generate_command(CLI::App& app, std::string& what) {
   CLI::App* command = app.add_subcommand(
       "generate", "Print completions for a shell, the man page or the page of options");
-  command->add_option("what", "What to print")
-      ->required()
-      ->type_name("bash|zsh|fish|man|options")
-      ->check(CLI::IsMember({"bash", "zsh", "fish", "man", "options"}).description(""));
+  Option row = word("what", what, "", "What to print");
+  row.choices = {"bash", "zsh", "fish", "man", "options"};
+  declare(*command, {row});
   return command;
 }
 
-ExitCode print_generated(const CLI::App& app, const CLI::App& generate) {
+ExitCode print_generated(const CLI::App& app, const std::string& what) {
   std::vector<Command> commands;
   collect(app, "", commands);
-  const std::string what = generate.get_option("what")->as<std::string>();
   const std::string text = what == "bash"   ? bash_script(commands)
                            : what == "zsh"  ? zsh_script(commands)
                            : what == "fish" ? fish_script(commands)

@@ -8,9 +8,9 @@ namespace retarget::cli {
 
 /// `retarget generate bash|zsh|fish|man|options`: completion scripts, the man page and docs/options.md,
 /// from the declarations of all commands.
-CLI::App* add_generate_command(CLI::App& app);
+CLI::App* add_generate_command(CLI::App& app, std::string& what);
 
-/// Prints what the parsed command asks for.
-[[nodiscard]] ExitCode print_generated(const CLI::App& app, const CLI::App& generate);
+/// Prints it.
+[[nodiscard]] ExitCode print_generated(const CLI::App& app, const std::string& what);
 
 }  // namespace retarget::cli

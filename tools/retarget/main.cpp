@@ -97,10 +97,10 @@ class Commands {
  public:
   template <typename Arguments>
   void add(const CLI::App* command, const Arguments& arguments, const CommonArguments& common,
-           ExitCode (*call)(const Arguments&, Console&)) {
-    calls_.emplace_back(command, [&arguments, &common, call] {
+           ExitCode (*command_call)(const Arguments&, Console&)) {
+    calls_.emplace_back(command, [&arguments, &common, command_call] {
       Console console(common.quiet);
-      return call(arguments, console);
+      return command_call(arguments, console);
     });
   }
   // the first one that was parsed; the default command comes last
@@ -146,12 +146,13 @@ int main_with(int argc, char** argv) {
   commands.add(&app, run_of, run_of.common, run);
 
   app.add_subcommand("help", "The help of a command: retarget help edit path");
-  const CLI::App* generate = add_generate_command(app);
+  std::string what;
+  const CLI::App* generate = add_generate_command(app, what);
   add_help(app);
   refuse_empty_values(app);
   if (const auto ended = parse_words(app, argc, argv)) return *ended;
   turn_write_signals_into_errors();
-  return generate->parsed() ? print_generated(app, *generate) : commands.call();
+  return generate->parsed() ? print_generated(app, what) : commands.call();
 }
 
 }  // namespace
