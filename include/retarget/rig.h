@@ -60,7 +60,7 @@ enum class TextForm : unsigned char { kPlain, kJson };
 /// Errors (kConfig): those of load_robot.
 [[nodiscard]] Result<std::string> describe_robot(const RobotSources& robot, TextForm form);
 
-/// A line a robot: name, number of joints, height, description.
+/// A line a robot: name, number of joints, height, description, whether its maker states a licence.
 [[nodiscard]] Result<std::string> describe_robots(std::span<const RobotSources> robots,
                                                   TextForm form);
 

@@ -1,5 +1,7 @@
 #include "plan/mapping_files.h"
 
+#include <algorithm>
+#include <array>
 #include <system_error>
 
 #include "base/option_name.h"
@@ -33,7 +35,9 @@ Result<void> check_look(const fs::path& path) {
 bool is_of_folder(const fs::path& robot_folder, const fs::path& robots) {
   const fs::path parent = robot_folder.parent_path();
   std::error_code ignored;
-  return fs::equivalent(parent.empty() ? fs::path(".") : parent, robots, ignored);
+  return std::ranges::any_of(std::array{robots, robots / "unverified"}, [&](const fs::path& each) {
+    return fs::equivalent(parent.empty() ? fs::path(".") : parent, each, ignored);
+  });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "base/try.h"
 #include "retarget/ik_config.h"
 #include "retarget/rig.h"
+#include "robot/find_robot.h"
 #include "robot/load_robot.h"
 
 namespace retarget {
@@ -193,10 +194,12 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
                    {"joints", joints},
                    {"height_m", heights ? Json(heights->whole) : Json()},
                    {"mapping", !each.mapping.empty()},
-                   {"licence", robot->profile().licence}});
+                   {"licence", robot->profile().licence},
+                   {"licence_stated", !is_unverified(each.model)}});
     text += padded(each.name, 26) + padded(count_text(static_cast<long>(joints), "joint"), 12) +
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
-            robot->profile().description + (each.mapping.empty() ? " (no mapping)" : "") + "\n";
+            robot->profile().description + (each.mapping.empty() ? " (no mapping)" : "") +
+            (is_unverified(each.model) ? " (no stated licence)" : "") + "\n";
   }
   return form == TextForm::kJson ? printable_dump(all) : printable(text);
 }

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kModelFile = "model.xml";
 constexpr const char* kProfileFile = "robot.json";
+constexpr const char* kUnverified = "unverified";
 
 bool is_file(const fs::path& path) {
   std::error_code ignored;
@@ -67,13 +68,14 @@ Result<RobotFiles> files_in(const fs::path& folder, const std::string& name) {
 Result<RobotFiles> find_robot(const std::string& name_or_folder, const fs::path& robots_folder) {
   const fs::path given(name_or_folder);
   if (!name_or_folder.empty()) {
-    for (const fs::path& folder : {robots_folder / given, given}) {
+    for (const fs::path& folder :
+         {robots_folder / given, robots_folder / kUnverified / given, given}) {
       if (is_file(folder / kModelFile)) return files_in(folder, name_or_folder);
     }
   }
   const std::vector<std::string> known = list_robots(robots_folder);
   const std::vector<std::string> called = robots_called(name_or_folder, known);
-  if (called.size() == 1) return files_in(robots_folder / called.front(), called.front());
+  if (called.size() == 1) return find_robot(called.front(), robots_folder);
   if (called.size() > 1) {
     return config_failure(
         "",
@@ -97,13 +99,19 @@ Result<RobotFiles> find_robot(const std::string& name_or_folder, const fs::path&
           "; any other: " OPTION("robot-xml") " FILE " OPTION("ik-config") " FILE");
 }
 
+bool is_unverified(const fs::path& model) {
+  return model.parent_path().parent_path().filename() == kUnverified;
+}
+
 std::vector<std::string> list_robots(const fs::path& robots_folder) {
   std::vector<std::string> names;
-  std::error_code error;
-  const fs::directory_iterator end;
-  for (fs::directory_iterator entry(robots_folder, error); !error && entry != end;
-       entry.increment(error)) {
-    if (is_file(entry->path() / kModelFile)) names.push_back(entry->path().filename().string());
+  for (const fs::path& folder : {robots_folder, robots_folder / kUnverified}) {
+    std::error_code error;
+    const fs::directory_iterator end;
+    for (fs::directory_iterator entry(folder, error); !error && entry != end;
+         entry.increment(error)) {
+      if (is_file(entry->path() / kModelFile)) names.push_back(entry->path().filename().string());
+    }
   }
   std::ranges::sort(names);
   return names;

@@ -18,7 +18,7 @@ struct RobotFiles {
 
 /// The files of a robot that is named or given by its folder.
 ///
-/// @param name_or_folder  a robot in `robots_folder`, else a folder with a model, else a short name:
+/// @param name_or_folder  a robot in `robots_folder` or its `unverified`, else a folder with a model, else a short name:
 ///   words of one robot's name (`g1`, `toddy`, `adam-lite`), in any letter case. Names that end with
 ///   the words go before others: `g1` is unitree_g1 and not unitree_g1_with_hands.
 /// Errors (kConfig): an unknown name suggests the nearest one and lists all, a short name of
@@ -26,8 +26,11 @@ struct RobotFiles {
 [[nodiscard]] Result<RobotFiles> find_robot(const std::string& name_or_folder,
                                             const std::filesystem::path& robots_folder);
 
-/// Names of the robots in a folder, sorted: the folders in it that hold a `model.xml`. Empty for a
-/// folder that is not there.
+/// Whether a robot lies in `unverified`, among those whose makers state no licence (docs/robots.md).
+[[nodiscard]] bool is_unverified(const std::filesystem::path& model);
+
+/// Names of the robots in a folder and in its `unverified`, sorted: the folders in them that hold a
+/// `model.xml`. Empty for a folder that is not there.
 [[nodiscard]] std::vector<std::string> list_robots(const std::filesystem::path& robots_folder);
 
 }  // namespace retarget

@@ -8,7 +8,7 @@ import unittest
 from tool import SOURCE, ToolTest, sample
 
 SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED") or SOURCE.parent / "shared")
-ROBOTS = sorted(path.name for path in (SOURCE / "robots").iterdir() if path.is_dir())
+ROBOTS = sorted(path.parent.name for path in SOURCE.glob("robots/**/model.xml"))
 
 
 class DefaultMotion(ToolTest):

@@ -5,7 +5,7 @@ import unittest
 
 from tool import SOURCE, ToolTest, read_rows, sample, short_clip
 
-K1 = SOURCE / "robots/booster_k1/model.xml"
+K1 = SOURCE / "robots/unverified/booster_k1/model.xml"
 
 
 class Robots(ToolTest):
@@ -15,11 +15,17 @@ class Robots(ToolTest):
         return result.stdout
 
     def test_list_and_show(self):
-        names = sorted(p.parent.name for p in SOURCE.glob("robots/*/model.xml"))
+        names = sorted(p.parent.name for p in SOURCE.glob("robots/**/model.xml"))
         listed = json.loads(self.output_of("list", "--json"))
         self.assertEqual([robot["name"] for robot in listed], names)
         self.assertTrue(all(robot["mapping"] for robot in listed))
-        self.assertEqual(len(self.output_of("list").splitlines()), len(names))
+        lines = self.output_of("list").splitlines()
+        self.assertEqual(len(lines), len(names))
+        for robot, line in zip(listed, lines):
+            unverified = (SOURCE / "robots/unverified" / robot["name"]).is_dir()
+            self.assertEqual(robot["licence_stated"], not unverified)
+            self.assertEqual(line.endswith(" (no stated licence)"), unverified)
+            self.assertEqual(robot["licence"].startswith("none in the folder"), unverified)
         shown = json.loads(self.output_of("show", "unitree_g1", "--json"))
         self.assertEqual(len(shown["joints"]), 29)
         self.assertEqual(shown["joints"][0]["name"], "left_hip_pitch_joint")
@@ -76,7 +82,7 @@ class Robots(ToolTest):
                 self.assertFalse(set("\x1b\x9b\u202e") & set(text), text)
 
     def test_files_that_cannot_be_looked_at_are_not_passed_over(self):
-        for file in (SOURCE / "robots/booster_k1").iterdir():
+        for file in (SOURCE / "robots/unverified/booster_k1").iterdir():
             if file.is_file():
                 self.write(f"mine/{file.name}", file.read_bytes())
         for name in ("robot.json", "ik.json"):
@@ -125,7 +131,7 @@ class Robots(ToolTest):
                          "model")
 
     def test_check_tells_every_fault(self):
-        mapping = (SOURCE / "robots/booster_k1/ik.json").read_text()
+        mapping = (SOURCE / "robots/unverified/booster_k1/ik.json").read_text()
         self.write("odd/model.xml", K1.read_bytes())
         self.write("odd/ik.json", mapping.replace('"Left_Shank"', '"Left_Shnak"')
                    .replace('["RightUpLeg"', '["RightUpLge"'))

@@ -61,6 +61,7 @@ void fuzz_model(std::string_view bytes);
 void fuzz_urdf(std::string_view bytes);
 void fuzz_manifest(std::string_view bytes);
 void fuzz_sidecar(std::string_view bytes);
+void fuzz_plan(std::string_view bytes);
 void fuzz_line(std::string_view bytes);
 
 }  // namespace retarget::fuzz

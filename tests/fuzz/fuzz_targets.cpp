@@ -35,6 +35,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"urdf", fuzz_urdf},
     {"manifest", fuzz_manifest},
     {"sidecar", fuzz_sidecar},
+    {"plan", fuzz_plan},
     {"line", fuzz_line},
 });
 

@@ -8,6 +8,7 @@
 #include "pipeline/retarget.h"
 #include "pipeline/targets.h"
 #include "retarget/motion_io.h"
+#include "robot/find_robot.h"
 #include "support/csv.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
@@ -33,9 +34,8 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     if (!shared) GTEST_SKIP() << kNoSharedFolder;
     shared_ = *shared;
     const fs::path source = RETARGET_SOURCE_DIR;
-    const fs::path folder = source / "robots" / GetParam().robot;
-    const auto robot =
-        load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
+    const auto files = find_robot(GetParam().robot, source / "robots").value();
+    const auto robot = load_robot_files(files.model.string(), files.profile.string());
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
     const std::string mapping = "lafan1_to_" + std::string(GetParam().robot) + ".json";

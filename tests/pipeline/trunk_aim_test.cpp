@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -16,6 +15,7 @@
 #include "math/so3.h"
 #include "pipeline/targets.h"
 #include "retarget/human.h"
+#include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "support/test_robots.h"
 
@@ -57,9 +57,10 @@ struct AimedRobot {
 };
 
 AimedRobot aimed_robot(const std::string& name) {
-  const std::string folder = RETARGET_SOURCE_DIR "/robots/" + name;
-  auto robot = load_robot_files(folder + "/model.xml", folder + "/robot.json").value();
-  const ResolvedMapping tables = load_mapping(folder + "/ik.json", *robot).value();
+  const RobotFiles files = find_robot(name, RETARGET_SOURCE_DIR "/robots").value();
+  auto robot = load_robot_files(files.model.string(), files.profile.string()).value();
+  const ResolvedMapping tables =
+      load_mapping((files.model.parent_path() / "ik.json").string(), *robot).value();
   const RobotLimbs limbs = robot_limbs(*robot, tables).value();
   auto trunk = robot_trunk(*robot, tables, limbs, robot->model_limits()).value();
   const Quaterniond offset = tables.find_task(Bone::kHips)->rotation_offset;
@@ -71,12 +72,7 @@ AimedRobot aimed_robot(const std::string& name) {
 }
 
 std::vector<std::string> robot_names() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(RETARGET_SOURCE_DIR "/robots")) {
-    names.push_back(entry.path().filename().string());
-  }
-  std::ranges::sort(names);
-  return names;
+  return list_robots(RETARGET_SOURCE_DIR "/robots");
 }
 
 class TrunkOf : public ::testing::TestWithParam<std::string> {};

@@ -130,6 +130,35 @@ TEST(FrontDoor, PlansAreWrittenAndReadAgain) {
   }
 }
 
+TEST(FrontDoor, PlansAreUtf8WhateverNamesTheClipHas) {
+  const TemporaryFolder folder;
+  const auto robot = g1();
+  ASSERT_TRUE(robot);
+  // Latin-1, as old files have it, before the names of all joints
+  std::string bvh = content(sample("walk"));
+  for (const std::string word : {"ROOT ", "JOINT "}) {
+    for (std::size_t at = bvh.find(word); at != std::string::npos; at = bvh.find(word, at + 1)) {
+      bvh.insert(at + word.size(), "Andr\xe9:");
+    }
+  }
+  const auto plan =
+      make_plan(load_clip(folder.write("walk.bvh", bvh)).value(), *robot, short_options());
+  ASSERT_TRUE(plan) << describe(plan.error());
+  const std::string text = plan_json(*plan);
+  EXPECT_THAT(text, HasSubstr("\"Andr\xef\xbf\xbd:LeftToe\""));
+  const auto back = load_plan(folder.write("plan.json", text), {kSource, {}});
+  ASSERT_TRUE(back) << describe(back.error());
+  EXPECT_EQ(plan_json(*back), text);
+  // a file whose own text is none is refused at its line
+  std::string wrong = text;
+  wrong.replace(wrong.find("\xef\xbf\xbd"), 3, "\xe9");
+  const auto refused = load_plan(folder.write("plan.json", wrong), {kSource, {}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kConfig);
+  EXPECT_GT(refused.error().location.line, 1U);
+  EXPECT_THAT(refused.error().message, HasSubstr("no valid JSON"));
+}
+
 TEST(FrontDoor, AChangedPlanIsSolvedAsItStands) {
   const TemporaryFolder folder;
   const auto robot = g1();

@@ -36,6 +36,10 @@ std::shared_ptr<const Robot> shipped(const std::string& name) {
   return load_robot_files(files.model.string(), files.profile.string()).value();
 }
 
+fs::path mapping_of(const std::string& name) {
+  return find_robot(name, source_folder() / "robots")->model.parent_path() / "ik.json";
+}
+
 // three seconds of a clip, fifteen frames each
 HumanClip walking(const fs::path& file) {
   const auto dialects = load_dialects(source_folder() / "configs" / "skeletons").value();
@@ -150,7 +154,7 @@ TEST(DerivedMapping, AgreesWithThePublishedOffsets) {
 TEST(ShippedRobots, WalkWithTheirOwnMappings) {
   const HumanClip human = walking(source_folder() / "data" / "walk.bvh");
   for (const std::string& name : list_robots(source_folder() / "robots")) {
-    const fs::path file = source_folder() / "robots" / name / "ik.json";
+    const fs::path file = mapping_of(name);
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
@@ -167,7 +171,7 @@ TEST(ShippedRobots, HaveTheMappingsThatTheToolDerives) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
-    const auto file = read_file((source_folder() / "robots" / name / "ik.json").string());
+    const auto file = read_file(mapping_of(name).string());
     ASSERT_TRUE(file) << describe(file.error());
     EXPECT_EQ(std::string(file->view()), format_ik_tables(derived(*robot, *limbs)))
         << name << ": retarget robots add " << name << " makes the file anew";

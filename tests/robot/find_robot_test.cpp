@@ -126,5 +126,13 @@ TEST(RobotsFolderTest, OursHasTheG1) {
               ::testing::Contains("unitree_g1"));
 }
 
+TEST(RobotsFolderTest, RobotsWithoutAStatedLicenceLieApart) {
+  const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
+  EXPECT_THAT(list_robots(robots), ::testing::Contains("kuavo_s45"));
+  EXPECT_EQ(find_robot("kuavo", robots)->model, robots / "unverified/kuavo_s45/model.xml");
+  EXPECT_TRUE(is_unverified(find_robot("kuavo_s45", robots)->model));
+  EXPECT_FALSE(is_unverified(find_robot("unitree_g1", robots)->model));
+}
+
 }  // namespace
 }  // namespace retarget

@@ -1,5 +1,7 @@
 #include "declare_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -7,12 +9,6 @@
 
 namespace retarget::cli {
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : "|") + word;
-  return text;
-}
 
 bool is_word(const Option& row) {
   return row.info.group.empty();
@@ -59,7 +55,9 @@ void declare(CLI::App& command, const Option& row) {
         return true;
       },
       help);
-  declared->type_name(row.info.type.empty() ? joined(row.choices) : row.info.type)
+  declared
+      ->type_name(row.info.type.empty() ? fmt::format("{}", fmt::join(row.choices, "|"))
+                                        : row.info.type)
       ->required(row.info.required);
   if (!is_word(row)) declared->group(row.info.group);
   if (const std::string text = default_text(row); !text.empty()) declared->default_str(text);
