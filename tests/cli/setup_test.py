@@ -3,6 +3,7 @@
 import hashlib
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -86,6 +87,43 @@ class Wheel(unittest.TestCase):
         for file in ("mujoco.txt", "mujoco_older.txt"):
             text = (SOURCE / "tools" / file).read_text()
             self.assertGreaterEqual(text.count("--hash=sha256:"), 2, file)
+
+
+class TheDocsAgree(unittest.TestCase):
+    """docs/building.md and docs/dependencies.md against the scripts that CI runs."""
+
+    def text(self, name):
+        return (SOURCE / name).read_text(encoding="utf-8")
+
+    def test_the_packages_are_those_that_setup_installs(self):
+        script = self.text("tools/setup.sh")
+        tables = re.findall(r"^readonly k\w*Packages='\n(.*?)'", script, re.DOTALL | re.MULTILINE)
+        self.assertEqual(len(tables), 3)
+        wanted = [row.split("|")[0].strip() for table in tables for row in table.splitlines()]
+        listed = self.text("docs/building.md").split("of developers (`tools/setup.sh`")[1]
+        block = re.search(r"\n\n((?:    .*\n)+)", listed)[1]
+        self.assertEqual(block.split(), wanted)
+
+    def test_every_library_of_cmake_has_its_version_and_reason(self):
+        told = {"Eigen3": "Eigen", "nlohmann_json": "nlohmann-json", "LibZip": "libzip", "ZLIB": "zlib",
+                "OpenSSL": "OpenSSL's libcrypto", "GTest": "GoogleTest", "benchmark": "Google Benchmark",
+                "Python3": "Python 3", "Threads": None}
+        rows = self.text("docs/dependencies.md")
+        for file in ("CMakeLists.txt", "tools/retarget/CMakeLists.txt", "tests/CMakeLists.txt",
+                     "bench/CMakeLists.txt"):
+            for name, version in re.findall(r"find_package\((\S+?)(?: ([\d.]+))?[ )]", self.text(file)):
+                with self.subTest(name):
+                    name = told.get(name, name)
+                    if name:
+                        self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
+
+    def test_ci_runs_the_checks_that_are_told(self):
+        checks = re.search(r"RETARGET_CI_CHECKS-([\w -]+)}", self.text(".ci/run"))[1]
+        page = self.text("docs/building.md")
+        self.assertIn(f"`.ci/run` runs `tools/check.sh {checks}`, then `tools/test.sh`", page)
+        options = re.findall(r"^option\((RETARGET_\w+)", self.text("CMakeLists.txt"), re.MULTILINE)
+        for option in options:
+            self.assertIn(f"| `{option}` |", page)
 
 
 if __name__ == "__main__":
