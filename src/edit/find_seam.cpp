@@ -7,7 +7,7 @@
 
 #include "base/option_name.h"
 #include "edit/pose_distance.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 
 namespace retarget {
 namespace {
@@ -28,7 +28,7 @@ int frames_in(double seconds, const FrameRate& rate) {
   return std::max(1, static_cast<int>(std::lround(std::min(seconds, 1e5) * rate.fps())));
 }
 
-bool has_contacts(const FootContacts& contacts) {
+bool has_contacts(const ContactPlan& contacts) {
   return !contacts.phases[0].empty() || !contacts.phases[1].empty();
 }
 
@@ -46,8 +46,8 @@ class SeamFinder {
         in_b_(b, bones_),
         window_(frames_in(options.window, a.rate)),
         distance_(in_a_, in_b_, window_),
-        contacts_a_(find_foot_contacts(a)),
-        contacts_b_(find_foot_contacts(b)) {
+        contacts_a_(find_contacts(a)),
+        contacts_b_(find_contacts(b)) {
     const int band = frames_in(options.band, a.rate);
     band_a_ = {options.search_all ? 0 : std::max(0, a.frame_count - 1 - band), a.frame_count};
     band_b_ = {0, options.search_all ? b.frame_count : std::min(b.frame_count, band + 1)};
@@ -171,7 +171,7 @@ class SeamFinder {
   const PoseClouds in_a_, in_b_;
   const int window_;  // frames
   const WindowDistance distance_;
-  const FootContacts contacts_a_, contacts_b_;
+  const ContactPlan contacts_a_, contacts_b_;
   SearchBand band_a_, band_b_;
 };
 

@@ -47,7 +47,7 @@ void fade_between(Track& track, const std::vector<bool>& planted, int from, int 
 
 FootStance stance_at(const PlantedFoot& plant, int frame) {
   const auto at = static_cast<std::size_t>(frame - plant.begin);
-  return at < plant.stances.size() ? plant.stances[at] : FootStance::kSole;
+  return at < plant.stances.size() ? plant.stances[at] : FootStance::kOnSole;
 }
 
 // a foot on its toes whose leg would be stretched too far turns about them: the heel comes nearer
@@ -102,7 +102,7 @@ FootOffsets planted_offsets(std::span<const PlantedFoot> plants, int foot, const
       const auto at = static_cast<std::size_t>(i - plant.begin);
       offsets.set(static_cast<std::size_t>(i), plant.world_from_foot[at], leg);
       offsets.planted[i] = true;
-      offsets.heel_up[i] = plant.toes_in_foot && stance_at(plant, i) == FootStance::kToes;
+      offsets.heel_up[i] = plant.toes_in_foot && stance_at(plant, i) == FootStance::kOnToes;
     }
   }
   return offsets;
@@ -116,7 +116,7 @@ void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int
     // little at first, or the foot would jump where its toes come down
     int down = plant.begin == 0 ? ramp : 0;
     for (auto i = static_cast<std::size_t>(plant.begin); std::cmp_less(i, plant.end()); ++i) {
-      if (stance_at(plant, static_cast<int>(i)) == FootStance::kHeel) continue;
+      if (stance_at(plant, static_cast<int>(i)) == FootStance::kOnHeel) continue;
       const double u = static_cast<double>(std::min(++down, ramp)) / ramp;
       const double share = u * u * (3.0 - 2.0 * u);
       const Eigen::Vector3d hip = leg.hips[i] - Eigen::Vector3d(0.0, 0.0, drops[i]);

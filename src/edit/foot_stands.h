@@ -15,7 +15,7 @@ struct FootStand {
 };
 
 /// When the feet of a human stand, left and right. To the contacts of whole feet
-/// (find_foot_contacts) come the frames in which the heel is up and the toes stand yet, or the toes
+/// (find_contacts) come the frames in which the heel is up and the toes stand yet, or the toes
 /// are up and the heel stands already, by the same thresholds; a foot with its toes level with the
 /// ankle or above it lies.
 /// @param same_stand  stands with a shorter break are one, seconds.

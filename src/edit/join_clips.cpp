@@ -3,14 +3,14 @@
 #include <utility>
 
 #include "base/try.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 
 namespace retarget {
 namespace {
 
 ClipFeet feet_of(const Clip& clip, const HumanMapping& mapping, const HumanClip& human) {
   ClipFeet feet;
-  feet.contacts = find_foot_contacts(human);
+  feet.contacts = find_contacts(human);
   const auto legs = find_legs(clip.skeleton(), mapping);
   for (int foot = 0; foot < 2; ++foot) {
     if (legs[foot]) feet.ankles[foot] = ankle_poses(clip, mapping, *legs[foot]);

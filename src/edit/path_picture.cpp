@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/number_text.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "human/human_clip.h"
 #include "retarget/edit.h"
 
@@ -93,7 +93,7 @@ std::vector<Eigen::Vector2d> path_points(const GroundPath& path) {
 
 // soles of planted feet, from ankle to toe
 void draw_feet(Canvas& canvas, const HumanClip& human, const Colours& colours) {
-  const FootContacts contacts = find_foot_contacts(human);
+  const ContactPlan contacts = find_contacts(human);
   for (int foot = 0; foot < 2; ++foot) {
     const Side side = kSides[foot];
     const Bone ankle = side_bone(side, LimbBone::kFoot), toe = side_bone(side, LimbBone::kToe);

@@ -9,7 +9,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "edit/ground_pose.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "math/statistics.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
@@ -22,10 +22,11 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
   // who is there for less than a contact stands if still
   ContactOptions standing;
   standing.shortest = std::min(standing.shortest, clip.frame_count() * clip.rate().frame_time());
-  const FootContacts contacts = find_foot_contacts(to_human(clip, mapping), standing);
+  ContactPlan contacts = find_contacts(to_human(clip, mapping), standing);
   std::array<std::vector<SkeletonPoint>, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
     const Bone bone = side_bone(kSides[foot], LimbBone::kFoot);
+    contacts.phases[foot] = on_floor(std::move(contacts.phases[foot]));
     feet[foot] = points_below(skeleton, mapping.bones[bone].position_joint);
   }
   const Eigen::RowVector3d up = mapping.human_from_source.row(2) * mapping.metres_per_unit;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "human/contact_plan.h"
 #include "human/human_clip.h"
-#include "motion/contact_phases.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
@@ -31,7 +31,7 @@ struct LegJoints {
                                             const LegJoints& leg);
 
 /// What of a foot is on the floor.
-enum class FootStance : std::uint8_t { kHeel, kSole, kToes };
+enum class FootStance : std::uint8_t { kOnHeel, kOnSole, kOnToes };
 
 /// Where a foot has to stand, and when.
 struct PlantedFoot {

@@ -5,8 +5,8 @@
 
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
+#include "human/contact_plan.h"
 #include "human/human_clip.h"
-#include "motion/contact_phases.h"
 #include "retarget/edit.h"
 
 // A seam of two clips, or of a clip with itself: found, blended, feet planted, checked.
@@ -56,7 +56,7 @@ struct SeamRegion {
 /// The feet of one of two clips that are joined.
 struct ClipFeet {
   std::array<std::vector<Pose>, 2> ankles;  ///< Where the clip lies in the result.
-  FootContacts contacts;
+  ContactPlan contacts;
 };
 
 /// The motion over the ground that brings one place of a foot to another, heading and all.

@@ -62,7 +62,7 @@ class TransferredFoot {
   static std::pair<int, int> frames_down(const FootStand& stand) {
     int first = stand.end, last = stand.begin;
     for (int i = stand.begin; i < stand.end; ++i) {
-      if (stand.stances[i - stand.begin] == FootStance::kHeel) continue;
+      if (stand.stances[i - stand.begin] == FootStance::kOnHeel) continue;
       first = std::min(first, i);
       last = i + 1;
     }

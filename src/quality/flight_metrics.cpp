@@ -8,38 +8,32 @@
 namespace retarget {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kFreeFallShare = 0.4;
 
 // how far the lower end of the lower foot is above its standing height
-double clearance(const HumanClip& human, const FootContacts& contacts, int frame) {
+double clearance(const HumanClip& human, const ContactPlan& contacts, int frame) {
   double least = HUGE_VAL;
   const auto look = [&](Bone bone, double standing) {
     if (!human.has(bone)) return;
     least = std::min(least, human.frame(frame)[bone].translation.z() - standing);
   };
-  for (const Bone ankle : {Bone::kLeftFoot, Bone::kRightFoot})
-    look(ankle, contacts.standing_ankle_height);
-  for (const Bone toe : {Bone::kLeftToe, Bone::kRightToe}) look(toe, contacts.standing_toe_height);
+  for (const Bone ankle : {Bone::kLeftFoot, Bone::kRightFoot}) look(ankle, contacts.standing.ankle);
+  for (const Bone toe : {Bone::kLeftToe, Bone::kRightToe}) look(toe, contacts.standing.toe);
   return std::isfinite(least) ? least : 0.0;
 }
 
-bool falls_freely(const HumanClip& human, const SourceFlight& flight) {
-  const int last = flight.end - 1, steps = last - flight.begin;
-  if (!human.has(Bone::kHips) || steps < 2) return false;
-  const auto height = [&](int frame) { return human.frame(frame)[Bone::kHips].translation.z(); };
-  const double first = height(flight.begin), slope = (height(last) - first) / steps;
-  double rise = 0.0;
-  for (int frame = flight.begin; frame <= last; ++frame) {
-    rise = std::max(rise, height(frame) - first - slope * (frame - flight.begin));
+bool hips_fall(const HumanClip& human, const SourceFlight& flight) {
+  if (!human.has(Bone::kHips) || flight.end - flight.begin < 3) return false;
+  std::vector<double> hips;
+  for (int frame = flight.begin; frame < flight.end; ++frame) {
+    hips.push_back(human.frame(frame)[Bone::kHips].translation.z());
   }
-  const double time = steps * human.rate.frame_time();
-  return rise >= kFreeFallShare * kGravity * time * time / 8.0;
+  return falls_freely(hips, human.rate.frame_time(), kFreeFallShare);
 }
 
 }  // namespace
 
-std::vector<SourceFlight> find_flights(const HumanClip& human, const FootContacts& contacts,
+std::vector<SourceFlight> find_flights(const HumanClip& human, const ContactPlan& contacts,
                                        int frames, const ContactOptions& options) {
   std::vector<SourceFlight> flights;
   if (contacts.phases[0].empty() && contacts.phases[1].empty()) return flights;
@@ -53,7 +47,7 @@ std::vector<SourceFlight> find_flights(const HumanClip& human, const FootContact
     if (!now && aloft) {
       flight.end = frame;
       const double time = (flight.end - flight.begin) * human.rate.frame_time();
-      if (time > options.shortest - 1e-9 && falls_freely(human, flight)) flights.push_back(flight);
+      if (time > options.shortest - 1e-9 && hips_fall(human, flight)) flights.push_back(flight);
     }
     aloft = now;
   }

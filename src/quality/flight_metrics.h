@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "human/contact_plan.h"
 #include "human/human_clip.h"
-#include "motion/contact_phases.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
 
@@ -23,7 +23,7 @@ struct SourceFlight {
 /// line between its ends by g T^2 / 8; two fifths of that are asked for, as the hips are not the
 /// centre of mass.
 [[nodiscard]] std::vector<SourceFlight> find_flights(const HumanClip& human,
-                                                     const FootContacts& contacts, int frames,
+                                                     const ContactPlan& contacts, int frames,
                                                      const ContactOptions& options = {});
 
 /// How high the robot's soles come in the source's flights.

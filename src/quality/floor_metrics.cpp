@@ -1,6 +1,7 @@
 #include "quality/floor_metrics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -107,8 +108,10 @@ void add_phase(const Draft& draft, const SoleTrack& track, const ContactPhase& p
   figures.drifts.push_back(std::sqrt(drift2));
 }
 
-const std::vector<ContactPhase>& phases_of(const FootContacts& contacts, const SoleTrack& track) {
-  return contacts.phases[track.sole->side == "left" ? 0 : 1];
+// those of a foot of the source that stand on the floor, of which heights are told
+std::vector<ContactPhase> phases_of(const std::array<std::vector<ContactPhase>, 2>& phases,
+                                    const SoleTrack& track) {
+  return on_floor(phases[track.sole->side == "left" ? 0 : 1]);
 }
 
 // whether the robot's foot stands, by its sole alone
@@ -164,13 +167,13 @@ void measure_bodies(const Draft& draft, const BodyTracks& tracks) {
   measure_self_contact(draft, tracks);
 }
 
-void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootContacts& contacts,
+void measure_contacts(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts,
                       int frames) {
   ContactFigures figures;
   figures.floating.assign(frames, 0);
   FaultList slipping("contact_slip_mean", "m/s"), floating("float_planted_pct", "m");
   for (const SoleTrack& track : tracks.soles) {
-    add_foot(draft, tracks, track, phases_of(contacts, track), figures, slipping);
+    add_foot(draft, tracks, track, phases_of(contacts.phases, track), figures, slipping);
   }
   if (figures.asked == 0) return;
   int afloat = 0;
@@ -192,11 +195,11 @@ void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootCo
   slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 
-void measure_stances(const Draft& draft, const BodyTracks& tracks, const FootContacts& stances) {
+void measure_stances(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts) {
   ContactFigures figures;
   FaultList slipping("stance_slip_mean", "m/s");
   for (const SoleTrack& track : tracks.soles) {
-    for (const ContactPhase& phase : phases_of(stances, track)) {
+    for (const ContactPhase& phase : phases_of(contacts.soles, track)) {
       add_phase(draft, track, phase, figures, slipping);
     }
   }

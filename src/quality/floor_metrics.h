@@ -1,6 +1,6 @@
 #pragma once
 
-#include "motion/contact_phases.h"
+#include "human/contact_plan.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
 
@@ -9,12 +9,12 @@ namespace retarget {
 /// Penetration of the floor, floating, slip of flat feet, self-collision: what needs no source.
 void measure_bodies(const Draft& draft, const BodyTracks& tracks);
 
-/// What the robot's feet do while the source's are planted.
+/// What the robot's feet do while the source's are planted on the floor.
 /// @param frames  of both.
-void measure_contacts(const Draft& draft, const BodyTracks& tracks, const FootContacts& contacts,
+void measure_contacts(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts,
                       int frames);
 
-/// Slip, drift and height of the robot's soles while the source's feet are on theirs.
-void measure_stances(const Draft& draft, const BodyTracks& tracks, const FootContacts& stances);
+/// Slip, drift and height of the robot's soles while the source's feet are on theirs, on the floor.
+void measure_stances(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts);
 
 }  // namespace retarget

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/limit_diagnosis.h"
 #include "quality/at_limit_metrics.h"
@@ -15,25 +15,10 @@
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
-#include "quality/stances.h"
 #include "quality/tracking_metrics.h"
 
 namespace retarget {
 namespace {
-
-// the first frames of a human
-HumanClip first_frames(const HumanClip& human, int frames) {
-  HumanClip part = human;
-  part.frame_count = frames;
-  part.world_from_bone.resize(static_cast<std::size_t>(frames));
-  return part;
-}
-
-FootContacts contacts_of(const HumanClip& human, int frames) {
-  // what stands is learned from the part that is compared
-  return frames == human.frame_count ? find_foot_contacts(human)
-                                     : find_foot_contacts(first_frames(human, frames));
-}
 
 // how far the target of a foot rises when the foot is lifted by a metre
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
@@ -114,9 +99,10 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   if (source != nullptr) {
     const int frames = std::min(clip.frame_count(), source->human->frame_count);
     report.source_frames = frames;
-    const FootContacts contacts = contacts_of(*source->human, frames);
+    // what stands is learned from the part that is compared
+    const ContactPlan contacts = find_contacts(SourceFeet(*source->human, frames));
     measure_contacts(draft, tracks, contacts, frames);
-    measure_stances(draft, tracks, stances_of(*source->human, contacts));
+    measure_stances(draft, tracks, contacts);
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
     if (scale) {
       measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);

@@ -9,7 +9,7 @@ namespace {
 constexpr std::string_view kOwn = "own";
 constexpr std::string_view kNotes = "measurements of the published G1 data";
 constexpr std::string_view kHolosoma = "holosoma evaluation, 1 cm";
-constexpr std::string_view kContacts = "contacts of the source foot: contact_phases.h";
+constexpr std::string_view kContacts = "contacts of the source foot: contact_plan.h";
 
 // steps are between consecutive frames, speeds are steps times the rate
 constexpr auto kMetrics = std::to_array<Metric>({

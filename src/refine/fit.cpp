@@ -90,7 +90,6 @@ class Fit {
 
  private:
   bool read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made);
-  void read_feet(const HumanPose& bones);
   double floor_height(const StandingHeights& standing, double scale) const;
   Result<void> solve(const MadeTargets& made, FitResult& result);
   void keep_bounds(FitReport& report);
@@ -113,12 +112,9 @@ class Fit {
   std::vector<Eigen::Vector3d> path_;  // by frame: what is added to the published targets
 };
 
-// thigh and shank, metres
-double leg_length(const HumanPose& bones, const SourceSides& sides) {
-  const Side side = sides.left ? Side::kLeft : Side::kRight;
-  const auto joint = [&](LimbBone part) { return bones[side_bone(side, part)].translation; };
-  return (joint(LimbBone::kUpLeg) - joint(LimbBone::kLeg)).norm() +
-         (joint(LimbBone::kLeg) - joint(LimbBone::kFoot)).norm();
+// the source's foot that one of the robot's goes after
+int source_foot(const FitFoot& foot) {
+  return foot.left ? 0 : 1;
 }
 
 // the sides on which the source has what foot contacts are found from
@@ -143,18 +139,6 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
   }
 }
 
-void Fit::read_feet(const HumanPose& bones) {
-  for (const FitFoot& foot : model_.feet) {
-    const Side side = foot.left ? Side::kLeft : Side::kRight;
-    const Pose& ankle = bones[side_bone(side, LimbBone::kFoot)];
-    const Pose& toe = bones[side_bone(side, LimbBone::kToe)];
-    // a canonical foot's y axis points up and its z axis sideways while it stands
-    feet_.feet.push_back({ankle.translation, toe.translation,
-                          (toe.rotation * Eigen::Vector3d::UnitY()).z(),
-                          (toe.rotation * Eigen::Vector3d::UnitZ()).z()});
-  }
-}
-
 // @return whether all targets are numbers that can be computed with
 bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
   constexpr double kTooLarge = 1e50;  // metres
@@ -163,17 +147,15 @@ bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets&
   HumanPose bones;
   const std::size_t count = at(made.targets.target_count());
   made.world_from_target.resize(at(info.frame_count) * count);
-  feet_.foot_count = static_cast<int>(model_.feet.size());
-  feet_.frame_time = clip_.frame_time = info.rate.frame_time();
+  feet_ = SourceFeet(info);
+  clip_.frame_time = info.rate.frame_time();
   clip_.frame_count = info.frame_count;
   for (int frame = 0; frame < info.frame_count; ++frame) {
     const auto world_from_target =
         std::span(made.world_from_target).subspan(at(frame) * count, count);
     poser.pose(frame, bones);
     made.targets.build(bones, world_from_target);
-    if (frame == 0 && !model_.feet.empty()) feet_.leg_length = leg_length(bones, sides_);
-    read_feet(bones);
-    if (info.has(Bone::kHips)) feet_.hips.push_back(bones[Bone::kHips].translation.z());
+    feet_.add(bones);
     // the whole robot goes as its feet go: feet that stand stay in one place
     path_.emplace_back((scales.foot - scales.root) * bones[tables_.root_bone].translation);
     for (const FitTask& task : model_.tasks) {
@@ -196,16 +178,16 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
   for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
     const FitTask& task = model_.tasks[k];
     if (task.foot < 0) continue;
+    const int side = source_foot(model_.feet[at(task.foot)]);
     // the target is the scaled ankle but for the mapping's offsets
     std::vector<double> offsets;
     offsets.reserve(at(clip_.frame_count));
     for (int frame = 0; frame < clip_.frame_count; ++frame) {
       offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
-                        scale * feet_.at(frame, task.foot).ankle.z());
+                        scale * feet_.at(frame, side).ankle.z());
     }
-    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-    std::ranges::nth_element(offsets, middle);
-    sum += scale * standing.ankle + *middle - model_.feet[at(task.foot)].body_height;
+    sum += scale * standing.ankle + middle_of(std::move(offsets)) -
+           model_.feet[at(task.foot)].body_height;
     ++count;
   }
   return count == 0 ? 0.0 : sum / count;
@@ -329,12 +311,14 @@ Result<FitResult> Fit::run() {
     TRY(retarget(source_, mapping_, clip_name_, robot_, tables_, first_limits(*robot_, limits_),
                  run_.retarget));
   }
+  result.contacts = find_contacts(feet_, contact_options(options_));
   if (!model_.feet.empty()) {
     const double scale = path_scales(targets).foot;
-    const StandingHeights standing = find_standing_heights(feet_, options_);
-    report.floor_found = standing.found;
-    report.floor_height = floor_height(standing, scale);
-    clip_.feet = plan_feet(feet_, standing, scale, options_);
+    report.floor_found = result.contacts.standing.found;
+    report.floor_height = floor_height(result.contacts.standing, scale);
+    std::vector<int> source_feet;
+    for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
+    clip_.feet = plan_feet(feet_, result.contacts, source_feet, scale);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "human/contact_plan.h"
 #include "human/human_clip.h"
 #include "pipeline/retarget.h"
 #include "retarget/error.h"
@@ -18,7 +19,8 @@ namespace retarget {
 struct FitResult {
   RobotClip clip;
   FitReport report;
-  long steps = 0;  ///< IK steps of the first stage.
+  ContactPlan contacts;  ///< Of the source.
+  long steps = 0;        ///< IK steps of the first stage.
 };
 
 /// How a fit runs.

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "human/source_feet.h"
 #include "retarget/ik_config.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
@@ -70,7 +71,8 @@ struct FitFoot {
   double body_height = 0.0;                             ///< Of the body's origin above the sole.
   int body = 0;
 };
-inline constexpr int kHeel = 0, kToe = 1;
+
+inline constexpr int kHeel = kHeelEnd, kToe = kToeEnd;
 
 /// A collision shape as a point, line, rectangle or box with a radius around it.
 struct RoundedShape {

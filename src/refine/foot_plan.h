@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "human/contact_plan.h"
 #include "refine/frame_terms.h"
-#include "refine/source_feet.h"
 #include "retarget/options.h"
 
 namespace retarget {
@@ -27,14 +27,13 @@ struct FootPlan {
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
 };
 
-/// Learned from slow feet near the lowest height that have the pitch of a standing foot: clips in
-/// which people lie have lower toes than those they stand on.
-[[nodiscard]] StandingHeights find_standing_heights(const SourceFeet& source,
-                                                    const FitOptions& options);
+/// When feet count as planted, as a fit's options have it.
+[[nodiscard]] ContactOptions contact_options(const FitOptions& options);
 
-/// Contact phases of heels and toes, and their clearances.
-/// @param scale  of the robot's foot paths against the source's.
-[[nodiscard]] FootPlan plan_feet(const SourceFeet& source, const StandingHeights& standing,
-                                 double scale, const FitOptions& options);
+/// What the robot's feet do for the source's contacts, and their clearances where there are none.
+/// @param source_feet  of each foot of the robot, the source's: 0 left, 1 right.
+/// @param scale        of the robot's foot paths against the source's.
+[[nodiscard]] FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+                                 std::span<const int> source_feet, double scale);
 
 }  // namespace retarget

@@ -7,7 +7,7 @@
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit_sample.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "math/statistics.h"
 #include "retarget/edit.h"
 #include "support/shared_data.h"
@@ -153,7 +153,7 @@ struct StepFacts {
   double slip = 0.0;         // mean speed over the floor, m/s
 };
 
-StepFacts steps_of(const HumanClip& human, const FootContacts& contacts) {
+StepFacts steps_of(const HumanClip& human, const ContactPlan& contacts) {
   std::vector<double> strides, speeds;
   for (int foot = 0; foot < 2; ++foot) {
     const Bone bone = *bone_from_name(foot == 0 ? "LeftFoot" : "RightFoot");
@@ -177,7 +177,7 @@ TEST(Rethreading, AStraightWalkAlongACircle) {
   const PathMotion own = path_of(sample);
   const GroundPath circle = circle_path(own.path.at(0.0), 3.0, own.path.length());
   const Rethreaded round = follow(sample, circle);
-  const FootContacts contacts = find_foot_contacts(sample.human());
+  const ContactPlan contacts = find_contacts(sample.human());
   const StepFacts before = steps_of(sample.human(), contacts);
   const StepFacts after = steps_of(sample.human_of(round.clip), contacts);
   EXPECT_NEAR(after.mean_stride / before.mean_stride, 1.0, 0.02);
@@ -209,7 +209,7 @@ TEST(Rethreading, PlantingHoldsTheFeet) {
   const PathMotion own = path_of(sample);
   const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
   const Rethreaded round = follow(sample, tight);
-  const FootContacts contacts = find_foot_contacts(sample.human());
+  const ContactPlan contacts = find_contacts(sample.human());
   EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
   Clip slid = sample.clip;
   const auto mover = BodyMover::of(slid, sample.mapping).value();
@@ -246,7 +246,7 @@ TEST(Rethreading, FeetStandAtAKeptSpeed) {
   const PathMotion own = path_of(sample);
   const GroundPath longer = circle_path(own.path.at(0.0), 1.5, 1.6 * own.path.length());
   const HumanClip slow = sample.human_of(follow(sample, longer, PathKeep::kSpeed).clip);
-  const StepFacts steps = steps_of(slow, find_foot_contacts(slow));
+  const StepFacts steps = steps_of(slow, find_contacts(slow));
   EXPECT_LT(steps.slip, 0.02);
   EXPECT_GT(steps.mean_stride, 1.5);
 }

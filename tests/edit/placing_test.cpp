@@ -7,7 +7,7 @@
 #include "base/option_name.h"
 #include "edit/ground_pose.h"
 #include "edit_sample.h"
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "retarget/edit.h"
 
 namespace retarget {
@@ -140,7 +140,7 @@ TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   const Clip part = cut(sample.clip, 100, 181);
   const Loop loop = make_loop(part, sample.mapping, options).value();
   const HumanClip human = sample.human_of(loop.clip), source = sample.human_of(part);
-  const FootContacts contacts = find_foot_contacts(source);
+  const ContactPlan contacts = find_contacts(source);
   int seen = 0;
   const double floor = floor_height(sample.clip, sample.mapping).value();
   EXPECT_NEAR(floor_height(loop.clip, sample.mapping).value(), floor, 0.01);

@@ -8,7 +8,7 @@
 #include <functional>
 #include <tuple>
 
-#include "human/foot_contacts.h"
+#include "human/contact_plan.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -51,7 +51,7 @@ double thrown(int frame) {
 
 TEST(Flights, AreFoundWithTheirPeaks) {
   const HumanClip human = raised_human(90, thrown, thrown);
-  const auto flights = find_flights(human, find_foot_contacts(human), 90);
+  const auto flights = find_flights(human, find_contacts(human), 90);
   ASSERT_EQ(flights.size(), 1U);
   EXPECT_GE(flights[0].begin, 31);
   EXPECT_LE(flights[0].end, 42);
@@ -61,7 +61,7 @@ TEST(Flights, AreFoundWithTheirPeaks) {
 TEST(Flights, FeetThatAreLiftedWhileSeatedAreNone) {
   const HumanClip human = raised_human(
       90, [](int) { return -0.3; }, thrown);
-  EXPECT_TRUE(find_flights(human, find_foot_contacts(human), 90).empty());
+  EXPECT_TRUE(find_flights(human, find_contacts(human), 90).empty());
 }
 
 TEST(Flights, ThePeaksOfTheSolesAreHeldAgainstTheScaledOnes) {
@@ -74,7 +74,7 @@ TEST(Flights, ThePeaksOfTheSolesAreHeldAgainstTheScaledOnes) {
     tracks.lowest_sole.push_back({0.8 * thrown(frame) - (frame == 36 ? 0.0 : 0.01), sole.body});
   }
   const HumanClip human = raised_human(90, thrown, thrown);
-  const auto flights = find_flights(human, find_foot_contacts(human), 90);
+  const auto flights = find_flights(human, find_contacts(human), 90);
   for (const auto& [scale, wanted] :
        {std::pair{0.8, 0.0}, {0.9, 10.0 * thrown(36)}, {0.75, 5.0 * thrown(36)}}) {
     QualityReport report;

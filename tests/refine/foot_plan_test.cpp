@@ -41,8 +41,7 @@ FootPlace step(double t) {
 }
 
 FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
-  const FitOptions options;
-  return plan_feet(feet, find_standing_heights(feet, options), scale, options);
+  return plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale);
 }
 
 TEST(FootPlan, FindsTheHeightsAtWhichFeetStand) {

@@ -1,4 +1,4 @@
-#include "motion/contact_phases.h"
+#include "human/contact_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +14,33 @@ using ::testing::IsEmpty;
 constexpr double kLeg = 0.85;
 constexpr FrameRate kRate{30, 1};
 
+// paths of a foot's joints; empty: it has none
+struct FootTrack {
+  std::vector<Eigen::Vector3d> ankle, toe;
+};
+
+ContactPlan contacts_of(const std::array<FootTrack, 2>& tracks, double leg, const FrameRate& rate,
+                        const ContactOptions& options = {}) {
+  SourceFeet feet;
+  feet.frame_time = rate.frame_time();
+  feet.foot_count = 2;
+  feet.legs = {leg};
+  std::size_t frames = 0;
+  for (const std::size_t foot : {0, 1}) {
+    feet.has_ankle[foot] = !tracks[foot].ankle.empty();
+    feet.has_toe[foot] = !tracks[foot].toe.empty();
+    frames = std::max(frames, tracks[foot].ankle.size());
+  }
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    for (const FootTrack& track : tracks) {
+      SourceFoot& foot = feet.feet.emplace_back();
+      if (!track.ankle.empty()) foot.ankle = track.ankle[frame];
+      if (!track.toe.empty()) foot.toe = track.toe[frame];
+    }
+  }
+  return find_contacts(feet, options);
+}
+
 FootTrack standing_foot(int frames, double side) {
   FootTrack foot;
   foot.ankle.assign(frames, {0.0, side, 0.08});
@@ -25,32 +52,32 @@ std::array<FootTrack, 2> standing_feet(int frames) {
   return {standing_foot(frames, 0.1), standing_foot(frames, -0.1)};
 }
 
-TEST(ContactPhases, StandingFeetArePlantedThroughout) {
-  const FootContacts contacts = find_contact_phases(standing_feet(30), kLeg, kRate);
+TEST(ContactPlan, StandingFeetArePlantedThroughout) {
+  const ContactPlan contacts = contacts_of(standing_feet(30), kLeg, kRate);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 30}));
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 30}));
   EXPECT_DOUBLE_EQ(contacts.scale, 1.0);
-  EXPECT_DOUBLE_EQ(contacts.standing_toe_height, 0.02);
-  EXPECT_DOUBLE_EQ(contacts.standing_ankle_height, 0.08);
+  EXPECT_DOUBLE_EQ(contacts.standing.toe, 0.02);
+  EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.08);
   EXPECT_TRUE(contacts.planted(0, 0));
   EXPECT_TRUE(contacts.planted(1, 29));
   EXPECT_FALSE(contacts.planted(1, 30));
 }
 
-TEST(ContactPhases, TheStandingAnkleHeightIsLearnedFromTheClip) {
+TEST(ContactPlan, TheStandingAnkleHeightIsLearnedFromTheClip) {
   auto feet = standing_feet(30);
   for (auto& foot : feet) {
     for (auto& ankle : foot.ankle) ankle.z() = 0.20;  // high heels
   }
-  const FootContacts contacts = find_contact_phases(feet, kLeg, kRate);
-  EXPECT_DOUBLE_EQ(contacts.standing_ankle_height, 0.20);
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
+  EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.20);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 30}));
 }
 
-TEST(ContactPhases, AFootOnItsSideIsNotPlanted) {
+TEST(ContactPlan, AFootOnItsSideIsNotPlanted) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[0].ankle[i].z() = 0.03;
-  const FootContacts contacts = find_contact_phases(feet, kLeg, kRate);
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
   // the frame before it falls is fast already
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 39}));
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 60}));
@@ -68,25 +95,25 @@ std::array<FootTrack, 2> gliding_feet(double speed) {
   return feet;
 }
 
-TEST(ContactPhases, SpeedsHaveHysteresis) {
+TEST(ContactPlan, SpeedsHaveHysteresis) {
   const auto phases = [](double speed) {
-    return find_contact_phases(gliding_feet(speed), kLeg, kRate).phases[0];
+    return contacts_of(gliding_feet(speed), kLeg, kRate).phases[0];
   };
   EXPECT_THAT(phases(0.24), ElementsAre(ContactPhase{0, 60}));
   // central differences: half the speed in frames 20 and 40, so that these still belong to it
   EXPECT_THAT(phases(0.26), ElementsAre(ContactPhase{0, 21}, ContactPhase{40, 60}));
 }
 
-TEST(ContactPhases, AContactBeginsOnlyBelowTheLowerThresholds) {
+TEST(ContactPlan, AContactBeginsOnlyBelowTheLowerThresholds) {
   auto feet = standing_feet(60);
   for (int i = 0; i < 30; ++i) feet[0].toe[i].z() = feet[0].ankle[i].z() = 0.11;
   for (int i = 30; i < 60; ++i) feet[0].toe[i].z() = feet[0].toe[i].z() + 0.05;
   feet[0].ankle.assign(60, {0.0, 0.1, 0.08});
   // 5 cm is near enough to stay planted, not to become so
-  EXPECT_THAT(find_contact_phases(feet, kLeg, kRate).phases[0], IsEmpty());
+  EXPECT_THAT(contacts_of(feet, kLeg, kRate).phases[0], IsEmpty());
 }
 
-TEST(ContactPhases, ShortContactsAreNone) {
+TEST(ContactPlan, ShortContactsAreNone) {
   for (const int length : {2, 3}) {
     auto feet = standing_feet(30);
     for (int i = 0; i < 30; ++i) {
@@ -95,7 +122,7 @@ TEST(ContactPhases, ShortContactsAreNone) {
     // a foot that jumps is fast in the frames beside: only the height moves here, slowly told
     ContactOptions options;
     options.begin_speed = options.end_speed = 100.0;
-    const FootContacts contacts = find_contact_phases(feet, kLeg, kRate, options);
+    const ContactPlan contacts = contacts_of(feet, kLeg, kRate, options);
     if (length == 2) {
       EXPECT_THAT(contacts.phases[1], IsEmpty());
     } else {
@@ -104,19 +131,18 @@ TEST(ContactPhases, ShortContactsAreNone) {
   }
 }
 
-TEST(ContactPhases, TheShortestTimeHoldsAtEveryRate) {
+TEST(ContactPlan, TheShortestTimeHoldsAtEveryRate) {
   // a tenth of a second in whole frames, rounded up: 24 fps 3, 60 fps 6, 120 fps 12
   for (const auto& [fps, frames] : {std::pair{24, 3}, {30, 3}, {60, 6}, {120, 12}, {7, 1}}) {
     const FrameRate rate{fps, 1};
-    EXPECT_THAT(find_contact_phases(standing_feet(frames), kLeg, rate).phases[0],
+    EXPECT_THAT(contacts_of(standing_feet(frames), kLeg, rate).phases[0],
                 ElementsAre(ContactPhase{0, frames}))
         << fps;
-    EXPECT_THAT(find_contact_phases(standing_feet(frames - 1), kLeg, rate).phases[0], IsEmpty())
-        << fps;
+    EXPECT_THAT(contacts_of(standing_feet(frames - 1), kLeg, rate).phases[0], IsEmpty()) << fps;
   }
 }
 
-TEST(ContactPhases, LengthsScaleWithTheLeg) {
+TEST(ContactPlan, LengthsScaleWithTheLeg) {
   // a child of half the size, moving alike
   auto feet = gliding_feet(0.26);
   for (auto& foot : feet) {
@@ -124,37 +150,37 @@ TEST(ContactPhases, LengthsScaleWithTheLeg) {
       for (auto& point : *track) point *= 0.5;
     }
   }
-  const FootContacts contacts = find_contact_phases(feet, 0.5 * kLeg, kRate);
+  const ContactPlan contacts = contacts_of(feet, 0.5 * kLeg, kRate);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 21}, ContactPhase{40, 60}));
   EXPECT_DOUBLE_EQ(contacts.scale, 0.5);
 }
 
-TEST(ContactPhases, VeryShortClips) {
+TEST(ContactPlan, VeryShortClips) {
   ContactOptions any;
   any.shortest = 0.0;
   for (const int frames : {1, 2}) {
     const auto feet = standing_feet(frames);
-    EXPECT_THAT(find_contact_phases(feet, kLeg, kRate).phases[0], IsEmpty());
-    EXPECT_THAT(find_contact_phases(feet, kLeg, kRate, any).phases[0],
+    EXPECT_THAT(contacts_of(feet, kLeg, kRate).phases[0], IsEmpty());
+    EXPECT_THAT(contacts_of(feet, kLeg, kRate, any).phases[0],
                 ElementsAre(ContactPhase{0, frames}));
   }
-  EXPECT_THAT(find_contact_phases({}, kLeg, kRate).phases[0], IsEmpty());
+  EXPECT_THAT(contacts_of({}, kLeg, kRate).phases[0], IsEmpty());
 }
 
-TEST(ContactPhases, FeetWithoutToesAreJudgedByTheirAnkles) {
+TEST(ContactPlan, FeetWithoutToesAreJudgedByTheirAnkles) {
   auto feet = gliding_feet(0.26);
   for (auto& foot : feet) foot.toe.clear();
-  const FootContacts contacts = find_contact_phases(feet, kLeg, kRate);
-  EXPECT_DOUBLE_EQ(contacts.standing_ankle_height, 0.08);
-  EXPECT_DOUBLE_EQ(contacts.standing_toe_height, 0.02);
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
+  EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.08);
+  EXPECT_DOUBLE_EQ(contacts.standing.toe, 0.02);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 21}, ContactPhase{40, 60}));
 
   // one foot is enough to learn from
   auto mixed = standing_feet(30);
   mixed[1].toe.clear();
-  EXPECT_THAT(find_contact_phases(mixed, kLeg, kRate).phases[1], ElementsAre(ContactPhase{0, 30}));
+  EXPECT_THAT(contacts_of(mixed, kLeg, kRate).phases[1], ElementsAre(ContactPhase{0, 30}));
   mixed[1].ankle.clear();
-  EXPECT_THAT(find_contact_phases(mixed, kLeg, kRate).phases[1], IsEmpty());
+  EXPECT_THAT(contacts_of(mixed, kLeg, kRate).phases[1], IsEmpty());
 }
 
 }  // namespace

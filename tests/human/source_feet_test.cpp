@@ -1,7 +1,9 @@
-#include "human/foot_contacts.h"
+#include "human/source_feet.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "human/contact_plan.h"
 
 namespace retarget {
 namespace {
@@ -31,34 +33,34 @@ HumanClip standing_human(int frames, double left_leg) {
   return human;
 }
 
-TEST(FootContacts, OfAStandingHuman) {
+TEST(SourceFeet, OfAStandingHuman) {
   const HumanClip human = standing_human(10, 0.8);
   EXPECT_DOUBLE_EQ(leg_length(human), 0.8);
-  const FootContacts contacts = find_foot_contacts(human);
+  const ContactPlan contacts = find_contacts(human);
   EXPECT_DOUBLE_EQ(contacts.scale, 0.8 / 0.85);
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 10}));
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 10}));
 }
 
-TEST(FootContacts, WithoutBones) {
+TEST(SourceFeet, WithoutBones) {
   HumanClip human = standing_human(10, 0.8);
   human.sources[Bone::kLeftToe].clear();
   human.sources[Bone::kRightToe].clear();
-  EXPECT_THAT(find_foot_contacts(human).phases[0], ElementsAre(ContactPhase{0, 10}));
+  EXPECT_THAT(find_contacts(human).phases[0], ElementsAre(ContactPhase{0, 10}));
 
   human.sources[Bone::kLeftFoot].clear();
   EXPECT_DOUBLE_EQ(leg_length(human), 0.9);
-  EXPECT_THAT(find_foot_contacts(human).phases[0], IsEmpty());
-  EXPECT_THAT(find_foot_contacts(human).phases[1], ElementsAre(ContactPhase{0, 10}));
+  EXPECT_THAT(find_contacts(human).phases[0], IsEmpty());
+  EXPECT_THAT(find_contacts(human).phases[1], ElementsAre(ContactPhase{0, 10}));
 
   human.sources[Bone::kRightLeg].clear();
-  EXPECT_THAT(find_foot_contacts(human).phases[1], IsEmpty());
+  EXPECT_THAT(find_contacts(human).phases[1], IsEmpty());
 }
 
-TEST(FootContacts, OfAnEmptyClip) {
+TEST(SourceFeet, OfAnEmptyClip) {
   HumanClip human = standing_human(0, 0.8);
   EXPECT_EQ(leg_length(human), 0.0);
-  EXPECT_THAT(find_foot_contacts(human).phases[0], IsEmpty());
+  EXPECT_THAT(find_contacts(human).phases[0], IsEmpty());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Feet that stand, and feet that lie where others stand.
 
-#include "quality/stances.h"
+#include "human/contact_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,17 +39,25 @@ HumanClip human_with_left_foot(int frames, const Eigen::Vector3d& axis, const Tu
   return human;
 }
 
-FootContacts planted(int begin, int end) {
-  FootContacts contacts;
-  contacts.phases[0] = {{begin, end}};
-  contacts.phases[1] = {{begin, end}};
-  return contacts;
+struct Stances {
+  std::array<std::vector<ContactPhase>, 2> phases;  // of the left and the right foot
+};
+
+ContactPhase planted(int begin, int end) {
+  return {begin, end};
+}
+
+// of a human both of whose feet are planted in those frames
+Stances stances_of(const HumanClip& human, const ContactPhase& phase) {
+  const SourceFeet feet(human, human.frame_count);
+  const double shortest = ContactOptions().shortest;
+  return {{phases_on_sole(feet, 0, {phase}, shortest), phases_on_sole(feet, 1, {phase}, shortest)}};
 }
 
 TEST(Stances, AreTheContactsOfFeetThatStand) {
   const HumanClip human =
       human_with_left_foot(30, Eigen::Vector3d::UnitY(), [](int) { return 40.0; });
-  const FootContacts found = stances_of(human, planted(3, 20));
+  const Stances found = stances_of(human, planted(3, 20));
   EXPECT_THAT(found.phases[0], ElementsAre(ContactPhase{3, 20}));
   EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
 }
@@ -59,7 +67,7 @@ TEST(Stances, AreNoneOfFeetOnTheInstepOrTheEdge) {
        {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0)}) {
     for (const double angle : {45.0, 90.0, 170.0}) {
       const HumanClip human = human_with_left_foot(30, axis, [&](int) { return angle; });
-      const FootContacts found = stances_of(human, planted(3, 20));
+      const Stances found = stances_of(human, planted(3, 20));
       EXPECT_THAT(found.phases[0], IsEmpty()) << axis.transpose() << ", " << angle;
       EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
     }

@@ -1,0 +1,274 @@
+#include "human/contact_plan.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "math/statistics.h"
+
+namespace retarget {
+namespace {
+
+// height of the up vector of a heel and a toe that may be on the floor, and of the vector to the side
+// of that toe
+constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
+constexpr double kShortestLevel = 1.0 / 6.0;  // seconds
+// metres by which heel and toe may differ on something flat
+constexpr double kFlat = 0.03;
+// what one end of a foot stands on: a raised stance's index, or
+constexpr int kNothing = -2, kFloor = -1;
+
+// a time in which a whole foot is still above the floor, by the heights of what is under its ends
+struct RaisedStance {
+  int begin = 0, end = 0;
+  std::array<double, 2> height{};
+};
+
+// runs of frames with equal keys
+template <typename KeyOf, typename Take>
+void for_each_run(int begin, int end, const KeyOf& key_of, const Take& take) {
+  for (int last = begin; begin < end; begin = last) {
+    while (last < end && key_of(last) == key_of(begin)) ++last;
+    take(begin, last);
+  }
+}
+
+// one foot of a source whose standing heights are known
+class FootContactFinder {
+ public:
+  FootContactFinder(const SourceFeet& source, const ContactPlan& plan,
+                    const ContactOptions& options, int foot)
+      : source_(source),
+        standing_(plan.standing),
+        options_(options),
+        size_(plan.scale),
+        foot_(foot),
+        frames_(source.frame_count()),
+        stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kNothing),
+                   std::vector<int>(static_cast<std::size_t>(frames_), kNothing)} {}
+
+  [[nodiscard]] std::array<EndContacts, 2> run() {
+    std::array<EndContacts, 2> ends;
+    if (has(kHeelEnd) && has(kToeEnd)) find_raised_stances();
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      if (!has(end)) continue;
+      stand_on_floor(end);
+      for (std::size_t i = 0; i < raised_.size(); ++i) stand_raised(static_cast<int>(i), end);
+      add_phases(end, ends[end]);
+      for (const ContactPhase& phase : ends[end].phases) smooth_levels(phase, ends[end].level);
+    }
+    return ends;
+  }
+
+  [[nodiscard]] std::vector<ContactPhase> whole_foot() const {
+    std::vector<ContactPhase> phases;
+    const int last = has(kToeEnd) ? kToeEnd : kHeelEnd;
+    bool on = false;
+    std::vector<int> both;  // what both ends stand on, by frame
+    for (int frame = 0; frame < frames_; ++frame) {
+      const int under = stands_on(frame, kHeelEnd);
+      const double low = on ? options_.end_height : options_.begin_height;
+      on = under != kNothing && stands_on(frame, last) == under &&
+           -height(frame, kHeelEnd) <= low * size_;
+      both.push_back(on ? under : kNothing);
+    }
+    for_each_run(
+        0, frames_, [&](int frame) { return both[frame]; },
+        [&](int begin, int end) {
+          if (both[begin] == kNothing || !lasts(end - begin, options_.shortest)) return;
+          const auto under = [&](int foot_end) { return support(both[begin], foot_end); };
+          phases.push_back({begin, end, 0.5 * (under(kHeelEnd) + under(last))});
+        });
+    return phases;
+  }
+
+ private:
+  [[nodiscard]] bool has(int end) const { return source_.has(foot_, end); }
+  [[nodiscard]] int stands_on(int frame, int end) const {
+    return stands_on_[end][static_cast<std::size_t>(frame)];
+  }
+  [[nodiscard]] const Eigen::Vector3d& place(int frame, int end) const {
+    return source_.at(frame, foot_).end(end);
+  }
+  [[nodiscard]] double height(int frame, int end) const {
+    return place(frame, end).z() - standing_.of(end);
+  }
+  [[nodiscard]] bool is_slow(int frame, int end, double speed) const {
+    return source_.speed(frame, foot_, end) <= speed * size_;
+  }
+  [[nodiscard]] bool lasts(int frames, double seconds) const {
+    return frames * source_.frame_time >= seconds - 1e-9;
+  }
+  [[nodiscard]] double support(int under, int end) const {
+    return under == kFloor ? 0.0 : raised_[static_cast<std::size_t>(under)].height[end];
+  }
+
+  void stand_on_floor(int end) {
+    bool on = false;
+    for (int frame = 0; frame < frames_; ++frame) {
+      const double high = on ? options_.end_height : options_.begin_height;
+      on = height(frame, end) <= high * size_ &&
+           is_slow(frame, end, on ? options_.end_speed : options_.begin_speed);
+      if (on) stands_on_[end][static_cast<std::size_t>(frame)] = kFloor;
+    }
+  }
+
+  [[nodiscard]] bool is_still_above_floor(int frame) const {
+    return source_.at(frame, foot_).up > kSoleUp &&
+           std::ranges::all_of(std::array{kHeelEnd, kToeEnd}, [&](int end) {
+             return height(frame, end) > options_.begin_height * size_ &&
+                    source_.speed(frame, foot_, end) < options_.begin_speed * size_;
+           });
+  }
+
+  [[nodiscard]] bool stays_in_place(int begin, int end) const {
+    return std::ranges::all_of(std::array{kHeelEnd, kToeEnd}, [&](int foot_end) {
+      Eigen::AlignedBox3d box;
+      for (int frame = begin; frame < end; ++frame) box.extend(place(frame, foot_end));
+      return box.sizes().maxCoeff() <= options_.support_drift * size_;
+    });
+  }
+
+  void find_raised_stances() {
+    for_each_run(
+        0, frames_, [&](int frame) { return is_still_above_floor(frame); },
+        [&](int begin, int end) {
+          if (!is_still_above_floor(begin) || !lasts(end - begin, options_.support_time) ||
+              !stays_in_place(begin, end)) {
+            return;
+          }
+          RaisedStance stance{begin, end, {}};
+          for (const int foot_end : {kHeelEnd, kToeEnd}) {
+            std::vector<double> heights;
+            for (int frame = begin; frame < end; ++frame) {
+              heights.push_back(height(frame, foot_end));
+            }
+            stance.height[foot_end] = middle_of(std::move(heights));
+          }
+          if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
+            stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));
+          }
+          raised_.push_back(stance);
+        });
+  }
+
+  // the frames of a raised stance, and those around it in which this end has come or not yet gone
+  void stand_raised(int index, int end) {
+    const RaisedStance& stance = raised_[static_cast<std::size_t>(index)];
+    const auto mark = [&](int frame) {
+      int& under = stands_on_[end][static_cast<std::size_t>(frame)];
+      if (under != kNothing) return false;
+      under = index;
+      return true;
+    };
+    for (int frame = stance.begin; frame < stance.end; ++frame) mark(frame);
+    const auto near = [&](int frame, int edge, double speed) {
+      return (place(frame, end) - place(edge, end)).norm() <= options_.support_drift * size_ &&
+             is_slow(frame, end, speed);
+    };
+    for (int frame = stance.begin - 1; frame >= 0; --frame) {
+      if (!near(frame, stance.begin, options_.begin_speed) || !mark(frame)) break;
+    }
+    for (int frame = stance.end; frame < frames_; ++frame) {
+      if (!near(frame, stance.end - 1, options_.end_speed) || !mark(frame)) break;
+    }
+  }
+
+  void add_phases(int end, EndContacts& contacts) const {
+    contacts.level.assign(static_cast<std::size_t>(frames_), 0);
+    for_each_run(
+        0, frames_, [&](int frame) { return stands_on(frame, end); },
+        [&](int begin, int last) {
+          const int under = stands_on(begin, end);
+          if (under == kNothing || !lasts(last - begin, options_.shortest)) return;
+          contacts.phases.push_back({begin, last, support(under, end)});
+          for (int frame = begin; frame < last; ++frame) {
+            const SourceFoot& foot = source_.at(frame, foot_);
+            const bool level = end == kHeelEnd ? foot.up > kHeelUp
+                                               : foot.up > kToeUp && std::abs(foot.side) < kToeSide;
+            contacts.level[static_cast<std::size_t>(frame)] = level ? 1 : 0;
+          }
+        });
+  }
+
+  // short changes within a phase, in either direction, are passed over
+  void smooth_levels(const ContactPhase& phase, std::vector<char>& levels) const {
+    for (const char passed_over : {0, 1}) {
+      for_each_run(
+          phase.begin, phase.end, [&](int frame) { return levels[frame]; },
+          [&](int begin, int end) {
+            const bool inside = begin > phase.begin && end < phase.end;
+            if (!inside || levels[begin] != passed_over || lasts(end - begin, kShortestLevel))
+              return;
+            std::fill(levels.begin() + begin, levels.begin() + end,
+                      static_cast<char>(1 - passed_over));
+          });
+    }
+  }
+
+  const SourceFeet& source_;
+  const StandingHeights& standing_;
+  const ContactOptions& options_;
+  const double size_;
+  const int foot_;
+  const int frames_;
+  std::vector<RaisedStance> raised_;
+  std::array<std::vector<int>, 2> stands_on_;  // by end and frame
+};
+
+bool is_planted(const std::vector<ContactPhase>& phases, int frame) {
+  const auto after = std::ranges::upper_bound(phases, frame, {}, &ContactPhase::begin);
+  return after != phases.begin() && frame < std::prev(after)->end;
+}
+
+}  // namespace
+
+bool ContactPlan::planted(int foot, int frame) const {
+  return is_planted(phases[foot], frame);
+}
+
+bool ContactPlan::planted(int foot, int end, int frame) const {
+  return is_planted(ends[foot][end].phases, frame);
+}
+
+std::vector<ContactPhase> on_floor(std::vector<ContactPhase> phases) {
+  std::erase_if(phases, [](const ContactPhase& phase) { return phase.support != 0.0; });
+  return phases;
+}
+
+ContactPlan find_contacts(const SourceFeet& source, const ContactOptions& options) {
+  ContactPlan plan;
+  plan.scale = source.leg_length() / kUsualSourceLeg;
+  plan.standing = find_standing_heights(source, options);
+  for (int foot = 0; foot < source.foot_count; ++foot) {
+    if (!source.has(foot, kHeelEnd)) continue;
+    FootContactFinder finder(source, plan, options, foot);
+    plan.ends[foot] = finder.run();
+    plan.phases[foot] = finder.whole_foot();
+    plan.soles[foot] = phases_on_sole(source, foot, plan.phases[foot], options.shortest);
+  }
+  return plan;
+}
+
+ContactPlan find_contacts(const HumanClip& human, const ContactOptions& options) {
+  return find_contacts(SourceFeet(human, human.frame_count), options);
+}
+
+std::vector<ContactPhase> phases_on_sole(const SourceFeet& source, int foot,
+                                         const std::vector<ContactPhase>& phases, double shortest) {
+  const auto is_down = [&](int frame) { return source.at(frame, foot).sole_up > kSoleUp; };
+  std::vector<ContactPhase> kept;
+  for (const ContactPhase& phase : phases) {
+    for_each_run(phase.begin, phase.end, is_down, [&](int begin, int end) {
+      const bool long_enough = (end - begin) * source.frame_time > shortest - 1e-9;
+      const bool whole = begin == phase.begin && end == phase.end;
+      if (is_down(begin) && (long_enough || whole)) kept.push_back({begin, end, phase.support});
+    });
+  }
+  return kept;
+}
+
+}  // namespace retarget

@@ -1,0 +1,94 @@
+#include "human/source_feet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "human/canonical_pose.h"
+#include "math/statistics.h"
+
+namespace retarget {
+namespace {
+
+// Speeds are taken over two frames or over this time, whichever says slower: the short one sees a
+// foot come to rest early at any frame rate, the long one is not misled by noise of fast sources.
+constexpr double kSpeedTime = 1.0 / 15.0;
+
+// m/s, over `half` frames on either side
+double speed_over(const SourceFeet& source, int frame, int foot, int end, int half) {
+  const int from = std::max(frame - half, 0), to = std::min(frame + half, source.frame_count() - 1);
+  if (to == from) return 0.0;
+  return (source.at(to, foot).end(end) - source.at(from, foot).end(end)).norm() /
+         (source.frame_time * (to - from));
+}
+
+}  // namespace
+
+SourceFeet::SourceFeet(const HumanClipInfo& human)
+    : frame_time(human.rate.frame_time()), has_hips_(human.has(Bone::kHips)) {
+  for (std::size_t foot = kSides.size(); foot-- > 0;) {
+    const auto has_part = [&](LimbBone part) { return human.has(side_bone(kSides[foot], part)); };
+    has_ankle[foot] = has_part(LimbBone::kFoot);
+    // a toe without its ankle says nothing of a foot
+    has_toe[foot] = has_ankle[foot] && has_part(LimbBone::kToe);
+    if (!has_ankle[foot] || !has_part(LimbBone::kUpLeg) || !has_part(LimbBone::kLeg)) continue;
+    leg_ = kSides[foot];
+    foot_count = static_cast<int>(kSides.size());
+  }
+}
+
+SourceFeet::SourceFeet(const HumanClip& human, int frames) : SourceFeet(human) {
+  for (int frame = 0; frame < frames; ++frame) add(human.frame(frame));
+}
+
+void SourceFeet::add(const HumanPose& pose) {
+  if (has_hips_) hips.push_back(pose[Bone::kHips].translation.z());
+  if (foot_count == 0) return;
+  const auto joint = [&](LimbBone part) { return pose[side_bone(leg_, part)].translation; };
+  legs.push_back((joint(LimbBone::kUpLeg) - joint(LimbBone::kLeg)).norm() +
+                 (joint(LimbBone::kLeg) - joint(LimbBone::kFoot)).norm());
+  for (const Side side : kSides) {
+    const Bone bone = side_bone(side, LimbBone::kFoot);
+    const Pose &ankle = pose[bone], &toe = pose[side_bone(side, LimbBone::kToe)];
+    const Eigen::Vector3d up_in_foot =
+        canonical_t_pose(bone).transpose() * Eigen::Vector3d::UnitZ();
+    // the y axis of toes points up and their z axis sideways while they stand
+    feet.push_back(
+        {ankle.translation, toe.translation, (toe.rotation * Eigen::Vector3d::UnitY()).z(),
+         (toe.rotation * Eigen::Vector3d::UnitZ()).z(), (ankle.rotation * up_in_foot).z()});
+  }
+}
+
+double SourceFeet::leg_length() const {
+  return legs.empty() ? kUsualSourceLeg : median(legs);
+}
+
+double SourceFeet::speed(int frame, int foot, int end) const {
+  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / frame_time));
+  const double shortly = speed_over(*this, frame, foot, end, 1);
+  return half <= 1 ? shortly : std::min(shortly, speed_over(*this, frame, foot, end, half));
+}
+
+double leg_length(const HumanClip& human) {
+  const SourceFeet feet(human, human.frame_count);
+  return feet.legs.empty() ? 0.0 : feet.leg_length();
+}
+
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+bool falls_freely(std::span<const double> hips, double frame_time, double share) {
+  constexpr double kGravity = 9.81;
+  const double steps = static_cast<double>(hips.size()) - 1.0;
+  const double slope = (hips.back() - hips.front()) / std::max(1.0, steps);
+  double rise = 0.0;
+  for (std::size_t i = 0; i < hips.size(); ++i) {
+    rise = std::max(rise, hips[i] - hips.front() - slope * static_cast<double>(i));
+  }
+  const double time = steps * frame_time;
+  return rise >= share * kGravity * (time * time) / 8.0;
+}
+
+}  // namespace retarget

@@ -1,0 +1,151 @@
+// heights at which the feet of a human stand on the floor
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "human/contact_plan.h"
+#include "math/statistics.h"
+
+namespace retarget {
+namespace {
+
+// height of the ankle over the toe by their distance, of feet that stand
+constexpr double kFlattestFoot = 0.15, kSteepestFoot = 0.6, kCommonFoot = 0.36;
+constexpr double kUsualRise = 0.06;   // the same, metres
+constexpr double kNearLowest = 0.05;  // metres
+constexpr double kLowestShare = 0.02;   // of frames
+constexpr double kLeastStanding = 0.7;  // seconds of both feet together
+constexpr double kSunk = 0.25;          // metres that a body may be too low for a moment
+
+// a foot in a frame in which it is as slow and as steep as feet are that carry a body
+struct StandingFoot {
+  int frame = 0;
+  double ankle = 0.0, toe = 0.0;  // heights
+};
+
+// feet with toes that are slow, and as far as `is_like_standing` says
+template <typename IsLikeStanding>
+std::vector<StandingFoot> slow_feet(const SourceFeet& source, double speed,
+                                    const IsLikeStanding& is_like_standing) {
+  std::vector<StandingFoot> slow;
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    for (int foot = 0; foot < source.foot_count; ++foot) {
+      const SourceFoot& now = source.at(frame, foot);
+      if (source.has_toe[foot] && is_like_standing(now) &&
+          source.speed(frame, foot, kToeEnd) < speed &&
+          source.speed(frame, foot, kHeelEnd) < speed) {
+        slow.push_back({frame, now.ankle.z(), now.toe.z()});
+      }
+    }
+  }
+  return slow;
+}
+
+// by the height of their toes
+std::vector<StandingFoot> feet_that_stand(const SourceFeet& source, double speed) {
+  std::vector<StandingFoot> standing = slow_feet(source, speed, [](const SourceFoot& foot) {
+    const double steep = (foot.ankle.z() - foot.toe.z()) / (foot.ankle - foot.toe).norm();
+    return steep > kFlattestFoot && steep < kSteepestFoot;
+  });
+  std::ranges::stable_sort(standing, {}, &StandingFoot::toe);
+  return standing;
+}
+
+// those of sorted feet whose toes are in [from, to)
+std::span<const StandingFoot> between(std::span<const StandingFoot> standing, double from,
+                                      double to) {
+  const auto begin = std::ranges::lower_bound(standing, from, {}, &StandingFoot::toe);
+  const auto end = std::ranges::lower_bound(begin, standing.end(), to, {}, &StandingFoot::toe);
+  return {begin, end};
+}
+
+// Whether feet stand so for one moment alone and for little of the time that they stand at all: a
+// body that sinks in behind a flip, or markers that are lost.
+bool is_a_moment(std::span<const StandingFoot> level, std::size_t standing, double frame_time) {
+  constexpr double kLittle = 0.1;
+  if (static_cast<double>(level.size()) >= kLittle * static_cast<double>(standing)) return false;
+  const auto [first, last] = std::ranges::minmax(level, {}, &StandingFoot::frame);
+  return (last.frame - first.frame) * frame_time <= kLeastStanding;
+}
+
+// The feet that stand on the floor: those of the lowest level, up to `band` above the lowest toes,
+// unless they do so for a moment and a level on which feet do stand is near. All else would stand
+// in the air then.
+std::span<const StandingFoot> feet_on_floor(std::span<const StandingFoot> standing, double lowest,
+                                            double band, double near, double frame_time) {
+  const auto level = between(standing, -HUGE_VAL, lowest + band);
+  if (level.empty() || !is_a_moment(level, standing.size(), frame_time)) return level;
+  for (const StandingFoot& foot : standing.subspan(level.size())) {
+    if (foot.toe > lowest + near) break;
+    const auto higher = between(standing, foot.toe, foot.toe + band);
+    const bool carries = static_cast<double>(higher.size()) * frame_time > kLeastStanding;
+    if (carries && !is_a_moment(higher, standing.size(), frame_time)) return higher;
+  }
+  return level;
+}
+
+// a low one of the heights by frame of the lower foot's end; infinite without any
+double low_height(const SourceFeet& source, int end) {
+  std::vector<double> lowest;
+  lowest.reserve(static_cast<std::size_t>(source.frame_count()));
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    double z = HUGE_VAL;
+    for (int foot = 0; foot < source.foot_count; ++foot) {
+      if (source.has(foot, end)) z = std::min(z, source.at(frame, foot).end(end).z());
+    }
+    lowest.push_back(z);
+  }
+  const auto low =
+      lowest.begin() + static_cast<std::ptrdiff_t>(kLowestShare * source.frame_count());
+  std::ranges::nth_element(lowest, low);
+  return *low;
+}
+
+double middle_height(std::span<const StandingFoot> feet, double StandingFoot::*height) {
+  std::vector<double> heights;
+  for (const StandingFoot& foot : feet) heights.push_back(foot.*height);
+  return middle_of(std::move(heights));
+}
+
+// how far ankles are over toes where few feet have the usual pitch of standing ones: of feet that
+// stand otherwise, as in high heels, or a guess
+double guessed_rise(const SourceFeet& source, double floor, double size,
+                    const ContactOptions& options) {
+  std::vector<double> rises;
+  for (const StandingFoot& foot :
+       slow_feet(source, options.begin_speed * size, [&](const SourceFoot& now) {
+         return now.sole_up > kSoleUp && now.toe.z() < floor + options.begin_height * size &&
+                now.ankle.z() - now.toe.z() > kUprightRise * size;
+       })) {
+    rises.push_back(foot.ankle - foot.toe);
+  }
+  if (static_cast<double>(rises.size()) * source.frame_time > kLeastStanding) {
+    return median(std::move(rises));
+  }
+  const SourceFoot& first = source.at(0, source.has_toe[0] ? 0 : 1);
+  return kCommonFoot * (first.ankle - first.toe).norm();
+}
+
+}  // namespace
+
+StandingHeights find_standing_heights(const SourceFeet& source, const ContactOptions& options) {
+  if (source.frame_count() == 0) return {};
+  const double size = source.leg_length() / kUsualSourceLeg;
+  const double floor = low_height(source, kToeEnd);
+  if (std::isinf(floor)) {
+    const double ankle = low_height(source, kHeelEnd);
+    return {ankle, ankle - kUsualRise * size, false};
+  }
+  const std::vector<StandingFoot> standing = feet_that_stand(source, options.begin_speed * size);
+  const auto level =
+      feet_on_floor(standing, floor, kNearLowest * size, kSunk * size, source.frame_time);
+  if (static_cast<double>(level.size()) * source.frame_time > kLeastStanding) {
+    return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
+            true};
+  }
+  return {floor + guessed_rise(source, floor, size, options), floor, false};
+}
+
+}  // namespace retarget
