@@ -208,6 +208,19 @@ struct HumanClipInfo {
   [[nodiscard]] bool has(Bone bone) const { return !sources[bone].empty(); }
 };
 
+/// Frames [begin, end) in which a foot, or one end of it, is planted.
+struct ContactPhase {
+  int begin = 0;
+  int end = 0;
+  double support = 0.0;  ///< Height of what is under it above the floor, metres; 0: the floor.
+
+  friend bool operator==(const ContactPhase&, const ContactPhase&) = default;
+};
+
+/// When heels (ankles) and toes of a human stand, in order of time: left heel, left toe, right heel,
+/// right toe.
+using SourceContacts = std::array<std::vector<ContactPhase>, 4>;
+
 /// World poses of the canonical bones, metres, Z up. Missing bones: identity.
 using HumanPose = BoneArray<Pose>;
 

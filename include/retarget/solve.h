@@ -40,7 +40,8 @@ struct Motion {
   std::shared_ptr<const Clip> source;  ///< Of the human: cut, at the motion's rate; frame by frame.
   Plan plan;                           ///< That was solved; without its clip.
   long ik_steps = 0;                   ///< Of all frames.
-  std::optional<FitReport> fit;        ///< Of Method::kFit: what it found and what is left.
+  std::optional<FitReport> fit;        ///< Of Method::kFit: what it found and what is left,
+  SourceContacts contacts;             ///< and when the source's feet stand, which it kept to.
 };
 
 /// The part of the clip that a plan takes, at the motion's rate.

@@ -52,14 +52,13 @@ class RestChanger {
               std::vector<int> twins)
       : clip_(clip), target_(target), twins_(std::move(twins)) {
     for (int joint = 0; joint < target_->joint_count(); ++joint) {
-      turns_.push_back(rest_turn(leaving(joint)));
+      turns_.push_back(rest_turn(leaving_of(clip.skeleton(), *target, twins_, joint)));
     }
   }
 
   RestChange run() const;
 
  private:
-  [[nodiscard]] Leaving leaving(int joint) const;
   [[nodiscard]] Eigen::Quaterniond turn_above(int joint) const {
     const int parent = target_->joint(joint).parent;
     return parent < 0 ? Eigen::Quaterniond::Identity() : turns_[parent];
@@ -71,21 +70,6 @@ class RestChanger {
   const std::vector<int> twins_;           // of target joints, in the source
   std::vector<Eigen::Quaterniond> turns_;  // Q of target joints
 };
-
-Leaving RestChanger::leaving(int joint) const {
-  const Skeleton& source = clip_.skeleton();
-  Leaving result;
-  for (int child = joint + 1; child < target_->joint_count(); ++child) {
-    if (target_->joint(child).parent != joint) continue;
-    result.add(source.joint(twins_[child]).offset, target_->joint(child).offset);
-  }
-  const auto& sites = source.joint(twins_[joint]).end_sites;
-  const auto& target_sites = target_->joint(joint).end_sites;
-  for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
-    result.add(sites[i], target_sites[i]);
-  }
-  return result;
-}
 
 RestChange RestChanger::run() const {
   RestChange result{{Clip(target_, clip_.rate(), clip_.frame_count())}};

@@ -28,16 +28,9 @@ Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
 }
 
 Result<Clip> trim(Clip clip, const TrimOptions& options) {
-  const bool times = options.start || options.end;
-  if (options.frames.empty() && !times) return clip;
-  if (!options.frames.empty() && times) {
-    return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
-                             "end") " both choose a part of the clip",
-                         "give one of them");
-  }
-  TRY_ASSIGN(const auto range, times ? frame_range_from_seconds(options.start, options.end,
-                                                                clip.rate(), clip.frame_count())
-                                     : frame_range_from_text(options.frames, clip.frame_count()));
+  if (!options.any()) return clip;
+  TRY_ASSIGN(const auto range, chosen_range(options.frames, options.start, options.end, clip.rate(),
+                                            clip.frame_count()));
   return cut(clip, range.begin, range.end);
 }
 

@@ -1,8 +1,20 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "retarget/clip.h"
 
 namespace retarget {
+
+/// From 0 at 0 to 1 at 1, level at both ends.
+[[nodiscard]] constexpr double smooth_step(double share) {
+  return share * share * (3.0 - 2.0 * share);
+}
+[[nodiscard]] constexpr double smooth_step(double from, double to, double value) {
+  return smooth_step(std::clamp((value - from) / (to - from), 0.0, 1.0));
+}
 
 /// The cubic from `begin` with velocity `begin_velocity` (per frame) to `end` with `end_velocity`
 /// over `frames` frames, at frame `at`.
@@ -22,6 +34,12 @@ namespace retarget {
                                           double at) {
   const Eigen::Vector3d rest = Eigen::Vector3d::Zero();
   return at >= frames ? rest : ease(begin, begin_velocity, rest, rest, frames, at);
+}
+
+/// As many frames as seconds are, one at least.
+[[nodiscard]] inline int frames_in(double seconds, const FrameRate& rate) {
+  constexpr double kLongest = 1e5;
+  return std::max(1, static_cast<int>(std::lround(std::min(seconds, kLongest) * rate.fps())));
 }
 
 }  // namespace retarget

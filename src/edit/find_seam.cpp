@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/option_name.h"
+#include "edit/fading_offset.h"
 #include "edit/pose_distance.h"
 #include "human/contact_plan.h"
 
@@ -23,10 +24,6 @@ struct PairOfFrames {
   int a = 0, b = 0;
   double cost = std::numeric_limits<double>::infinity();
 };
-
-int frames_in(double seconds, const FrameRate& rate) {
-  return std::max(1, static_cast<int>(std::lround(std::min(seconds, 1e5) * rate.fps())));
-}
 
 bool has_contacts(const ContactPlan& contacts) {
   return !contacts.phases[0].empty() || !contacts.phases[1].empty();

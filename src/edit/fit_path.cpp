@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "edit/cubic_chain.h"
+#include "edit/fading_offset.h"
 #include "edit/ground_pose.h"
 #include "math/filter.h"
 
@@ -211,9 +212,7 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
       const double start = frame == 0 && !ends ? to : before;
       const double turn = frame == 0 || ends ? 0.0 : turn_like(start, to, turns[next]);
       for (; frame < phase.end; ++frame) {
-        const double u =
-            static_cast<double>(frame - phase.begin + 1) / (phase.end - phase.begin + 1);
-        frames[frame].heading = start + turn * u * u * (3.0 - 2.0 * u);
+        frames[frame].heading = start + turn * smooth_step(phase.begin - 1, phase.end, frame);
       }
       before = start + turn;
       ++next;
@@ -248,8 +247,7 @@ void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
     }
     const double from = frames[begin].heading, turn = frames[end].heading - from;
     for (int i = begin + 1; i < end; ++i) {
-      const double u = static_cast<double>(i - begin) / (end - begin);
-      frames[i].heading = from + turn * u * u * (3.0 - 2.0 * u);
+      frames[i].heading = from + turn * smooth_step(begin, end, i);
     }
     frame = end;
   }

@@ -10,13 +10,6 @@
 
 namespace retarget {
 
-/// A leg frame by frame before its foot is moved: the canonical human's world, metres.
-struct LegTrack {
-  std::vector<Pose> ankles;           ///< The ankle joint's.
-  std::vector<Eigen::Vector3d> hips;  ///< Where the thigh begins.
-  std::vector<double> lengths;        ///< Of thigh and shin.
-};
-
 /// What a foot's pose lacks, frame by frame.
 struct FootOffsets {
   std::vector<Eigen::Vector3d> shifts, turns;  ///< World, metres and rotation vectors.

@@ -40,4 +40,15 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
   return stands;
 }
 
+PlantedFoot plant_of(const FootStand& stand, int foot, int frame, const std::vector<Pose>& ankles,
+                     const HumanClip& human) {
+  PlantedFoot plant{
+      foot, stand.begin, {ankles.begin() + stand.begin, ankles.begin() + stand.end}, stand.stances};
+  const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
+  if (human.has(toe)) {
+    plant.toes_in_foot = ankles[frame].inverse() * human.frame(frame)[toe].translation;
+  }
+  return plant;
+}
+
 }  // namespace retarget

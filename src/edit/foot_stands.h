@@ -22,4 +22,10 @@ struct FootStand {
 [[nodiscard]] std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human,
                                                                      double same_stand);
 
+/// A foot in a stand, where it is.
+/// @param ankles  poses of the ankle joint (ankle_poses) in every frame,
+/// @param frame   and in which of them the place of the toes in the foot is taken.
+[[nodiscard]] PlantedFoot plant_of(const FootStand& stand, int foot, int frame,
+                                   const std::vector<Pose>& ankles, const HumanClip& human);
+
 }  // namespace retarget

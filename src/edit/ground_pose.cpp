@@ -24,12 +24,12 @@ bool is_moved(const Clip& clip, int joint) {
   return false;
 }
 
-bool is_below(const Skeleton& skeleton, int joint, int above) {
+}  // namespace
+
+bool is_at_or_below(const Skeleton& skeleton, int joint, int above) {
   while (joint > above) joint = skeleton.joint(joint).parent;
   return joint == above;
 }
-
-}  // namespace
 
 bool moves_freely(const Joint& joint) {
   int positions = 0, rotations = 0;
@@ -65,6 +65,14 @@ GroundPose turn_about(const Eigen::Vector2d& point, double angle) {
   return {point - turn * point, angle};
 }
 
+Pose world_from_joint(const Clip& clip, int frame, int joint) {
+  Pose pose;
+  for (; joint >= 0; joint = clip.skeleton().joint(joint).parent) {
+    pose = Pose{clip.rotations(frame)[joint], clip.translation(frame, joint)} * pose;
+  }
+  return pose;
+}
+
 BodyMover::BodyMover(int joint, const HumanMapping& mapping)
     : joint_(joint),
       metres_per_unit_(mapping.metres_per_unit),
@@ -86,7 +94,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, c
   bool moves_all = !chain.empty();
   for (const BoneSource& bone : mapping.bones) {
     if (!moves_all || bone.position_joint < 0) continue;
-    moves_all = is_below(skeleton, bone.position_joint, chain.back());
+    moves_all = is_at_or_below(skeleton, bone.position_joint, chain.back());
   }
   if (!moves_all) {
     return input_failure({},
@@ -99,12 +107,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, c
 
 void BodyMover::move(Clip& clip, int frame, const Pose& move) const {
   const Skeleton& skeleton = clip.skeleton();
-  Pose world_from_parent;
-  for (int joint = skeleton.joint(joint_).parent; joint >= 0;
-       joint = skeleton.joint(joint).parent) {
-    const Pose parent_from_joint{clip.rotations(frame)[joint], clip.translation(frame, joint)};
-    world_from_parent = parent_from_joint * world_from_parent;
-  }
+  const Pose world_from_parent = world_from_joint(clip, frame, skeleton.joint(joint_).parent);
   const Pose in_source{human_from_source_.conjugate() * move.rotation * human_from_source_,
                        human_from_source_.conjugate() * move.translation / metres_per_unit_};
   Eigen::Quaterniond& rotation = clip.rotations(frame)[joint_];

@@ -13,6 +13,12 @@ namespace retarget {
 /// Whether a joint has three position and three rotation channels.
 [[nodiscard]] bool moves_freely(const Joint& joint);
 
+/// Whether a joint is another one or hangs from it.
+[[nodiscard]] bool is_at_or_below(const Skeleton& skeleton, int joint, int above);
+
+/// A joint's pose in a frame, in the file's world; of -1 that of the world.
+[[nodiscard]] Pose world_from_joint(const Clip& clip, int frame, int joint);
+
 /// Moves the whole body of single frames, in the canonical human's world; only channels of one
 /// joint change: the first one from the root to the hips that can be moved and turned freely, and is
 /// in this clip. (A root that stands still above moving hips is a place of reference.)

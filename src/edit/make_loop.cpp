@@ -8,6 +8,7 @@
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "edit/fading_offset.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
 #include "math/so3.h"
@@ -226,12 +227,9 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMostFrames) {
     return usage_failure("a cycle can be played once or more, up to 10 million frames");
   }
-  const auto in_frames = [&clip](double seconds) {
-    return std::max(1, static_cast<int>(std::lround(seconds * clip.rate().fps())));
-  };
   const HumanMotion motion(clip, mapping);
   const CycleEnd end = find_end(motion.human, std::max(kFewest, static_cast<int>(wanted)),
-                                in_frames(options.seam.seam.window) + 1);
+                                frames_in(options.seam.seam.window, clip.rate()) + 1);
   const GroundPose advance = advance_of(motion, end);
   const double share_of_cycle = end.frame * clip.rate().frame_time() / 3.0;
   ConcatenateOptions how = options.seam;
@@ -248,7 +246,7 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   TRY_ASSIGN(auto joined,
              join_clips(motion, HumanMotion(next, mapping), seam, mapping, mover, how));
 
-  const int settle = std::max(1, std::min(in_frames(how.fade), end.frame / 3));
+  const int settle = std::max(1, std::min(frames_in(how.fade, clip.rate()), end.frame / 3));
   const int quiet = quiet_frame(to_human(joined.clip, mapping), end.frame, advance);
   Clip cycle = cycle_of(joined.clip, quiet, end.frame, advance, mover, settle);
   if (options.in_place) {

@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "base/try.h"
+#include "edit/fading_offset.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/two_bone_leg.h"
@@ -49,8 +50,7 @@ class FootPlanter {
         options_(options),
         human_from_source_(mapping.human_from_source),
         metres_per_unit_(mapping.metres_per_unit),
-        frames_(static_cast<std::size_t>(clip.frame_count())),
-        poses_(static_cast<std::size_t>(clip.skeleton().joint_count())) {
+        frames_(static_cast<std::size_t>(clip.frame_count())) {
     const auto legs = find_legs(clip.skeleton(), mapping);
     for (int foot = 0; foot < 2; ++foot) {
       if (!legs[foot]) continue;
@@ -60,12 +60,12 @@ class FootPlanter {
       const auto& bone_axes = mapping.bones[bone].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
       solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
-      find_track(foot);
+      tracks_[foot] = track_leg(clip, mapping, *legs[foot]);
     }
   }
 
   PlantSummary run(std::span<const PlantedFoot> plants) {
-    const int release = in_frames(options_.release);
+    const int release = frames_in(options_.release, clip_.rate());
     std::array<FootOffsets, 2> offsets{FootOffsets(frames_), FootOffsets(frames_)};
     for (int foot = 0; foot < 2; ++foot) {
       if (solvers_[foot]) offsets[foot] = planted_offsets(plants, foot, tracks_[foot]);
@@ -95,25 +95,6 @@ class FootPlanter {
   }
 
  private:
-  [[nodiscard]] int in_frames(double seconds) const {
-    return std::max(1, static_cast<int>(std::lround(seconds * clip_.rate().fps())));
-  }
-
-  // where the leg is in every frame, and how far it can be stretched there
-  void find_track(int foot) {
-    const LegJoints& leg = solvers_[foot]->joints();
-    LegTrack& track = tracks_[foot];
-    for (std::size_t frame = 0; frame < frames_; ++frame) {
-      forward_kinematics(clip_, static_cast<int>(frame), poses_);
-      const Eigen::Vector3d hip = human_from_source_ * poses_[leg.hip].translation;
-      const Pose& ankle = poses_[leg.ankle];
-      track.hips.emplace_back(hip * metres_per_unit_);
-      track.ankles.push_back({(human_from_source_ * ankle.rotation).normalized(),
-                              human_from_source_ * ankle.translation * metres_per_unit_});
-      track.lengths.push_back(solvers_[foot]->length(poses_) * metres_per_unit_);
-    }
-  }
-
   // how far the hips have to come down for the legs to reach, metres
   [[nodiscard]] std::vector<double> find_drops(const std::array<FootOffsets, 2>& offsets,
                                                bool on_toes) const {
@@ -137,7 +118,7 @@ class FootPlanter {
         any = true;
       }
     }
-    return any ? smooth_cover(drops, in_frames(options_.pelvis_blend)) : drops;
+    return any ? smooth_cover(drops, frames_in(options_.pelvis_blend, clip_.rate())) : drops;
   }
 
   void place_foot(const FootOffsets& offsets, int foot, std::size_t frame, double drop) {
@@ -162,14 +143,8 @@ class FootPlanter {
   const std::size_t frames_;
   std::array<std::optional<TwoBoneLeg>, 2> solvers_;
   std::array<LegTrack, 2> tracks_;
-  std::vector<Pose> poses_;  // of a frame
   PlantSummary summary_;
 };
-
-bool hangs_below(const Skeleton& skeleton, int joint, int above) {
-  while (joint > above) joint = skeleton.joint(joint).parent;
-  return joint == above;
-}
 
 }  // namespace
 
@@ -180,30 +155,42 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
     const auto joint_of = [&](LimbBone part) {
       const auto& bone = mapping.bones[side_bone(kSides[foot], part)];
       // helpers in a joint's place turn with it
-      return hangs_below(skeleton, bone.rotation_joint, bone.position_joint) ? bone.position_joint
-                                                                             : -1;
+      return is_at_or_below(skeleton, bone.rotation_joint, bone.position_joint)
+                 ? bone.position_joint
+                 : -1;
     };
     const LegJoints leg{joint_of(LimbBone::kUpLeg), joint_of(LimbBone::kLeg),
                         joint_of(LimbBone::kFoot)};
     if (leg.hip >= 0 && leg.knee > leg.hip && leg.ankle > leg.knee &&
-        hangs_below(skeleton, leg.knee, leg.hip) && hangs_below(skeleton, leg.ankle, leg.knee)) {
+        is_at_or_below(skeleton, leg.knee, leg.hip) &&
+        is_at_or_below(skeleton, leg.ankle, leg.knee)) {
       legs[foot] = leg;
     }
   }
   return legs;
 }
 
-std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
+LegTrack track_leg(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
   const Eigen::Quaterniond human_from_source(mapping.human_from_source);
-  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count())), ankles;
-  ankles.reserve(static_cast<std::size_t>(clip.frame_count()));
+  const double metres_per_unit = mapping.metres_per_unit;
+  std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  LegTrack track;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     forward_kinematics(clip, frame, poses);
-    const Pose& pose = poses[leg.ankle];
-    ankles.push_back({(human_from_source * pose.rotation).normalized(),
-                      human_from_source * pose.translation * mapping.metres_per_unit});
+    const Pose& ankle = poses[leg.ankle];
+    track.hips.emplace_back(human_from_source * poses[leg.hip].translation * metres_per_unit);
+    track.ankles.push_back({(human_from_source * ankle.rotation).normalized(),
+                            human_from_source * ankle.translation * metres_per_unit});
+    const Eigen::Vector3d& knee = poses[leg.knee].translation;
+    track.lengths.push_back(
+        ((knee - poses[leg.hip].translation).norm() + (ankle.translation - knee).norm()) *
+        metres_per_unit);
   }
-  return ankles;
+  return track;
+}
+
+std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
+  return track_leg(clip, mapping, leg).ankles;
 }
 
 Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,

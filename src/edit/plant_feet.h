@@ -26,6 +26,17 @@ struct LegJoints {
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
                                                                 const HumanMapping& mapping);
 
+/// A leg frame by frame before its foot is moved: the canonical human's world, metres.
+struct LegTrack {
+  std::vector<Pose> ankles;           ///< The ankle joint's.
+  std::vector<Eigen::Vector3d> hips;  ///< Where the thigh begins.
+  std::vector<double> lengths;        ///< Of thigh and shin.
+};
+
+/// Of every frame.
+[[nodiscard]] LegTrack track_leg(const Clip& clip, const HumanMapping& mapping,
+                                 const LegJoints& leg);
+
 /// World poses of a leg's ankle (the file's joint and its axes), metres, z up, every frame.
 [[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping,
                                             const LegJoints& leg);

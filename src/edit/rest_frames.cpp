@@ -84,6 +84,21 @@ void Leaving::add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& fro
   target.push_back(from_target.normalized());
 }
 
+Leaving leaving_of(const Skeleton& source, const Skeleton& target, const std::vector<int>& twins,
+                   int joint, const Eigen::Quaterniond& turn) {
+  Leaving leaving;
+  for (int child = joint + 1; child < target.joint_count(); ++child) {
+    if (target.joint(child).parent != joint || twins[child] < 0) continue;
+    leaving.add(turn * source.joint(twins[child]).offset, target.joint(child).offset);
+  }
+  const auto& sites = source.joint(twins[joint]).end_sites;
+  const auto& target_sites = target.joint(joint).end_sites;
+  for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
+    leaving.add(turn * sites[i], target_sites[i]);
+  }
+  return leaving;
+}
+
 Eigen::Quaterniond rest_turn(const Leaving& leaving) {
   if (leaving.source.empty()) return Eigen::Quaterniond::Identity();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

@@ -22,6 +22,13 @@ struct Leaving {
   void add(const Eigen::Vector3d& from_source, const Eigen::Vector3d& from_target);
 };
 
+/// What leaves a joint of the target and its twin, where it has twins.
+/// @param twins  of target joints, in the source; -1: none.
+/// @param turn   of the source's directions.
+[[nodiscard]] Leaving leaving_of(const Skeleton& source, const Skeleton& target,
+                                 const std::vector<int>& twins, int joint,
+                                 const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+
 /// The rotation that takes the source's directions to the target's: the least one for one
 /// direction, the best by least squares (Kabsch) for several, none where nothing leaves.
 [[nodiscard]] Eigen::Quaterniond rest_turn(const Leaving& leaving);

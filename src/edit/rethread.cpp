@@ -38,18 +38,12 @@ std::vector<PlantedFoot> moved_plants(const Clip& clip, const HumanMapping& mapp
   for (int foot = 0; foot < 2; ++foot) {
     if (!legs[foot]) continue;
     const auto ankles = ankle_poses(clip, mapping, *legs[foot]);
-    const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
     for (const FootStand& stand : stands[foot]) {
       const int middle = (stand.begin + stand.end) / 2;
       const double moved_as = std::min(std::round(speed * middle), last_move);
       const Pose move = moves[static_cast<std::size_t>(moved_as)].in_space();
-      PlantedFoot plant{foot, stand.begin, {}, stand.stances};
-      if (human.has(toe)) {
-        plant.toes_in_foot = ankles[middle].inverse() * human.frame(middle)[toe].translation;
-      }
-      for (int frame = stand.begin; frame < stand.end; ++frame) {
-        plant.world_from_foot.push_back(move * ankles[frame]);
-      }
+      PlantedFoot plant = plant_of(stand, foot, middle, ankles, human);
+      for (Pose& pose : plant.world_from_foot) pose = move * pose;
       plants.push_back(std::move(plant));
     }
   }

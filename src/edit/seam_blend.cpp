@@ -10,10 +10,6 @@
 namespace retarget {
 namespace {
 
-int count_frames(double seconds, const FrameRate& rate) {
-  return std::max(1, static_cast<int>(std::lround(seconds * rate.fps())));
-}
-
 // mixes values of two clips in the frames around their seam
 class SeamMixer {
  public:
@@ -87,27 +83,19 @@ class SeamMixer {
   bool foretold_ = false;        // a's is not there, but follows from the two before
 };
 
-Pose world_from(const Clip& clip, int frame, int joint) {
-  Pose pose;
-  for (; joint >= 0; joint = clip.skeleton().joint(joint).parent) {
-    pose = Pose{clip.rotations(frame)[joint], clip.translation(frame, joint)} * pose;
-  }
-  return pose;
-}
-
 // gives the hips a world pose: by their own channels, or, where those are not free, by those of
 // what moves the body
 void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
               const HumanMapping& mapping, const BodyMover& mover) {
   const Skeleton& skeleton = clip.skeleton();
   if (moves_freely(skeleton.joint(hips))) {
-    const Pose world_from_parent = world_from(clip, frame, skeleton.joint(hips).parent);
+    const Pose world_from_parent = world_from_joint(clip, frame, skeleton.joint(hips).parent);
     const Pose parent_from_hips = world_from_parent.inverse() * world_from_hips;
     clip.rotations(frame)[hips] = parent_from_hips.rotation.normalized();
     clip.translations(frame)[skeleton.translation_slot(hips)] = parent_from_hips.translation;
     return;
   }
-  const Pose move = world_from_hips * world_from(clip, frame, hips).inverse();
+  const Pose move = world_from_hips * world_from_joint(clip, frame, hips).inverse();
   const Eigen::Quaterniond human_from_source(mapping.human_from_source);
   mover.move(clip, frame,
              Pose{human_from_source * move.rotation * human_from_source.conjugate(),
@@ -128,13 +116,13 @@ SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options, cons
   SeamRegion region;
   region.begin = region.b_begin = seam.a_frame;
   region.b_shift = seam.a_frame - seam.b_frame;
-  const bool whole = seam.overlap >= count_frames(options.seam.window, rate);
+  const bool whole = seam.overlap >= frames_in(options.seam.window, rate);
   if (options.blend == SeamBlend::kCrossfade && whole) {
     region.end = region.a_end = seam.a_frame + seam.overlap;
   } else {
     region.a_end = seam.a_frame;
     region.end =
-        std::min(seam.a_frame + count_frames(options.fade, rate), frames_of_b + region.b_shift);
+        std::min(seam.a_frame + frames_in(options.fade, rate), frames_of_b + region.b_shift);
   }
   return region;
 }
@@ -161,10 +149,10 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
     // joints above the hips may share the way between them differently in each clip: it is the
     // hips' pose that counts
     const auto turned = [hips](const Clip& clip, int at) {
-      return world_from(clip, at, hips).rotation;
+      return world_from_joint(clip, at, hips).rotation;
     };
     const auto placed = [hips](const Clip& clip, int at) {
-      return world_from(clip, at, hips).translation;
+      return world_from_joint(clip, at, hips).translation;
     };
     put_hips(result, frame, hips, {mixer.rotation(turned, frame), mixer.translation(placed, frame)},
              mapping, mover);

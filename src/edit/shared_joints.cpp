@@ -33,22 +33,6 @@ std::vector<int> find_twins(const Skeleton& source, const Skeleton& target) {
   return twins;
 }
 
-// what leaves a twin, with the source's directions turned as its parent's axes are
-Leaving leaving_of(const Skeleton& source, const Skeleton& target, const std::vector<int>& twins,
-                   int joint, const Eigen::Quaterniond& turn) {
-  Leaving leaving;
-  for (int child = joint + 1; child < target.joint_count(); ++child) {
-    if (target.joint(child).parent != joint || twins[child] < 0) continue;
-    leaving.add(turn * source.joint(twins[child]).offset, target.joint(child).offset);
-  }
-  const auto& sites = source.joint(twins[joint]).end_sites;
-  const auto& target_sites = target.joint(joint).end_sites;
-  for (std::size_t i = 0; i < std::min(sites.size(), target_sites.size()); ++i) {
-    leaving.add(turn * sites[i], target_sites[i]);
-  }
-  return leaving;
-}
-
 }  // namespace
 
 std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,

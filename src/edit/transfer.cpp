@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/suggest.h"
+#include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/shared_joints.h"
@@ -180,8 +181,7 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
   const auto bones = bones_of_joints(mapping, target);
   // what is above the hips is in their way through the world
   const auto is_above_hips = [](const Skeleton& of, int joint, int hips) {
-    while (hips > joint) hips = of.joint(hips).parent;
-    return hips == joint;
+    return is_at_or_below(of, hips, joint);
   };
   UncarriedJoints result;
   std::vector<bool> carried(static_cast<std::size_t>(source.joint_count()), false),

@@ -104,15 +104,10 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
     const TransferredFoot both(*ankle, part_of(toe));
     const auto poses = ankle_poses(moved, target.mapping, *legs[foot]);
     for (const FootStand& stand : stands[foot]) {
-      PlantedFoot plant{foot, stand.begin, {}, stand.stances};
-      if (human.has(toe)) {
-        plant.toes_in_foot =
-            poses[stand.begin].inverse() * human.frame(stand.begin)[toe].translation;
-      }
+      PlantedFoot plant = plant_of(stand, foot, stand.begin, poses, human);
       const Track shifts = both.shifts(stand);
-      for (int frame = stand.begin; frame < stand.end; ++frame) {
-        plant.world_from_foot.push_back(poses[frame]);
-        plant.world_from_foot.back().translation += shifts[frame - stand.begin];
+      for (std::size_t i = 0; i < shifts.size(); ++i) {
+        plant.world_from_foot[i].translation += shifts[i];
       }
       plants.push_back(std::move(plant));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/fading_offset.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
 #include "motion/forward_kinematics.h"
@@ -19,11 +20,6 @@ void turn_joint(Clip& clip, int frame, int joint, const Eigen::Quaterniond& turn
   Eigen::Quaterniond& rotation = clip.rotations(frame)[joint];
   const Eigen::Quaterniond turned = above.conjugate() * turn * above * rotation;
   rotation = turned.normalized();
-}
-
-double smooth_step(double from, double to, double value) {
-  const double share = std::clamp((value - from) / (to - from), 0.0, 1.0);
-  return share * share * (3.0 - 2.0 * share);
 }
 
 // the axis about which a knee bends, world: that of its bend, as far as it has one; of a leg that
@@ -101,12 +97,6 @@ double LegReach::at(double wanted) const {
   if (beyond <= 0.0) return wanted;
   // straight on at first, without a bend of its own
   return begin + beyond * room / std::sqrt(beyond * beyond + room * room);
-}
-
-double TwoBoneLeg::length(const std::vector<Pose>& world_from_joint) const {
-  const Eigen::Vector3d& knee = world_from_joint[joints_.knee].translation;
-  return (knee - world_from_joint[joints_.hip].translation).norm() +
-         (world_from_joint[joints_.ankle].translation - knee).norm();
 }
 
 double TwoBoneLeg::reach(Clip& clip, int frame, const Pose& world_from_ankle,

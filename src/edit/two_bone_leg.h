@@ -42,9 +42,6 @@ class TwoBoneLeg {
 
   [[nodiscard]] const LegJoints& joints() const { return joints_; }
 
-  /// Length of thigh and shin, of a pose of all joints.
-  [[nodiscard]] double length(const std::vector<Pose>& world_from_joint) const;
-
   /// Turns hip, knee and ankle so that the ankle joint gets the wanted pose, or as near as the
   /// leg's stretch lets it. The knee bends in the plane that it is bent in; the less it is bent,
   /// the more about its hinge; and never backwards farther than it was.

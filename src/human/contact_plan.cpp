@@ -234,6 +234,11 @@ bool ContactPlan::planted(int foot, int end, int frame) const {
   return is_planted(ends[foot][end].phases, frame);
 }
 
+SourceContacts ContactPlan::of_ends() const {
+  return {ends[0][kHeelEnd].phases, ends[0][kToeEnd].phases, ends[1][kHeelEnd].phases,
+          ends[1][kToeEnd].phases};
+}
+
 std::vector<ContactPhase> on_floor(std::vector<ContactPhase> phases) {
   std::erase_if(phases, [](const ContactPhase& phase) { return phase.support != 0.0; });
   return phases;

@@ -5,6 +5,7 @@
 
 #include "human/human_clip.h"
 #include "human/source_feet.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
@@ -24,15 +25,6 @@ struct ContactOptions {
   double shortest = 0.1;        ///< Shorter contacts are none, seconds.
   double support_time = 0.15;   ///< A foot above the floor stands when it is slow for so long,
   double support_drift = 0.02;  ///< and moves no farther than this, metres.
-};
-
-/// Frames [begin, end) in which a foot, or one end of it, is planted.
-struct ContactPhase {
-  int begin = 0;
-  int end = 0;
-  double support = 0.0;  ///< Height of what is under it above the floor, metres; 0: the floor.
-
-  friend bool operator==(const ContactPhase&, const ContactPhase&) = default;
 };
 
 /// Those that stand on the floor, not on something above it.
@@ -68,6 +60,8 @@ struct ContactPlan {
   [[nodiscard]] bool planted(int foot, int frame) const;
   /// Whether one end of it is.
   [[nodiscard]] bool planted(int foot, int end, int frame) const;
+  /// What is written out with a motion.
+  [[nodiscard]] SourceContacts of_ends() const;
 };
 
 /// Heights at which feet stand. Learned from slow feet near the lowest height that have the pitch of

@@ -1,5 +1,4 @@
 #include "motion/clip_range.h"
-#include "base/try.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "base/option_name.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -93,6 +95,17 @@ Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::op
   }
   return FrameRange{static_cast<int>(first),
                     static_cast<int>(std::min(last, frame_count - 1.0)) + 1};
+}
+
+Result<FrameRange> chosen_range(std::string_view frames, std::optional<double> start,
+                                std::optional<double> end, const FrameRate& rate, int frame_count) {
+  if (!start && !end) {
+    return frames.empty() ? FrameRange{0, frame_count} : frame_range_from_text(frames, frame_count);
+  }
+  if (frames.empty()) return frame_range_from_seconds(start, end, rate, frame_count);
+  return usage_failure(
+      OPTION("frames") " and " OPTION("start") "/" OPTION("end") " both choose a part of the clip",
+      "give one of them");
 }
 
 }  // namespace retarget

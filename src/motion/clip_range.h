@@ -26,4 +26,10 @@ namespace retarget {
                                                           std::optional<double> end,
                                                           const FrameRate& rate, int frame_count);
 
+/// The part of a clip that options choose, by frames (`a:b`; empty: not given) or by times; nothing
+/// given: all of it. Usage errors: those of the two above; frames and times both.
+[[nodiscard]] Result<FrameRange> chosen_range(std::string_view frames, std::optional<double> start,
+                                              std::optional<double> end, const FrameRate& rate,
+                                              int frame_count);
+
 }  // namespace retarget

@@ -33,6 +33,7 @@ Result<QualityReport> evaluate(const Motion& motion) {
   report.source = fs::path(motion.source->name()).filename().string();
   report.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
   report.fit = motion.fit;
+  if (motion.fit) report.contacts = motion.contacts;
   gates.judge(report);
   return report;
 }

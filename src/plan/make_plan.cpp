@@ -32,13 +32,11 @@ int frames_to_leave_out(const Clip& clip, const Options& options) {
 }
 
 Result<FrameRange> chosen_part(const Clip& clip, const PartOptions& part) {
-  if (!part.frames.empty()) return frame_range_from_text(part.frames, clip.frame_count());
   const auto given = [](double seconds) {
     return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
   };
-  if (part.start_s < 0.0 && part.end_s < 0.0) return FrameRange{0, clip.frame_count()};
-  return frame_range_from_seconds(given(part.start_s), given(part.end_s), clip.rate(),
-                                  clip.frame_count());
+  return chosen_range(part.frames, given(part.start_s), given(part.end_s), clip.rate(),
+                      clip.frame_count());
 }
 
 // How the body's size scales the motion: as the options say, else as is best for the clip.

@@ -63,6 +63,7 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
   motion.clip = std::move(fitted.clip);
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
+  motion.contacts = fitted.contacts.of_ends();
   if (!control.frame_solved) return {};
   for (int frame = 0; frame < motion.clip.frame_count(); ++frame) {
     control.frame_solved(frame, std::as_const(motion.clip).qpos(frame));

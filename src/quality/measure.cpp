@@ -101,6 +101,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     report.source_frames = frames;
     // what stands is learned from the part that is compared
     const ContactPlan contacts = find_contacts(SourceFeet(*source->human, frames));
+    report.contacts = contacts.of_ends();
     measure_contacts(draft, tracks, contacts, frames);
     measure_stances(draft, tracks, contacts);
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;

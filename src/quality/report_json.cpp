@@ -44,6 +44,19 @@ Json json_of(const std::optional<JointMostAtLimit>& most) {
           {"frames_pct", most->frames_pct}};
 }
 
+// [first frame, the one after the last, height of what it stands on in metres]
+Json json_of(const SourceContacts& contacts) {
+  Json json;
+  for (std::size_t end = 0;
+       const char* name : {"left_heel", "left_toe", "right_heel", "right_toe"}) {
+    json[name] = Json::array();
+    for (const ContactPhase& phase : contacts[end++]) {
+      json[name].push_back({phase.begin, phase.end, phase.support});
+    }
+  }
+  return json;
+}
+
 void add_lists(Json& json, const QualityReport& report) {
   json["limit_sets"] = Json::object();
   for (const LimitSetResult& set : report.limit_sets) {
@@ -75,6 +88,7 @@ void add_lists(Json& json, const QualityReport& report) {
   }
   json["trunk_lean"] = json_of(report.trunk_lean);
   json["at_limit"] = json_of(report.at_limit);
+  if (!report.source.empty()) json["contacts"] = json_of(report.contacts);
 }
 
 Json json_of(const FitReport& fit) {

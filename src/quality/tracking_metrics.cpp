@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "human/limb_segments.h"
 #include "math/so3.h"
 #include "math/statistics.h"
 #include "math/trigonometry.h"
@@ -216,53 +217,27 @@ const Row* TrackingMeasure::row_of(Bone bone) const {
   return is_foot ? row_of(side_bone(side_of(bone), LimbBone::kFootMod)) : nullptr;
 }
 
-// a part of the body between two joints, or between the middles of two pairs of joints
-struct Segment {
-  const char* name;
-  std::array<Bone, 2> from, to;
-};
-
-constexpr Segment between(const char* name, Bone from, Bone to) {
-  return {name, {from, from}, {to, to}};
-}
-
-constexpr std::array<Segment, 11> kSegments = {{
-    between("left thigh", Bone::kLeftUpLeg, Bone::kLeftLeg),
-    between("right thigh", Bone::kRightUpLeg, Bone::kRightLeg),
-    between("left shin", Bone::kLeftLeg, Bone::kLeftFoot),
-    between("right shin", Bone::kRightLeg, Bone::kRightFoot),
-    between("left upper arm", Bone::kLeftArm, Bone::kLeftForeArm),
-    between("right upper arm", Bone::kRightArm, Bone::kRightForeArm),
-    between("left forearm", Bone::kLeftForeArm, Bone::kLeftHand),
-    between("right forearm", Bone::kRightForeArm, Bone::kRightHand),
-    {"trunk", {Bone::kLeftUpLeg, Bone::kRightUpLeg}, {Bone::kLeftArm, Bone::kRightArm}},
-    between("hip line", Bone::kRightUpLeg, Bone::kLeftUpLeg),
-    between("shoulder line", Bone::kRightArm, Bone::kLeftArm),
-}};
-
 void TrackingMeasure::measure_limbs() const {
   // between the joints' centres where the robot's tree tells them, else between the bodies' origins
   const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
   std::vector<double> all;
-  for (const Segment& segment : kSegments) {
-    const std::array bones = {segment.from[0], segment.from[1], segment.to[0], segment.to[1]};
-    std::array<const Row*, 4> rows{};
-    std::array<Vector3d, 4> body_from_joint;
-    for (std::size_t i = 0; i < 4; ++i) {
-      rows[i] = human_.has(bones[i]) ? row_of(bones[i]) : nullptr;
-      const bool known = limbs && rows[i] != nullptr;
-      body_from_joint[i] = known ? limbs->body_from_joint[rows[i]->bone] : Vector3d::Zero();
+  for (const LimbSegment& segment : kLimbSegments) {
+    BoneArray<const Row*> rows{nullptr};
+    bool known = true;
+    for (const Bone bone : segment.bones()) {
+      rows[bone] = human_.has(bone) ? row_of(bone) : nullptr;
+      known = known && rows[bone] != nullptr;
     }
-    if (std::ranges::find(rows, nullptr) != rows.end()) continue;
+    if (!known) continue;
     std::vector<double> angles;
     angles.reserve(frames_);
     for (int frame = 0; frame < frames_; ++frame) {
-      Vector3d of_human = Vector3d::Zero(), of_robot = Vector3d::Zero();
-      for (std::size_t i = 0; i < 4; ++i) {
-        const double sign = i < 2 ? -1.0 : 1.0;
-        of_human += sign * bone_pose(frame, bones[i]).translation;
-        of_robot += sign * (tracks_.kept(frame, rows[i]->body) * body_from_joint[i]);
-      }
+      const Vector3d of_human =
+          segment.direction([&](Bone bone) { return bone_pose(frame, bone).translation; });
+      const Vector3d of_robot = segment.direction([&](Bone bone) -> Vector3d {
+        const Pose& body = tracks_.kept(frame, rows[bone]->body);
+        return limbs ? Vector3d(body * limbs->body_from_joint[rows[bone]->bone]) : body.translation;
+      });
       angles.push_back(kDegreesPerRadian * angle_between(robot_from_human_ * of_human, of_robot));
     }
     draft_.report.segments.push_back({segment.name, mean(angles), percentile(angles, 95.0)});

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomy/limbs.h"
+#include "human/limb_segments.h"
 #include "math/so3.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
@@ -17,56 +18,27 @@ struct LimbError {
   double mean = 0.0;    ///< Mean angle over the frames, rad.
 };
 
-using SegmentPoints = std::vector<Eigen::Vector3d>;
-
-inline constexpr std::array<const char*, 11> kSegments = {
-    "left thigh",     "left shin",    "right thigh",     "right shin",
-    "left upper arm", "left forearm", "right upper arm", "right forearm",
-    "trunk",          "hip line",     "shoulder line"};
-
-// segments from the points of the limbs: left and right leg, left and right arm, each its root,
-// middle and end
-inline SegmentPoints segments(const std::array<std::array<Eigen::Vector3d, 3>, 4>& limbs) {
-  SegmentPoints found;
-  for (const auto& limb : limbs) {
-    found.emplace_back(limb[1] - limb[0]);
-    found.emplace_back(limb[2] - limb[1]);
-  }
-  found.emplace_back(limbs[2][0] + limbs[3][0] - limbs[0][0] - limbs[1][0]);
-  found.emplace_back(limbs[0][0] - limbs[1][0]);
-  found.emplace_back(limbs[2][0] - limbs[3][0]);
-  return found;
-}
-
-inline SegmentPoints human_segments(const HumanPose& bones) {
-  const auto at = [&](Side side, LimbBone part) {
-    return bones[side_bone(side, part)].translation;
+/// Where the bones of a robot's limbs begin; a shin or forearm without an end ends along its axis.
+inline BoneArray<Eigen::Vector3d> limb_points(const RobotAnatomy& limbs,
+                                              const std::vector<Pose>& world_from_body) {
+  BoneArray<Eigen::Vector3d> points;
+  const auto at = [&](const LimbPart& part) {
+    return world_from_body[static_cast<std::size_t>(part.body)] * part.joint;
   };
-  std::array<std::array<Eigen::Vector3d, 3>, 4> limbs;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Side side = kSides[i];
-    limbs[i] = {at(side, LimbBone::kUpLeg), at(side, LimbBone::kLeg), at(side, LimbBone::kFoot)};
-    limbs[2 + i] = {at(side, LimbBone::kArm), at(side, LimbBone::kForeArm),
-                    at(side, LimbBone::kHand)};
-  }
-  return segments(limbs);
-}
-
-inline SegmentPoints robot_segments(const RobotAnatomy& limbs,
-                                    const std::vector<Pose>& world_from_body) {
-  std::array<std::array<Eigen::Vector3d, 3>, 4> points;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Limb& limb = i < 2 ? limbs.legs[i] : limbs.arms[i - 2];
-    const auto at = [&](const LimbPart& part) {
-      return world_from_body[static_cast<std::size_t>(part.body)] * part.joint;
-    };
+  const auto add = [&](Side side, const Limb& limb, const std::array<LimbBone, 3>& bones) {
     const Pose& lower = world_from_body[static_cast<std::size_t>(limb.lower.body)];
-    points[i] = {at(limb.upper), at(limb.lower),
-                 limb.end ? at(*limb.end)
-                          : Eigen::Vector3d(at(limb.lower) +
-                                            lower.rotation * limb.lower.body_from_bone.col(0))};
+    points[side_bone(side, bones[0])] = at(limb.upper);
+    points[side_bone(side, bones[1])] = at(limb.lower);
+    points[side_bone(side, bones[2])] =
+        limb.end
+            ? at(*limb.end)
+            : Eigen::Vector3d(at(limb.lower) + lower.rotation * limb.lower.body_from_bone.col(0));
+  };
+  for (std::size_t i = 0; i < 2; ++i) {
+    add(kSides[i], limbs.legs[i], {LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot});
+    add(kSides[i], limbs.arms[i], {LimbBone::kArm, LimbBone::kForeArm, LimbBone::kHand});
   }
-  return segments(points);
+  return points;
 }
 
 /// Angles between the segments of human and robot in the same frames: thighs, shins, upper arms,
@@ -75,15 +47,19 @@ inline SegmentPoints robot_segments(const RobotAnatomy& limbs,
 inline std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
                                           const RobotAnatomy& limbs) {
   std::vector<LimbError> errors;
-  for (const char* segment : kSegments) errors.push_back({segment, 0.0});
+  for (const LimbSegment& segment : kLimbSegments) errors.push_back({segment.name, 0.0});
   std::vector<Pose> world_from_body(robot.robot().bodies().size());
   const int frames = std::min(human.frame_count, robot.frame_count());
   for (int frame = 0; frame < frames; ++frame) {
     forward_kinematics(robot.robot(), robot.qpos(frame), world_from_body);
-    const SegmentPoints of_human = human_segments(human.frame(frame));
-    const SegmentPoints of_robot = robot_segments(limbs, world_from_body);
+    const auto points = limb_points(limbs, world_from_body);
+    const HumanPose& bones = human.frame(frame);
     for (std::size_t i = 0; i < errors.size(); ++i) {
-      errors[i].mean += angle_between(of_human[i], of_robot[i]) / frames;
+      const LimbSegment& segment = kLimbSegments[i];
+      errors[i].mean +=
+          angle_between(segment.direction([&](Bone bone) { return bones[bone].translation; }),
+                        segment.direction([&](Bone bone) { return points[bone]; })) /
+          frames;
     }
   }
   return errors;
