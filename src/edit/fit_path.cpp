@@ -8,6 +8,7 @@
 #include "edit/cubic_chain.h"
 #include "edit/ground_pose.h"
 #include "math/filter.h"
+#include "math/spline.h"
 
 namespace retarget {
 namespace {
@@ -213,7 +214,7 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
       for (; frame < phase.end; ++frame) {
         const double u =
             static_cast<double>(frame - phase.begin + 1) / (phase.end - phase.begin + 1);
-        frames[frame].heading = start + turn * u * u * (3.0 - 2.0 * u);
+        frames[frame].heading = start + turn * smooth_step(0.0, 1.0, u);
       }
       before = start + turn;
       ++next;
@@ -249,7 +250,7 @@ void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
     const double from = frames[begin].heading, turn = frames[end].heading - from;
     for (int i = begin + 1; i < end; ++i) {
       const double u = static_cast<double>(i - begin) / (end - begin);
-      frames[i].heading = from + turn * u * u * (3.0 - 2.0 * u);
+      frames[i].heading = from + turn * smooth_step(0.0, 1.0, u);
     }
     frame = end;
   }

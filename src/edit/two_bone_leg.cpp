@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/so3.h"
+#include "math/spline.h"
 #include "math/trigonometry.h"
 #include "motion/forward_kinematics.h"
 
@@ -19,11 +20,6 @@ void turn_joint(Clip& clip, int frame, int joint, const Eigen::Quaterniond& turn
   Eigen::Quaterniond& rotation = clip.rotations(frame)[joint];
   const Eigen::Quaterniond turned = above.conjugate() * turn * above * rotation;
   rotation = turned.normalized();
-}
-
-double smooth_step(double from, double to, double value) {
-  const double share = std::clamp((value - from) / (to - from), 0.0, 1.0);
-  return share * share * (3.0 - 2.0 * share);
 }
 
 // the axis about which a knee bends, world: that of its bend, as far as it has one; of a leg that

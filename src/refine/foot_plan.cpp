@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "math/statistics.h"
 #include "refine/raised_stances.h"
 #include "refine/shorthand.h"
 
@@ -304,7 +305,7 @@ StandingHeights find_standing_heights(const SourceFeet& source, const FitOptions
       ankles.push_back(foot.ankle);
       toes.push_back(foot.toe);
     }
-    return {middle_of(std::move(ankles)), middle_of(std::move(toes)), true};
+    return {median(std::move(ankles)), median(std::move(toes)), true};
   }
   const SourceFoot& first = source.at(0, 0);
   return {floor + kCommonFoot * (first.ankle - first.toe).norm(), floor, false};

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/statistics.h"
+
 namespace retarget {
 namespace {
 
@@ -50,7 +52,7 @@ std::vector<RaisedStance> find_raised_stances(const SourceFeet& source,
         for (int frame = begin; frame < end; ++frame) {
           heights.push_back(source.at(frame, foot).end(foot_end).z() - standing.of(foot_end));
         }
-        stance.height[foot_end] = middle_of(std::move(heights));
+        stance.height[foot_end] = median(std::move(heights));
       }
       if (std::abs(stance.height[kHeel] - stance.height[kToe]) < kFlat * size) {
         stance.height.fill(0.5 * (stance.height[kHeel] + stance.height[kToe]));

@@ -20,12 +20,6 @@ double speed_over(const SourceFeet& source, int frame, int foot, int end, int ha
 
 }  // namespace
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 double SourceFeet::speed(int frame, int foot, int end) const {
   const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / frame_time));
   const double shortly = speed_over(*this, frame, foot, end, 1);

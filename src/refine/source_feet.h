@@ -43,9 +43,6 @@ struct SourceFeet {
   [[nodiscard]] double speed(int frame, int foot, int end) const;
 };
 
-/// The middle one of values, the upper one of two. @pre there are some
-[[nodiscard]] double middle_of(std::vector<double> values);
-
 /// Heights at which the source's feet stand.
 struct StandingHeights {
   double ankle = 0.0, toe = 0.0;  ///< World, metres.
