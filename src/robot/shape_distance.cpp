@@ -18,7 +18,7 @@ constexpr Choice kExactly{0.0, 1e-9, 1e-9}, kEvenly{1e-4, 1e-6, 1e-4};
 
 constexpr double kSettled = 1e-24;        // square metres
 constexpr double kPerhapsMeeting = 0.02;  // metres; projections of cores that meet end this near
-constexpr int kProjections = 24, kBoundingProjections = 4;  // of each of two cores on the other
+constexpr int kProjections = 25, kBoundingProjections = 4;  // of each of two cores on the other
 
 struct PointPair {
   Vector3d a, b;
@@ -100,17 +100,33 @@ PointPair to_segment(const RoundedShape& core, const Vector3d& middle, const Vec
   return pair(1.0);
 }
 
-// a point's are exact after the first round
+// the core's axes as columns, those that it has not as zeros
+Eigen::Matrix3d axes(const RoundedShape& core) {
+  Eigen::Matrix3d columns;
+  columns << core.half_axes[0], core.half_axes[1], core.half_axes[2];
+  return columns;
+}
+
+// from b's centre back and forth, in shares of the half axes: a point of a is a.centre + u s
 PointPair by_projections(const RoundedShape& a, const RoundedShape& b, int rounds) {
-  PointPair result{nearest(a, b.centre), b.centre};
-  result.b = nearest(b, result.a);
+  const Eigen::Matrix3d u = axes(a), v = axes(b), mixed = u.transpose() * v;
+  const Vector3d uu = u.colwise().squaredNorm(), vv = v.colwise().squaredNorm();
+  const Vector3d between = b.centre - a.centre;
+  const Vector3d to_b = u.transpose() * between, to_a = v.transpose() * -between;
+  const auto shares = [](const Vector3d& along, const Vector3d& sizes) -> Vector3d {
+    return (sizes.array() > 0.0)
+        .select(along.cwiseQuotient(sizes), 0.0)
+        .cwiseMax(-1.0)
+        .cwiseMin(1.0);
+  };
+  Vector3d s, t = Vector3d::Zero();
   for (int i = 0; i < rounds; ++i) {
-    const Vector3d before = result.b;
-    result.a = nearest(a, before);
-    result.b = nearest(b, result.a);
-    if ((result.b - before).squaredNorm() < kSettled) break;
+    const Vector3d before = t;
+    s = shares(to_b + mixed * t, uu);
+    t = shares(to_a + mixed.transpose() * s, vv);
+    if ((t - before).cwiseAbs2().dot(vv) < kSettled) break;
   }
-  return result;
+  return {a.centre + u * s, b.centre + v * t};
 }
 
 // exact for cores that are apart: an edge of b and a, or a corner of a and b
@@ -146,7 +162,8 @@ PointPair of_edges(const RoundedShape& a, const RoundedShape& b) {
 
 PointPair nearest_points(const RoundedShape& a, const RoundedShape& b, const Choice& choice) {
   const bool even = choice.alongside > 0.0;
-  if (a.axis_count == 0 || b.axis_count == 0) return by_projections(a, b, 0);
+  if (a.axis_count == 0) return {a.centre, nearest(b, a.centre)};
+  if (b.axis_count == 0) return {nearest(a, b.centre), b.centre};
   if (a.axis_count == 1 && b.axis_count == 1 && (even || !parallel(axis(a, 0), axis(b, 0)))) {
     return of_lines(a.centre, axis(a, 0), b.centre, axis(b, 0), choice.alongside);
   }
