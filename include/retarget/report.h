@@ -46,6 +46,25 @@ struct FitBoundReport {
   double largest = 0.0;  ///< ... and by how much, rad or m.
 };
 
+/// How the steps of a fit ended, on one window of a clip or on all of it.
+struct FitStatus {
+  int begin = 0, end = 0;  ///< Frames [begin, end).
+  /// The last step was predicted to lower the cost by no more than kFitTolerance of it. Of all:
+  /// every window's was.
+  bool converged = false;
+  int steps = 0;  ///< Gauss-Newton steps that were taken; of all: the most that a window took.
+  /// Blocks of the system that were not positive definite (or not finite). Each cost its window a
+  /// step and is damped more in the next one.
+  int failed_blocks = 0;
+  /// By how much of the cost the last step was predicted to lower it; 1 where it failed or none was
+  /// taken. Of all: the largest.
+  double predicted_decrease = 1.0;
+  double cost_before = 0.0, cost_after = 0.0;  ///< Sums over the frames, of all terms.
+};
+
+/// See FitStatus::converged.
+inline constexpr double kFitTolerance = 0.01;
+
 /// What a fit found and what is left.
 struct FitReport {
   double floor_height = 0.0;  ///< By how much the targets were lowered, metres.
@@ -53,7 +72,10 @@ struct FitReport {
   int contact_phases = 0;     ///< Of heels and toes.
   std::vector<FitTermReport> terms;
   std::vector<FitBoundReport> bounded;
-  std::vector<std::string> notes;  ///< Terms that the robot or the source cannot have, and why.
+  FitStatus status;                ///< Of the whole clip.
+  std::vector<FitStatus> windows;  ///< Windows in order, then the seams between them.
+  /// Terms that the robot or the source cannot have, and why; steps that have not converged.
+  std::vector<std::string> notes;
 };
 
 /// A metric's figure for one motion.

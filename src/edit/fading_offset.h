@@ -8,14 +8,6 @@
 
 namespace retarget {
 
-/// From 0 at 0 to 1 at 1, level at both ends.
-[[nodiscard]] constexpr double smooth_step(double share) {
-  return share * share * (3.0 - 2.0 * share);
-}
-[[nodiscard]] constexpr double smooth_step(double from, double to, double value) {
-  return smooth_step(std::clamp((value - from) / (to - from), 0.0, 1.0));
-}
-
 /// The cubic from `begin` with velocity `begin_velocity` (per frame) to `end` with `end_velocity`
 /// over `frames` frames, at frame `at`.
 [[nodiscard]] inline Eigen::Vector3d ease(const Eigen::Vector3d& begin,

@@ -9,6 +9,7 @@
 #include "edit/fading_offset.h"
 #include "edit/ground_pose.h"
 #include "math/filter.h"
+#include "math/spline.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "edit/fading_offset.h"
 #include "math/so3.h"
+#include "math/spline.h"
 #include "math/trigonometry.h"
 
 namespace retarget {
@@ -117,7 +118,7 @@ void rise_on_toes(FootOffsets& offsets, std::span<const PlantedFoot> plants, int
     int down = plant.begin == 0 ? ramp : 0;
     for (auto i = static_cast<std::size_t>(plant.begin); std::cmp_less(i, plant.end()); ++i) {
       if (stance_at(plant, static_cast<int>(i)) == FootStance::kOnHeel) continue;
-      const double share = smooth_step(static_cast<double>(std::min(++down, ramp)) / ramp);
+      const double share = smooth_step(0.0, ramp, std::min(++down, ramp));
       const Eigen::Vector3d hip = leg.hips[i] - Eigen::Vector3d(0.0, 0.0, drops[i]);
       const LegReach stretch = offsets.reach(i, leg, drops[i], options);
       offsets.set(i, on_its_toes(offsets.moved(i, leg), *plant.toes_in_foot, hip, stretch, share),

@@ -5,6 +5,7 @@
 
 #include "edit/fading_offset.h"
 #include "math/so3.h"
+#include "math/spline.h"
 #include "math/trigonometry.h"
 #include "motion/forward_kinematics.h"
 

@@ -146,7 +146,7 @@ class FootContactFinder {
             for (int frame = begin; frame < end; ++frame) {
               heights.push_back(height(frame, foot_end));
             }
-            stance.height[foot_end] = middle_of(std::move(heights));
+            stance.height[foot_end] = median(std::move(heights));
           }
           if (std::abs(stance.height[kHeelEnd] - stance.height[kToeEnd]) < kFlat * size_) {
             stance.height.fill(0.5 * (stance.height[kHeelEnd] + stance.height[kToeEnd]));

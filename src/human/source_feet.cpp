@@ -73,12 +73,6 @@ double leg_length(const HumanClip& human) {
   return feet.legs.empty() ? 0.0 : feet.leg_length();
 }
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 bool falls_freely(std::span<const double> hips, double frame_time, double share) {
   constexpr double kGravity = 9.81;
   const double steps = static_cast<double>(hips.size()) - 1.0;

@@ -71,9 +71,6 @@ struct SourceFeet {
 /// where the left is incomplete; 0 for a body without legs and a clip without frames.
 [[nodiscard]] double leg_length(const HumanClip& human);
 
-/// The middle one of values, the upper one of two. @pre there are some
-[[nodiscard]] double middle_of(std::vector<double> values);
-
 /// Whether hips rise over the straight line between a flight's ends as what falls does, by
 /// g T^2 / 8, or by this share of it: they are not the centre of mass, and feet leave the floor
 /// early.

@@ -106,7 +106,7 @@ double low_height(const SourceFeet& source, int end) {
 double middle_height(std::span<const StandingFoot> feet, double StandingFoot::*height) {
   std::vector<double> heights;
   for (const StandingFoot& foot : feet) heights.push_back(foot.*height);
-  return middle_of(std::move(heights));
+  return median(std::move(heights));
 }
 
 // how far ankles are over toes where few feet have the usual pitch of standing ones: of feet that

@@ -10,6 +10,24 @@ namespace retarget {
 /// Where a variable of a box QP is held.
 enum class BoundSide : signed char { kLower = -1, kFree = 0, kUpper = 1 };
 
+/// Puts a value inside its bounds; where it was outside, on which side.
+inline BoundSide clamp_to_bounds(double& value, double lower, double upper) {
+  if (value < lower) {
+    value = lower;
+    return BoundSide::kLower;
+  }
+  if (value > upper) {
+    value = upper;
+    return BoundSide::kUpper;
+  }
+  return BoundSide::kFree;
+}
+
+/// How much a bound variable wants to leave its bound for the inside; not above 0: it stays.
+inline double inward_pull(BoundSide side, double gradient) {
+  return side == BoundSide::kLower ? -gradient : gradient;
+}
+
 /// Primal active-set method for strictly convex box QPs
 ///     minimise 1/2 x'Hx + g'x   subject to   lower <= x <= upper
 /// after Stark and Parker, "Bounded-variable least squares: an algorithm and applications" (1995)
@@ -120,15 +138,9 @@ inline bool ActiveSet::clamp_to_box(const Eigen::VectorXd& lower, const Eigen::V
                                     Eigen::VectorXd& x) {
   bool any = false;
   for (int i = 0; i < size_; ++i) {
-    if (x[i] < lower[i]) {
-      x[i] = lower[i];
-      sides_[i] = BoundSide::kLower;
-    } else if (x[i] > upper[i]) {
-      x[i] = upper[i];
-      sides_[i] = BoundSide::kUpper;
-    } else {
-      continue;
-    }
+    const BoundSide side = clamp_to_bounds(x[i], lower[i], upper[i]);
+    if (side == BoundSide::kFree) continue;
+    sides_[i] = side;
     any = true;
   }
   return any;
@@ -175,8 +187,7 @@ int ActiveSet::variable_to_release(System& system, const Eigen::VectorXd& x, dou
   double worst = tolerance;
   for (int i = 0; i < size_; ++i) {
     if (sides_[i] == BoundSide::kFree || stuck_[i] != 0) continue;
-    const double gradient = system.gradient(i, x);
-    const double inward = sides_[i] == BoundSide::kLower ? -gradient : gradient;
+    const double inward = inward_pull(sides_[i], system.gradient(i, x));
     if (inward > worst) {
       worst = inward;
       chosen = i;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/option_name.h"
+#include "math/so3.h"
 #include "math/trigonometry.h"
 
 namespace retarget {
@@ -175,7 +176,7 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
                          "print more: " OPTION("precision"));
     }
     turn.normalize();
-    if (frame > 0 && turn.dot(before) < 0.0) turn.coeffs() = -turn.coeffs();
+    if (frame > 0) align_sign(before.coeffs(), turn.coeffs());
     before = turn;
     to[3] = turn.w();
     for (int i = 0; i < 3; ++i) to[4 + i] = turn.vec()[i];

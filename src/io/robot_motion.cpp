@@ -186,7 +186,7 @@ class MotionInterpreter {
                                         ? Eigen::Quaterniond(q[0], q[1], q[2], q[3])
                                         : Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
       rotation.normalize();
-      if (frame > 0 && rotation.dot(before) < 0.0) rotation.coeffs() = -rotation.coeffs();
+      if (frame > 0) align_sign(before.coeffs(), rotation.coeffs());
       before = rotation;
       const auto qpos = clip.qpos(static_cast<int>(frame));
       qpos[3] = rotation.w();

@@ -30,6 +30,13 @@ namespace retarget {
 [[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,
                                                   const Eigen::Vector3d& b);
 
+/// Of q and -q, which are the same rotation, the one that is nearer to a reference. Both as Eigen
+/// stores them or both with w first.
+inline void align_sign(const Eigen::Ref<const Eigen::Vector4d>& reference,
+                       Eigen::Ref<Eigen::Vector4d> q) {
+  if (q.dot(reference) < 0.0) q = -q;
+}
+
 /// Angle between two directions of any length in [0, pi], rad; 0 where one has none.
 [[nodiscard]] double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 

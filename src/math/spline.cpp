@@ -1,5 +1,7 @@
 #include "math/spline.h"
 
+#include <algorithm>
+
 #include "math/so3.h"
 
 namespace retarget {
@@ -53,6 +55,11 @@ std::vector<Eigen::Vector3d> steps_between(std::span<const Eigen::Quaterniond> r
     steps.push_back(log_so3(rotations[i] * rotations[i - 1].conjugate()));
   }
   return steps;
+}
+
+double smooth_step(double from, double to, double value) {
+  const double share = std::clamp((value - from) / (to - from), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
 }
 
 Eigen::Vector3d interpolate_cubic(const Eigen::Vector3d& p0, const Eigen::Vector3d& v0,

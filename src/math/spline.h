@@ -33,6 +33,9 @@ namespace retarget {
 [[nodiscard]] std::vector<Eigen::Vector3d> steps_between(
     std::span<const Eigen::Quaterniond> rotations);
 
+/// The cubic from 0 at `from` to 1 at `to` that is level at both; before and after it 0 and 1.
+[[nodiscard]] double smooth_step(double from, double to, double value);
+
 /// The cubic from p0 with velocity v0 at s = 0 to p1 with velocity v1 at s = 1.
 [[nodiscard]] Eigen::Vector3d interpolate_cubic(const Eigen::Vector3d& p0,
                                                 const Eigen::Vector3d& v0,

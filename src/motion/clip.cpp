@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "math/so3.h"
+
 namespace retarget {
 
 Clip::Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_count)
@@ -87,7 +89,7 @@ void make_sign_continuous(Clip& clip) {
     const auto before = std::as_const(clip).rotations(frame - 1);
     const auto now = clip.rotations(frame);
     for (std::size_t joint = 0; joint < now.size(); ++joint) {
-      if (now[joint].dot(before[joint]) < 0.0) now[joint].coeffs() = -now[joint].coeffs();
+      align_sign(before[joint].coeffs(), now[joint].coeffs());
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/so3.h"
 #include "math/spline.h"
 #include "motion/clip_sampler.h"
 
@@ -13,7 +14,7 @@ namespace retarget {
 /// Of q and -q takes for every rotation the one nearer to the one before.
 inline void make_sign_continuous(std::vector<Eigen::Quaterniond>& track) {
   for (std::size_t i = 1; i < track.size(); ++i) {
-    if (track[i].dot(track[i - 1]) < 0.0) track[i].coeffs() = -track[i].coeffs();
+    align_sign(track[i - 1].coeffs(), track[i].coeffs());
   }
 }
 

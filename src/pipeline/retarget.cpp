@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/try.h"
+#include "math/so3.h"
 #include "math/trigonometry.h"
 #include "pipeline/strayed_arms.h"
 #include "pipeline/target_stream.h"
@@ -26,10 +27,8 @@ bool all_finite(std::span<const Pose> poses) {
 
 void keep_quaternion_sign(std::span<const double> before, std::span<double> now) {
   constexpr int kRootRotation = 3;
-  double dot = 0.0;
-  for (int i = 0; i < 4; ++i) dot += before[kRootRotation + i] * now[kRootRotation + i];
-  if (dot >= 0.0) return;
-  for (int i = 0; i < 4; ++i) now[kRootRotation + i] = -now[kRootRotation + i];
+  align_sign(Eigen::Map<const Eigen::Vector4d>(before.data() + kRootRotation),
+             Eigen::Map<Eigen::Vector4d>(now.data() + kRootRotation));
 }
 
 // one clip on its way through the solver

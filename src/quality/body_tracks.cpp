@@ -94,7 +94,7 @@ class BodyTracker {
   const CollisionModel collisions_;
   MujocoContacts contacts_;
   std::vector<Pose> world_from_body_;
-  std::vector<PlacedShape> placed_;
+  std::vector<RoundedShape> placed_;
   std::vector<ShapePair> near_;
   std::vector<std::pair<int, int>> boxes_;  // geoms
   BodyTracks tracks_;

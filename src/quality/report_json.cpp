@@ -91,6 +91,17 @@ void add_lists(Json& json, const QualityReport& report) {
   if (!report.source.empty()) json["contacts"] = json_of(report.contacts);
 }
 
+Json json_of(const FitStatus& status) {
+  return {{"begin", status.begin},
+          {"end", status.end},
+          {"converged", status.converged},
+          {"steps", status.steps},
+          {"failed_blocks", status.failed_blocks},
+          {"predicted_decrease", status.predicted_decrease},
+          {"cost_before", status.cost_before},
+          {"cost_after", status.cost_after}};
+}
+
 Json json_of(const FitReport& fit) {
   Json json;
   json["floor_height_m"] = fit.floor_height;
@@ -110,6 +121,9 @@ Json json_of(const FitReport& fit) {
                                {"worst_frame", bound.worst_frame},
                                {"largest", bound.largest}});
   }
+  json["solver"] = json_of(fit.status);
+  json["solver"]["windows"] = Json::array();
+  for (const FitStatus& part : fit.windows) json["solver"]["windows"].push_back(json_of(part));
   json["notes"] = fit.notes;
   return json;
 }

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
+#include "ik/active_set.h"
 #include "math/so3.h"
 #include "refine/block_chain.h"
 #include "refine/joint_speeds.h"
@@ -37,7 +40,7 @@ class WindowFitter {
   WindowFitter(const FitModel& model, const FitOptions& options, const FitWindow& window,
                FitClip& clip);
 
-  bool run(const std::function<bool()>& keep_going);
+  FitStatus run(const std::function<bool()>& keep_going);
 
  private:
   // a variable that is held at its limit, with its row of the system
@@ -48,7 +51,8 @@ class WindowFitter {
   };
 
   void iterate(bool move_anchors, bool look_for_pairs);
-  void fill_frame(int frame, bool move_anchors, bool look_for_pairs);
+  std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
+  double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
   void adapt_damping(int local, double cost);
   void add_steps(int frame, double* h, double* g);
   void hold_limits(int frame, double* h, double* g);
@@ -59,7 +63,8 @@ class WindowFitter {
   void place_own_anchors();
   [[nodiscard]] bool owns(int phase) const;
   [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
-  signed char& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
+  BoundSide& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
+  bool is_held(int frame, int dof) { return held(frame, dof) != BoundSide::kFree; }
 
   const FitModel& model_;
   const FitOptions& options_;
@@ -73,13 +78,14 @@ class WindowFitter {
   BlockChain chain_;
   std::vector<std::vector<std::uint32_t>> pairs_;  // by frame
   std::vector<double> damping_, cost_;             // by frame
-  std::vector<signed char> held_;                  // by frame and dof: -1 lower, 1 upper limit
+  std::vector<BoundSide> held_;                    // by frame and dof: at which limit
   std::vector<Held> rows_;
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
   double anchor_hold_ = 1.0;
   std::vector<Eigen::Vector2d> anchor_sums_;
   std::vector<Eigen::Vector2d> anchor_pushes_;
   std::vector<int> anchor_counts_;
+  FitStatus status_;
 };
 
 WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
@@ -98,16 +104,17 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       pairs_(at(window.end - window.begin)),
       damping_(pairs_.size(), 0.0),
       cost_(pairs_.size(), 1e300),
-      held_(pairs_.size() * at(dofs_), 0),
+      held_(pairs_.size() * at(dofs_), BoundSide::kFree),
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
       anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
       anchor_pushes_(anchor_sums_),
-      anchor_counts_(clip.anchors.size(), 0) {}
+      anchor_counts_(clip.anchors.size(), 0),
+      status_{.begin = window.begin, .end = window.end} {}
 
-bool WindowFitter::run(const std::function<bool()>& keep_going) {
+FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
   for (int i = 0; i < options_.iterations; ++i) {
-    if (keep_going && !keep_going()) return false;
+    if (keep_going && !keep_going()) break;
     const bool move_anchors = i < options_.anchor_iterations;
     anchor_hold_ = 1.0;
     if (move_anchors) {
@@ -117,7 +124,8 @@ bool WindowFitter::run(const std::function<bool()>& keep_going) {
     }
     iterate(move_anchors, i % kPairsEvery == 0);
   }
-  return true;
+  status_.converged = status_.predicted_decrease <= kFitTolerance;
+  return status_;
 }
 
 bool WindowFitter::owns(int phase) const {
@@ -132,17 +140,37 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
   chain_.begin(window_.end - window_.begin);
   rows_.clear();
   if (before_) speeds_.terms(window_.begin - 1, steps_after_);
-  for (int frame = window_.begin; frame < window_.end; ++frame) {
-    fill_frame(frame, move_anchors, look_for_pairs);
-    // H is positive definite but for values that are not finite, and those stay as they are
-    if (!chain_.eliminate(local(frame))) return;
-  }
+  const auto decrease = eliminate(move_anchors, look_for_pairs);
+  status_.predicted_decrease = decrease.value_or(1.0);
+  if (!decrease) return;
+  ++status_.steps;
   chain_.substitute();
   release_limits();
   for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
 }
 
-void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
+// By how much of the cost the step is predicted to lower it. Nothing where a block is not positive
+// definite: its frame is damped as much as any, for the next step.
+std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_pairs) {
+  double cost = 0.0, decrease = 0.0;
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const int t = local(frame);
+    cost += fill_frame(frame, move_anchors, look_for_pairs);
+    const bool positive = chain_.eliminate(t);
+    // b' H^-1 b, block by block: what the blocks before leave of b, times its own solution
+    for (int i = 0; positive && i < dofs_; ++i) {
+      decrease += chain_.right(t)[i] * chain_.solution(t)[at(i)];
+    }
+    if (positive && std::isfinite(decrease)) continue;
+    ++status_.failed_blocks;
+    damping_[at(t)] = kDampingMost;
+    return std::nullopt;
+  }
+  return cost > 0.0 ? decrease / cost : 0.0;
+}
+
+// @return the frame's cost, its step to the next one included
+double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
   pose_.update(model_, clip_.frame(frame, model_.configuration_size));
   if (look_for_pairs && options_.self_collision) {
@@ -166,6 +194,8 @@ void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs)
   add_steps(frame, h, g);
   hold_limits(frame, h, g);
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
+  if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
 void WindowFitter::adapt_damping(int t, double cost) {
@@ -205,8 +235,8 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
   const bool from = frame > window_.begin, to = frame + 1 < window_.end;
   double* const coupling = chain_.coupling(local(frame));
   for (int i = kBase; i < dofs_; ++i) {
-    if (from && held(frame - 1, i) != 0) coupling[i] = 0.0;
-    if (held(frame, i) == 0) continue;
+    if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
+    if (!is_held(frame, i)) continue;
     Held row{frame, i, std::vector<double>(at(dofs_)), g[i], 0.0, 0.0};
     for (int j = 0; j < dofs_; ++j) {
       row.row[at(j)] = h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)];
@@ -217,7 +247,7 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
     coupling[i] = 0.0;
   }
   for (int i = kBase; i < dofs_; ++i) {
-    if (held(frame, i) == 0) continue;
+    if (!is_held(frame, i)) continue;
     double* const row = h + static_cast<std::ptrdiff_t>(i) * stride;
     std::fill_n(row, i, 0.0);
     for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
@@ -226,7 +256,9 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
   }
 }
 
-// lets go of variables that the solved step, not the gradient before it, draws back inside
+// Lets go of variables that the solved step, not the gradient before it, draws back inside. That is
+// ActiveSet's rule, but not its loop, which would factorise the whole clip again for each of the many
+// bounds that change: here each step is one round.
 void WindowFitter::release_limits() {
   for (const Held& row : rows_) {
     const auto x = chain_.solution(local(row.frame));
@@ -236,9 +268,9 @@ void WindowFitter::release_limits() {
       force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
     }
     if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
-    signed char& side = held(row.frame, row.dof);
+    BoundSide& side = held(row.frame, row.dof);
     const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
-    if (side * force > 0.0 && !fixed) side = 0;
+    if (inward_pull(side, force) > 0.0 && !fixed) side = BoundSide::kFree;
   }
 }
 
@@ -256,17 +288,10 @@ void WindowFitter::apply(int frame) {
   qpos[5] = rotation.y();
   qpos[6] = rotation.z();
   for (int i = kBase; i < dofs_; ++i) {
-    signed char& side = held(frame, i);
-    if (side != 0) continue;
+    if (is_held(frame, i)) continue;
     double& value = qpos[at(model_.links[at(i - kBase + 1)].qpos_address)];
     value += std::clamp(x[at(i)], -kLargestTurn, kLargestTurn);
-    if (value < model_.lower[at(i)]) {
-      value = model_.lower[at(i)];
-      side = -1;
-    } else if (value > model_.upper[at(i)]) {
-      value = model_.upper[at(i)];
-      side = 1;
-    }
+    held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
   }
 }
 
@@ -324,8 +349,8 @@ void WindowFitter::place_own_anchors() {
 
 }  // namespace
 
-bool fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
-                FitClip& clip, const std::function<bool()>& keep_going) {
+FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                     FitClip& clip, const std::function<bool()>& keep_going) {
   return WindowFitter(model, options, window, clip).run(keep_going);
 }
 

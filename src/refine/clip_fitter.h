@@ -10,6 +10,7 @@
 #include "refine/foot_plan.h"
 #include "refine/frame_terms.h"
 #include "retarget/options.h"
+#include "retarget/report.h"
 
 namespace retarget {
 
@@ -50,9 +51,10 @@ struct FitWindow {
 ///
 /// Reads no frame outside the window but those near fixed ends, and writes only the window's
 /// frames and the anchors of phases that lie in it: windows that are apart may run at the same time.
-/// @return false when `keep_going` said so.
-bool fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
-                FitClip& clip, const std::function<bool()>& keep_going);
+/// @param keep_going  asked before every step; false stops.
+/// @return how it ended; without costs.
+FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                     FitClip& clip, const std::function<bool()>& keep_going);
 
 /// The change from one configuration to the next by degree of freedom: metres, the rotation vector
 /// in the root's axes, joints.

@@ -1,11 +1,17 @@
 #include "refine/fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <thread>
 
+#include "base/number_text.h"
 #include "base/try.h"
+#include "math/so3.h"
+#include "math/statistics.h"
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
 #include "refine/fit_windows.h"
@@ -44,15 +50,6 @@ PathScales path_scales(const TargetBuilder& targets) {
     scales.foot = rise(foot);
   }
   return scales;
-}
-
-// turns the root quaternion to the side of the one before, or of no rotation
-void keep_sign(std::span<const double> before, std::span<double> now) {
-  double dot = 0.0;
-  if (before.empty()) dot = now[3];
-  for (std::size_t i = 3; i < 7 && !before.empty(); ++i) dot += before[i] * now[i];
-  if (dot >= 0.0) return;
-  for (std::size_t i = 3; i < 7; ++i) now[i] = -now[i];
 }
 
 // The limits of the first stage: where the robot has a narrower set for the published method,
@@ -186,11 +183,46 @@ double Fit::floor_height(const StandingHeights& standing, double scale) const {
       offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
                         scale * feet_.at(frame, side).ankle.z());
     }
-    sum += scale * standing.ankle + middle_of(std::move(offsets)) -
+    sum += scale * standing.ankle + median(std::move(offsets)) -
            model_.feet[at(task.foot)].body_height;
     ++count;
   }
   return count == 0 ? 0.0 : sum / count;
+}
+
+double sum_of(const std::vector<TermCosts>& costs, int begin, int end) {
+  double sum = 0.0;
+  for (int t = begin; t < end; ++t) {
+    sum = std::accumulate(costs[at(t)].begin(), costs[at(t)].end(), sum);
+  }
+  return sum;
+}
+
+void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
+                   const std::vector<TermCosts>& after, FitReport& report) {
+  FitStatus& all = report.status;
+  all = {0, static_cast<int>(after.size()), true, 0, 0, 0.0};
+  for (FitStatus& part : parts) {
+    part.cost_before = sum_of(before, part.begin, part.end);
+    part.cost_after = sum_of(after, part.begin, part.end);
+  }
+  all.cost_before = sum_of(before, all.begin, all.end);
+  all.cost_after = sum_of(after, all.begin, all.end);
+  for (const FitStatus& part : parts) {
+    all.converged = all.converged && part.converged;
+    all.steps = std::max(all.steps, part.steps);
+    all.failed_blocks += part.failed_blocks;
+    all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
+  }
+  const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
+  if (!all.converged) {
+    report.notes.push_back(
+        fmt::format("not converged after {}: the last one should still have lowered the cost of "
+                    "frames {} to {} by {} %",
+                    count_text(all.steps, "step"), worst->begin, worst->end - 1,
+                    number_text(100.0 * worst->predicted_decrease, 1)));
+  }
+  report.windows = std::move(parts);
 }
 
 // The first stage and the windows behind it, side by side: each window begins when the frames that
@@ -213,7 +245,9 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   crew.starts_are_there(clip_.frame_count);
   if (!crew.finish(run_.keep_going)) return interrupted_failure();
   keep_bounds(result.report);
-  report_terms(crew.costs_before(), crew.costs_now(), result.report);
+  const std::vector<TermCosts> costs = crew.costs_now();
+  report_terms(crew.costs_before(), costs, result.report);
+  report_status(crew.statuses(), crew.costs_before(), costs, result.report);
   return {};
 }
 
@@ -325,9 +359,12 @@ Result<FitResult> Fit::run() {
   report.contact_phases = static_cast<int>(clip_.feet.phases.size());
   TRY(solve(made, result));
   result.clip = RobotClip(robot_, info.rate, info.frame_count);
+  Eigen::Vector4d before = Eigen::Vector4d::UnitX();  // no rotation, w first
   for (int t = 0; t < clip_.frame_count; ++t) {
     const auto now = clip_.frame(t, model_.configuration_size);
-    keep_sign(t > 0 ? clip_.frame(t - 1, model_.configuration_size) : std::span<double>(), now);
+    Eigen::Map<Eigen::Vector4d> root(now.data() + 3);
+    align_sign(before, root);
+    before = root;
     std::ranges::copy(now, result.clip.qpos(t).begin());
   }
   return result;

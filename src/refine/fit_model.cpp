@@ -302,33 +302,7 @@ void ModelMaker::add_feet() {
 }
 
 // a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
-constexpr double kLargestRounding = 0.008;
-
-RoundedShape rounded(const CollisionShape& shape, const Frame& link_from_shape, int link) {
-  RoundedShape result;
-  result.link = link;
-  result.centre = link_from_shape.translation;
-  result.radius = shape.radius;
-  result.half_axes.fill(Eigen::Vector3d::Zero());
-  if (shape.type == CollisionShape::Type::kCapsule) {
-    result.half_axes[0] = shape.half_length * link_from_shape.rotation.col(2);
-    result.axis_count = 1;
-    result.reach = shape.half_length + shape.radius;
-  } else if (shape.type == CollisionShape::Type::kBox) {
-    result.radius = std::min(shape.half_size.minCoeff(), kLargestRounding);
-    for (int i = 0; i < 3; ++i) {
-      const double half = shape.half_size[i] - result.radius;
-      if (half <= 0.0) continue;
-      result.half_axes[static_cast<std::size_t>(result.axis_count)] =
-          half * link_from_shape.rotation.col(i);
-      ++result.axis_count;
-    }
-    result.reach = shape.half_size.norm();
-  } else {
-    result.reach = shape.radius;
-  }
-  return result;
-}
+constexpr double kMaxRounding = 0.008;
 
 void ModelMaker::add_floor_points(const CollisionShape& shape, const Frame& link_from_shape) {
   const int link = hanging_[static_cast<std::size_t>(shape.body)].link;
@@ -385,8 +359,11 @@ void ModelMaker::add_shapes() {
   for (const CollisionShape& shape : robot_.collision_shapes()) {
     const Hanging& hanging = hanging_[static_cast<std::size_t>(shape.body)];
     if (hanging.link < 0) continue;
+    const Frame link_from_body = to_frame(hanging.link_from_body);
     const Frame link_from_shape = to_frame(hanging.link_from_body * shape.body_from_shape);
-    model_.shapes.push_back(rounded(shape, link_from_shape, hanging.link));
+    model_.shapes.push_back(
+        {placed(rounded(shape, kMaxRounding), link_from_body.rotation, link_from_body.translation),
+         hanging.link});
     shape_body_.push_back(shape.body);
     add_floor_points(shape, link_from_shape);
   }

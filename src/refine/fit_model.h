@@ -11,6 +11,7 @@
 #include "retarget/ik_config.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "robot/shape_distance.h"
 
 namespace retarget {
 
@@ -74,14 +75,9 @@ struct FitFoot {
 
 inline constexpr int kHeel = kHeelEnd, kToe = kToeEnd;
 
-/// A collision shape as a point, line, rectangle or box with a radius around it.
-struct RoundedShape {
+/// A collision shape in its link's frame.
+struct FitShape : RoundedShape {
   int link = 0;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< In the link's frame.
-  std::array<Eigen::Vector3d, 3> half_axes;          ///< The first axis_count count.
-  int axis_count = 0;
-  double radius = 0.0;
-  double reach = 0.0;  ///< Radius of a ball about the centre that holds the shape.
 };
 
 /// Two shapes that must stay apart.
@@ -119,7 +115,7 @@ struct FitModel {
   std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
   std::vector<char> is_foot;        ///< By link.
   std::vector<int> foot_of_link;    ///< Index of the foot that a link is or carries next; -1: none.
-  std::vector<RoundedShape> shapes;
+  std::vector<FitShape> shapes;
   std::vector<FitPair> pairs;  ///< Ordered by links.
   std::vector<FitPairGroup> pair_groups;
   std::vector<ShapeBall> link_balls;  ///< By link.

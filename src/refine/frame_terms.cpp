@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "math/so3.h"
-#include "refine/fit_distance.h"
 #include "refine/one_sided.h"
 #include "refine/shorthand.h"
 
@@ -21,6 +20,14 @@ constexpr double kLevelLean = 0.1;
 constexpr double kShapeBelowSole = 0.005;
 // metres around their margins over which points begin to stand on the floor
 constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
+
+ShapeDistance distance_of(const FitPose& pose, const FitShape& a, const FitShape& b) {
+  const auto in_world = [&](const FitShape& shape) {
+    const Frame& link = pose.world_from_link[at(shape.link)];
+    return placed(shape, link.rotation, link.translation);
+  };
+  return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
+}
 
 }  // namespace
 
@@ -183,7 +190,7 @@ void FrameTerms::add_floor(const FitPose& pose, TermCosts& costs) {
 void FrameTerms::find_near_pairs(const FitPose& pose, double within,
                                  std::vector<std::uint32_t>& pairs) {
   for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
-    const RoundedShape& shape = model_.shapes[i];
+    const FitShape& shape = model_.shapes[i];
     centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
   }
   for (std::size_t link = 0; link < model_.links.size(); ++link) {
@@ -197,14 +204,12 @@ void FrameTerms::find_near_pairs(const FitPose& pose, double within,
         square(apart)) {
       continue;
     }
-    const Frame& world_a = pose.world_from_link[at(group.link_a)];
-    const Frame& world_b = pose.world_from_link[at(group.link_b)];
     for (std::uint32_t i = group.begin; i < group.end; ++i) {
-      const RoundedShape& a = model_.shapes[at(model_.pairs[i].a)];
-      const RoundedShape& b = model_.shapes[at(model_.pairs[i].b)];
+      const FitShape& a = model_.shapes[at(model_.pairs[i].a)];
+      const FitShape& b = model_.shapes[at(model_.pairs[i].b)];
       const Vector3d between = centres_[at(model_.pairs[i].a)] - centres_[at(model_.pairs[i].b)];
-      if (between.squaredNorm() < square(a.reach + b.reach + within) &&
-          fit_distance(a, world_a, b, world_b).distance < within) {
+      if (between.squaredNorm() < square(a.bounding_radius + b.bounding_radius + within) &&
+          distance_of(pose, a, b).distance < within) {
         pairs.push_back(i);
       }
     }
@@ -214,9 +219,8 @@ void FrameTerms::find_near_pairs(const FitPose& pose, double within,
 // a row over the two chains below their common carrier
 void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* gradient,
                           double* hessian, int stride, TermCosts& costs) {
-  const RoundedShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
-  const FitDistance found =
-      fit_distance(a, pose.world_from_link[at(a.link)], b, pose.world_from_link[at(b.link)]);
+  const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
+  const ShapeDistance found = distance_of(pose, a, b);
   const double apart = found.distance - options_.self_collision_margin;
   const OneSidedRow row = one_sided(apart, kOverlapBand);
   if (row.weight <= 0.0) return;
@@ -224,11 +228,11 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
   const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
   if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
-    foot_overlap_ = {-apart, foot_a, foot_b, found.normal.head<2>()};
+    foot_overlap_ = {-apart, foot_a, foot_b, -found.normal.head<2>()};
   }
   const Vector3d& origin = pose.world_from_link[0].translation;
-  const Vector3d torque_a = (found.on_a - origin).cross(found.normal);
-  const Vector3d torque_b = (found.on_b - origin).cross(found.normal);
+  // the same about both points, which lie on one line along the normal
+  const Vector3d torque = (found.on_a - origin).cross(found.normal);
   constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
   for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) carries_[at(i)] = 1;
   row_dofs_.clear();
@@ -237,13 +241,13 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
       carries_[at(i)] = 0;
       continue;
     }
-    row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque_b.dot(pose.angular[at(i)]));
+    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]);
     row_dofs_.push_back(i);
   }
   for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) {
     if (carries_[at(i)] == 0) continue;
     carries_[at(i)] = 0;
-    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque_a.dot(pose.angular[at(i)]);
+    row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]));
     row_dofs_.push_back(i);
   }
   for (const int i : row_dofs_) {

@@ -26,6 +26,7 @@ WindowCrew::WindowCrew(const FitModel& model, const FitOptions& options, const F
       clip_(clip),
       threads_(threads),
       costs_before_(at(clip.frame_count)),
+      statuses_(plan.windows.size() + plan.seams.size()),
       all_(std::max<std::int64_t>(
           1, options.iterations * (frames_of(plan.windows) + frames_of(plan.seams)))),
       crew_(tasks(), threads) {}
@@ -33,23 +34,25 @@ WindowCrew::WindowCrew(const FitModel& model, const FitOptions& options, const F
 std::vector<TaskCrew::Task> WindowCrew::tasks() {
   std::vector<TaskCrew::Task> tasks;
   for (const FitWindow& window : plan_.windows) {
-    tasks.push_back({[this, &window] {
+    tasks.push_back({[this, &window, &status = statuses_[tasks.size()]] {
                        const auto begin = at(window.begin), count = at(window.end) - begin;
                        frame_costs(model_, options_, clip_, window,
                                    std::span(costs_before_).subspan(begin, count));
-                       solve(window);
+                       solve(window, status);
                      },
                      1});
   }
   for (std::size_t i = 0; i < plan_.seams.size(); ++i) {
     for (const std::size_t beside : {i, i + 1}) tasks[beside].then.push_back(tasks.size());
-    tasks.push_back({[this, &seam = plan_.seams[i]] { solve(seam); }, 2});
+    tasks.push_back(
+        {[this, &seam = plan_.seams[i], &status = statuses_[tasks.size()]] { solve(seam, status); },
+         2});
   }
   return tasks;
 }
 
-void WindowCrew::solve(const FitWindow& window) {
-  fit_window(model_, options_, window, clip_, [&] {
+void WindowCrew::solve(const FitWindow& window, FitStatus& status) {
+  status = fit_window(model_, options_, window, clip_, [&] {
     const auto done = static_cast<double>(done_.fetch_add(window.end - window.begin));
     if (caller_ == std::this_thread::get_id() && keep_going_ &&
         !keep_going_(done / static_cast<double>(all_))) {

@@ -32,11 +32,13 @@ class WindowCrew {
 
   /// By frame: what the starts cost, each within its window.
   [[nodiscard]] const std::vector<TermCosts>& costs_before() const { return costs_before_; }
+  /// Of each window, then of each seam: how it ended.
+  [[nodiscard]] const std::vector<FitStatus>& statuses() const { return statuses_; }
   /// By frame: what the clip costs now.
   [[nodiscard]] std::vector<TermCosts> costs_now() const;
 
  private:
-  void solve(const FitWindow& window);
+  void solve(const FitWindow& window, FitStatus& status);
   [[nodiscard]] std::vector<TaskCrew::Task> tasks();
 
   const FitModel& model_;
@@ -45,6 +47,7 @@ class WindowCrew {
   FitClip& clip_;
   int threads_;
   std::vector<TermCosts> costs_before_;
+  std::vector<FitStatus> statuses_;
   std::size_t released_ = 0;  // windows that may begin
   std::thread::id caller_ = std::this_thread::get_id();
   std::function<bool(double)> keep_going_;  // the caller's thread alone looks at it

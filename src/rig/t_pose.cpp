@@ -1,6 +1,5 @@
 #include "rig/t_pose.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "anatomy/branches.h"
 #include "human/canonical_pose.h"
+#include "ik/box_qp.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
 #include "retarget/human.h"
@@ -118,34 +118,6 @@ double TPoseProblem::misfit(const std::vector<double>& qpos) const {
   return sum;
 }
 
-// the step of the joints that are free to move; those at a limit that the step would leave stay
-Eigen::VectorXd bounded_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
-                             const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                             double damping) {
-  const Eigen::Index count = gradient.size();
-  std::vector<bool> held(static_cast<std::size_t>(count), false);
-  for (;;) {
-    Eigen::MatrixXd a = hessian + damping * Eigen::MatrixXd::Identity(count, count);
-    Eigen::VectorXd b = -gradient;
-    for (Eigen::Index j = 0; j < count; ++j) {
-      if (!held[static_cast<std::size_t>(j)]) continue;
-      a.row(j).setZero();
-      a.col(j).setZero();
-      a(j, j) = 1.0;
-      b[j] = 0.0;
-    }
-    const Eigen::VectorXd step = a.llt().solve(b);
-    bool more = false;
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const bool out = (lower[j] >= 0.0 && step[j] < 0.0) || (upper[j] <= 0.0 && step[j] > 0.0);
-      if (!out || held[static_cast<std::size_t>(j)]) continue;
-      held[static_cast<std::size_t>(j)] = true;
-      more = true;
-    }
-    if (!more) return step.cwiseMax(lower).cwiseMin(upper);
-  }
-}
-
 double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
   constexpr int kMostSteps = 60;
   constexpr double kConverged = 1e-8;
@@ -154,7 +126,8 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
   Eigen::MatrixXd hessian;
   Eigen::VectorXd gradient;
   Eigen::VectorXd lower(count);
-  Eigen::VectorXd upper(count);
+  Eigen::VectorXd upper(count), step(count);
+  BoxQp qp(static_cast<int>(count));
   double damping = 1e-2;
   double cost = problem.linearise(qpos, hessian, gradient);
   for (int n = 0; n < kMostSteps && damping < 1e8; ++n) {
@@ -164,7 +137,9 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
       lower[j] = limits.lower[joint] - position;
       upper[j] = limits.upper[joint] - position;
     }
-    const Eigen::VectorXd step = bounded_step(hessian, gradient, lower, upper, damping);
+    hessian.diagonal().array() += damping;
+    qp.solve(hessian, gradient, lower, upper, step);
+    hessian.diagonal().array() -= damping;
     std::vector<double> next = qpos;
     for (Eigen::Index j = 0; j < count; ++j) {
       next[robot.joints()[static_cast<std::size_t>(j)].qpos_address] += step[j];

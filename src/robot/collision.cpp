@@ -24,6 +24,7 @@ bool is_exempt(const Robot& robot, int a, int b) {
 }  // namespace
 
 CollisionModel::CollisionModel(const Robot& robot) : shapes_(robot.collision_shapes()) {
+  for (const CollisionShape& shape : shapes_) in_body_.push_back(rounded(shape));
   const int count = static_cast<int>(shapes_.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
@@ -33,18 +34,19 @@ CollisionModel::CollisionModel(const Robot& robot) : shapes_(robot.collision_sha
 }
 
 void CollisionModel::place(std::span<const Pose> world_from_body,
-                           std::span<PlacedShape> placed) const {
+                           std::span<RoundedShape> in_world) const {
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    placed[i] = retarget::place(shapes_[i], world_from_body[shapes_[i].body]);
+    const Pose& body = world_from_body[shapes_[i].body];
+    in_world[i] = placed(in_body_[i], body.rotation.toRotationMatrix(), body.translation);
   }
 }
 
-void CollisionModel::near_pairs(std::span<const PlacedShape> placed, double margin,
+void CollisionModel::near_pairs(std::span<const RoundedShape> placed, double margin,
                                 std::vector<ShapePair>& near) const {
   near.clear();
   for (const ShapePair& pair : pairs_) {
-    const PlacedShape& a = placed[pair.a];
-    const PlacedShape& b = placed[pair.b];
+    const RoundedShape& a = placed[pair.a];
+    const RoundedShape& b = placed[pair.b];
     const double reach = a.bounding_radius + b.bounding_radius + margin;
     if (reach > 0.0 && (a.centre - b.centre).squaredNorm() < reach * reach) near.push_back(pair);
   }

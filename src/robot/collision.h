@@ -34,16 +34,17 @@ class CollisionModel {
   [[nodiscard]] const std::vector<ShapePair>& pairs() const { return pairs_; }
 
   /// @param world_from_body  poses of all bodies, as forward_kinematics gives them.
-  /// @param placed           shapes().size() shapes, filled.
-  void place(std::span<const Pose> world_from_body, std::span<PlacedShape> placed) const;
+  /// @param in_world         shapes().size() shapes, filled.
+  void place(std::span<const Pose> world_from_body, std::span<RoundedShape> in_world) const;
 
   /// The pairs, in order, whose bounding spheres are less than `margin` (metres) apart: all that
   /// can be nearer than it, and some that are not. Written over `near`, whose memory is kept.
-  void near_pairs(std::span<const PlacedShape> placed, double margin,
+  void near_pairs(std::span<const RoundedShape> placed, double margin,
                   std::vector<ShapePair>& near) const;
 
  private:
   std::vector<CollisionShape> shapes_;
+  std::vector<RoundedShape> in_body_;
   std::vector<ShapePair> pairs_;
 };
 

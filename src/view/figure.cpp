@@ -40,33 +40,33 @@ Eigen::Matrix2Xd columns(std::initializer_list<Eigen::Vector2d> points) {
   return result;
 }
 
-void add_box(const PlacedShape& box, const Camera& camera, std::vector<FigurePart::Piece>& pieces) {
+void add_box(const RoundedShape& box, const Camera& camera,
+             std::vector<FigurePart::Piece>& pieces) {
   const Eigen::Vector3d light = light_from(camera);
-  for (int axis = 0; axis < 3; ++axis) {
-    Eigen::Vector3d normal = box.world_from_box.col(axis);
-    if (normal.dot(camera.nearer) < 0.0) normal = -normal;
-    const int side = (axis + 1) % 3, other = (axis + 2) % 3;
-    const Eigen::Vector3d middle = box.centre + box.half_size[axis] * normal;
-    const Eigen::Vector3d a = box.half_size[side] * box.world_from_box.col(side);
-    const Eigen::Vector3d b = box.half_size[other] * box.world_from_box.col(other);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d out = box.half_axes[axis];
+    if (out.dot(camera.nearer) < 0.0) out = -out;
+    const Eigen::Vector3d middle = box.centre + out, normal = out.normalized();
+    const Eigen::Vector3d &a = box.half_axes[(axis + 1) % 3], &b = box.half_axes[(axis + 2) % 3];
     pieces.push_back({columns({camera.project(middle + a + b), camera.project(middle - a + b),
                                camera.project(middle - a - b), camera.project(middle + a - b)}),
                       0.0, light_on(normal, light)});
   }
 }
 
-void add_round(const PlacedShape& shape, const Camera& camera,
+void add_round(const RoundedShape& shape, const Camera& camera,
                std::vector<FigurePart::Piece>& pieces) {
   const Eigen::Vector3d light = light_from(camera);
-  if (shape.type == CollisionShape::Type::kSphere || shape.half_axis.norm() == 0.0) {
+  if (shape.axis_count == 0) {
     pieces.push_back({columns({camera.project(shape.centre)}), shape.radius, 1.0});
     return;
   }
   // lit as the line on it that is lit most
-  const double along = shape.half_axis.normalized().dot(light);
-  pieces.push_back({columns({camera.project(shape.centre - shape.half_axis),
-                             camera.project(shape.centre + shape.half_axis)}),
-                    shape.radius, std::sqrt(std::max(0.0, 1.0 - along * along))});
+  const Eigen::Vector3d& axis = shape.half_axes[0];
+  const double along = axis.normalized().dot(light);
+  pieces.push_back(
+      {columns({camera.project(shape.centre - axis), camera.project(shape.centre + axis)}),
+       shape.radius, std::sqrt(std::max(0.0, 1.0 - along * along))});
 }
 
 void sort_by_nearness(Figure& figure) {
@@ -152,7 +152,7 @@ Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shape
   Figure figure(robot.bodies().size());
   std::vector<int> counts(figure.size());
   for (const CollisionShape& shape : shapes) {
-    const PlacedShape placed = place(shape, world_from_body[shape.body]);
+    const RoundedShape placed = place(shape, world_from_body[shape.body]);
     FigurePart& part = figure[shape.body];
     // the mean of its shapes
     const double share = 1.0 / ++counts[shape.body];

@@ -202,6 +202,25 @@ class EvaluateCommand(ToolTest):
         motion, = json.loads((self.folder / "gmr.json").read_text())["motions"]
         self.assertNotIn("fit", motion)
 
+    def test_a_fit_that_has_not_converged_says_so(self):
+        few = self.write("few.json", '{"iterations": 1}')
+        for options, converged in (((), True), (("--fit-config", few), False)):
+            with self.subTest(options):
+                result = self.retarget("--report", "run.json", "--sidecar", *options)
+                self.assert_done(result)
+                self.assertEqual("not converged after 1 step" in result.stderr, not converged)
+                motion, = json.loads((self.folder / "run.json").read_text())["motions"]
+                solver = motion["fit"]["solver"]
+                self.assertEqual(solver["converged"], converged)
+                self.assertEqual(solver["steps"], 10 if converged else 1)
+                self.assertEqual(solver["failed_blocks"], 0)
+                self.assertGreater(solver["cost_before"], solver["cost_after"])
+                self.assertTrue(solver["windows"])
+                notes = " ".join(motion["fit"]["notes"])
+                self.assertEqual("not converged" in notes, not converged)
+                sidecar = json.loads((self.folder / "out.csv.json").read_text())
+                self.assertEqual(sidecar["quality"]["motions"][0]["fit"]["solver"], solver)
+
     def test_joints_at_a_limit_are_in_summary_and_report(self):
         result = self.run_tool("--bvh", SOURCE / "data" / "walk.bvh", "--robot", "unitree_g1",
                                "--method", "gmr", "-o", "w.csv", "--report", "run.json")

@@ -1,6 +1,5 @@
-// Distances of rounded shapes: closed forms, and many points of both shapes for the rest.
-
-#include "refine/fit_distance.h"
+// Distances of rounded shapes as the fit takes them, with nearest points that change evenly: closed
+// forms, and many points of both shapes for the rest.
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include <random>
 
 #include "math/so3.h"
+#include "refine/fit_model.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {
@@ -21,9 +21,27 @@ RoundedShape shape(std::vector<Vector3d> axes, double radius, const Vector3d& ce
   RoundedShape result;
   result.centre = centre;
   result.radius = radius;
-  result.half_axes.fill(Vector3d::Zero());
   for (const Vector3d& axis : axes) {
     result.half_axes[static_cast<std::size_t>(result.axis_count++)] = axis;
+  }
+  return result;
+}
+
+// as seen from b: the normal points to a, and points are those of the cores, one where they meet
+struct FitDistance {
+  double distance;
+  Vector3d normal, on_a, on_b;
+};
+
+FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const RoundedShape& b,
+                         const Frame& world_from_b) {
+  const ShapeDistance found = shape_distance(
+      placed(a, world_from_a.rotation, world_from_a.translation),
+      placed(b, world_from_b.rotation, world_from_b.translation), NearestPoints::kEven);
+  FitDistance result{found.distance, -found.normal, found.on_a - a.radius * found.normal,
+                     found.on_b + b.radius * found.normal};
+  if (found.distance + a.radius + b.radius < 0.0) {
+    result.on_a = result.on_b = 0.5 * (result.on_a + result.on_b);
   }
   return result;
 }
@@ -111,15 +129,12 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
     Frame at_a{exp_so3(2.0 * vector()).toRotationMatrix(), 0.3 * vector()};
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
     const auto found = fit_distance(a, at_a, b, at_b);
-    PlacedShape box_a, box_b;
+    CollisionShape box_a, box_b;
     box_a.type = box_b.type = CollisionShape::Type::kBox;
-    box_a.centre = at_a.translation;
     box_a.half_size = size_a;
-    box_a.world_from_box = at_a.rotation;
-    box_a.bounding_radius = size_a.norm();
     box_b.half_size = size_b;
-    box_b.bounding_radius = size_b.norm();
-    const ShapeDistance exact = shape_distance(box_a, box_b);
+    const ShapeDistance exact = shape_distance(
+        place(box_a, {Eigen::Quaterniond(at_a.rotation), at_a.translation}), place(box_b, {}));
     if (exact.distance > -1e-3) continue;
     ++seen;
     EXPECT_NEAR(found.distance, exact.distance, 1e-9) << round;

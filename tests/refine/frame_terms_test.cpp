@@ -17,7 +17,6 @@
 #include "math/so3.h"
 #include "pipeline/targets.h"
 #include "refine/clip_fitter.h"
-#include "refine/fit_distance.h"
 #include "refine/joint_speeds.h"
 #include "retarget/human.h"
 #include "support/test_robots.h"
@@ -342,12 +341,14 @@ TEST_F(FrameTermsTest, NearPairsAreFoundAmongAllPairs) {
     std::vector<std::uint32_t> found, expected;
     terms.find_near_pairs(pose, kWithin, found);
     for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
-      const RoundedShape& a = model_.shapes[static_cast<std::size_t>(model_.pairs[i].a)];
-      const RoundedShape& b = model_.shapes[static_cast<std::size_t>(model_.pairs[i].b)];
+      const FitShape& a = model_.shapes[static_cast<std::size_t>(model_.pairs[i].a)];
+      const FitShape& b = model_.shapes[static_cast<std::size_t>(model_.pairs[i].b)];
+      const auto in_world = [&](const FitShape& shape) {
+        const auto& link = pose.world_from_link[static_cast<std::size_t>(shape.link)];
+        return placed(shape, link.rotation, link.translation);
+      };
       const double distance =
-          fit_distance(a, pose.world_from_link[static_cast<std::size_t>(a.link)], b,
-                       pose.world_from_link[static_cast<std::size_t>(b.link)])
-              .distance;
+          shape_distance(in_world(a), in_world(b), NearestPoints::kEven).distance;
       if (distance < kWithin) expected.push_back(i);
     }
     EXPECT_EQ(found, expected);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cstring>
 #include <random>
 #include <vector>
@@ -118,6 +119,66 @@ TEST(BlockChain, SolvesAsADenseSolverDoes) {
       for (int i = 0; i < size; ++i) {
         EXPECT_NEAR(chain.solution(t)[static_cast<std::size_t>(i)], wanted[t * size + i], 1e-9);
       }
+    }
+  }
+}
+
+// random chains, one of whose blocks may be made not positive definite
+struct RandomChain {
+  RandomChain(int size, int blocks, std::mt19937& random, int indefinite = -1) : chain(size) {
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    chain.begin(blocks);
+    dense = Eigen::MatrixXd::Zero(blocks * size, blocks * size);
+    right.resize(blocks * size);
+    for (int t = 0; t < blocks; ++t) {
+      Eigen::MatrixXd h = random_positive(size, random) / size;
+      h.diagonal().array() += 3.0;
+      if (t == indefinite) h(size / 2, size / 2) = -1.0;
+      dense.block(t * size, t * size, size, size) = h;
+      for (int i = 0; i < size; ++i) {
+        for (int j = 0; j <= i; ++j) chain.block(t)[i * chain.stride() + j] = h(i, j);
+        right[t * size + i] = chain.right(t)[i] = uniform(random);
+        if (t == 0) continue;
+        const double coupling = chain.coupling(t)[i] = uniform(random);
+        dense(t * size + i, (t - 1) * size + i) = dense((t - 1) * size + i, t * size + i) =
+            coupling;
+      }
+    }
+  }
+
+  BlockChain chain;
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd right;
+};
+
+TEST(BlockChain, AgreesWithEigensLlt) {
+  std::mt19937 random(5);
+  for (const int size : {2, 12, 29, 35, 43}) {
+    constexpr int kBlocks = 12;
+    RandomChain problem(size, kBlocks, random);
+    for (int t = 0; t < kBlocks; ++t) ASSERT_TRUE(problem.chain.eliminate(t));
+    problem.chain.substitute();
+    const Eigen::LLT<Eigen::MatrixXd> llt(problem.dense);
+    ASSERT_EQ(llt.info(), Eigen::Success);
+    const Eigen::VectorXd wanted = llt.solve(problem.right);
+    Eigen::VectorXd found(wanted.size());
+    for (int t = 0; t < kBlocks; ++t) {
+      std::ranges::copy(problem.chain.solution(t), found.data() + t * size);
+    }
+    EXPECT_LT((found - wanted).norm(), 1e-10 * wanted.norm()) << size;
+  }
+}
+
+TEST(BlockChain, FailsAtTheBlockWhereEigensLltFails) {
+  std::mt19937 random(6);
+  constexpr int kSize = 29, kBlocks = 6;
+  for (int indefinite = 0; indefinite < kBlocks; ++indefinite) {
+    RandomChain problem(kSize, kBlocks, random, indefinite);
+    for (int t = 0; t <= indefinite; ++t) {
+      const int rows = (t + 1) * kSize;
+      const Eigen::LLT<Eigen::MatrixXd> llt(problem.dense.topLeftCorner(rows, rows));
+      EXPECT_EQ(llt.info() == Eigen::Success, t < indefinite);
+      EXPECT_EQ(problem.chain.eliminate(t), t < indefinite) << t;
     }
   }
 }

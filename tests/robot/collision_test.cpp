@@ -331,7 +331,7 @@ TEST(CollisionModel, FindsMujocosContactsOfTheG1) {
   RandomShapes random;
   mjData* data = mj_makeData(g1->model());
   std::vector<Pose> world_from_body(g1->bodies().size());
-  std::vector<PlacedShape> placed(model.shapes().size());
+  std::vector<RoundedShape> placed(model.shapes().size());
   std::vector<ShapePair> near;
   int contacts = 0;
   for (int sample = 0; sample < 200; ++sample) {
@@ -365,7 +365,8 @@ TEST(CollisionModel, FindsMujocosContactsOfTheG1) {
       }
       ++contacts;
       ASSERT_TRUE(found != expected.end());
-      const bool boxes = placed[pair.a].type == Type::kBox || placed[pair.b].type == Type::kBox;
+      const bool boxes =
+          model.shapes()[pair.a].type == Type::kBox || model.shapes()[pair.b].type == Type::kBox;
       if (!boxes) {
         EXPECT_NEAR(depth, found->second, 1e-9);
       }

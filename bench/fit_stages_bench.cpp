@@ -1,0 +1,208 @@
+// The stages of the whole-clip fit, one by one, on one thread: walk4_subject1 on the G1.
+
+#include <cstdint>
+#include <vector>
+
+#include "bench_support.h"
+#include "math/so3.h"
+#include "pipeline/retarget.h"
+#include "refine/clip_fitter.h"
+#include "refine/fit_windows.h"
+#include "refine/frame_costs.h"
+#include "refine/joint_speeds.h"
+#include "refine/speed_bounds.h"
+#include "refine/start_frames.h"
+
+namespace retarget {
+namespace {
+
+constexpr const char* kClip = "walk4_subject1";
+
+// what a fit has before its first step; targets are those of the published method
+struct StagesCase {
+  BenchCase bench = load_case(kClip);
+  FitOptions options;
+  FitModel model;
+  SourceFeet feet;
+  FitClip clip;
+  RobotClip first;
+
+  StagesCase() {
+    const TargetBuilder targets(bench.tables, bench.human.height);
+    BoneArray<int> target_of_bone;
+    for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
+    model = make_fit_model(*bench.robot, bench.tables, bench.limits, target_of_bone, options);
+    first = retarget(bench.human, kClip, bench.robot, bench.tables, bench.limits).value().clip;
+    clip.frame_count = bench.human.frame_count;
+    clip.frame_time = feet.frame_time = bench.human.rate.frame_time();
+    take_targets(targets);
+    take_feet();
+    plan();
+    start();
+  }
+
+  void take_targets(const TargetBuilder& targets) {
+    std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
+    clip.targets.clear();
+    for (int frame = 0; frame < clip.frame_count; ++frame) {
+      targets.build(bench.human.frame(frame), world_from_target);
+      for (const FitTask& task : model.tasks) {
+        const Pose& pose = world_from_target[static_cast<std::size_t>(task.target)];
+        clip.targets.push_back({pose.translation, pose.rotation * task.link_from_body.conjugate()});
+      }
+    }
+  }
+
+  void take_feet() {
+    feet.foot_count = static_cast<int>(model.feet.size());
+    for (int frame = 0; frame < clip.frame_count; ++frame) {
+      const HumanPose& bones = bench.human.frame(frame);
+      for (const FitFoot& foot : model.feet) {
+        const Side side = foot.left ? Side::kLeft : Side::kRight;
+        const Pose& toe = bones[side_bone(side, LimbBone::kToe)];
+        feet.feet.push_back({bones[side_bone(side, LimbBone::kFoot)].translation, toe.translation,
+                             (toe.rotation * Eigen::Vector3d::UnitY()).z(),
+                             (toe.rotation * Eigen::Vector3d::UnitZ()).z()});
+      }
+      feet.hips.push_back(bones[Bone::kHips].translation.z());
+    }
+  }
+
+  void plan() { clip.feet = plan_feet(feet, find_standing_heights(feet, options), 0.75, options); }
+
+  void start() {
+    const std::vector<Eigen::Vector3d> path(static_cast<std::size_t>(clip.frame_count),
+                                            Eigen::Vector3d::Zero());
+    StartFrames starts(model, path, true, clip);
+    for (int frame = 0; frame < clip.frame_count; ++frame) {
+      starts.take(frame, std::as_const(first).qpos(frame));
+    }
+  }
+
+  [[nodiscard]] FitWindow window() const { return plan_windows(clip, options).windows.front(); }
+};
+
+const StagesCase& stages() {
+  static const StagesCase made;
+  return made;
+}
+
+void per_frame(benchmark::State& state, int frames) {
+  state.SetItemsProcessed(state.iterations() * frames);
+}
+
+// targets and the plan of contacts, of the whole clip
+void fit_targets(benchmark::State& state) {
+  StagesCase work = stages();
+  const TargetBuilder targets(work.bench.tables, work.bench.human.height);
+  for (auto _ : state) work.take_targets(targets);
+  per_frame(state, work.clip.frame_count);
+}
+BENCHMARK(fit_targets)->Unit(benchmark::kMillisecond);
+
+void fit_contact_plan(benchmark::State& state) {
+  StagesCase work = stages();
+  for (auto _ : state) work.plan();
+  per_frame(state, work.clip.frame_count);
+}
+BENCHMARK(fit_contact_plan)->Unit(benchmark::kMillisecond);
+
+// the frame-by-frame pass from a settled start
+void fit_first_stage(benchmark::State& state) {
+  const StagesCase& work = stages();
+  RetargetOptions options;
+  options.settle = true;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(retarget(work.bench.human, kClip, work.bench.robot, work.bench.tables,
+                                      work.bench.limits, options));
+  }
+  per_frame(state, work.clip.frame_count);
+}
+BENCHMARK(fit_first_stage)->Unit(benchmark::kMillisecond);
+
+void fit_starts(benchmark::State& state) {
+  StagesCase work = stages();
+  for (auto _ : state) work.start();
+  per_frame(state, work.clip.frame_count);
+}
+BENCHMARK(fit_starts)->Unit(benchmark::kMillisecond);
+
+// all steps of one window; and one of them by its parts
+void fit_window_steps(benchmark::State& state) {
+  const StagesCase& work = stages();
+  const FitWindow window = work.window();
+  FitStatus status;
+  for (auto _ : state) {
+    state.PauseTiming();
+    FitClip clip = work.clip;
+    state.ResumeTiming();
+    status = fit_window(work.model, work.options, window, clip, {});
+  }
+  per_frame(state, window.end - window.begin);
+  state.counters["steps"] = status.steps;
+}
+BENCHMARK(fit_window_steps)->Unit(benchmark::kMillisecond);
+
+void fit_step_assembly(benchmark::State& state) {
+  const StagesCase& work = stages();
+  const FitWindow window = work.window();
+  const int dofs = work.model.dof_count();
+  FrameTerms terms(work.model, work.options);
+  FitPose pose(work.model);
+  std::vector<double> gradient(static_cast<std::size_t>(dofs)),
+      hessian(gradient.size() * gradient.size());
+  std::vector<std::uint32_t> pairs;
+  for (auto _ : state) {
+    for (int frame = window.begin; frame < window.end; ++frame) {
+      TermCosts costs{};
+      pose.update(work.model, work.clip.frame(frame, work.model.configuration_size));
+      // looked for every fourth step
+      if (frame % 4 == 0) terms.find_near_pairs(pose, 0.04, pairs);
+      terms.assemble(pose, work.clip.goals(frame, work.model.tasks.size()), pairs, gradient.data(),
+                     hessian.data(), dofs, costs);
+      benchmark::DoNotOptimize(costs.data());
+    }
+  }
+  per_frame(state, window.end - window.begin);
+}
+BENCHMARK(fit_step_assembly)->Unit(benchmark::kMillisecond);
+
+void fit_step_smoothing(benchmark::State& state) {
+  const StagesCase& work = stages();
+  const FitWindow window = work.window();
+  JointSpeeds speeds(work.model, work.options, work.clip.frame_time);
+  for (auto _ : state) speeds.update(work.model, work.clip, window.begin, window.end);
+  per_frame(state, window.end - window.begin);
+}
+BENCHMARK(fit_step_smoothing)->Unit(benchmark::kMillisecond);
+
+// what the report says of the terms, which is what judging a step by its cost would take
+void fit_costs(benchmark::State& state) {
+  const StagesCase& work = stages();
+  const FitWindow window = work.window();
+  std::vector<TermCosts> costs(static_cast<std::size_t>(window.end - window.begin));
+  for (auto _ : state) frame_costs(work.model, work.options, work.clip, window, costs);
+  per_frame(state, window.end - window.begin);
+}
+BENCHMARK(fit_costs)->Unit(benchmark::kMillisecond);
+
+// all joints of the whole clip, with a speed that some exceed
+void fit_bounds(benchmark::State& state) {
+  const StagesCase& work = stages();
+  const auto frames = static_cast<std::size_t>(work.clip.frame_count);
+  std::vector<double> values(frames);
+  for (auto _ : state) {
+    for (std::size_t link = 1; link < work.model.links.size(); ++link) {
+      const auto address = static_cast<std::size_t>(work.model.links[link].qpos_address);
+      for (std::size_t t = 0; t < frames; ++t) {
+        values[t] = work.clip.frame(static_cast<int>(t), work.model.configuration_size)[address];
+      }
+      benchmark::DoNotOptimize(bound_steps(values, -1.0, 1.0, 0.1));
+    }
+  }
+  per_frame(state, work.clip.frame_count);
+}
+BENCHMARK(fit_bounds)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace retarget
