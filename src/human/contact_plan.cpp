@@ -70,10 +70,10 @@ class FootContactFinder {
     for (int frame = 0; frame < frames_; ++frame) {
       const bool on = frame > 0 && both[frame - 1] != kNothing;
       const double low = on ? options_.end_height : options_.begin_height;
+      // where the height of a standing ankle is a guess, none is known to be too low
+      const bool lies = standing_.found && -height(frame, kHeelEnd) > low * size_;
       const int under = stands_on(frame, kHeelEnd);
-      if (stands_on(frame, last) == under && -height(frame, kHeelEnd) <= low * size_) {
-        both[frame] = under;
-      }
+      if (stands_on(frame, last) == under && !lies) both[frame] = under;
     }
     for_each_run(
         0, frames_, [&](int frame) { return both[frame]; },
