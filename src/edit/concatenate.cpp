@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -122,30 +124,33 @@ void tell_seam(Concatenation& joined, const FrameRate& rate) {
     return;
   }
   const auto frame_text = [&rate](int frame) {
-    return "frame " + std::to_string(frame) + " (" + number_text(rate.time_of(frame), 3) + " s)";
+    return fmt::format("frame {} ({} s)", frame, number_text(rate.time_of(frame), 3));
   };
-  const std::string lifted =
-      joined.lift == 0.0 ? std::string()
-                         : (joined.lift < 0.0 ? ", and lowered by " : ", and raised by ") +
-                               number_text(std::abs(joined.lift), 3) + " m to the first's floor";
+  const std::string lifted = joined.lift == 0.0
+                                 ? std::string()
+                                 : fmt::format(", and {} by {} m to the first's floor",
+                                               joined.lift < 0.0 ? "lowered" : "raised",
+                                               number_text(std::abs(joined.lift), 3));
   const SeamCheck& check = joined.check;
   notes = {
-      {"seam", frame_text(seam.a_frame) + " meets " + frame_text(seam.b_frame) + ", " +
-                   count_text(seam.overlap, "frame") + " in common"},
-      {"", "the second is turned by " +
-               number_text(seam.a_from_b.heading * 180.0 / std::numbers::pi, 2) +
-               " degrees about its hips at the seam and moved by " + number_text(seam.way.x(), 3) +
-               ", " + number_text(seam.way.y(), 3) + " m" + lifted},
-      {"", number_text(100.0 * seam.distance, 2) + " cm apart, " +
-               (seam.same_support ? "the same feet on the floor" : "other feet on the floor")},
-      {"", "fastest for what it does: " + check.fastest_bone + " " +
-               number_text(check.largest_speed, 2) + " m/s (in the clips " +
-               number_text(check.usual_speed, 2) + "); planted feet slip at " +
-               number_text(check.slip, 3) + " m/s"}};
+      {"seam", fmt::format("{} meets {}, {} in common", frame_text(seam.a_frame),
+                           frame_text(seam.b_frame), count_text(seam.overlap, "frame"))},
+      {"", fmt::format("the second is turned by {} degrees about its hips at the seam and moved by "
+                       "{}, {} m{}",
+                       number_text(seam.a_from_b.heading * 180.0 / std::numbers::pi, 2),
+                       number_text(seam.way.x(), 3), number_text(seam.way.y(), 3), lifted)},
+      {"", fmt::format("{} cm apart, {} feet on the floor", number_text(100.0 * seam.distance, 2),
+                       seam.same_support ? "the same" : "other")},
+      {"",
+       fmt::format("fastest for what it does: {} {} m/s (in the clips {}); planted feet slip at "
+                   "{} m/s",
+                   check.fastest_bone, number_text(check.largest_speed, 2),
+                   number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
   if (check.jolted_bone.empty()) return;
-  notes.push_back({"", "largest acceleration for what it does: " + check.jolted_bone + " " +
-                           number_text(check.largest_acceleration, 1) + " m/s2 (in the clips " +
-                           number_text(check.usual_acceleration, 1) + ")"});
+  notes.push_back(
+      {"", fmt::format("largest acceleration for what it does: {} {} m/s2 (in the clips {})",
+                       check.jolted_bone, number_text(check.largest_acceleration, 1),
+                       number_text(check.usual_acceleration, 1))});
 }
 
 // @param longest  of the clips, seconds

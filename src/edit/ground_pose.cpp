@@ -122,6 +122,11 @@ void BodyMover::move_all(Clip& clip, const Pose& over_all) const {
   for (int frame = 0; frame < clip.frame_count(); ++frame) move(clip, frame, over_all);
 }
 
+std::optional<double> heading_of(const Eigen::Quaterniond& turn) {
+  if (turn.z() * turn.z() + turn.w() * turn.w() <= kNoHeading) return std::nullopt;
+  return 2.0 * portable::atan2(turn.z(), turn.w());
+}
+
 std::vector<GroundPose> hips_over_ground(const HumanClip& human) {
   const Eigen::Quaterniond hips_from_t_pose(
       Eigen::Matrix3d(canonical_t_pose(Bone::kHips).transpose()));
@@ -130,14 +135,9 @@ std::vector<GroundPose> hips_over_ground(const HumanClip& human) {
   double before = 0.0;
   for (int frame = 0; frame < human.frame_count; ++frame) {
     const Pose& hips = human.frame(frame)[Bone::kHips];
-    const Eigen::Quaterniond turn = hips.rotation * hips_from_t_pose;
-    double heading = before;
-    if (turn.z() * turn.z() + turn.w() * turn.w() > kNoHeading) {
-      heading = 2.0 * portable::atan2(turn.z(), turn.w());
-      heading = before + std::remainder(heading - before, 2.0 * std::numbers::pi);
-    }
-    places.push_back({hips.translation.head<2>(), heading});
-    before = heading;
+    const double heading = heading_of(hips.rotation * hips_from_t_pose).value_or(before);
+    before += std::remainder(heading - before, 2.0 * std::numbers::pi);
+    places.push_back({hips.translation.head<2>(), before});
   }
   return places;
 }

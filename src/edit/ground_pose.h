@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "human/human_clip.h"
@@ -45,6 +46,9 @@ class BodyMover {
   double metres_per_unit_;
   Eigen::Quaterniond human_from_source_;
 };
+
+/// How far a rotation turns about the vertical (its twist), radians; nothing near to upside down.
+[[nodiscard]] std::optional<double> heading_of(const Eigen::Quaterniond& turn);
 
 /// Where the hips are over the ground in every frame. The heading is the hips' turn about the
 /// vertical from the canonical T-pose that faces x (the twist of their rotation); it goes on

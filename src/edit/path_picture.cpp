@@ -1,5 +1,7 @@
 // motions seen from above
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -32,39 +34,39 @@ class Canvas {
     scale_ = std::min(kMostPerMetre, kLargestSide / std::max(size.x(), size.y()));
   }
 
-  [[nodiscard]] std::string place(const Eigen::Vector2d& point) const {
-    return number_text((point.x() - box_.min().x()) * scale_, 1) + "," +
-           number_text((box_.max().y() - point.y()) * scale_, 1);
+  [[nodiscard]] std::string x(const Eigen::Vector2d& point) const {
+    return number_text((point.x() - box_.min().x()) * scale_, 1);
+  }
+  [[nodiscard]] std::string y(const Eigen::Vector2d& point) const {
+    return number_text((box_.max().y() - point.y()) * scale_, 1);
   }
 
   void line(const std::vector<Eigen::Vector2d>& points, const char* colour, const char* style) {
     if (points.size() < 2) return;
     text_ +=
         "<polyline fill=\"none\" stroke=\"" + std::string(colour) + "\" " + style + " points=\"";
-    for (const Eigen::Vector2d& point : points) text_ += place(point) + " ";
+    for (const Eigen::Vector2d& point : points) text_ += x(point) + "," + y(point) + " ";
     text_.back() = '"';
     text_ += "/>\n";
   }
 
   void dot(const Eigen::Vector2d& point, double radius, const char* colour) {
-    const std::string at = place(point);
-    const std::size_t comma = at.find(',');
-    text_ += "<circle cx=\"" + at.substr(0, comma) + "\" cy=\"" + at.substr(comma + 1) + "\" r=\"" +
-             number_text(radius, 1) + "\" fill=\"" + colour + "\"/>\n";
+    text_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"/>\n", x(point), y(point),
+                         number_text(radius, 1), colour);
   }
 
   [[nodiscard]] std::string finish() {
     const Eigen::Vector2d corner = box_.min() + Eigen::Vector2d(0.1, 0.1);
     line({corner, corner + Eigen::Vector2d(1.0, 0.0)}, "#000000", "stroke-width=\"2\"");
-    const std::string label = place(corner + Eigen::Vector2d(0.0, 0.08));
-    const std::size_t comma = label.find(',');
-    text_ += "<text x=\"" + label.substr(0, comma) + "\" y=\"" + label.substr(comma + 1) +
-             "\" font-family=\"sans-serif\" font-size=\"12\">1 m</text>\n";
-    const std::string width = number_text(box_.sizes().x() * scale_, 0);
-    const std::string height = number_text(box_.sizes().y() * scale_, 0);
-    return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-           "\" viewBox=\"0 0 " + width + " " + height +
-           "\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" + text_ + "</svg>\n";
+    const Eigen::Vector2d label = corner + Eigen::Vector2d(0.0, 0.08);
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
+        "{1}\">\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{2}"
+        "<text x=\"{3}\" y=\"{4}\" font-family=\"sans-serif\" font-size=\"12\">1 "
+        "m</text>\n</svg>\n",
+        number_text(box_.sizes().x() * scale_, 0), number_text(box_.sizes().y() * scale_, 0), text_,
+        x(label), y(label));
   }
 
  private:

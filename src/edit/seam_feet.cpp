@@ -5,7 +5,6 @@
 
 #include "edit/fading_offset.h"
 #include "math/so3.h"
-#include "math/trigonometry.h"
 
 namespace retarget {
 namespace {
@@ -24,19 +23,11 @@ class FootJoiner {
   }
 
   [[nodiscard]] PlantedFoot from_a(const ContactPhase& phase) const {
-    PlantedFoot plant{0, phase.begin, {}};
-    for (int frame = phase.begin; frame < phase.end; ++frame) {
-      plant.world_from_foot.push_back(a_[frame]);
-    }
-    return plant;
+    return {0, phase.begin, {a_.begin() + phase.begin, a_.begin() + phase.end}};
   }
 
   [[nodiscard]] PlantedFoot from_b(const ContactPhase& phase) const {
-    PlantedFoot plant{0, phase.begin, {}};
-    for (int frame = phase.begin; frame < phase.end; ++frame) {
-      plant.world_from_foot.push_back(of_b(frame));
-    }
-    return plant;
+    return {0, phase.begin, {&of_b(phase.begin), &of_b(phase.begin) + (phase.end - phase.begin)}};
   }
 
   // a foot that stands in both: over the ground it stays where a has it, height and tilt go over
@@ -55,12 +46,8 @@ class FootJoiner {
     const Eigen::Vector3d turn = log_so3(a_[change].rotation * first.rotation.conjugate());
     const Eigen::Vector3d at_rest = Eigen::Vector3d::Zero();
     const double frames = std::max(region_.end - region_.begin, 1);
-    PlantedFoot plant{0, in_a.begin, {}};
-    for (int frame = in_a.begin; frame < in_b.end; ++frame) {
-      if (frame < change) {
-        plant.world_from_foot.push_back(a_[frame]);
-        continue;
-      }
+    PlantedFoot plant = from_a({in_a.begin, std::max(in_a.begin, std::min(change, in_b.end))});
+    for (int frame = plant.end(); frame < in_b.end; ++frame) {
       Pose pose = a_from_b * of_b(frame);
       pose.translation += fade(shift, at_rest, frames, frame - change);
       pose.rotation =
@@ -89,11 +76,8 @@ std::vector<ContactPhase> clipped(const std::vector<ContactPhase>& phases, int s
 }  // namespace
 
 GroundPose between_places(const Pose& from, const Pose& to) {
-  const Eigen::Quaterniond turn = to.rotation * from.rotation.conjugate();
   GroundPose result;
-  if (turn.z() * turn.z() + turn.w() * turn.w() > 1e-6) {
-    result.heading = 2.0 * portable::atan2(turn.z(), turn.w());
-  }
+  result.heading = heading_of(to.rotation * from.rotation.conjugate()).value_or(0.0);
   result.position = to.translation.head<2>() - result * Eigen::Vector2d(from.translation.head<2>());
   return result;
 }

@@ -66,21 +66,21 @@ class FootContactFinder {
   [[nodiscard]] std::vector<ContactPhase> whole_foot() const {
     std::vector<ContactPhase> phases;
     const int last = has(kToeEnd) ? kToeEnd : kHeelEnd;
-    bool on = false;
-    std::vector<int> both;  // what both ends stand on, by frame
+    std::vector<int> both(static_cast<std::size_t>(frames_), kNothing);  // what both ends stand on
     for (int frame = 0; frame < frames_; ++frame) {
-      const int under = stands_on(frame, kHeelEnd);
+      const bool on = frame > 0 && both[frame - 1] != kNothing;
       const double low = on ? options_.end_height : options_.begin_height;
-      on = under != kNothing && stands_on(frame, last) == under &&
-           -height(frame, kHeelEnd) <= low * size_;
-      both.push_back(on ? under : kNothing);
+      // where the height of a standing ankle is a guess, none is known to be too low
+      const bool lies = standing_.found && -height(frame, kHeelEnd) > low * size_;
+      const int under = stands_on(frame, kHeelEnd);
+      if (stands_on(frame, last) == under && !lies) both[frame] = under;
     }
     for_each_run(
         0, frames_, [&](int frame) { return both[frame]; },
         [&](int begin, int end) {
           if (both[begin] == kNothing || !lasts(end - begin, options_.shortest)) return;
-          const auto under = [&](int foot_end) { return support(both[begin], foot_end); };
-          phases.push_back({begin, end, 0.5 * (under(kHeelEnd) + under(last))});
+          phases.push_back(
+              {begin, end, 0.5 * (support(both[begin], kHeelEnd) + support(both[begin], last))});
         });
     return phases;
   }

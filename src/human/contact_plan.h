@@ -50,8 +50,9 @@ struct ContactPlan {
   double scale = 1.0;  ///< Of lengths and speeds: leg length / kUsualSourceLeg.
   StandingHeights standing;
   std::array<std::array<EndContacts, 2>, 2> ends;  ///< By foot, and kHeelEnd or kToeEnd.
-  /// Whole feet: both ends planted on one thing, the ankle no lower than it stands (a foot that lies
-  /// has it lower), for ContactOptions::shortest. Of a foot without a toe joint: its heel.
+  /// Whole feet: both ends planted on one thing for ContactOptions::shortest, the ankle no lower than
+  /// it stands, where that is known (a foot that lies has it lower). Of a foot without a toe joint:
+  /// its heel.
   std::array<std::vector<ContactPhase>, 2> phases;
   /// The parts of these in which the foot is on its sole.
   std::array<std::vector<ContactPhase>, 2> soles;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "motion/clip_sampler.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -7,7 +7,7 @@
 
 #include "math/so3.h"
 #include "math/spline.h"
-#include "motion/clip_sampler.h"
+#include "retarget/options.h"
 
 namespace retarget {
 
@@ -26,7 +26,8 @@ inline void make_sign_continuous(std::vector<Eigen::Vector3d>&) {}
 }
 
 /// The rotations (Eigen::Quaterniond) or translations (Eigen::Vector3d) of one joint as a
-/// function of time; what ClipSampler says holds for each.
+/// function of time, with sign-continuous quaternions and, for cubic interpolation, a velocity per
+/// frame, so that each sample costs the same wherever it lies.
 template <typename Value>
 class TrackSampler {
  public:
@@ -37,6 +38,8 @@ class TrackSampler {
     }
   }
 
+  /// At `fraction` in [0, 1) of the way from `frame` to the next one; a fraction of zero gives the
+  /// frame itself, bit for bit, as does any at the last frame.
   /// @pre frame is one of the track's
   [[nodiscard]] Value sample(int frame, double fraction) const {
     const auto at = static_cast<std::size_t>(frame);

@@ -114,7 +114,7 @@ class Crawling(ToolTest):
         self.assertNotIn("missed   ", result.stderr)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
         # by their heights the feet stand, and no sole is near the floor
-        self.assertGreater(motion["contact_pct"], 20)
+        self.assertGreater(motion["contact_pct"], 10)
         self.assertGreater(motion["contact_height_p50_cm"], 2)
         self.assertNotIn("stance_height_p50_cm", motion)
 

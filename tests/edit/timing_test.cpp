@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "edit_sample.h"
-#include "motion/clip_sampler.h"
+#include "support/clip_sampler.h"
 #include "motion/resample.h"
 #include "retarget/edit.h"
 

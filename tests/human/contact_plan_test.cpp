@@ -183,5 +183,35 @@ TEST(ContactPlan, FeetWithoutToesAreJudgedByTheirAnkles) {
   EXPECT_THAT(contacts_of(mixed, kLeg, kRate).phases[1], IsEmpty());
 }
 
+TEST(ContactPlan, AFootOnAStepStandsOnIt) {
+  auto feet = standing_feet(60);
+  for (int i = 30; i < 60; ++i) {
+    feet[0].ankle[i].z() += 0.3;
+    feet[0].toe[i].z() += 0.3;
+  }
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
+  ASSERT_EQ(contacts.phases[0].size(), 2U);
+  EXPECT_EQ(contacts.phases[0][0], (ContactPhase{0, 29}));
+  // the frames beside a jump are fast
+  EXPECT_EQ(contacts.phases[0][1].begin, 31);
+  EXPECT_EQ(contacts.phases[0][1].end, 60);
+  EXPECT_NEAR(contacts.phases[0][1].support, 0.3, 1e-12);
+  EXPECT_THAT(on_floor(contacts.phases[0]), ElementsAre(ContactPhase{0, 29}));
+  EXPECT_EQ(contacts.of_ends()[1], contacts.ends[0][kToeEnd].phases);
+  EXPECT_EQ(contacts.soles[0], contacts.phases[0]);
+}
+
+TEST(ContactPlan, HeelsAndToesHaveContactsOfTheirOwn) {
+  auto feet = standing_feet(60);
+  for (int i = 40; i < 60; ++i) feet[1].ankle[i].z() += 0.1;
+  const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
+  EXPECT_THAT(contacts.ends[1][kHeelEnd].phases, ElementsAre(ContactPhase{0, 39}));
+  EXPECT_THAT(contacts.ends[1][kToeEnd].phases, ElementsAre(ContactPhase{0, 60}));
+  EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 39}));
+  EXPECT_TRUE(contacts.planted(1, kToeEnd, 50));
+  EXPECT_FALSE(contacts.planted(1, kHeelEnd, 50));
+  EXPECT_FALSE(contacts.planted(1, 50));
+}
+
 }  // namespace
 }  // namespace retarget

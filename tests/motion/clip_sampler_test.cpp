@@ -1,4 +1,4 @@
-#include "motion/clip_sampler.h"
+#include "support/clip_sampler.h"
 
 #include <gtest/gtest.h>
 
