@@ -254,7 +254,7 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
   if (!all.converged) {
     report.notes.push_back(
-        fmt::format("not converged after {}: the last one should still have lowered the cost of "
+        fmt::format("not converged after {}: the last was still predicted to lower the cost of "
                     "frames {} to {} by {} %",
                     count_text(all.steps, "step"), worst->begin, worst->end - 1,
                     number_text(100.0 * worst->predicted_decrease, 1)));
