@@ -1,23 +1,11 @@
 #include "ik/box_qp.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "ik/active_set.h"
 
 namespace retarget {
-namespace {
-
-// row `row` of the symmetric matrix whose lower triangle is stored, times x
-double symmetric_row_times(const Eigen::MatrixXd& H, int row, const Eigen::VectorXd& x) {
-  const auto size = static_cast<int>(x.size());
-  return H.row(row).head(row + 1).dot(x.head(row + 1)) +
-         H.col(row).tail(size - row - 1).dot(x.tail(size - row - 1));
-}
-
-}  // namespace
 
 // a dense system for ActiveSet
 class DenseSystem {
@@ -32,7 +20,10 @@ class DenseSystem {
   bool minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
                 Eigen::VectorXd& minimum);
   double gradient(int i, const Eigen::VectorXd& x) const {
-    return (*g_)[i] + symmetric_row_times(*H_, i, x);
+    // of the symmetric matrix the lower triangle is stored
+    const Eigen::Index rest = x.size() - i - 1;
+    return (*g_)[i] +
+           (H_->row(i).head(i + 1).dot(x.head(i + 1)) + H_->col(i).tail(rest).dot(x.tail(rest)));
   }
   double gradient_scale() const { return g_->cwiseAbs().maxCoeff(); }
 
@@ -89,21 +80,6 @@ BoxQpStats BoxQp::solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
   workspace_->active_set.reset();
   const auto outcome = workspace_->active_set.solve(workspace_->system, lower, upper, x);
   return {outcome.factorizations, workspace_->active_set.active_count(), outcome.converged};
-}
-
-double box_qp_residual(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
-                       const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                       const Eigen::VectorXd& x) {
-  double residual = 0.0;
-  for (int i = 0; i < x.size(); ++i) {
-    const double gradient = g[i] + symmetric_row_times(H, i, x);
-    // at a bound only a gradient that points inward is a fault
-    double fault = std::abs(gradient);
-    if (x[i] <= lower[i]) fault = std::max(0.0, -gradient);
-    if (x[i] >= upper[i]) fault = std::min(fault, std::max(0.0, gradient));
-    residual = std::max({residual, fault, lower[i] - x[i], x[i] - upper[i]});
-  }
-  return residual;
 }
 
 }  // namespace retarget

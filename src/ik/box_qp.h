@@ -37,10 +37,4 @@ class BoxQp {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Largest violation of the optimality conditions of a box QP at x: distance outside the box,
-/// gradient of variables inside it, gradient that points inward at a bound. Zero at the solution.
-[[nodiscard]] double box_qp_residual(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
-                                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                                     const Eigen::VectorXd& x);
-
 }  // namespace retarget

@@ -89,16 +89,6 @@ std::vector<double> anti_alias_taps(double ratio) {
   return design_low_pass(kCutoff / ratio, static_cast<int>(half_width));
 }
 
-double gain(std::span<const double> taps, double frequency) {
-  const std::size_t half = taps.size() / 2;
-  double sum = taps[half];
-  for (std::size_t k = 1; k <= half; ++k) {
-    sum += 2.0 * taps[half + k] *
-           portable::sin_cos(2.0 * std::numbers::pi * frequency * static_cast<double>(k)).cosine;
-  }
-  return sum;
-}
-
 std::vector<Eigen::Vector3d> low_pass(std::span<const Eigen::Vector3d> points,
                                       std::span<const double> taps, std::size_t stride) {
   if (points.empty()) return {};

@@ -25,10 +25,6 @@ namespace retarget {
 /// whatever rate a file claims, and aliases beyond that ratio are damped less.
 [[nodiscard]] std::vector<double> anti_alias_taps(double ratio);
 
-/// Response of symmetric taps to a tone of `frequency` cycles per sample: the factor on its
-/// amplitude (the phase does not change).
-[[nodiscard]] double gain(std::span<const double> taps, double frequency);
-
 /// Filters a track of points without delay. What comes out are the samples 0, stride, 2 stride, ...
 /// of the filtered track.
 ///

@@ -131,7 +131,9 @@ double Search::take_step() {
   jacobian.leftCols<3>().setIdentity();
   add(kPelvisWeight, pelvis, jacobian);
 
-  // joints that the step would take out of their ranges are held, one after the other
+  // Joints that the step would take out of their ranges are held, one after the other. None is let go
+  // in the same step, as ActiveSet does: the next step begins with all of them free, so what is left at
+  // the end is no different, and a few numbers of fixed size need no memory for each frame.
   std::array<bool, kMostJoints> held{};
   Vector step(size);
   constexpr double kDamping = 1e-9;

@@ -9,7 +9,7 @@ namespace retarget {
 namespace {
 
 // y = sign * a x
-RETARGET_INLINE bool multiply_plain(const double* __restrict a, const double* __restrict x,
+RETARGET_INLINE void multiply_plain(const double* __restrict a, const double* __restrict x,
                                     double sign, int size, double* __restrict y) {
   for (int j = 0; j < size; ++j) y[j] = 0.0;
   for (int i = 0; i < size; ++i) {
@@ -17,21 +17,11 @@ RETARGET_INLINE bool multiply_plain(const double* __restrict a, const double* __
     const double factor = sign * x[i];
     for (int j = 0; j < size; ++j) y[j] += factor * row[j];
   }
-  return true;
 }
-RETARGET_WIDE(bool, multiply_wide,
-              (const double* a, const double* x, double sign, int size, double* y),
-              multiply_plain(a, x, sign, size, y))
-void multiply(bool wide, const double* a, const double* x, double sign, int size, double* y) {
-  if (wide) {
-    multiply_wide(a, x, sign, size, y);
-  } else {
-    multiply_plain(a, x, sign, size, y);
-  }
-}
+RETARGET_WIDE(multiply)
 
 // h += c n c with c diagonal, lower triangle by blocks
-RETARGET_INLINE bool add_coupled_plain(const double* __restrict n, const double* __restrict c,
+RETARGET_INLINE void add_coupled_plain(const double* __restrict n, const double* __restrict c,
                                        int size, double* __restrict h) {
   for (int i = 0; i < size; ++i) {
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * size;
@@ -39,17 +29,8 @@ RETARGET_INLINE bool add_coupled_plain(const double* __restrict n, const double*
     const double factor = c[i];
     for (int j = 0; j < end; ++j) h[row + j] += factor * n[row + j] * c[j];
   }
-  return true;
 }
-RETARGET_WIDE(bool, add_coupled_wide, (const double* n, const double* c, int size, double* h),
-              add_coupled_plain(n, c, size, h))
-void add_coupled(bool wide, const double* n, const double* c, int size, double* h) {
-  if (wide) {
-    add_coupled_wide(n, c, size, h);
-  } else {
-    add_coupled_plain(n, c, size, h);
-  }
-}
+RETARGET_WIDE(add_coupled)
 
 }  // namespace
 

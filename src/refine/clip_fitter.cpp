@@ -229,7 +229,8 @@ void WindowFitter::add_steps(int frame, double* h, double* g) {
   }
 }
 
-// variables at a limit stay there for this step; their rows tell afterwards which way they want
+// Variables at a limit stay there for this step; their rows tell afterwards which way they want. What
+// one row has lost to another that is held counts for nothing, for that does not move.
 void WindowFitter::hold_limits(int frame, double* h, double* g) {
   const int stride = chain_.stride();
   const bool from = frame > window_.begin, to = frame + 1 < window_.end;
@@ -244,15 +245,11 @@ void WindowFitter::hold_limits(int frame, double* h, double* g) {
     row.before = from ? -steps_before_[at(i)].weight : 0.0;
     row.after = to ? -steps_after_[at(i)].weight : 0.0;
     rows_.push_back(std::move(row));
-    coupling[i] = 0.0;
-  }
-  for (int i = kBase; i < dofs_; ++i) {
-    if (!is_held(frame, i)) continue;
-    double* const row = h + static_cast<std::ptrdiff_t>(i) * stride;
-    std::fill_n(row, i, 0.0);
+    double* const own = h + static_cast<std::ptrdiff_t>(i) * stride;
+    std::fill_n(own, i, 0.0);
     for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
-    row[i] = 1.0;
-    g[i] = 0.0;
+    own[i] = 1.0;
+    g[i] = coupling[i] = 0.0;
   }
 }
 

@@ -17,7 +17,6 @@
 #include "refine/fit_windows.h"
 #include "refine/foot_plan.h"
 #include "refine/shorthand.h"
-#include "refine/sized_options.h"
 #include "refine/speed_bounds.h"
 #include "refine/start_frames.h"
 #include "refine/window_crew.h"
@@ -66,6 +65,27 @@ LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
     result.upper[i] = upper;
   }
   return result;
+}
+
+// Weights per metre are those of a robot with legs (hip to knee to ankle, metres) as long as the
+// G1's; of one half as large, whose limbs move half as far for the same angles, they count twice.
+// Contacts, floor and overlaps, whose amounts matter in metres, never count less.
+FitOptions sized_options(FitOptions options, double leg) {
+  constexpr double kUsualLeg = 0.632;  // metres
+  const double size = kUsualLeg / leg;
+  TrackingWeights& w = options.weights;
+  for (double* weight :
+       {&w.hips_position, &w.thigh_position, &w.shank_position, &w.foot_position,
+        &w.upper_arm_position, &w.forearm_position, &w.hand_position, &w.other_position,
+        &options.foot_height_near, &options.foot_height_far, &options.smoothness_root_position}) {
+    *weight *= size;
+  }
+  for (double* weight :
+       {&options.contact_weight, &options.contact_height_weight, &options.sole_floor_weight,
+        &options.body_floor_weight, &options.self_collision_weight}) {
+    *weight *= std::max(size, 1.0);
+  }
+  return options;
 }
 
 // one clip on its way through all stages
@@ -217,7 +237,7 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
   if (!all.converged) {
     report.notes.push_back(
-        fmt::format("not converged after {}: the last one should still have lowered the cost of "
+        fmt::format("not converged after {}: the last was still predicted to lower the cost of "
                     "frames {} to {} by {} %",
                     count_text(all.steps, "step"), worst->begin, worst->end - 1,
                     number_text(100.0 * worst->predicted_decrease, 1)));

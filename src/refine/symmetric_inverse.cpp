@@ -47,7 +47,7 @@ RETARGET_INLINE void subtract_product(double* __restrict row0, double* __restric
   }
 }
 
-RETARGET_INLINE bool sweep(double* a, int size, double* scratch) {
+RETARGET_INLINE bool sweep_plain(double* a, int size, double* scratch) {
   double* const b = scratch;
   double* const r = scratch + static_cast<std::ptrdiff_t>(kBlock) * size;
   for (int k = 0; k < size; k += kBlock) {
@@ -91,12 +91,12 @@ RETARGET_INLINE bool sweep(double* a, int size, double* scratch) {
   return true;
 }
 
-RETARGET_WIDE(bool, sweep_wide, (double* a, int size, double* scratch), sweep(a, size, scratch))
+RETARGET_WIDE(sweep)
 
 }  // namespace
 
 bool negative_inverse(double* a, int size, double* scratch, bool wide) {
-  return wide ? sweep_wide(a, size, scratch) : sweep(a, size, scratch);
+  return sweep(wide, a, size, scratch);
 }
 
 }  // namespace retarget

@@ -10,15 +10,22 @@
 #define RETARGET_INLINE inline
 #endif
 
+// name(wide, arguments...) from name_plain(arguments...)
 #if defined(__GNUC__) && defined(__x86_64__)
-#define RETARGET_WIDE(type, name, parameters, body)      \
-  __attribute__((target("avx2"))) type name parameters { \
-    return body;                                         \
+#define RETARGET_WIDE(name)                                  \
+  template <typename... A>                                   \
+  __attribute__((target("avx2"))) auto name##_wide(A... a) { \
+    return name##_plain(a...);                               \
+  }                                                          \
+  template <typename... A>                                   \
+  auto name(bool wide, A... a) {                             \
+    return wide ? name##_wide(a...) : name##_plain(a...);    \
   }
 #else
-#define RETARGET_WIDE(type, name, parameters, body) \
-  type name parameters {                            \
-    return body;                                    \
+#define RETARGET_WIDE(name)    \
+  template <typename... A>     \
+  auto name(bool, A... a) {    \
+    return name##_plain(a...); \
   }
 #endif
 

@@ -123,10 +123,9 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
   constexpr double kConverged = 1e-8;
   const LimitSet& limits = robot.model_limits();
   const auto count = static_cast<Eigen::Index>(robot.joints().size());
-  Eigen::MatrixXd hessian;
-  Eigen::VectorXd gradient;
-  Eigen::VectorXd lower(count);
-  Eigen::VectorXd upper(count), step(count);
+  Eigen::MatrixXd hessian, damped;
+  Eigen::VectorXd gradient, lower(count), upper(count);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
   BoxQp qp(static_cast<int>(count));
   double damping = 1e-2;
   double cost = problem.linearise(qpos, hessian, gradient);
@@ -137,9 +136,9 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
       lower[j] = limits.lower[joint] - position;
       upper[j] = limits.upper[joint] - position;
     }
-    hessian.diagonal().array() += damping;
-    qp.solve(hessian, gradient, lower, upper, step);
-    hessian.diagonal().array() -= damping;
+    damped = hessian;
+    damped.diagonal().array() += damping;
+    qp.solve(damped, gradient, lower, upper, step);
     std::vector<double> next = qpos;
     for (Eigen::Index j = 0; j < count; ++j) {
       next[robot.joints()[static_cast<std::size_t>(j)].qpos_address] += step[j];

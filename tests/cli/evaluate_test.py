@@ -214,7 +214,8 @@ class EvaluateCommand(ToolTest):
                 self.assertEqual(solver["converged"], converged)
                 self.assertEqual(solver["steps"], 10 if converged else 1)
                 self.assertEqual(solver["failed_blocks"], 0)
-                self.assertGreater(solver["cost_before"], solver["cost_after"])
+                if converged:
+                    self.assertGreater(solver["cost_before"], solver["cost_after"])
                 self.assertTrue(solver["windows"])
                 notes = " ".join(motion["fit"]["notes"])
                 self.assertEqual("not converged" in notes, not converged)

@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "support/box_qp_residual.h"
+
 namespace retarget {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "math/so3.h"
@@ -17,6 +18,17 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 const Vector3d kAxis = Vector3d(1.0, -2.0, 0.5).normalized();
+
+// Response of symmetric taps to a tone of `frequency` cycles per sample: the factor on its
+// amplitude (the phase does not change).
+double gain(std::span<const double> taps, double frequency) {
+  const std::size_t half = taps.size() / 2;
+  double sum = taps[half];
+  for (std::size_t k = 1; k <= half; ++k) {
+    sum += 2.0 * taps[half + k] * std::cos(2.0 * kPi * frequency * static_cast<double>(k));
+  }
+  return sum;
+}
 
 TEST(DesignLowPass, IsSymmetricWithSumOne) {
   for (const int half_width : {0, 1, 24, 300}) {

@@ -104,5 +104,15 @@ TEST(AngleBetween, HoldsForAllLengthsAndNearTheEnds) {
   EXPECT_EQ(angle_between(Vector3d::Zero(), side), 0.0);
 }
 
+TEST(AlignSign, TakesTheNearerOfTwoQuaternions) {
+  const Eigen::Quaterniond q = exp_so3(Eigen::Vector3d(0.3, -0.2, 0.1));
+  Eigen::Quaterniond near = q, far = q;
+  far.coeffs() = -far.coeffs();
+  align_sign(Eigen::Quaterniond::Identity().coeffs(), near.coeffs());
+  align_sign(Eigen::Quaterniond::Identity().coeffs(), far.coeffs());
+  EXPECT_EQ(near.coeffs(), q.coeffs());
+  EXPECT_EQ(far.coeffs(), q.coeffs());
+}
+
 }  // namespace
 }  // namespace retarget

@@ -197,5 +197,14 @@ TEST(RotationSpline, SignsOfTheSamplesDoNotMatter) {
   EXPECT_LE((interpolate_linear(q0, q1, 0.4).coeffs() - q0.slerp(0.4, q1).coeffs()).norm(), 1e-15);
 }
 
+TEST(SmoothStep, IsLevelAtBothEnds) {
+  EXPECT_EQ(smooth_step(2.0, 4.0, 1.0), 0.0);
+  EXPECT_EQ(smooth_step(2.0, 4.0, 2.0), 0.0);
+  EXPECT_DOUBLE_EQ(smooth_step(2.0, 4.0, 2.5), 0.15625);
+  EXPECT_DOUBLE_EQ(smooth_step(2.0, 4.0, 3.0), 0.5);
+  EXPECT_EQ(smooth_step(2.0, 4.0, 4.0), 1.0);
+  EXPECT_EQ(smooth_step(2.0, 4.0, 9.0), 1.0);
+}
+
 }  // namespace
 }  // namespace retarget

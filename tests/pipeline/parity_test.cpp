@@ -11,6 +11,7 @@
 #include "pipeline/retarget.h"
 #include "pipeline/targets.h"
 #include "retarget/motion_io.h"
+#include "support/box_qp_residual.h"
 #include "support/csv.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
