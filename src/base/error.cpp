@@ -6,12 +6,7 @@ namespace retarget {
 namespace {
 
 Failure make_failure(ErrorKind kind, std::string file, std::string message, std::string hint) {
-  Error error;
-  error.kind = kind;
-  error.location.file = std::move(file);
-  error.message = std::move(message);
-  error.hint = std::move(hint);
-  return Failure(std::move(error));
+  return failure({kind, {std::move(file), 0, 0}, std::move(message), {}, std::move(hint)});
 }
 
 std::string place(std::string_view file, std::size_t line, std::size_t column) {

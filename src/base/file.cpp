@@ -21,13 +21,16 @@ std::string system_message(int error_number) {
   return std::generic_category().message(error_number);
 }
 
+std::string shown_input(const std::string& path) {
+  return path == "-" ? "standard input" : path;
+}
+
 Failure read_failure(ErrorKind kind, const std::string& path, int error_number) {
-  Error error;
-  error.kind = kind;
-  error.location.file = path == "-" ? "standard input" : path;
-  error.message = "cannot read the file: " + system_message(error_number);
-  if (error_number == EISDIR) error.hint = "name a file in it";
-  return failure(std::move(error));
+  return failure({kind,
+                  {shown_input(path), 0, 0},
+                  "cannot read the file: " + system_message(error_number),
+                  {},
+                  error_number == EISDIR ? "name a file in it" : ""});
 }
 
 Failure write_failure(const std::string& name, int error_number) {
@@ -39,12 +42,11 @@ Failure write_failure(const std::string& name, int error_number) {
 
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most,
                           std::string_view hint) {
-  Error error;
-  error.kind = kind;
-  error.location.file = path == "-" ? "standard input" : path;
-  error.message = "expected at most " + std::to_string(most) + " bytes, found more";
-  error.hint = hint;
-  return failure(std::move(error));
+  return failure({kind,
+                  {shown_input(path), 0, 0},
+                  "expected at most " + std::to_string(most) + " bytes, found more",
+                  {},
+                  std::string(hint)});
 }
 
 // closes a descriptor that is only read from, whatever path leaves the function
@@ -111,6 +113,22 @@ int create_named(const std::string& target, std::string& name) {
 }
 
 }  // namespace
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+std::vector<std::filesystem::path> files_in_folder(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    files.push_back(at->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
 
 Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t most,
                               std::string_view too_large) {

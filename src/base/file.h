@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "retarget/error.h"
 
@@ -34,6 +36,13 @@ class FileContent {
 [[nodiscard]] Result<FileContent> read_file(
     const std::string& path, ErrorKind kind = ErrorKind::kInput,
     std::size_t most = std::numeric_limits<std::size_t>::max(), std::string_view too_large = {});
+
+/// Whether there is a regular file, or a link to one.
+[[nodiscard]] bool is_file(const std::filesystem::path& path);
+
+/// What lies in a folder, sorted by name; as far as it can be read.
+[[nodiscard]] std::vector<std::filesystem::path> files_in_folder(
+    const std::filesystem::path& folder);
 
 /// Whether a file can be opened for reading; the error says why not.
 [[nodiscard]] Result<void> check_readable(const std::string& path, ErrorKind kind);

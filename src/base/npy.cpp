@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/number_text.h"
 
 namespace retarget {
 namespace {
@@ -175,8 +176,8 @@ Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name, 
   std::string_view rest = bytes;
   const ReadBytes read = [&rest](std::size_t size) -> Result<std::string> {
     if (size > rest.size()) {
-      return format_failure("the file ends early: expected " + bytes_text(size) + ", found " +
-                            std::to_string(rest.size()));
+      return format_failure("the file ends early: expected " + count_text(size, "byte") +
+                            ", found " + std::to_string(rest.size()));
     }
     std::string part(rest.substr(0, size));
     rest.remove_prefix(size);
@@ -189,7 +190,8 @@ Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name, 
   if (rest.size() != layout->data_size) {
     Error error;
     error.message = "its shape " + shape_text(header->shape) + " of " + header->type + " needs " +
-                    bytes_text(layout->data_size) + ", found " + std::to_string(rest.size());
+                    count_text(layout->data_size, "byte") + ", found " +
+                    std::to_string(rest.size());
     return fault(std::move(error));
   }
   return npy_with_data(std::move(*layout), std::string(rest), header->fortran_order);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/number_text.h"
 #include "base/try.h"
 
 namespace retarget {
@@ -205,14 +206,7 @@ std::optional<std::size_t> total_size(std::span<const std::size_t> shape, std::s
 }  // namespace
 
 Failure format_failure(std::string message, std::string hint) {
-  Error error;
-  error.message = std::move(message);
-  error.hint = std::move(hint);
-  return failure(std::move(error));
-}
-
-std::string bytes_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " byte" : " bytes");
+  return failure({ErrorKind::kRun, {}, std::move(message), {}, std::move(hint)});
 }
 
 std::string shape_text(std::span<const std::size_t> shape) {
@@ -237,7 +231,7 @@ Result<NpyHeader> read_npy_header(const ReadBytes& read) {
   TRY_ASSIGN(const auto length_text, read(length_bytes));
   const std::size_t length = little_endian(length_text, 0, length_bytes);
   if (length > kMostHeaderBytes) {
-    return format_failure("its NPY header claims " + bytes_text(length) + ", at most " +
+    return format_failure("its NPY header claims " + count_text(length, "byte") + ", at most " +
                           std::to_string(kMostHeaderBytes) + " are read");
   }
   TRY_ASSIGN(const auto text, read(length));

@@ -42,9 +42,6 @@ struct NpyLayout {
 /// An error without a file.
 [[nodiscard]] Failure format_failure(std::string message, std::string hint = {});
 
-/// `1 byte`, `20 bytes`.
-[[nodiscard]] std::string bytes_text(std::size_t count);
-
 /// The unsigned number in `size` <= 8 bytes, the least significant one first.
 /// @pre offset + size <= bytes.size()
 [[nodiscard]] std::uint64_t little_endian(std::string_view bytes, std::size_t offset,

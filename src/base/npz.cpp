@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/number_text.h"
 #include "base/suggest.h"
 #include "base/try.h"
 #include "base/zip.h"
@@ -84,7 +85,7 @@ struct NpzFile::Contents {
     const std::uint64_t count = layout.data_size / layout.array.item_size;
     const std::uint64_t most = options.max_number_bytes / sizeof(double);
     const std::string what = "its " + std::to_string(count) + " numbers need " +
-                             bytes_text(count * sizeof(double)) + " of memory, ";
+                             count_text(count * sizeof(double), "byte") + " of memory, ";
     if (count > most) {
       return complete(format_failure(what + "at most " + std::to_string(options.max_number_bytes) +
                                      " are taken")
@@ -93,11 +94,11 @@ struct NpzFile::Contents {
     }
     if (is_too_much(count * sizeof(double), entry.packed_size, options.free_number_bytes,
                     options.max_ratio)) {
-      return complete(
-          format_failure(what + "and the file has " + bytes_text(entry.packed_size) + " of them",
-                         std::string(kBombHint))
-              .value(),
-          array);
+      return complete(format_failure(what + "and the file has " +
+                                         count_text(entry.packed_size, "byte") + " of them",
+                                     std::string(kBombHint))
+                          .value(),
+                      array);
     }
     return {};
   }
@@ -130,8 +131,8 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
     total += std::min(entry.size, std::numeric_limits<std::uint64_t>::max() - total);
   }
   if (is_too_much(total, bytes.size(), options.free_total_bytes, options.max_ratio)) {
-    return fault("unpacked, its arrays would have " + bytes_text(total) + ", and the file has " +
-                     std::to_string(bytes.size()),
+    return fault("unpacked, its arrays would have " + count_text(total, "byte") +
+                     ", and the file has " + std::to_string(bytes.size()),
                  kBombHint);
   }
 
@@ -195,18 +196,18 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
     const std::uint64_t found =
         entry.size - std::min<std::uint64_t>(entry.size, header->byte_count);
     return array_failure(
-        name, needs + bytes_text(layout->data_size) + ", found " + std::to_string(found));
+        name, needs + count_text(layout->data_size, "byte") + ", found " + std::to_string(found));
   }
   if (layout->data_size > contents_->options.max_array_bytes) {
-    return array_failure(name, needs + bytes_text(layout->data_size) + ", at most " +
+    return array_failure(name, needs + count_text(layout->data_size, "byte") + ", at most " +
                                    std::to_string(contents_->options.max_array_bytes) +
                                    " are read");
   }
   if (is_too_much(entry.size, entry.packed_size, contents_->options.free_array_bytes,
                   contents_->options.max_ratio)) {
     return array_failure(name,
-                         needs + bytes_text(layout->data_size) + ", and the file has " +
-                             bytes_text(entry.packed_size) + " of it",
+                         needs + count_text(layout->data_size, "byte") + ", and the file has " +
+                             count_text(entry.packed_size, "byte") + " of it",
                          std::string(kBombHint));
   }
   TRY(contents_->check_numbers(name, *layout, entry));

@@ -25,8 +25,4 @@ std::optional<double> number_from_text(std::string_view text) {
   return value && std::abs(*value) <= kFarthest ? value : std::nullopt;
 }
 
-std::string count_text(long count, std::string_view noun) {
-  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
-}
-
 }  // namespace retarget

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <charconv>
+#include <concepts>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,8 @@ template <typename Number>
 [[nodiscard]] std::optional<double> number_from_text(std::string_view text);
 
 /// `1 frame`, `2 frames`.
-[[nodiscard]] std::string count_text(long count, std::string_view noun);
+[[nodiscard]] std::string count_text(std::integral auto count, std::string_view noun) {
+  return std::to_string(count).append(" ").append(noun).append(count == 1 ? "" : "s");
+}
 
 }  // namespace retarget

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/number_text.h"
 #include "base/printable.h"
 #include "base/try.h"
 
@@ -109,8 +110,8 @@ Result<std::string> ZipEntryReader::read(std::size_t size) {
     const zip_int64_t count = zip_fread(file_.get(), bytes.data() + begin, chunk);
     if (count < 0) return read_failure();
     if (static_cast<std::size_t>(count) < chunk) {
-      return format_failure(
-          fmt::format("it ends early: expected {}, found {}", bytes_text(size), begin + count));
+      return format_failure(fmt::format("it ends early: expected {}, found {}",
+                                        count_text(size, "byte"), begin + count));
     }
   }
   return bytes;

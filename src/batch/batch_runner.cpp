@@ -1,6 +1,5 @@
 #include "batch/batch_runner.h"
 
-#include <strings.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/lower_case.h"
 #include "base/machine.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
@@ -41,16 +41,12 @@ std::string finished_now(const FinishedClips& finished, const ManifestEntry& ent
                         finished.last_finished(entry.relative, entry.robot));
 }
 
-bool is_archive(const std::string& name) {
-  return name.size() > 4 && (name.ends_with("z") || name.ends_with("Z"));
-}
-
-bool is_bvh(const std::string& name) {
-  return name.size() > 4 && strcasecmp(name.c_str() + name.size() - 4, ".bvh") == 0;
+std::string ending_of(const BatchInput& input) {
+  return lower_case(fs::path(input.relative).extension().string());
 }
 
 std::uint64_t memory_of(const BatchInput& input) {
-  return kMemoryOfClip + input.bytes * (is_archive(input.relative) ? kMemoryOfNpz : kMemoryOfBvh);
+  return kMemoryOfClip + input.bytes * (ending_of(input) == ".npz" ? kMemoryOfNpz : kMemoryOfBvh);
 }
 
 // what an answer begins with; the manifest's line follows
@@ -136,7 +132,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   one.output = output;
   SourceOptions& source = one.options.source;
   // it is for the SMPL motions among the clips
-  if (is_bvh(task.input->relative)) source.smpl_model.clear();
+  if (ending_of(*task.input) == ".bvh") source.smpl_model.clear();
   source.memory_gb = memory_gb;
   RunRequest request = task.robot->request;
   request.threads = threads_;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/try.h"
 
@@ -30,11 +31,7 @@ constexpr std::size_t kMostListBytes = std::size_t{256} << 20U;
 
 // .bvh or .npz in any letter case
 bool has_motion_ending(const std::string& name) {
-  if (name.size() <= 4) return false;
-  std::string end = name.substr(name.size() - 4);
-  for (char& letter : end) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
+  const std::string end = lower_case(fs::path(name).extension().string());
   return end == ".bvh" || end == ".npz";
 }
 

@@ -37,14 +37,11 @@ void remove_unfinished(const std::string& output_folder, const std::set<fs::path
         !lies_in(output_folder, place.lexically_relative(output_folder).string())) {
       continue;
     }
-    std::vector<fs::path> unfinished;
-    for (fs::directory_iterator at(place, error); !error && at != fs::directory_iterator();
-         at.increment(error)) {
-      const bool is_own = is_temporary_name(at->path().filename().string()) &&
-                          fs::is_regular_file(at->symlink_status(error));
-      if (is_own) unfinished.push_back(at->path());
+    for (const fs::path& file : files_in_folder(place)) {
+      const bool is_own = is_temporary_name(file.filename().string()) &&
+                          fs::is_regular_file(fs::symlink_status(file, error));
+      if (is_own) fs::remove(file, error);
     }
-    for (const fs::path& file : unfinished) fs::remove(file, error);
   }
 }
 
@@ -61,10 +58,7 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
       const bool replaced = std::ranges::any_of(*items, [&](const OutputItem& item) {
         return file == item.path || (task.robot->request.sidecar && file == item.path + ".json");
       });
-      std::error_code ignored;
-      if (!replaced && fs::is_regular_file(fs::path(folder) / file, ignored)) {
-        files.push_back(file);
-      }
+      if (!replaced && is_file(fs::path(folder) / file)) files.push_back(file);
     }
   }
   return files;

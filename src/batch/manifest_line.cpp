@@ -7,25 +7,12 @@
 #include "base/json.h"
 #include "base/utf8.h"
 #include "batch/manifest.h"
+#include "options/options_json.h"
 
 namespace retarget {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// the text as JSON can hold it
-std::string valid_text(const std::string& bytes) {
-  const std::string dumped = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return Json::parse(dumped).get<std::string>();
-}
-
-void put_name(Json& json, const std::string& key, const std::string& bytes) {
-  std::string text = valid_text(bytes);
-  const bool as_it_is = text == bytes;
-  json[key] = std::move(text);
-  if (as_it_is) return;
-  json[key + "_hex"] = hex_text(bytes);
-}
 
 Json json_of(const FileRecord& record) {
   Json json;
@@ -41,8 +28,8 @@ Json json_of(const Error& error, int exit_code) {
   put_name(json, "file", error.location.file);
   if (error.location.line > 0) json["line"] = error.location.line;
   if (error.location.column > 0) json["column"] = error.location.column;
-  json["message"] = valid_text(full_message(error));
-  if (!error.hint.empty()) json["hint"] = valid_text(error.hint);
+  json["message"] = valid_utf8(full_message(error));
+  if (!error.hint.empty()) json["hint"] = valid_utf8(error.hint);
   json["exit_code"] = exit_code;
   return json;
 }
@@ -91,11 +78,7 @@ class EntryReader {
     if (json != nullptr && json->is_string()) value = json->get<std::string>();
   }
   void name(const std::string& key, std::string& value) const {
-    text(key, value);
-    std::string hex;
-    text(key + "_hex", hex);
-    if (hex.empty()) return;
-    if (auto bytes = bytes_from_hex(hex)) value = std::move(*bytes);
+    if (member(key) != nullptr) value = name_from(json_, key);
   }
   void texts(const std::string& key, std::vector<std::string>& values) const {
     const Json* json = member(key);
@@ -161,12 +144,12 @@ std::string manifest_line(const ManifestEntry& entry) {
   json["fps"] = entry.fps;
   json["seconds"] = entry.seconds;
   json["finished"] = entry.finished;
-  if (!entry.taken_as.empty()) json["taken_as"] = valid_text(entry.taken_as);
-  if (!entry.mapping.empty()) json["mapping"] = valid_text(entry.mapping);
+  if (!entry.taken_as.empty()) json["taken_as"] = valid_utf8(entry.taken_as);
+  if (!entry.mapping.empty()) json["mapping"] = valid_utf8(entry.mapping);
   if (!entry.warnings.empty()) {
     json["warnings"] = Json::array();
     for (const std::string& warning : entry.warnings) {
-      json["warnings"].push_back(valid_text(warning));
+      json["warnings"].push_back(valid_utf8(warning));
     }
   }
   if (entry.quality) json["quality"] = json_of(*entry.quality);

@@ -1,10 +1,10 @@
 #include <array>
-#include <charconv>
 #include <ctime>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "base/number_text.h"
 #include "batch/manifest.h"
 
 namespace retarget {
@@ -23,34 +23,16 @@ std::string utc_text(std::int64_t ms) {
          std::to_string(kMsPerSecond + ms % kMsPerSecond).substr(1) + "Z";
 }
 
-// the number that is all of a text
-std::optional<int> digits(std::string_view text) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && number >= 0 ? std::optional(number) : std::nullopt;
-}
-
 // what utc_text made, with or without milliseconds; nothing for other texts
-std::optional<std::int64_t> ms_of(std::string_view text) {
-  constexpr std::string_view kForm = "0000-00-00T00:00:00";
-  if (text.size() <= kForm.size() || text.back() != 'Z') return std::nullopt;
+std::optional<std::int64_t> ms_of(const std::string& text) {
   std::tm parts{};
-  const std::array<std::pair<std::size_t, int*>, 6> fields = {{{0, &parts.tm_year},
-                                                               {5, &parts.tm_mon},
-                                                               {8, &parts.tm_mday},
-                                                               {11, &parts.tm_hour},
-                                                               {14, &parts.tm_min},
-                                                               {17, &parts.tm_sec}}};
-  for (const auto& [begin, value] : fields) {
-    const auto number = digits(text.substr(begin, begin == 0 ? 4 : 2));
-    if (!number) return std::nullopt;
-    *value = *number;
-  }
-  parts.tm_year -= 1900;
-  parts.tm_mon -= 1;
-  const std::string_view rest = text.substr(kForm.size(), text.size() - kForm.size() - 1);
-  const auto ms = rest.empty() ? std::optional(0) : digits(rest.substr(1));
+  const char* end = ::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
+  if (end == nullptr || !text.ends_with('Z')) return std::nullopt;
+  const std::string_view rest(end);
+  const bool whole = rest == "Z";
+  if (!whole && !rest.starts_with('.')) return std::nullopt;
+  const auto ms =
+      whole ? std::optional(0U) : parse_number<unsigned>(rest.substr(1, rest.size() - 2));
   if (!ms || *ms >= kMsPerSecond) return std::nullopt;
   return static_cast<std::int64_t>(::timegm(&parts)) * kMsPerSecond + *ms;
 }

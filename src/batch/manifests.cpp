@@ -47,14 +47,10 @@ bool is_manifest_name(const std::string& name) {
 // manifests in a folder but one, sorted
 std::vector<std::string> manifests_beside(const std::string& folder, const std::string& own) {
   std::vector<std::string> found;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
-       at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    const std::string path = (fs::path(folder) / name).string();
-    if (is_manifest_name(name) && path != own) found.push_back(path);
+  for (const fs::path& file : files_in_folder(folder)) {
+    const bool is_manifest = is_manifest_name(file.filename().string());
+    if (is_manifest && file != own) found.push_back(file.string());
   }
-  std::ranges::sort(found);
   return found;
 }
 
@@ -88,10 +84,9 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
   });
   for (std::size_t i = 0; i < std::min(kNamedWorst, missed.size()); ++i) {
     const ManifestEntry& entry = *missed[i];
-    observer.line(i == 0 ? "worst" : "",
-                  entry.relative + " on " + entry.robot + ": " +
-                      count_text(static_cast<long>(entry.quality->missed.size()), "gate") +
-                      " missed, furthest " + entry.quality->worst);
+    observer.line(i == 0 ? "worst" : "", entry.relative + " on " + entry.robot + ": " +
+                                             count_text(entry.quality->missed.size(), "gate") +
+                                             " missed, furthest " + entry.quality->worst);
   }
 }
 
@@ -194,9 +189,9 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   for (const std::string& part : parts) fs::remove(part, ignored);
   remove_unfinished(folder, output_folders(folder, entries));
   const std::size_t failed = failed_among(entries);
-  observer.line("merged", count_text(static_cast<long>(all.size()), "manifest") + ", " +
-                              count_text(static_cast<long>(entries.size()), "clip") + ", " +
-                              std::to_string(failed) + " failed");
+  observer.line("merged", count_text(all.size(), "manifest") + ", " +
+                              count_text(entries.size(), "clip") + ", " + std::to_string(failed) +
+                              " failed");
   observer.line("wrote", path);
   TRY(write_summary(folder, entries, observer));
   return failed;

@@ -51,8 +51,8 @@ void BatchProgress::skipped(std::uint64_t bytes) {
 void BatchProgress::show() {
   const std::lock_guard lock(mutex_);
   const double elapsed = seconds();
-  std::string text = std::to_string(done_ + failed_ + unchanged_) + " / " +
-                     count_text(static_cast<long>(clips_), "clip");
+  std::string text =
+      std::to_string(done_ + failed_ + unchanged_) + " / " + count_text(clips_, "clip");
   if (failed_ > 0) text += ", " + std::to_string(failed_) + " failed";
   if (frames_ > 0)
     text += ", " + number_text(static_cast<double>(frames_) / elapsed, 0) + " frames/s";

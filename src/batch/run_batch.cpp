@@ -118,6 +118,19 @@ struct BatchPlan {
   std::uint64_t bytes = 0;
 };
 
+// the files of a clip below a folder, sidecars too
+Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
+                                            const std::string& folder) {
+  const SaveOptions& save = request.run.options.save;
+  TRY_ASSIGN(const auto items, plan_outputs(folder + batch_output(save, input.relative), save));
+  std::vector<std::string> files;
+  for (const OutputItem& item : items) {
+    files.push_back(item.path);
+    if (request.of_clip.sidecar) files.push_back(item.path + ".json");
+  }
+  return files;
+}
+
 // every file that a batch would write: no two are one, and none is where a folder is to be
 class OutputTree {
  public:
@@ -128,13 +141,8 @@ class OutputTree {
   }
 
   Result<void> add(const BatchInput& input) {
-    const SaveOptions& save = request_.run.options.save;
-    TRY_ASSIGN(const auto items, plan_outputs(batch_output(save, input.relative), save));
-    for (const OutputItem& item : items) {
-      TRY(add_file(item.path, input));
-      if (!request_.of_clip.sidecar) continue;
-      TRY(add_file(item.path + ".json", input));
-    }
+    TRY_ASSIGN(const auto files, outputs_of(input, request_, {}));
+    for (const std::string& file : files) TRY(add_file(file, input));
     return {};
   }
 
@@ -199,15 +207,9 @@ Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequ
     TRY(written.check_spared(folder + own));
   }
   for (const BatchRobot& robot : robots) {
-    const SaveOptions& save = robot.run.options.save;
     for (const BatchInput& input : inputs) {
-      TRY_ASSIGN(const auto items,
-                 plan_outputs(folder + robot.folder + batch_output(save, input.relative), save));
-      for (const OutputItem& item : items) {
-        TRY(written.check_spared(item.path));
-        if (!request.of_clip.sidecar) continue;
-        TRY(written.check_spared(item.path + ".json"));
-      }
+      TRY_ASSIGN(const auto files, outputs_of(input, request, folder + robot.folder));
+      for (const std::string& file : files) TRY(written.check_spared(file));
     }
   }
   return {};
@@ -225,7 +227,7 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
   for (const BatchInput& input : found.inputs) plan.known.insert(input.relative);
   plan.inputs = take_shard(std::move(found.inputs), shard);
   observer.line("inputs",
-                count_text(static_cast<long>(plan.inputs.size()), "clip") +
+                count_text(plan.inputs.size(), "clip") +
                     (shard.count > 1 ? " of " + std::to_string(all) + ", part " + request.shard
                                      : std::string()));
   return {};
@@ -267,7 +269,7 @@ void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
   if (files.empty()) return;
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
-                  count_text(static_cast<long>(files.size()), "file") +
+                  count_text(files.size(), "file") +
                       " that earlier options made of these clips stay as they are and are no "
                       "longer in the manifest: " +
                       list_names(files, kShown)}},
@@ -335,7 +337,7 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
       run_batch_tasks(plan.tasks, request, {folder, finished, manifest, progress, observer});
   observer.end_progress();
   observer.line("done", std::to_string(progress.done() + progress.unchanged()) + " of " +
-                            count_text(static_cast<long>(plan.tasks.size()), "clip") + ", " +
+                            count_text(plan.tasks.size(), "clip") + ", " +
                             std::to_string(progress.failed()) + " failed; " + progress.work_text());
   if (ran) return progress.failed();
   if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());

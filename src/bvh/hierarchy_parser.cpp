@@ -1,13 +1,17 @@
 #include "bvh/hierarchy_parser.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <unordered_map>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "bvh/foreign_file.h"
 #include "bvh/number_error.h"
 #include "bvh/number_parser.h"
@@ -28,10 +32,6 @@ struct Tally {
     if (count++ == 0) first = offset;
   }
 };
-
-std::string counted(std::size_t count, std::string_view thing) {
-  return std::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
-}
 
 class HierarchyParser {
  public:
@@ -75,6 +75,13 @@ class HierarchyParser {
     return scanner_.token();
   }
 
+  // goes on behind the next token where it is this one
+  bool take_word(std::string_view word) {
+    if (!equal_ignoring_case(next_token(), word)) return false;
+    scanner_.move_to(scanner_.offset() + word.size());
+    return true;
+  }
+
   const SourceText& source_;
   Scanner& scanner_;
   std::string_view wanted_root_;
@@ -84,22 +91,20 @@ class HierarchyParser {
 };
 
 Result<Hierarchy> HierarchyParser::parse() {
-  if (Result<void> started = parse_start(); !started) return Failure(started.error());
+  TRY(parse_start());
   while (true) {
     const std::string_view token = next_token();
     const std::size_t offset = scanner_.offset();
     if (!open_.empty()) {
-      if (Result<void> parsed = parse_statement(); !parsed) return Failure(parsed.error());
+      TRY(parse_statement());
       continue;
     }
-    if (equal_ignoring_case(token, "ROOT")) {
-      scanner_.move_to(offset + token.size());
-      if (Result<void> parsed = parse_joint(offset, -1); !parsed) return Failure(parsed.error());
+    if (take_word("ROOT")) {
+      TRY(parse_joint(offset, -1));
       continue;
     }
     if (hierarchy_.roots.empty()) return source_.unexpected_at(offset, "ROOT and its name");
-    hierarchy_.has_motion = equal_ignoring_case(token, "MOTION");
-    if (hierarchy_.has_motion) scanner_.move_to(offset + token.size());
+    hierarchy_.has_motion = take_word("MOTION");
     if (hierarchy_.has_motion || token.empty()) break;
     return source_.unexpected_at(offset, "MOTION after the skeleton",
                                  token == "}" ? "there is one closing brace too many" : "");
@@ -111,10 +116,7 @@ Result<Hierarchy> HierarchyParser::parse() {
 Result<void> HierarchyParser::parse_start() {
   const std::string_view token = next_token();
   const std::size_t offset = scanner_.offset();
-  if (equal_ignoring_case(token, "HIERARCHY")) {
-    scanner_.move_to(offset + token.size());
-    return {};
-  }
+  if (take_word("HIERARCHY")) return {};
   const ForeignFile foreign = recognise_foreign_file(source_.text());
   if (!foreign.what.empty()) {
     return source_.failure_at(0, "expected HIERARCHY, found " + foreign.what, foreign.hint);
@@ -159,10 +161,11 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
   if (parent < 0 && !hierarchy_.roots.empty() && wanted_root_.empty()) {
     const Joint& first = hierarchy_.joints[hierarchy_.roots.front()];
     const std::size_t first_line = source_.line_of(hierarchy_.places[hierarchy_.roots.front()]);
-    return source_.failure_at(keyword,
-                              "expected one ROOT, found a second: " + in_quotes(name) + " after " +
-                                  in_quotes(first.name) + " on line " + std::to_string(first_line),
-                              "choose one of the skeletons with " OPTION("root") " NAME");
+    return source_.failure_at(
+        keyword,
+        fmt::format("expected one ROOT, found a second: {} after {} on line {}", in_quotes(name),
+                    in_quotes(first.name), first_line),
+        "choose one of the skeletons with " OPTION("root") " NAME");
   }
   Joint joint;
   joint.name = name;
@@ -181,11 +184,7 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
 }
 
 Result<void> HierarchyParser::parse_end_site(std::size_t keyword) {
-  const std::string_view site = next_token();
-  if (!equal_ignoring_case(site, "Site")) {
-    return source_.unexpected_at(scanner_.offset(), "Site after End");
-  }
-  scanner_.move_to(scanner_.offset() + site.size());
+  if (!take_word("Site")) return source_.unexpected_at(scanner_.offset(), "Site after End");
   // some exporters name end sites; nothing refers to them
   scanner_.take_name();
   Block block;
@@ -209,9 +208,9 @@ Result<void> HierarchyParser::close_block() {
   const Block block = open_.back();
   const std::size_t brace = scanner_.offset() - 1;
   if (!block.has_offset) {
-    return source_.failure_at(brace, "expected OFFSET before the end of " + block_name(block) +
-                                         " (line " + std::to_string(source_.line_of(block.begin)) +
-                                         "), found \"}\"");
+    return source_.failure_at(
+        brace, fmt::format("expected OFFSET before the end of {} (line {}), found \"}}\"",
+                           block_name(block), source_.line_of(block.begin)));
   }
   open_.pop_back();
   Joint& joint = hierarchy_.joints[block.joint];
@@ -232,10 +231,8 @@ Result<void> HierarchyParser::parse_offset(std::size_t keyword) {
   }
   block.has_offset = true;
   for (int axis = 0; axis < 3; ++axis) {
-    const Result<double> value = parse_number_token("number " + std::to_string(axis + 1) +
-                                                    " of 3 of OFFSET in " + block_name(block));
-    if (!value) return Failure(value.error());
-    block.offset[axis] = *value;
+    TRY_ASSIGN(block.offset[axis], parse_number_token(fmt::format("number {} of 3 of OFFSET in {}",
+                                                                  axis + 1, block_name(block))));
   }
   // some files append a rest rotation: the first three numbers count
   bool counted_here = false;
@@ -244,9 +241,7 @@ Result<void> HierarchyParser::parse_offset(std::size_t keyword) {
        (is_digit(token[0]) || token[0] == '-' || token[0] == '+' || token[0] == '.');
        token = next_token()) {
     if (!std::exchange(counted_here, true)) long_offsets_.note(scanner_.offset());
-    if (const Result<double> value = parse_number_token("a number after OFFSET"); !value) {
-      return Failure(value.error());
-    }
+    TRY(parse_number_token("a number after OFFSET"));
   }
   return {};
 }
@@ -275,9 +270,8 @@ Result<void> HierarchyParser::parse_channels(std::size_t keyword) {
     return {};
   }
   for (int i = 0; i < count; ++i) {
-    const Result<Channel> channel = parse_channel(i + 1, count);
-    if (!channel) return Failure(channel.error());
-    hierarchy_.joints[block.joint].channels.push_back(*channel);
+    TRY_ASSIGN(const Channel channel, parse_channel(i + 1, count));
+    hierarchy_.joints[block.joint].channels.push_back(channel);
   }
   return {};
 }
@@ -293,14 +287,11 @@ Result<Channel> HierarchyParser::parse_channel(int number, int count) {
     names.reserve(kChannels.size());
     for (const Channel channel : kChannels) names.emplace_back(channel_name(channel));
     const std::string suggestion = did_you_mean(token.substr(0, 32), names);
-    return source_.failure_at(offset, "expected channel " + std::to_string(number) + " of the " +
-                                          std::to_string(count) + " of " +
-                                          block_name(open_.back()) + ", found " +
-                                          source_.found_at(offset) + suggestion);
+    return source_.failure_at(
+        offset, fmt::format("expected channel {} of the {} of {}, found {}{}", number, count,
+                            block_name(open_.back()), source_.found_at(offset), suggestion));
   }
-  if (Result<void> fresh = check_channel_is_new(*named, offset); !fresh) {
-    return Failure(fresh.error());
-  }
+  TRY(check_channel_is_new(*named, offset));
   if (!is_position(*named) && !is_rotation(*named)) scale_channels_.note(offset);
   scanner_.move_to(offset + token.size());
   return *named;
@@ -367,12 +358,12 @@ void HierarchyParser::warn(const Tally& tally, std::string message) {
 
 void HierarchyParser::collect_warnings() {
   warn(missing_channels_,
-       counted(missing_channels_.count, "joint") + " without CHANNELS: read as CHANNELS 0");
-  warn(long_offsets_, counted(long_offsets_.count, "OFFSET") +
+       count_text(missing_channels_.count, "joint") + " without CHANNELS: read as CHANNELS 0");
+  warn(long_offsets_, count_text(long_offsets_.count, "OFFSET") +
                           " with more than three numbers: the first three count");
-  warn(scale_channels_, counted(scale_channels_.count, "scale channel") + " ignored");
+  warn(scale_channels_, count_text(scale_channels_.count, "scale channel") + " ignored");
   warn(end_site_channels_,
-       counted(end_site_channels_.count, "End Site") + " with CHANNELS: ignored");
+       count_text(end_site_channels_.count, "End Site") + " with CHANNELS: ignored");
   warn_about_duplicate_names();
 }
 

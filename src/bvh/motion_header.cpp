@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/option_name.h"
+#include "base/try.h"
 #include "bvh/number_error.h"
 #include "bvh/number_parser.h"
 
@@ -60,9 +61,7 @@ Result<MotionHeader> parse_motion_header(const SourceText& source, Scanner& scan
       scanner.move_to(place + word.size());
       skip_to_value(scanner);
       header.frames_place = scanner.offset();
-      const Result<std::int64_t> frames = parse_frame_count(source, scanner);
-      if (!frames) return Failure(frames.error());
-      header.frames = *frames;
+      TRY_ASSIGN(header.frames, parse_frame_count(source, scanner));
       has_frames = true;
     } else if (!header.frame_time && equal_ignoring_case(word, "Frame")) {
       scanner.move_to(place + word.size());
@@ -72,9 +71,7 @@ Result<MotionHeader> parse_motion_header(const SourceText& source, Scanner& scan
       }
       scanner.move_to(scanner.offset() + 4);
       skip_to_value(scanner);
-      const Result<double> time = parse_frame_time(source, scanner, needs_frame_time);
-      if (!time) return Failure(time.error());
-      header.frame_time = *time;
+      TRY_ASSIGN(header.frame_time, parse_frame_time(source, scanner, needs_frame_time));
     } else {
       if (!has_frames) return source.unexpected_at(place, "Frames: and their number");
       if (!header.frame_time && needs_frame_time) {

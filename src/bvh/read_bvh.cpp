@@ -13,6 +13,7 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "base/try.h"
 #include "bvh/hierarchy_parser.h"
 #include "bvh/joint_positions.h"
 #include "bvh/motion_header.h"
@@ -103,14 +104,12 @@ class BvhReader {
 };
 
 Result<BvhFile> BvhReader::read() {
-  Result<Hierarchy> hierarchy = parse_hierarchy(source_, scanner_, options_.root);
-  if (!hierarchy) return Failure(hierarchy.error());
-  warnings_ = std::move(hierarchy->warnings);
-  for (const int root : hierarchy->roots) roots_.push_back(hierarchy->joints[root].name);
-  const Result<std::size_t> wanted = find_root(source_, roots_, options_.root);
-  if (!wanted) return Failure(wanted.error());
-  const bool has_motion = hierarchy->has_motion;
-  const Tree tree = take_tree(*hierarchy, *wanted);
+  TRY_ASSIGN(Hierarchy hierarchy, parse_hierarchy(source_, scanner_, options_.root));
+  warnings_ = std::move(hierarchy.warnings);
+  for (const int root : hierarchy.roots) roots_.push_back(hierarchy.joints[root].name);
+  TRY_ASSIGN(const std::size_t wanted, find_root(source_, roots_, options_.root));
+  const bool has_motion = hierarchy.has_motion;
+  const Tree tree = take_tree(hierarchy, wanted);
   return has_motion ? with_motion(tree) : skeleton_alone(tree);
 }
 
@@ -130,20 +129,19 @@ Result<BvhFile> BvhReader::skeleton_alone(const Tree& tree) {
 
 Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
   const bool needs_frame_time = !options_.source_fps.has_value();
-  const Result<MotionHeader> header = parse_motion_header(source_, scanner_, needs_frame_time);
-  if (!header) return Failure(header.error());
+  TRY_ASSIGN(const MotionHeader header, parse_motion_header(source_, scanner_, needs_frame_time));
   const FrameRate rate = options_.source_fps ? frame_rate_from_fps(*options_.source_fps)
-                                             : frame_rate_from_frame_time(*header->frame_time);
+                                             : frame_rate_from_frame_time(*header.frame_time);
   Clip clip(tree.skeleton, rate, 0);
-  if (Result<void> rows = read_rows(tree, *header, clip); !rows) return Failure(rows.error());
+  TRY(read_rows(tree, header, clip));
   if (clip.frame_count() == 0) {
     warnings_.push_back(
-        source_.warning_at(header->frames_place, "no frames: the skeleton alone is read"));
+        source_.warning_at(header.frames_place, "no frames: the skeleton alone is read"));
   }
   warn_about_positions(tree, read_positions_beside_offsets(clip));
   BvhFile file = finish(std::move(clip));
-  file.declared_frames = header->frames;
-  file.declared_frame_time = header->frame_time;
+  file.declared_frames = header.frames;
+  file.declared_frame_time = header.frame_time;
   return file;
 }
 
@@ -178,14 +176,13 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   };
   const MotionRowsOptions rows_options = {static_cast<std::size_t>(tree.row_width), header.frames,
                                           header.frames_place, options_.lenient};
-  Result<MotionRows> rows = parse_motion_rows(source_, scanner_, rows_options, sink);
-  if (!rows) return Failure(rows.error());
-  if (static_cast<std::size_t>(rows->count) > kept_rows) {
-    return too_large(header, *tree.skeleton, rows->count);
+  TRY_ASSIGN(MotionRows rows, parse_motion_rows(source_, scanner_, rows_options, sink));
+  if (static_cast<std::size_t>(rows.count) > kept_rows) {
+    return too_large(header, *tree.skeleton, rows.count);
   }
-  clip.resize(rows->count);
-  dropped_rows_ = rows->dropped;
-  std::ranges::move(rows->warnings, std::back_inserter(warnings_));
+  clip.resize(rows.count);
+  dropped_rows_ = rows.dropped;
+  std::ranges::move(rows.warnings, std::back_inserter(warnings_));
   return {};
 }
 
@@ -255,9 +252,8 @@ Result<BvhFile> read_bvh(std::string_view bytes, const std::string& file_name,
 }
 
 Result<BvhFile> load_bvh(const std::string& path, const BvhReadOptions& options) {
-  const Result<FileContent> bytes = read_file(path);
-  if (!bytes) return Failure(bytes.error());
-  return read_bvh(bytes->view(), path == "-" ? "<stdin>" : path, options);
+  TRY_ASSIGN(const FileContent bytes, read_file(path));
+  return read_bvh(bytes.view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget

@@ -52,14 +52,11 @@ Error SourceText::error_at(std::size_t offset, std::string message, std::string 
     ++line;
     line_begin = i + 1;
   }
-  Error error;
-  error.kind = ErrorKind::kInput;
-  error.location.file = file_;
-  error.location.line = line;
-  error.location.column = offset - line_begin + 1;
-  error.message = std::move(message);
-  error.hint = std::move(hint);
-  return error;
+  return {ErrorKind::kInput,
+          {file_, line, offset - line_begin + 1},
+          std::move(message),
+          {},
+          std::move(hint)};
 }
 
 Failure SourceText::failure_at(std::size_t offset, std::string message, std::string hint) const {

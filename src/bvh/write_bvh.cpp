@@ -223,8 +223,7 @@ Result<void> BvhWriter::find_angles(int frame, int joint) {
 }
 
 Result<void> BvhWriter::write_values(int frame, int joint) {
-  const Result<Eigen::Vector3d> translation = written_translation(frame, joint);
-  if (!translation) return Failure(translation.error());
+  TRY_ASSIGN(const Eigen::Vector3d translation, written_translation(frame, joint));
   TRY(find_angles(frame, joint));
   std::size_t turn = 0;
   for (const Channel channel : skeleton_.joint(joint).channels) {
@@ -233,7 +232,7 @@ Result<void> BvhWriter::write_values(int frame, int joint) {
     if (is_rotation(channel)) {
       value = turns_[joint].now[turn++];
     } else if (is_position(channel)) {
-      value = (*translation)[axis_of(channel)];
+      value = translation[axis_of(channel)];
     }
     numbers_.append(text_, value);
   }
@@ -268,9 +267,9 @@ Result<void> BvhWriter::write_motion() {
 }
 
 Result<std::string> BvhWriter::write() {
-  if (Result<void> good = check(); !good) return Failure(good.error());
-  if (Result<void> written = write_hierarchy(); !written) return Failure(written.error());
-  if (Result<void> written = write_motion(); !written) return Failure(written.error());
+  TRY(check());
+  TRY(write_hierarchy());
+  TRY(write_motion());
   return std::move(text_);
 }
 

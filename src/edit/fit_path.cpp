@@ -157,8 +157,7 @@ double turn_like(double from, double to, double like) {
 }  // namespace
 
 std::string path_text(const GroundPath& path) {
-  return number_text(path.length(), 3) + " m in " +
-         count_text(static_cast<long>(path.segment_count()), "segment");
+  return number_text(path.length(), 3) + " m in " + count_text(path.segment_count(), "segment");
 }
 
 std::string PathMotion::summary() const {

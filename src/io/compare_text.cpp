@@ -23,22 +23,18 @@ std::string difference_text(double value) {
   return std::string(digits.data(), end);
 }
 
-std::string counted(std::size_t count, std::string_view noun) {
-  return count_text(static_cast<long>(count), noun);
-}
-
 }  // namespace
 
 std::vector<std::string> difference_lines(const MotionDifference& difference) {
-  std::vector<std::string> lines = {
-      fmt::format("{} of {}, largest difference {}",
-                  counted(std::min(difference.frames_a, difference.frames_b), "frame"),
-                  counted(difference.column_count, "column"), difference_text(difference.largest))};
+  std::vector<std::string> lines = {fmt::format(
+      "{} of {}, largest difference {}",
+      count_text(std::min(difference.frames_a, difference.frames_b), "frame"),
+      count_text(difference.column_count, "column"), difference_text(difference.largest))};
   for (std::size_t i = 0; i < std::min(difference.columns.size(), kColumnsShown); ++i) {
     const ColumnDifference& column = difference.columns[i];
     lines.push_back(fmt::format("{}: {} in frame {}, beyond the tolerance in {}, first in {}",
                                 column.column, difference_text(column.largest),
-                                column.largest_frame, counted(column.frames_beyond, "frame"),
+                                column.largest_frame, count_text(column.frames_beyond, "frame"),
                                 column.first_frame));
   }
   return lines;
@@ -48,14 +44,15 @@ Result<void> check_agreement(const MotionDifference& difference, double toleranc
                              const std::string& a, const std::string& b) {
   if (difference.agree()) return {};
   if (difference.frames_a != difference.frames_b) {
-    return run_failure("", fmt::format("{} has {}, {} {}", a, counted(difference.frames_a, "frame"),
-                                       b, difference.frames_b));
+    return run_failure(
+        "", fmt::format("{} has {}, {} {}", a, count_text(difference.frames_a, "frame"), b,
+                        difference.frames_b));
   }
   const ColumnDifference& worst = difference.columns.front();
   return run_failure(
       "", fmt::format("the motions differ in {} by more than {}, most in {}: {} in "
                       "frame {}",
-                      counted(difference.columns.size(), "column"), difference_text(tolerance),
+                      count_text(difference.columns.size(), "column"), difference_text(tolerance),
                       worst.column, difference_text(worst.largest), worst.largest_frame));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/try.h"
 #include "io/csv_cells.h"
 
@@ -14,10 +15,6 @@ namespace {
 constexpr double kLargestNumber = 1e6;
 // nanoseconds since 1970 are below
 constexpr double kLargestTime = 1e20;
-
-std::string columns_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " column" : " columns");
-}
 
 // whether a cell is meant as a number, sound or not: no name begins so
 bool begins_as_number(std::string_view text) {
@@ -43,7 +40,7 @@ class CsvTableReader {
     }
     if (table_.rows() == 0) return input_failure(file_, "the file holds no frames");
     if (!table_.header.empty() && table_.header.size() != table_.columns) {
-      return input_failure(file_, "the header has " + columns_text(table_.header.size()) +
+      return input_failure(file_, "the header has " + count_text(table_.header.size(), "column") +
                                       ", the lines " + std::to_string(table_.columns));
     }
     if (table_.comment.size() != table_.columns) table_.comment.clear();
@@ -84,8 +81,8 @@ class CsvTableReader {
   Result<void> read_row() {
     if (table_.rows() == 0) table_.columns = cells_.size();
     if (cells_.size() != table_.columns) {
-      return fault(0, "this line has " + columns_text(cells_.size()) + ", those before it " +
-                          std::to_string(table_.columns));
+      return fault(0, "this line has " + count_text(cells_.size(), "column") +
+                          ", those before it " + std::to_string(table_.columns));
     }
     for (const CsvCell& cell : cells_) {
       const auto value = number_of_cell(cell.text);

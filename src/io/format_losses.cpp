@@ -31,9 +31,8 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
     most = name;
   }
   if (lost.empty()) return std::nullopt;
-  return count_text(static_cast<long>(lost.size()), "joint") +
-         " that move are held and lost, by up to " + number_text(largest, 3) + " rad (" + most +
-         "): " + list_names(lost, kShown);
+  return count_text(lost.size(), "joint") + " that move are held and lost, by up to " +
+         number_text(largest, 3) + " rad (" + most + "): " + list_names(lost, kShown);
 }
 
 std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format) {

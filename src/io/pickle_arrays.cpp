@@ -1,5 +1,7 @@
 // What the functions and classes that a pickle may name make: NumPy's arrays, and joblib's.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -138,8 +140,8 @@ Result<void> PickleReader::encode(const PickleNode& arguments) {
   return push(std::move(made));
 }
 
-// how many bytes an array of this type and shape has
-Result<std::size_t> PickleReader::array_size(const PickleNode& type, const PickleNode& shape) {
+// of an array of this type and shape
+Result<NpyLayout> PickleReader::array_layout(const PickleNode& type, const PickleNode& shape) {
   if (!is_part(type, Part::kType)) return fault("the pickle has an array without a dtype");
   if (shape.kind != Kind::kTuple || shape.items.size() > 32) {
     return fault("the pickle has an array without a shape");
@@ -153,29 +155,21 @@ Result<std::size_t> PickleReader::array_size(const PickleNode& type, const Pickl
     }
     header.shape.push_back(static_cast<std::size_t>(length.integer));
   }
-  const auto layout = npy_layout(header);
+  auto layout = npy_layout(header);
   if (!layout) return fault(layout.error().message, layout.error().hint);
-  return layout->data_size;
+  return layout;
 }
 
 Result<void> PickleReader::make_array(Node target, const PickleNode& type, const PickleNode& shape,
                                       bool fortran_order, std::string_view data) {
-  TRY_ASSIGN(const auto size, array_size(type, shape));
-  if (size != data.size()) {
-    return fault("an array of the pickle should have " + std::to_string(size) + " bytes and has " +
-                 std::to_string(data.size()));
+  TRY_ASSIGN(auto layout, array_layout(type, shape));
+  if (layout.data_size != data.size()) {
+    return fault(fmt::format("an array of the pickle should have {} bytes and has {}",
+                             layout.data_size, data.size()));
   }
   array_bytes_ += data.size();
   if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
-  NpyHeader header;
-  header.type = std::string(1, static_cast<char>(type.integer)) + std::string(type.text);
-  header.fortran_order = fortran_order;
-  for (const Node item : shape.items) {
-    header.shape.push_back(static_cast<std::size_t>(node(item).integer));
-  }
-  auto layout = npy_layout(header);
-  if (!layout) return fault(layout.error().message, layout.error().hint);
-  document_.arrays_.push_back(npy_with_data(std::move(*layout), std::string(data), fortran_order));
+  document_.arrays_.push_back(npy_with_data(std::move(layout), std::string(data), fortran_order));
   PickleNode& made = node(target);
   made.kind = Kind::kArray;
   made.integer = static_cast<std::int64_t>(document_.arrays_.size()) - 1;
@@ -239,12 +233,12 @@ Result<void> PickleReader::fill_wrapper(Node wrapper, const PickleNode& state) {
   if (type == nullptr || shape == nullptr || order == nullptr) {
     return fault("the pickle has a NumpyArrayWrapper without dtype, shape or order");
   }
-  TRY_ASSIGN(const auto size, array_size(*type, *shape));
+  TRY_ASSIGN(const auto layout, array_layout(*type, *shape));
   if (alignment != nullptr && alignment->kind != Kind::kNone) {
     TRY_ASSIGN(const auto padding, take_size(1));
     TRY(take(padding));
   }
-  TRY_ASSIGN(const auto data, take(size));
+  TRY_ASSIGN(const auto data, take(layout.data_size));
   return make_array(wrapper, *type, *shape, order->text == "F", data);
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/npy_stream.h"
 #include "io/pickle.h"
 #include "io/pickle_opcodes.h"
 
@@ -56,7 +57,7 @@ class PickleReader {
   [[nodiscard]] Result<void> make_array(Node target, const PickleNode& type,
                                         const PickleNode& shape, bool fortran_order,
                                         std::string_view data);
-  [[nodiscard]] Result<std::size_t> array_size(const PickleNode& type, const PickleNode& shape);
+  [[nodiscard]] Result<NpyLayout> array_layout(const PickleNode& type, const PickleNode& shape);
 
   [[nodiscard]] Result<std::string_view> take(std::uint64_t size);
   [[nodiscard]] Result<std::uint64_t> take_size(int bytes);

@@ -25,6 +25,11 @@ class PickleWriter {
   void text(std::string_view value);
   void texts(std::span<const std::string> values);  ///< A list.
   void array(const NpyArray& array);
+  /// A member of a dictionary.
+  void array(std::string_view key, const NpyArray& value) {
+    text(key);
+    array(value);
+  }
 
   /// The whole pickle.
   [[nodiscard]] std::string finish();

@@ -72,14 +72,11 @@ std::string gmr_pickle(const RobotClip& clip) {
   PickleWriter pickle;
   pickle.begin_dict();
   put_fps(pickle, clip.rate());
-  pickle.text("root_pos");
-  pickle.array(float64_array(tables.position, {tables.frames, 3}));
-  pickle.text("root_rot");
-  pickle.array(float64_array(tables.rotation_xyzw, {tables.frames, 4}));
-  pickle.text("dof_pos");
-  pickle.array(float64_array(tables.joints, {tables.frames, tables.joint_count}));
-  pickle.text("local_body_pos");
-  pickle.array(float32_array(local_positions(clip), {tables.frames, bodies.size(), 3}));
+  pickle.array("root_pos", float64_array(tables.position, {tables.frames, 3}));
+  pickle.array("root_rot", float64_array(tables.rotation_xyzw, {tables.frames, 4}));
+  pickle.array("dof_pos", float64_array(tables.joints, {tables.frames, tables.joint_count}));
+  pickle.array("local_body_pos",
+               float32_array(local_positions(clip), {tables.frames, bodies.size(), 3}));
   pickle.text("link_body_list");
   pickle.texts(bodies);
   pickle.end_dict();
@@ -111,15 +108,11 @@ std::string pbhc_pickle(const RobotClip& clip, const std::string& name) {
   pickle.begin_dict();
   pickle.text(name.empty() ? "motion" : name);
   pickle.begin_dict();
-  pickle.text("root_trans_offset");
-  pickle.array(float32_array(tables.position, {tables.frames, 3}));
-  pickle.text("pose_aa");
-  pickle.array(float32_array(rotation_vectors(clip),
-                             {tables.frames, 1 + tables.joint_count + kEmptyRows, 3}));
-  pickle.text("dof");
-  pickle.array(float32_array(tables.joints, {tables.frames, tables.joint_count}));
-  pickle.text("root_rot");
-  pickle.array(float32_array(tables.rotation_xyzw, {tables.frames, 4}));
+  pickle.array("root_trans_offset", float32_array(tables.position, {tables.frames, 3}));
+  pickle.array("pose_aa", float32_array(rotation_vectors(clip),
+                                        {tables.frames, 1 + tables.joint_count + kEmptyRows, 3}));
+  pickle.array("dof", float32_array(tables.joints, {tables.frames, tables.joint_count}));
+  pickle.array("root_rot", float32_array(tables.rotation_xyzw, {tables.frames, 4}));
   put_fps(pickle, clip.rate());
   pickle.end_dict();
   pickle.end_dict();

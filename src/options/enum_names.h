@@ -1,7 +1,7 @@
 #pragma once
 
+#include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,27 +14,63 @@ namespace retarget {
 template <typename Enum>
 using NamedValue = std::pair<Enum, std::string_view>;
 
-/// How the values of an enum are written in options, in the order in which they are told.
-std::span<const NamedValue<Method>> named_values(Method);
-std::span<const NamedValue<IkEngine>> named_values(IkEngine);
-std::span<const NamedValue<LeadIn>> named_values(LeadIn);
-std::span<const NamedValue<Interpolation>> named_values(Interpolation);
-std::span<const NamedValue<ScaleRule>> named_values(ScaleRule);
-std::span<const NamedValue<RestPose>> named_values(RestPose);
-std::span<const NamedValue<MotionFormat>> named_values(MotionFormat);
-std::span<const NamedValue<QuaternionOrder>> named_values(QuaternionOrder);
-std::span<const NamedValue<BodyPoint>> named_values(BodyPoint);
-std::span<const NamedValue<Delimiter>> named_values(Delimiter);
+/// How the values of an enum are written in options, in the order in which they are told: a table for
+/// each enum that has such names.
+template <typename Enum>
+inline constexpr auto kEnumNames = nullptr;
 
 template <typename Enum>
-concept Named = requires(Enum value) {
-  named_values(value);
-}
-&&std::is_enum_v<Enum>;
+concept Named = requires {
+  kEnumNames<Enum>.size();
+};
+
+template <>
+inline constexpr auto kEnumNames<Method> =
+    std::to_array<NamedValue<Method>>({{Method::kFit, "fit"}, {Method::kGmr, "gmr"}});
+template <>
+inline constexpr auto kEnumNames<IkEngine> = std::to_array<NamedValue<IkEngine>>(
+    {{IkEngine::kFast, "fast"}, {IkEngine::kReference, "reference"}});
+template <>
+inline constexpr auto kEnumNames<LeadIn> = std::to_array<NamedValue<LeadIn>>(
+    {{LeadIn::kAuto, "auto"}, {LeadIn::kDrop, "drop"}, {LeadIn::kKeep, "keep"}});
+template <>
+inline constexpr auto kEnumNames<Interpolation> = std::to_array<NamedValue<Interpolation>>(
+    {{Interpolation::kLinear, "linear"}, {Interpolation::kCubic, "cubic"}});
+template <>
+inline constexpr auto kEnumNames<ScaleRule> =
+    std::to_array<NamedValue<ScaleRule>>({{ScaleRule::kAuto, "auto"},
+                                          {ScaleRule::kTable, "table"},
+                                          {ScaleRule::kHeight, "height"},
+                                          {ScaleRule::kLimbs, "limbs"}});
+// kFrame is chosen by its frame, and has no name
+template <>
+inline constexpr auto kEnumNames<RestPose> =
+    std::to_array<NamedValue<RestPose>>({{RestPose::kAuto, "auto"},
+                                         {RestPose::kZero, "zero"},
+                                         {RestPose::kFirst, "first"},
+                                         {RestPose::kBest, "best"},
+                                         {RestPose::kLearned, "learned"}});
+template <>
+inline constexpr auto kEnumNames<MotionFormat> =
+    std::to_array<NamedValue<MotionFormat>>({{MotionFormat::kCsv, "csv"},
+                                             {MotionFormat::kCsvSoma, "csv-soma"},
+                                             {MotionFormat::kNpzMjlab, "npz-mjlab"},
+                                             {MotionFormat::kNpzBeyondMimic, "npz-beyondmimic"},
+                                             {MotionFormat::kPklGmr, "pkl-gmr"},
+                                             {MotionFormat::kPklPbhc, "pkl-pbhc"}});
+template <>
+inline constexpr auto kEnumNames<QuaternionOrder> = std::to_array<NamedValue<QuaternionOrder>>(
+    {{QuaternionOrder::kXyzw, "xyzw"}, {QuaternionOrder::kWxyz, "wxyz"}});
+template <>
+inline constexpr auto kEnumNames<BodyPoint> =
+    std::to_array<NamedValue<BodyPoint>>({{BodyPoint::kLink, "link"}, {BodyPoint::kMass, "mass"}});
+template <>
+inline constexpr auto kEnumNames<Delimiter> = std::to_array<NamedValue<Delimiter>>(
+    {{Delimiter::kComma, "comma"}, {Delimiter::kSpace, "space"}, {Delimiter::kTab, "tab"}});
 
 template <Named Enum>
 [[nodiscard]] std::string_view enum_name(Enum value) {
-  for (const auto& [known, name] : named_values(Enum())) {
+  for (const auto& [known, name] : kEnumNames<Enum>) {
     if (known == value) return name;
   }
   return {};
@@ -42,7 +78,7 @@ template <Named Enum>
 
 template <Named Enum>
 [[nodiscard]] std::optional<Enum> enum_from_name(std::string_view name) {
-  for (const auto& [value, known] : named_values(Enum())) {
+  for (const auto& [value, known] : kEnumNames<Enum>) {
     if (known == name) return value;
   }
   return std::nullopt;
@@ -51,7 +87,7 @@ template <Named Enum>
 template <Named Enum>
 [[nodiscard]] std::vector<std::string> enum_names() {
   std::vector<std::string> names;
-  for (const auto& [value, name] : named_values(Enum())) names.emplace_back(name);
+  for (const auto& [value, name] : kEnumNames<Enum>) names.emplace_back(name);
   return names;
 }
 

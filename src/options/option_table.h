@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/try.h"
 #include "options/enum_names.h"
 #include "retarget/error.h"
 
@@ -63,17 +64,19 @@ using OptionTable = std::vector<Option>;
 
 /// A member of an own type that options write as text.
 template <typename T>
-Option text_option(std::string name, T& member, OptionInfo info, std::string (*to_text)(const T&),
-                   Result<T> (*from_text)(const std::string&)) {
+Option text_option(std::string name, T& member, std::string group, std::string type,
+                   std::string help, std::string (*to_text)(const T&),
+                   Result<T> (*from_text)(const std::string&), OptionInfo info = {}) {
+  info.group = std::move(group);
+  info.type = std::move(type);
+  info.help = std::move(help);
   return {std::move(name),
           std::move(info),
           {},
           false,
           [&member, to_text] { return OptionValue(to_text(member)); },
           [&member, from_text](const OptionValue& value) -> Result<void> {
-            auto read = from_text(std::get<std::string>(value));
-            if (!read) return failure(read.error());
-            member = std::move(*read);
+            TRY_ASSIGN(member, from_text(std::get<std::string>(value)));
             return {};
           }};
 }
@@ -134,6 +137,16 @@ Option option(std::string name, T& member, OptionInfo info) {
     };
   }
   return row;
+}
+
+/// The same: what stands for its value (empty: its choices), its help, and what else there is to say.
+template <typename T>
+Option option(std::string name, T& member, std::string group, std::string type, std::string help,
+              OptionInfo info = {}) {
+  info.group = std::move(group);
+  info.type = std::move(type);
+  info.help = std::move(help);
+  return option(std::move(name), member, std::move(info));
 }
 
 /// What an option may be: `a number from 0.1 to 1000000`, `true or false`, `one of fit, gmr`.

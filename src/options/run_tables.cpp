@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "base/option_name.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -42,8 +43,7 @@ std::string plain_text(const std::string& text) {
 }
 
 Result<std::string> checked_unit(const std::string& text) {
-  auto unit = unit_from_text(text);
-  if (!unit) return failure(unit.error());
+  TRY(unit_from_text(text));
   return text;
 }
 
@@ -66,270 +66,169 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
     if (text == name) return std::optional(metres);
   }
   if (const auto metres = number_in(text, 1e-6, 1e6)) return metres;
-  return usage_failure(
-      fmt::format("expected m, dm, cm, mm, inch, cmu, or metres from 0.000001 to 1000000, found "
-                  "\"{}\"",
-                  text));
+  return usage_failure(fmt::format(
+      "expected m, dm, cm, mm, inch, cmu, or metres from 0.000001 to 1000000, found \"{}\"", text));
 }
 
 Option memory_row(double& memory_gb) {
-  return option("memory", memory_gb,
-                {.type = "GB",
-                 .group = kInputGroup,
-                 .help = "Take no motion that would need more memory than this, GB (default: three "
-                         "quarters of what there is)",
-                 .least = 0.001,
-                 .most = 1e6,
-                 .decides = false});
+  return option("memory", memory_gb, kInputGroup, "GB",
+                "Take no motion that would need more memory than this, GB (default: three quarters "
+                "of what there is)",
+                {.least = 0.001, .most = 1e6, .decides = false});
 }
 
 Option output_row(std::string& output) {
-  return option("output", output,
-                {.type = "FILE",
-                 .group = kOutputGroup,
-                 .help = "File to write; - writes standard output",
-                 .basic = true,
-                 .letter = "o"});
+  return option("output", output, kOutputGroup, "FILE", "File to write; - writes standard output",
+                {.basic = true, .letter = "o"});
 }
 
 OptionTable source_table(SourceOptions& options) {
-  return {
-      option("smpl-model", options.smpl_model,
-             {.type = "FILE",
-              .group = kInputGroup,
-              .help = "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic "
-                      "body of the same height)",
-              .file = OptionFile::kContent}),
-      option("lenient", options.lenient,
-             {.group = kInputGroup,
-              .help = "Keep the complete frames of a damaged file, say what was dropped"}),
-      option("root", options.root,
-             {.type = "NAME",
-              .group = kInputGroup,
-              .help = "Which tree to read, when a file holds several ROOTs"}),
-      option("source-fps", options.source_fps,
-             {.type = "N",
-              .group = kInputGroup,
-              .help = "Frames per second of the source, whatever its header says",
-              .least = kSlowestRate,
-              .most = kFastestRate}),
-      memory_row(options.memory_gb)};
+  return {option("smpl-model", options.smpl_model, kInputGroup, "FILE",
+                 "Your SMPL-X or SMPL+H body model (NPZ) for bone lengths (default: a generic body "
+                 "of the same height)",
+                 {.file = OptionFile::kContent}),
+          option("lenient", options.lenient, kInputGroup, "",
+                 "Keep the complete frames of a damaged file, say what was dropped"),
+          option("root", options.root, kInputGroup, "NAME",
+                 "Which tree to read, when a file holds several ROOTs"),
+          option("source-fps", options.source_fps, kInputGroup, "N",
+                 "Frames per second of the source, whatever its header says",
+                 {.least = kSlowestRate, .most = kFastestRate}),
+          memory_row(options.memory_gb)};
 }
 
 OptionTable human_table(HumanOptions& options) {
   return {
-      option("map", options.map,
-             {.type = "FILE",
-              .group = kHumanGroup,
-              .help = "Which joint is which bone: a mapping file in place of recognition",
-              .file = OptionFile::kContent}),
-      option("partial", options.partial,
-             {.group = kHumanGroup, .help = "Accept a body without arms or without legs"}),
-      option("rest", options.rest,
-             {.group = kHumanGroup,
-              .help = "The pose that is a T-pose, or is brought to one: the zero pose, the first "
-                      "frame, the best frame, or none (learned from the movement)"}),
-      option("tpose-frame", options.tpose_frame,
-             {.type = "N",
-              .group = kHumanGroup,
-              .help = "Frame of the source that is the T-pose",
-              .least = 0.0}),
-      option("tpose-file", options.tpose_file,
-             {.type = "FILE",
-              .group = kHumanGroup,
-              .help = "BVH of the same skeleton whose first frame is the T-pose",
-              .file = OptionFile::kContent}),
-      text_option("unit", options.unit,
-                  {.type = "UNIT",
-                   .group = kHumanGroup,
-                   .help = "Unit of length: m, dm, cm, mm, inch, cmu, or metres"},
-                  plain_text, checked_unit),
-      text_option("up", options.up,
-                  {.type = "AXIS",
-                   .group = kHumanGroup,
-                   .help = "Up axis of the source: y, z, -y, "
-                           "..."},
+      option("map", options.map, kHumanGroup, "FILE",
+             "Which joint is which bone: a mapping file in place of recognition",
+             {.file = OptionFile::kContent}),
+      option("partial", options.partial, kHumanGroup, "",
+             "Accept a body without arms or without legs"),
+      option("rest", options.rest, kHumanGroup, "",
+             "The pose that is a T-pose, or is brought to one: the zero pose, the first frame, the "
+             "best frame, or none (learned from the movement)"),
+      option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
+             "Frame of the source that is the T-pose", {.least = 0.0}),
+      option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
+             "BVH of the same skeleton whose first frame is the T-pose",
+             {.file = OptionFile::kContent}),
+      text_option("unit", options.unit, kHumanGroup, "UNIT",
+                  "Unit of length: m, dm, cm, mm, inch, cmu, or metres", plain_text, checked_unit),
+      text_option("up", options.up, kHumanGroup, "AXIS", "Up axis of the source: y, z, -y, ...",
                   axis_text, axis_from_text),
-      text_option(
-          "forward", options.forward,
-          {.type = "AXIS", .group = kHumanGroup, .help = "Where the source's rest pose faces"},
-          axis_text, axis_from_text),
-      option("height", options.height,
-             {.type = "M",
-              .group = kHumanGroup,
-              .help = "Height of the body, metres; settles a unit that is unknown (default: "
-                      "estimated; 1.75 for LAFAN1)",
-              .least = 0.1,
-              .most = 10.0})};
+      text_option("forward", options.forward, kHumanGroup, "AXIS",
+                  "Where the source's rest pose faces", axis_text, axis_from_text),
+      option("height", options.height, kHumanGroup, "M",
+             "Height of the body, metres; settles a unit that is unknown (default: estimated; 1.75 "
+             "for LAFAN1)",
+             {.least = 0.1, .most = 10.0})};
 }
 
 OptionTable part_table(PartOptions& options) {
-  return {
-      option("start", options.start_s,
-             {.type = "S",
-              .group = kInputGroup,
-              .help = "Begin at this time of the source, seconds",
-              .least = 0.0,
-              .most = kLongestTime}),
-      option("end", options.end_s,
-             {.type = "S",
-              .group = kInputGroup,
-              .help = "End at this time of the source, seconds, inclusive",
-              .least = 0.0,
-              .most = kLongestTime}),
-      option("frames", options.frames,
-             {.type = "A:B",
-              .group = kInputGroup,
-              .help = "Source frames from A up to, not including, B; either may be left out"}),
-      option(
-          "lead-in", options.lead_in,
-          {.group = kInputGroup,
-           .help = "Frames in front that the motion jumps away from (a T-pose, a frame of "
-                   "zeros), where no " OPTION("start") " or " OPTION(
-                       "frames") " is given: auto drops them but for " OPTION("method") " gmr"})};
+  return {option("start", options.start_s, kInputGroup, "S",
+                 "Begin at this time of the source, seconds", {.least = 0.0, .most = kLongestTime}),
+          option("end", options.end_s, kInputGroup, "S",
+                 "End at this time of the source, seconds, inclusive",
+                 {.least = 0.0, .most = kLongestTime}),
+          option("frames", options.frames, kInputGroup, "A:B",
+                 "Source frames from A up to, not including, B; either may be left out"),
+          option("lead-in", options.lead_in, kInputGroup, "",
+                 "Frames in front that the motion jumps away from (a T-pose, a frame of zeros), "
+                 "where no " OPTION("start") " or " OPTION(
+                     "frames") " is given: auto drops them but for " OPTION("method") " gmr")};
 }
 
 OptionTable robot_table(RobotChoice& options) {
-  return {
-      option("robot", options.name,
-             {.type = "NAME",
-              .group = kRobotGroup,
-              .help = "Robot by name, or a robot folder",
-              .basic = true}),
-      option("robot-xml", options.model,
-             {.type = "FILE",
-              .group = kRobotGroup,
-              .help = "Any other robot: its MJCF model; meshes are not needed",
-              .file = OptionFile::kContent}),
-      option("robot-profile", options.profile,
-             {.type = "FILE",
-              .group = kRobotGroup,
-              .help = "Output joint order, limit sets and soles of " OPTION("robot-xml") ", JSON",
-              .file = OptionFile::kContent}),
-      option("dof", options.variant,
-             {.type = "NAME",
-              .group = kRobotGroup,
-              .help = "Variant of the robot whose other joints are held and not written: 29, 27, "
-                      "23 or 23-pbhc for the G1 (default: all)"})};
+  return {option("robot", options.name, kRobotGroup, "NAME", "Robot by name, or a robot folder",
+                 {.basic = true}),
+          option("robot-xml", options.model, kRobotGroup, "FILE",
+                 "Any other robot: its MJCF model; meshes are not needed",
+                 {.file = OptionFile::kContent}),
+          option("robot-profile", options.profile, kRobotGroup, "FILE",
+                 "Output joint order, limit sets and soles of " OPTION("robot-xml") ", JSON",
+                 {.file = OptionFile::kContent}),
+          option("dof", options.variant, kRobotGroup, "NAME",
+                 "Variant of the robot whose other joints are held and not written: 29, 27, 23 or "
+                 "23-pbhc for the G1 (default: all)")};
 }
 
 OptionTable solve_table(SolveOptions& options) {
   return {
-      option("limits", options.limits,
-             {.type = "SET|FILE",
-              .group = kRobotGroup,
-              .help = "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file "
-                      "(default: gmr with " OPTION("method") " gmr)",
-              .file = OptionFile::kOrName}),
-      option("ik-config", options.ik_config,
-             {.type = "published|derived|FILE",
-              .group = kRobotGroup,
-              .help = "Mapping from human bones to robot bodies: that of the published method, the "
-                      "one derived from the robot's model, or a JSON file (default: derived; "
-                      "with " OPTION("method") " gmr published for LAFAN1 where there is one)",
-              .file = OptionFile::kOrName}),
-      option("method", options.method,
-             {.group = kRobotGroup,
-              .help = "fit: a motion that the robot can follow, the whole clip at once; gmr: the "
-                      "published two-pass inverse kinematics, frame by frame",
-              .basic = true}),
-      option("fit-config", options.fit_config,
-             {.type = "FILE",
-              .group = kRobotGroup,
-              .help = "Weights and other options of the fit, JSON",
-              .file = OptionFile::kContent}),
-      option("window", options.fit_window_s,
-             {.type = "SECONDS",
-              .group = kRobotGroup,
-              .help = "Seconds that the fit solves together: memory, and how far it looks ahead "
-                      "(default: 20)",
-              .least = 0.1,
-              .most = 1e6}),
-      option("without", options.without,
-             {.type = "TERM,...",
-              .group = kRobotGroup,
-              .help = "Terms that the fit leaves out: floor, self-collision, contact, ..."}),
-      option("engine", options.engine,
-             {.group = kRobotGroup,
-              .help = "Implementation of the inverse kinematics; both take the same steps"}),
-      option("scale", options.scale,
-             {.group = kRobotGroup,
-              .help = "How the body's size scales the motion: limbs gives legs, trunk and arms the "
-                      "robot's lengths; table as published (default of LAFAN1 "
-                      "with " OPTION("method") " gmr, " OPTION(
-                          "ik-config") " published or FILE); height brings every body to one size "
-                                       "first (default "
-                                       "with " OPTION("height") ")"})};
+      option("limits", options.limits, kRobotGroup, "SET|FILE",
+             "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file (default: "
+             "gmr with " OPTION("method") " gmr)",
+             {.file = OptionFile::kOrName}),
+      option("ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
+             "Mapping from human bones to robot bodies: that of the published method, the one "
+             "derived from the robot's model, or a JSON file (default: derived; with " OPTION(
+                 "method") " gmr published for LAFAN1 where there is one)",
+             {.file = OptionFile::kOrName}),
+      option("method", options.method, kRobotGroup, "",
+             "fit: a motion that the robot can follow, the whole clip at once; gmr: the published "
+             "two-pass inverse kinematics, frame by frame",
+             {.basic = true}),
+      option("fit-config", options.fit_config, kRobotGroup, "FILE",
+             "Weights and other options of the fit, JSON", {.file = OptionFile::kContent}),
+      option(
+          "window", options.fit_window_s, kRobotGroup, "SECONDS",
+          "Seconds that the fit solves together: memory, and how far it looks ahead (default: 20)",
+          {.least = 0.1, .most = 1e6}),
+      option("without", options.without, kRobotGroup, "TERM,...",
+             "Terms that the fit leaves out: floor, self-collision, contact, ..."),
+      option("engine", options.engine, kRobotGroup, "",
+             "Implementation of the inverse kinematics; both take the same steps"),
+      option(
+          "scale", options.scale, kRobotGroup, "",
+          "How the body's size scales the motion: limbs gives legs, trunk and arms the robot's "
+          "lengths; table as published (default of LAFAN1 with " OPTION("method") " gmr, " OPTION(
+              "ik-config") " published or FILE); height brings every body to one size first "
+                           "(default with " OPTION("height") ")")};
 }
 
 OptionTable time_table(TimeOptions& options) {
-  return {text_option("fps", options.fps,
-                      {.type = "N|source",
-                       .group = kTimeGroup,
-                       .help = "Output rate in frames per second, or `source`",
-                       .basic = true},
-                      rate_text, rate_from_text),
-          option("interpolation", options.interpolation,
-                 {.group = kTimeGroup, .help = "Between source frames"}),
-          option("no-antialias", options.no_antialias,
-                 {.group = kTimeGroup,
-                  .help = "Do not low-pass a source that is faster than the output"})};
+  return {text_option("fps", options.fps, kTimeGroup, "N|source",
+                      "Output rate in frames per second, or `source`", rate_text, rate_from_text,
+                      {.basic = true}),
+          option("interpolation", options.interpolation, kTimeGroup, "", "Between source frames"),
+          option("no-antialias", options.no_antialias, kTimeGroup, "",
+                 "Do not low-pass a source that is faster than the output")};
 }
 
 OptionTable save_table(SaveOptions& options) {
   return {
-      option("format", options.formats,
-             {.type = "FORMAT,...",
-              .group = kOutputGroup,
-              .help = "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; "
-                      "several go to files named after the output, each with an ending of its own",
-              .basic = true}),
-      option("precision", options.precision,
-             {.type = "N",
-              .group = kOutputGroup,
-              .help = "CSV: digits after the decimal point, 0 to 17",
-              .least = 0.0,
-              .most = 17.0}),
-      option("csv-delimiter", options.delimiter,
-             {.group = kOutputGroup, .help = "CSV: between columns"}),
-      option("csv-header", options.header,
-             {.group = kOutputGroup, .help = "CSV: a first line that names the columns"}),
-      option("csv-quat", options.quaternion,
-             {.group = kOutputGroup, .help = "CSV: order of the root quaternion"}),
-      option("csv-frame-column", options.frame_column,
-             {.group = kOutputGroup, .help = "CSV: a first column that counts frames from 0"}),
-      option("csv-degrees", options.degrees,
-             {.group = kOutputGroup, .help = "CSV: joints in degrees (default: radians)"}),
-      option(
-          "csv-centimetres", options.centimetres,
-          {.group = kOutputGroup, .help = "CSV: root position in centimetres (default: metres)"}),
-      option("normalize-start", options.normalize_start,
-             {.group = kOutputGroup,
-              .help = "Move and turn the motion so that it starts at x = y = 0, facing +x"}),
-      option("npz-fps", options.npz_fps,
-             {.type = "N",
-              .group = kOutputGroup,
-              .help = "NPZ: frames per second",
-              .least = 1.0,
-              .most = 1000.0}),
-      option("npz-velocity", options.npz_velocity,
-             {.group = kOutputGroup,
-              .help = "NPZ: linear velocities of the links' origins or of their centres of mass "
-                      "(default: link for npz-mjlab, mass for npz-beyondmimic, as in their "
-                      "simulators)"}),
-      option("motion-name", options.motion_name,
-             {.type = "NAME",
-              .group = kOutputGroup,
-              .help = "pkl-pbhc: name of the motion (default: the file's)"})};
+      option("format", options.formats, kOutputGroup, "FORMAT,...",
+             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go "
+             "to files named after the output, each with an ending of its own",
+             {.basic = true}),
+      option("precision", options.precision, kOutputGroup, "N",
+             "CSV: digits after the decimal point, 0 to 17", {.least = 0.0, .most = 17.0}),
+      option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: between columns"),
+      option("csv-header", options.header, kOutputGroup, "",
+             "CSV: a first line that names the columns"),
+      option("csv-quat", options.quaternion, kOutputGroup, "", "CSV: order of the root quaternion"),
+      option("csv-frame-column", options.frame_column, kOutputGroup, "",
+             "CSV: a first column that counts frames from 0"),
+      option("csv-degrees", options.degrees, kOutputGroup, "",
+             "CSV: joints in degrees (default: radians)"),
+      option("csv-centimetres", options.centimetres, kOutputGroup, "",
+             "CSV: root position in centimetres (default: metres)"),
+      option("normalize-start", options.normalize_start, kOutputGroup, "",
+             "Move and turn the motion so that it starts at x = y = 0, facing +x"),
+      option("npz-fps", options.npz_fps, kOutputGroup, "N", "NPZ: frames per second",
+             {.least = 1.0, .most = 1000.0}),
+      option("npz-velocity", options.npz_velocity, kOutputGroup, "",
+             "NPZ: linear velocities of the links' origins or of their centres of mass (default: "
+             "link for npz-mjlab, mass for npz-beyondmimic, as in their simulators)"),
+      option("motion-name", options.motion_name, kOutputGroup, "NAME",
+             "pkl-pbhc: name of the motion (default: the file's)")};
 }
 
 OptionTable run_table(Run& run) {
   Options& options = run.options;
   OptionTable table = {
-      option("motion", run.motion,
-             {.type = "FILE", .group = kInputGroup, .help = "Motion to retarget"}),
+      option("motion", run.motion, kInputGroup, "FILE", "Motion to retarget"),
       // which reader the file has is found by its content; what SMPL's option named is recorded
-      option("smpl", options.source.smpl, {.group = kInputGroup, .help = "The motion is SMPL's"})};
+      option("smpl", options.source.smpl, kInputGroup, "", "The motion is SMPL's")};
   append(table, source_table(options.source));
   append(table, human_table(options.human));
   append(table, part_table(options.part));

@@ -6,6 +6,7 @@
 
 #include "anatomy/bare_robot.h"
 #include "base/data_folder.h"
+#include "base/file.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "plan/check_options.h"
@@ -26,7 +27,7 @@ Result<void> check_model_file(const std::string& path) {
   const fs::path model = fs::path(path) / "model.xml";
   return config_failure(
       path, "expected a robot's model, found a directory",
-      fs::is_regular_file(model, ignored)
+      is_file(model)
           ? OPTION("robot") " " + path + " takes a robot's folder; its model is " + model.string()
           : "name the MJCF or URDF in it");
 }
@@ -95,9 +96,7 @@ Result<LoadedRobot> load_robot(const RobotChoice& choice, const DataFolder& data
 
 Result<LoadedRobot> load_robot(const std::string& name_or_file) {
   const fs::path ending = fs::path(name_or_file).extension();
-  std::error_code ignored;
-  const bool is_model =
-      (ending == ".xml" || ending == ".urdf") && fs::is_regular_file(name_or_file, ignored);
+  const bool is_model = (ending == ".xml" || ending == ".urdf") && is_file(name_or_file);
   RobotChoice choice;
   (is_model ? choice.model : choice.name) = name_or_file;
   return load_robot(choice);

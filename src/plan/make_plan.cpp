@@ -139,11 +139,9 @@ std::vector<SummaryLine> HumanInClip::lines() const {
 
 std::vector<SummaryLine> Plan::robot_lines() const {
   std::vector<SummaryLine> lines = mapping_notes;
-  lines.push_back(
-      {"robot",
-       fmt::format("{}, {}, limits {}, mapping {}", robot.robot->name(),
-                   count_text(static_cast<long>(robot.robot->output_joints().size()), "joint"),
-                   limits.name, mapping.file)});
+  lines.push_back({"robot", fmt::format("{}, {}, limits {}, mapping {}", robot.robot->name(),
+                                        count_text(robot.robot->output_joints().size(), "joint"),
+                                        limits.name, mapping.file)});
   if (is_mapping_of_others) {
     lines.push_back({"", "the derived mapping, for the source is not LAFAN1; " OPTION(
                              "ik-config") " published takes the published one"});

@@ -4,6 +4,7 @@
 #include <array>
 #include <system_error>
 
+#include "base/file.h"
 #include "base/option_name.h"
 #include "base/try.h"
 
@@ -17,11 +18,6 @@ constexpr const char* kPublished = "published";
 constexpr const char* kDerived = "derived";
 constexpr const char* kMappingHint = OPTION(
     "ik-config") " FILE takes a mapping of your own; retarget robots add makes a robot with one";
-
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
 
 // a file that cannot be looked at is none that is not there: another would be taken in its place
 Result<void> check_look(const fs::path& path) {

@@ -46,7 +46,7 @@ std::string_view kind_of(const std::string& path) {
 // the formats of files with this ending
 std::string formats_ending_in(std::string_view ending) {
   std::vector<std::string> names;
-  for (const auto& [format, name] : named_values(MotionFormat())) {
+  for (const auto& [format, name] : kEnumNames<MotionFormat>) {
     if (format_ending(format) == ending) names.emplace_back(name);
   }
   return list_names(names);

@@ -25,11 +25,8 @@ Failure hash_failure() {
 }
 
 Failure file_failure(ErrorKind kind, const std::string& path, int error_number) {
-  Error error;
-  error.kind = kind;
-  error.location.file = path;
-  error.message = "cannot read the file: " + std::generic_category().message(error_number);
-  return failure(std::move(error));
+  const std::string reason = std::generic_category().message(error_number);
+  return failure({kind, {path, 0, 0}, "cannot read the file: " + reason, {}, {}});
 }
 
 struct OpenFile {

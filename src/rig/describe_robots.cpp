@@ -196,7 +196,7 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
                    {"mapping", !each.mapping.empty()},
                    {"licence", robot->profile().licence},
                    {"licence_stated", !is_unverified(each.model)}});
-    text += padded(each.name, 26) + padded(count_text(static_cast<long>(joints), "joint"), 12) +
+    text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
             robot->profile().description + (each.mapping.empty() ? " (no mapping)" : "") +
             (is_unverified(each.model) ? " (no stated licence)" : "") + "\n";

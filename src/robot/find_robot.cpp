@@ -4,6 +4,7 @@
 #include <cctype>
 #include <system_error>
 
+#include "base/file.h"
 #include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
@@ -16,11 +17,6 @@ namespace fs = std::filesystem;
 constexpr const char* kModelFile = "model.xml";
 constexpr const char* kProfileFile = "robot.json";
 constexpr const char* kUnverified = "unverified";
-
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
 
 // the words of a name: `Unitree-G1` is unitree, g1
 std::vector<std::string> words_of(const std::string& name) {
@@ -106,11 +102,8 @@ bool is_unverified(const fs::path& model) {
 std::vector<std::string> list_robots(const fs::path& robots_folder) {
   std::vector<std::string> names;
   for (const fs::path& folder : {robots_folder, robots_folder / kUnverified}) {
-    std::error_code error;
-    const fs::directory_iterator end;
-    for (fs::directory_iterator entry(folder, error); !error && entry != end;
-         entry.increment(error)) {
-      if (is_file(entry->path() / kModelFile)) names.push_back(entry->path().filename().string());
+    for (const fs::path& robot : files_in_folder(folder)) {
+      if (is_file(robot / kModelFile)) names.push_back(robot.filename().string());
     }
   }
   std::ranges::sort(names);

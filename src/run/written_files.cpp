@@ -36,15 +36,6 @@ std::string whole_path(const std::string& path) {
   return error ? fs::path(path).lexically_normal().string() : whole.string();
 }
 
-// files of a folder of ours, which are all read
-void append_folder(std::vector<std::string>& files, const fs::path& folder) {
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
-       at.increment(error)) {
-    files.push_back(at->path().string());
-  }
-}
-
 // model, profile and mappings of a robot that has a folder
 void append_robot(std::vector<std::string>& files, const std::string& name,
                   const fs::path& data_folder) {
@@ -91,7 +82,7 @@ Result<void> WrittenFiles::check_spared(const std::string& output) const {
 
 Result<void> WrittenFiles::take(const std::string& output) {
   if (output.empty()) return {};
-  if (auto spared = check_spared(output); !spared) return spared;
+  TRY(check_spared(output));
   if (output == "-") return {};
   if (outputs_.find(output, STDOUT_FILENO) != nullptr) {
     return usage_failure("two outputs are the file \"" + output + "\"");
@@ -103,9 +94,7 @@ Result<void> WrittenFiles::take(const std::string& output) {
 Result<void> check_written(const std::vector<std::string>& outputs,
                            const std::vector<std::string>& inputs) {
   WrittenFiles written(inputs);
-  for (const std::string& output : outputs) {
-    if (auto taken = written.take(output); !taken) return taken;
-  }
+  for (const std::string& output : outputs) TRY(written.take(output));
   return {};
 }
 
@@ -117,8 +106,11 @@ std::vector<std::string> files_of(const Run& run, const std::string& data_folder
   }
   if (data_folder.empty()) return files;
   append_robot(files, run.robot.name, data_folder);
-  append_folder(files, fs::path(data_folder) / "configs" / "skeletons");
-  append_folder(files, fs::path(data_folder) / "configs" / "quality");
+  for (const char* name : {"skeletons", "quality"}) {
+    for (const fs::path& file : files_in_folder(fs::path(data_folder) / "configs" / name)) {
+      files.push_back(file.string());
+    }
+  }
   return files;
 }
 

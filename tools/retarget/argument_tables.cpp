@@ -9,59 +9,44 @@ namespace {
 constexpr const char* kBatchGroup = "Batch";
 constexpr const char* kFoundGroup = "Motion files (all of it is found and printed; this overrides)";
 
-Option row(const char* name, auto& member, OptionInfo info) {
+Option row(const char* name, auto& member, const char* group, const char* type, const char* help,
+           OptionInfo info = {}) {
   info.decides = false;
-  return option(name, member, std::move(info));
+  return option(name, member, group, type, help, std::move(info));
 }
 
 }  // namespace
 
 OptionTable common_table(CommonArguments& arguments) {
-  return {row("quiet", arguments.quiet,
-              {.group = kGeneralGroup, .help = "Print errors only", .letter = "q"}),
-          row("data-dir", arguments.data_dir,
-              {.type = "DIR",
-               .group = kGeneralGroup,
-               .help = "Folder that holds robots/ and configs/ (default: $RETARGET_DATA_DIR, else "
-                       "found beside the program)"})};
+  return {row("quiet", arguments.quiet, kGeneralGroup, "", "Print errors only", {.letter = "q"}),
+          row("data-dir", arguments.data_dir, kGeneralGroup, "DIR",
+              "Folder that holds robots/ and configs/ (default: $RETARGET_DATA_DIR, else found "
+              "beside the program)")};
 }
 
 Option write_map_row(std::string& file) {
-  return row("write-map", file,
-             {.type = "FILE",
-              .group = kHumanGroup,
-              .help = "Write the mapping that was used, to be edited"});
+  return row("write-map", file, kHumanGroup, "FILE",
+             "Write the mapping that was used, to be edited");
 }
 
 OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
   return {write_map_row(request.write_map),
-          row("sidecar", request.sidecar,
-              {.group = kOutputGroup,
-               .help = "Write FILE.json beside each output: hashes, options, what was found, "
-                       "quality; retarget verify checks it"}),
-          row("report", request.report,
-              {.type = "FILE",
-               .group = kOutputGroup,
-               .help = "Write how good the motion is, JSON as of retarget evaluate"}),
-          row("verbose", request.verbose,
-              {.group = kGeneralGroup,
-               .help = "Say as well what each term of the fit costs, before and after, and its "
-                       "worst frames",
-               .letter = "v"})};
+          row("sidecar", request.sidecar, kOutputGroup, "",
+              "Write FILE.json beside each output: hashes, options, what was found, quality; "
+              "retarget verify checks it"),
+          row("report", request.report, kOutputGroup, "FILE",
+              "Write how good the motion is, JSON as of retarget evaluate"),
+          row("verbose", request.verbose, kGeneralGroup, "",
+              "Say as well what each term of the fit costs, before and after, and its worst frames",
+              {.letter = "v"})};
 }
 
 OptionTable run_command_table(RunArguments& arguments) {
-  OptionTable table = {row("bvh", arguments.run.motion,
-                           {.type = "FILE",
-                            .group = kInputGroup,
-                            .help = "Motion to retarget; - reads standard input",
-                            .basic = true}),
-                       row("smpl", arguments.smpl_file,
-                           {.type = "FILE",
-                            .group = kInputGroup,
-                            .help = "SMPL or SMPL-X motion to retarget, NPZ as in AMASS",
-                            .basic = true})};
+  OptionTable table = {row("bvh", arguments.run.motion, kInputGroup, "FILE",
+                           "Motion to retarget; - reads standard input", {.basic = true}),
+                       row("smpl", arguments.smpl_file, kInputGroup, "FILE",
+                           "SMPL or SMPL-X motion to retarget, NPZ as in AMASS", {.basic = true})};
   append(table, without(run_table(arguments.run), {"motion", "smpl"}));
   append(table, request_table(arguments));
   append(table, common_table(arguments.common));
@@ -70,103 +55,58 @@ OptionTable run_command_table(RunArguments& arguments) {
 
 OptionTable batch_table(BatchArguments& arguments) {
   return {
-      row("list", arguments.lists,
-          {.type = "FILE",
-           .group = kInputGroup,
-           .help = "File of names of files and folders, one a line; - reads standard input"}),
-      row("base", arguments.base,
-          {.type = "DIR",
-           .group = kInputGroup,
-           .help = "Files that are named one by one keep their tree below this folder "
-                   "(default: their names alone)"}),
-      row("exclude", arguments.exclude,
-          {.type = "PATTERN",
-           .group = kInputGroup,
-           .help = "Leave out files whose name, or path below its folder, matches; "
-                   "repeatable"}),
-      row("robot", arguments.robots,
-          {.type = "NAME,...",
-           .group = kRobotGroup,
-           .help = "Robots by name or folder; each of several gets a folder of its own",
-           .basic = true}),
-      row("output", arguments.output,
-          {.type = "DIR",
-           .group = kOutputGroup,
-           .help = "Folder to write; made where it is not there",
-           .basic = true,
-           .letter = "o",
-           .required = true}),
-      row("jobs", arguments.jobs,
-          {.type = "N",
-           .group = kBatchGroup,
-           .help = "Clips at a time (default: one for each processor)",
-           .least = 1.0,
-           .most = 4096.0,
-           .basic = true,
-           .letter = "j"}),
-      row("memory", arguments.run.run.options.source.memory_gb,
-          {.type = "GB",
-           .group = kBatchGroup,
-           .help = "Begin no clip that would need more than this together with those that run, "
-                   "GB, and let none take more (default: three quarters of what there is)",
-           .least = 0.001,
-           .most = 1e6}),
-      row("clip-timeout", arguments.clip_timeout_s,
-          {.type = "SECONDS",
-           .group = kBatchGroup,
-           .help = "A clip that takes longer has failed, and the others go on (default: none "
-                   "does)",
-           .least = 0.001,
-           .most = 1e9}),
-      row("resume", arguments.resume,
-          {.group = kBatchGroup,
-           .help = "Go on with a batch: skip clips that are done and have not changed",
-           .basic = true}),
-      row("redo", arguments.redo,
-          {.group = kBatchGroup, .help = "Forget an earlier batch in the folder, do all again"}),
-      row("shard", arguments.shard,
-          {.type = "I/N",
-           .group = kBatchGroup,
-           .help = "Do one of N parts of about the same length, I from 1 to N, with a manifest "
-                   "of its own"}),
-      row("merge", arguments.merge,
-          {.group = kBatchGroup,
-           .help = "Join the manifests of all parts in the output folder, and write the "
-                   "summary"}),
-      row("no-quality", arguments.no_quality,
-          {.group = kBatchGroup,
-           .help = "Do not measure the motions: faster, but the summary knows failures "
-                   "alone"})};
+      row("list", arguments.lists, kInputGroup, "FILE",
+          "File of names of files and folders, one a line; - reads standard input"),
+      row("base", arguments.base, kInputGroup, "DIR",
+          "Files that are named one by one keep their tree below this folder (default: their names "
+          "alone)"),
+      row("exclude", arguments.exclude, kInputGroup, "PATTERN",
+          "Leave out files whose name, or path below its folder, matches; repeatable"),
+      row("robot", arguments.robots, kRobotGroup, "NAME,...",
+          "Robots by name or folder; each of several gets a folder of its own", {.basic = true}),
+      row("output", arguments.output, kOutputGroup, "DIR",
+          "Folder to write; made where it is not there",
+          {.basic = true, .letter = "o", .required = true}),
+      row("jobs", arguments.jobs, kBatchGroup, "N",
+          "Clips at a time (default: one for each processor)",
+          {.least = 1.0, .most = 4096.0, .basic = true, .letter = "j"}),
+      row("memory", arguments.run.run.options.source.memory_gb, kBatchGroup, "GB",
+          "Begin no clip that would need more than this together with those that run, GB, and let "
+          "none take more (default: three quarters of what there is)",
+          {.least = 0.001, .most = 1e6}),
+      row("clip-timeout", arguments.clip_timeout_s, kBatchGroup, "SECONDS",
+          "A clip that takes longer has failed, and the others go on (default: none does)",
+          {.least = 0.001, .most = 1e9}),
+      row("resume", arguments.resume, kBatchGroup, "",
+          "Go on with a batch: skip clips that are done and have not changed", {.basic = true}),
+      row("redo", arguments.redo, kBatchGroup, "",
+          "Forget an earlier batch in the folder, do all again"),
+      row("shard", arguments.shard, kBatchGroup, "I/N",
+          "Do one of N parts of about the same length, I from 1 to N, with a manifest of its own"),
+      row("merge", arguments.merge, kBatchGroup, "",
+          "Join the manifests of all parts in the output folder, and write the summary"),
+      row("no-quality", arguments.no_quality, kBatchGroup, "",
+          "Do not measure the motions: faster, but the summary knows failures alone")};
 }
 
 OptionTable reading_table(ReadingArguments& arguments) {
   OptionTable table = {
-      row("source-fps", arguments.source_fps,
-          {.type = "N",
-           .group = kFoundGroup,
-           .help = "Frames per second of the file (default: what it says; of a CSV 30, of SOMA's "
-                   "120)",
-           .least = 0.001,
-           .most = 1e6}),
-      row("from", arguments.from,
-          {.group = kFoundGroup, .help = "NPZ: whose order of joints it has"}),
-      row("source-quat", arguments.quaternion,
-          {.group = kFoundGroup, .help = "Order of the root quaternion in the file"}),
-      row("source-angles", arguments.angles,
-          {.group = kFoundGroup, .help = "Unit of the joints in a CSV or pickle"}),
-      row("source-unit", arguments.unit,
-          {.group = kFoundGroup, .help = "Unit of the root position in a CSV or pickle"}),
-      row("source-dof", arguments.dof,
-          {.type = "NAME",
-           .group = kFoundGroup,
-           .help = "Variant of the robot whose joints the file has"}),
-      row("motion", arguments.motion,
-          {.type = "NAME",
-           .group = kFoundGroup,
-           .help = "One of several motions in a PBHC pickle"}),
-      row("ignore-header", arguments.ignore_header,
-          {.group = kFoundGroup,
-           .help = "Take the columns of a CSV by their number, whatever its header says"})};
+      row("source-fps", arguments.source_fps, kFoundGroup, "N",
+          "Frames per second of the file (default: what it says; of a CSV 30, of SOMA's 120)",
+          {.least = 0.001, .most = 1e6}),
+      row("from", arguments.from, kFoundGroup, "", "NPZ: whose order of joints it has"),
+      row("source-quat", arguments.quaternion, kFoundGroup, "",
+          "Order of the root quaternion in the file"),
+      row("source-angles", arguments.angles, kFoundGroup, "",
+          "Unit of the joints in a CSV or pickle"),
+      row("source-unit", arguments.unit, kFoundGroup, "",
+          "Unit of the root position in a CSV or pickle"),
+      row("source-dof", arguments.dof, kFoundGroup, "NAME",
+          "Variant of the robot whose joints the file has"),
+      row("motion", arguments.motion, kFoundGroup, "NAME",
+          "One of several motions in a PBHC pickle"),
+      row("ignore-header", arguments.ignore_header, kFoundGroup, "",
+          "Take the columns of a CSV by their number, whatever its header says")};
   table[1].choices = {"npz-mjlab", "npz-beyondmimic"};
   table[3].choices = {"rad", "deg"};
   table[4].choices = {"m", "cm", "mm"};
@@ -174,23 +114,16 @@ OptionTable reading_table(ReadingArguments& arguments) {
 }
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
-  return {row("fps", arguments.fps,
-              {.type = "N|source",
-               .group = kTimeGroup,
-               .help = "Rate of motions whose files say none, in frames per second, or `source`; "
-                       "the source is resampled to it (default: 30; of SOMA's 120)"}),
-          row("json", arguments.json,
-              {.type = "FILE",
-               .group = kOutputGroup,
-               .help = "Write the report as JSON; - writes standard output, in place of the table",
-               .basic = true}),
-          row("gate", arguments.gates,
-              {.type = "FILE|METRIC=N",
-               .group = kOutputGroup,
-               .help = "What to ask for beyond configs/quality/default.json, or instead: a file "
-                       "like it, METRIC=MOST, METRIC=none, or none for no gates at all; "
-                       "repeatable",
-               .basic = true})};
+  return {row("fps", arguments.fps, kTimeGroup, "N|source",
+              "Rate of motions whose files say none, in frames per second, or `source`; the source "
+              "is resampled to it (default: 30; of SOMA's 120)"),
+          row("json", arguments.json, kOutputGroup, "FILE",
+              "Write the report as JSON; - writes standard output, in place of the table",
+              {.basic = true}),
+          row("gate", arguments.gates, kOutputGroup, "FILE|METRIC=N",
+              "What to ask for beyond configs/quality/default.json, or instead: a file like it, "
+              "METRIC=MOST, METRIC=none, or none for no gates at all; repeatable",
+              {.basic = true})};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {
@@ -205,13 +138,9 @@ OptionTable convert_table(ConvertArguments& arguments) {
 }
 
 OptionTable compare_table(CompareArguments& arguments) {
-  OptionTable table = {row("tolerance", arguments.tolerance,
-                           {.type = "X",
-                            .group = kGeneralGroup,
-                            .help = "Largest difference that counts as none, in the files' units",
-                            .least = 0.0,
-                            .most = 1e6,
-                            .basic = true}),
+  OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
+                           "Largest difference that counts as none, in the files' units",
+                           {.least = 0.0, .most = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
   append(table, robot_table(arguments.robot));
   append(table, reading_table(arguments.reading));
@@ -222,32 +151,23 @@ OptionTable compare_table(CompareArguments& arguments) {
 OptionTable inspect_table(InspectArguments& arguments) {
   Options& options = arguments.run.run.options;
   OptionTable table = without(source_table(options.source), {"smpl-model"});
-  table.push_back(
-      row("skeleton", arguments.skeleton_only,
-          {.group = kInputGroup, .help = "The skeleton is enough: accept a file without MOTION"}));
+  table.push_back(row("skeleton", arguments.skeleton_only, kInputGroup, "",
+                      "The skeleton is enough: accept a file without MOTION"));
   append(table, human_table(options.human));
   table.push_back(write_map_row(arguments.run.request.write_map));
-  table.push_back(
-      row("json", arguments.json,
-          {.group = kOutputGroup, .help = "Print JSON on standard output", .basic = true}));
-  table.push_back(row("positions", arguments.positions,
-                      {.type = "FILE",
-                       .group = kOutputGroup,
-                       .help = "Write world positions and quaternions (xyzw) of all joints and end "
-                               "sites, in the file's units and axes, as CSV; - writes standard "
-                               "output"}));
+  table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",
+                      {.basic = true}));
+  table.push_back(row("positions", arguments.positions, kOutputGroup, "FILE",
+                      "Write world positions and quaternions (xyzw) of all joints and end sites, "
+                      "in the file's units and axes, as CSV; - writes standard output"));
   append(table, common_table(arguments.run.common));
   return table;
 }
 
 OptionTable view_table(ViewArguments& arguments) {
-  OptionTable table = {row("strip", arguments.strip,
-                           {.type = "N",
-                            .group = kOutputGroup,
-                            .help = "How many poses, from the first frame to the last",
-                            .least = 1.0,
-                            .most = 100.0,
-                            .basic = true})};
+  OptionTable table = {row("strip", arguments.strip, kOutputGroup, "N",
+                           "How many poses, from the first frame to the last",
+                           {.least = 1.0, .most = 100.0, .basic = true})};
   append(table, only(run_command_table(arguments.run),
                      {"output",     "bvh",     "smpl",      "smpl-model",    "start",
                       "lead-in",    "map",     "partial",   "rest",          "tpose-frame",

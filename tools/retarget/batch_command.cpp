@@ -30,19 +30,14 @@ BatchRequest request_of(const BatchArguments& arguments, std::string data_folder
   return request;
 }
 
-Result<ExitCode> batch_checked(const BatchArguments& arguments, Console& console) {
+}  // namespace
+
+Result<ExitCode> batch(const BatchArguments& arguments, Console& console) {
   TRY_ASSIGN(std::string data_folder, data_folder_of(arguments.run.common));
   const BatchRequest request = request_of(arguments, std::move(data_folder));
   TRY_ASSIGN(const std::size_t failed,
              arguments.merge ? merge_batch(request, console) : run_batch(request, console));
   return failed > 0 ? kRunFailed : kDone;
-}
-
-}  // namespace
-
-ExitCode batch(const BatchArguments& arguments, Console& console) {
-  const auto code = batch_checked(arguments, console);
-  return code ? *code : console.fail(code.error());
 }
 
 }  // namespace retarget::cli

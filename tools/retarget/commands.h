@@ -6,16 +6,17 @@
 
 namespace retarget::cli {
 
-/// Each command does its work and gives the exit code of the process.
-[[nodiscard]] ExitCode run(const RunArguments& arguments, Console& console);
-[[nodiscard]] ExitCode batch(const BatchArguments& arguments, Console& console);
-[[nodiscard]] ExitCode inspect(const InspectArguments& arguments, Console& console);
-[[nodiscard]] ExitCode edit(const EditArguments& arguments, Console& console);
-[[nodiscard]] ExitCode evaluate(const EvaluateArguments& arguments, Console& console);
-[[nodiscard]] ExitCode convert(const ConvertArguments& arguments, Console& console);
-[[nodiscard]] ExitCode compare(const CompareArguments& arguments, Console& console);
-[[nodiscard]] ExitCode verify(const VerifyArguments& arguments, Console& console);
-[[nodiscard]] ExitCode view(const ViewArguments& arguments, Console& console);
-[[nodiscard]] ExitCode robots(const RobotsArguments& arguments, Console& console);
+/// Each command does its work. Some have results that the exit code of the process tells; else it is
+/// that of the error, or kDone.
+[[nodiscard]] Result<void> run(const RunArguments& arguments, Console& console);
+[[nodiscard]] Result<ExitCode> batch(const BatchArguments& arguments, Console& console);
+[[nodiscard]] Result<void> inspect(const InspectArguments& arguments, Console& console);
+[[nodiscard]] Result<void> edit(const EditArguments& arguments, Console& console);
+[[nodiscard]] Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console);
+[[nodiscard]] Result<void> convert(const ConvertArguments& arguments, Console& console);
+[[nodiscard]] Result<void> compare(const CompareArguments& arguments, Console& console);
+[[nodiscard]] Result<void> verify(const VerifyArguments& arguments, Console& console);
+[[nodiscard]] Result<void> view(const ViewArguments& arguments, Console& console);
+[[nodiscard]] Result<ExitCode> robots(const RobotsArguments& arguments, Console& console);
 
 }  // namespace retarget::cli

@@ -61,7 +61,9 @@ Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& c
   return tables;
 }
 
-Result<void> compare_checked(const CompareArguments& arguments, Console& console) {
+}  // namespace
+
+Result<void> compare(const CompareArguments& arguments, Console& console) {
   if (arguments.a == "-" && arguments.b == "-") {
     return usage_failure("standard input can be read once only");
   }
@@ -75,13 +77,6 @@ Result<void> compare_checked(const CompareArguments& arguments, Console& console
     label = "";
   }
   return check_agreement(found, arguments.tolerance, arguments.a, arguments.b);
-}
-
-}  // namespace
-
-ExitCode compare(const CompareArguments& arguments, Console& console) {
-  const auto done = compare_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli

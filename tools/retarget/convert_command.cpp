@@ -59,7 +59,9 @@ Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& consol
   return at_rate(with_robot(motion.clip, std::move(variant)), motion.bytes, arguments);
 }
 
-Result<void> convert_checked(const ConvertArguments& arguments, Console& console) {
+}  // namespace
+
+Result<void> convert(const ConvertArguments& arguments, Console& console) {
   TRY(check_usage(arguments));
   TRY_ASSIGN(const RobotClip clip, load_motion(arguments, console));
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(arguments.output, arguments.save,
@@ -70,13 +72,6 @@ Result<void> convert_checked(const ConvertArguments& arguments, Console& console
   console.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
                             " at " + to_text(clip.rate()) + " fps");
   return {};
-}
-
-}  // namespace
-
-ExitCode convert(const ConvertArguments& arguments, Console& console) {
-  const auto done = convert_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli

@@ -8,17 +8,12 @@
 
 namespace retarget {
 
-std::span<const NamedValue<SeamBlend>> named_values(SeamBlend) {
-  static constexpr std::array<NamedValue<SeamBlend>, 2> kNames = {
-      {{SeamBlend::kCrossfade, "crossfade"}, {SeamBlend::kInertial, "inertial"}}};
-  return kNames;
-}
-
-std::span<const NamedValue<PathKeep>> named_values(PathKeep) {
-  static constexpr std::array<NamedValue<PathKeep>, 3> kNames = {
-      {{PathKeep::kTime, "time"}, {PathKeep::kSpeed, "speed"}, {PathKeep::kStride, "stride"}}};
-  return kNames;
-}
+template <>
+inline constexpr auto kEnumNames<SeamBlend> = std::to_array<NamedValue<SeamBlend>>(
+    {{SeamBlend::kCrossfade, "crossfade"}, {SeamBlend::kInertial, "inertial"}});
+template <>
+inline constexpr auto kEnumNames<PathKeep> = std::to_array<NamedValue<PathKeep>>(
+    {{PathKeep::kTime, "time"}, {PathKeep::kSpeed, "speed"}, {PathKeep::kStride, "stride"}});
 
 namespace cli {
 namespace {
@@ -48,24 +43,20 @@ constexpr std::array<EditKind, 12> kEdits = {{
 
 Option number(const char* name, auto& member, const char* type, double least, double most,
               const char* help) {
-  return option(name, member,
-                {.type = type, .group = kTimeGroup, .help = help, .least = least, .most = most});
+  return option(name, member, kTimeGroup, type, help, {.least = least, .most = most});
 }
 
 Option choice(const char* name, auto& member, const char* help) {
-  return option(name, member, {.group = kTimeGroup, .help = help});
+  return option(name, member, kTimeGroup, "", help);
 }
 
 Option file(const char* name, std::string& member, const char* help) {
-  return option(name, member, {.type = "FILE", .group = kOutputGroup, .help = help});
+  return option(name, member, kOutputGroup, "FILE", help);
 }
 
 Option like_row(const char* name, std::string& member) {
-  return option(name, member,
-                {.type = "FILE",
-                 .group = kInputGroup,
-                 .help = "BVH of the skeleton that is wanted",
-                 .required = true});
+  return option(name, member, kInputGroup, "FILE", "BVH of the skeleton that is wanted",
+                {.required = true});
 }
 
 Option threshold_row(EditArguments& arguments) {
@@ -78,10 +69,8 @@ Option force_row(EditArguments& arguments) {
 }
 
 OptionTable resample_table(EditArguments& arguments) {
-  return {option("fps", arguments.fps,
-                 {.type = "N",
-                  .group = kTimeGroup,
-                  .help = "Frames per second of the output (default: the source's)"}),
+  return {option("fps", arguments.fps, kTimeGroup, "N",
+                 "Frames per second of the output (default: the source's)"),
           number("speed", arguments.timing.speed, "N", 0.01, 100.0,
                  "How many times as fast: 0.8 takes 1/0.8 of the time"),
           choice("interpolation", arguments.interpolation, "Between source frames"),
@@ -99,44 +88,38 @@ OptionTable loop_table(EditArguments& arguments) {
 }
 
 OptionTable concat_table(EditArguments& arguments) {
-  return {
-      option("search", arguments.search,
-             {.type = "S|all",
-              .group = kTimeGroup,
-              .help = "Where the seam is looked for: so many seconds at the end of the one and the "
-                      "beginning of the other, or `all` (default: 2, and more while no seam is "
-                      "good)"}),
-      number("window", arguments.concat.seam.window, "S", 0.0, 10.0,
-             "Of the frames that are compared and blended, seconds (default: a third)"),
-      choice("blend", arguments.concat.blend,
-             "Mix the frames that both have, or let the difference fade in the second"),
-      threshold_row(arguments),
-      force_row(arguments),
-      file("matrix", arguments.matrix,
-           "Write the distances that were searched as a picture, PGM (of several seams: the "
-           "first)")};
+  return {option("search", arguments.search, kTimeGroup, "S|all",
+                 "Where the seam is looked for: so many seconds at the end of the one and the "
+                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
+          number("window", arguments.concat.seam.window, "S", 0.0, 10.0,
+                 "Of the frames that are compared and blended, seconds (default: a third)"),
+          choice("blend", arguments.concat.blend,
+                 "Mix the frames that both have, or let the difference fade in the second"),
+          threshold_row(arguments),
+          force_row(arguments),
+          file("matrix", arguments.matrix,
+               "Write the distances that were searched as a picture, PGM (of several seams: the "
+               "first)")};
 }
 
 OptionTable path_table(EditArguments& arguments) {
-  return {file("fit", arguments.fit, "Write the motion's own path, JSON, to be edited"),
-          file("svg", arguments.svg, "Draw the paths and the feet, seen from above"),
-          option("to", arguments.path.to,
-                 {.type = "FILE|line|circle|figure8",
-                  .group = kTimeGroup,
-                  .help = "Path to follow: JSON, or one that is ready, as long as the motion's own "
-                          "and where it begins (default: its own)"}),
-          number("radius", arguments.path.radius, "M", -1e6, 1e6,
-                 "Of --to circle, metres; to the right when negative"),
-          number("scale", arguments.path.scale, "N", 0.001, 1000.0,
-                 "Make the path larger or smaller, from its beginning"),
-          number("rotate", arguments.path.degrees, "DEG", -1e6, 1e6,
-                 "Turn the path about its beginning, degrees to the left"),
-          choice("keep", arguments.rethread.keep,
-                 "On a longer or shorter path: the duration (longer strides), the speed over "
-                 "the ground (slower motion), or the strides (the motion ends where its own "
-                 "way would)"),
-          number("tolerance", arguments.rethread.fit.tolerance, "M", 0.001, 100.0,
-                 "How far the fitted path may be from the track, metres")};
+  return {
+      file("fit", arguments.fit, "Write the motion's own path, JSON, to be edited"),
+      file("svg", arguments.svg, "Draw the paths and the feet, seen from above"),
+      option("to", arguments.path.to, kTimeGroup, "FILE|line|circle|figure8",
+             "Path to follow: JSON, or one that is ready, as long as the motion's own and where it "
+             "begins (default: its own)"),
+      number("radius", arguments.path.radius, "M", -1e6, 1e6,
+             "Of --to circle, metres; to the right when negative"),
+      number("scale", arguments.path.scale, "N", 0.001, 1000.0,
+             "Make the path larger or smaller, from its beginning"),
+      number("rotate", arguments.path.degrees, "DEG", -1e6, 1e6,
+             "Turn the path about its beginning, degrees to the left"),
+      choice("keep", arguments.rethread.keep,
+             "On a longer or shorter path: the duration (longer strides), the speed over the "
+             "ground (slower motion), or the strides (the motion ends where its own way would)"),
+      number("tolerance", arguments.rethread.fit.tolerance, "M", 0.001, 100.0,
+             "How far the fitted path may be from the track, metres")};
 }
 
 // what one edit takes and others do not
@@ -149,13 +132,9 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
     case Edit::kResample:
       return resample_table(arguments);
     case Edit::kGround:
-      return {option("floor", arguments.floor,
-                     {.type = "H",
-                      .group = kInputGroup,
-                      .help = "Height of the floor in the source, metres (default: where the feet "
-                              "stand)",
-                      .least = -1e6,
-                      .most = 1e6})};
+      return {option("floor", arguments.floor, kInputGroup, "H",
+                     "Height of the floor in the source, metres (default: where the feet stand)",
+                     {.least = -1e6, .most = 1e6})};
     case Edit::kTurn: {
       OptionTable table = {
           word("degrees", arguments.degrees, "DEG", "Angle; positive to the left")};

@@ -64,7 +64,7 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
   const auto robot = [&](const char* type, const char* help) {
     return word("robot", arguments.robot, type, help);
   };
-  const Option json = option("json", arguments.json, {.group = kOutputGroup, .help = "Print JSON"});
+  const Option json = option("json", arguments.json, kOutputGroup, "", "Print JSON");
   add(RobotsAction::kList, "list", "The robots that are there", {json});
   add(RobotsAction::kShow, "show", "A robot's joints, limits, mapping and size",
       {robot("ROBOT", "Name or folder"), json});
@@ -72,18 +72,11 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
       {robot("ROBOT", "Name, folder or model file")});
   add(RobotsAction::kAdd, "add", "Make a robot's folder from a model",
       {word("name", arguments.robot, "NAME", "The new robot's name"),
-       option("model", arguments.model,
-              {.type = "FILE",
-               .group = kInputGroup,
-               .help = "MJCF, or URDF; meshes are not needed",
-               .required = true}),
-       option("output", arguments.output,
-              {.type = "DIR",
-               .group = kOutputGroup,
-               .help = "Folder to put the robot's folder into",
-               .letter = "o"}),
-       option("force", arguments.force,
-              {.group = kOutputGroup, .help = "Replace a folder that is there"})});
+       option("model", arguments.model, kInputGroup, "FILE", "MJCF, or URDF; meshes are not needed",
+              {.required = true}),
+       option("output", arguments.output, kOutputGroup, "DIR",
+              "Folder to put the robot's folder into", {.letter = "o"}),
+       option("force", arguments.force, kOutputGroup, "", "Replace a folder that is there")});
   return command;
 }
 

@@ -277,21 +277,18 @@ class EditRun {
 
 }  // namespace
 
-ExitCode edit(const EditArguments& options, Console& console) {
-  const auto good =
-      check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
-                    files_of(options));
-  if (!good) return console.fail(good.error());
+Result<void> edit(const EditArguments& options, Console& console) {
+  TRY(check_written({options.output, options.matrix, options.fit, options.svg, options.write_map},
+                    files_of(options)));
   const auto clip = EditRun(options, console).run();
-  if (!clip) return console.fail(placed(clip.error(), shown_name(options.file)));
-  if (!*clip) return kDone;
+  if (!clip) return failure(placed(clip.error(), shown_name(options.file)));
+  if (!*clip) return {};
   if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
     console.line("result", summary(**clip));
   }
-  const auto written = save_bvh(options.output, **clip);
-  if (!written) return console.fail(written.error());
+  TRY(save_bvh(options.output, **clip));
   console.line("wrote", options.output == "-" ? "standard output" : options.output);
-  return kDone;
+  return {};
 }
 
 }  // namespace retarget::cli

@@ -219,7 +219,9 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   return report;
 }
 
-Result<ExitCode> evaluate_checked(const EvaluateArguments& arguments, Console& console) {
+}  // namespace
+
+Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) {
   TRY(check_usage(arguments));
   TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
   std::vector<QualityReport> reports;
@@ -235,13 +237,6 @@ Result<ExitCode> evaluate_checked(const EvaluateArguments& arguments, Console& c
   // a motion that misses a gate is a result and no error, and the exit code tells it
   const bool passed = std::ranges::all_of(reports, &QualityReport::passed);
   return passed ? kDone : kRunFailed;
-}
-
-}  // namespace
-
-ExitCode evaluate(const EvaluateArguments& arguments, Console& console) {
-  const auto code = evaluate_checked(arguments, console);
-  return code ? *code : console.fail(code.error());
 }
 
 }  // namespace retarget::cli

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -29,21 +30,11 @@ struct Command {
 };
 
 std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> words = {""};
-  for (const char letter : text) {
-    if (letter == '|') {
-      words.emplace_back();
-    } else {
-      words.back() += letter;
-    }
-  }
-  return words;
+  return CLI::detail::split(text, '|');
 }
 
 std::string upper_case(std::string text) {
-  for (char& letter : text) {
-    if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
-  }
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
 }
 
@@ -192,16 +183,19 @@ std::string fish_script(const std::vector<Command>& commands) {
   return text;
 }
 
-std::string troff(std::string text) {
+// with other words for single letters
+std::string replaced(const std::string& text,
+                     std::initializer_list<std::pair<char, const char*>> words) {
   std::string safe;
   for (const char letter : text) {
-    if (letter == '\\')
-      safe += "\\e";
-    else if (letter == '-')
-      safe += "\\-";
-    else
-      safe += letter;
+    const auto* word = std::ranges::find(words, letter, &std::pair<char, const char*>::first);
+    word == words.end() ? safe += letter : safe += word->second;
   }
+  return safe;
+}
+
+std::string troff(const std::string& text) {
+  std::string safe = replaced(text, {{'\\', "\\e"}, {'-', "\\-"}});
   if (safe.starts_with('.') || safe.starts_with('\'')) safe = "\\&" + safe;
   return safe;
 }
@@ -225,11 +219,8 @@ std::string man_page(const std::vector<Command>& commands) {
          ".SH ENVIRONMENT\nRETARGET_DATA_DIR: the folder that holds robots/ and configs/\n";
 }
 
-std::string cell(std::string text) {
-  std::string safe;
-  for (const char letter : text)
-    safe += letter == '|' ? std::string("\\|") : std::string(1, letter);
-  return safe;
+std::string cell(const std::string& text) {
+  return replaced(text, {{'|', "\\|"}});
 }
 
 std::string options_page(const std::vector<Command>& commands) {

@@ -21,7 +21,9 @@ Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
   return human;
 }
 
-Result<void> inspect_checked(const InspectArguments& arguments, Console& console) {
+}  // namespace
+
+Result<void> inspect(const InspectArguments& arguments, Console& console) {
   if (arguments.json && arguments.positions == "-") {
     return usage_failure("--json and --positions - both want standard output",
                          "give --positions a file name");
@@ -51,13 +53,6 @@ Result<void> inspect_checked(const InspectArguments& arguments, Console& console
   }
   return write_file("-",
                     arguments.json ? inspection_json(found) : printable(inspection_text(found)));
-}
-
-}  // namespace
-
-ExitCode inspect(const InspectArguments& arguments, Console& console) {
-  const auto done = inspect_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli

@@ -10,6 +10,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -95,12 +96,18 @@ std::optional<ExitCode> parse_words(CLI::App& app, int argc, char** argv) {
 // the commands, each with what calls it once it was parsed
 class Commands {
  public:
-  template <typename Arguments>
+  template <typename Arguments, typename Value>
   void add(const CLI::App* command, const Arguments& arguments, const CommonArguments& common,
-           ExitCode (*command_call)(const Arguments&, Console&)) {
+           Result<Value> (*command_call)(const Arguments&, Console&)) {
     calls_.emplace_back(command, [&arguments, &common, command_call] {
       Console console(common.quiet);
-      return command_call(arguments, console);
+      const Result<Value> done = command_call(arguments, console);
+      if (!done) return console.fail(done.error());
+      if constexpr (std::is_void_v<Value>) {
+        return kDone;
+      } else {
+        return *done;
+      }
     });
   }
   // the first one that was parsed; the default command comes last

@@ -17,11 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
 // with the mappings that lie beside it and in the data folder
 RobotSources with_mappings(const fs::path& model, const fs::path& profile,
                            const std::string& data_folder) {
@@ -97,11 +92,10 @@ Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
 
 }  // namespace
 
-ExitCode robots(const RobotsArguments& arguments, Console& console) {
-  const auto done = arguments.action == RobotsAction::kAdd     ? add(arguments, console)
-                    : arguments.action == RobotsAction::kCheck ? check(arguments)
-                                                               : list_or_show(arguments);
-  return done ? *done : console.fail(done.error());
+Result<ExitCode> robots(const RobotsArguments& arguments, Console& console) {
+  return arguments.action == RobotsAction::kAdd     ? add(arguments, console)
+         : arguments.action == RobotsAction::kCheck ? check(arguments)
+                                                    : list_or_show(arguments);
 }
 
 }  // namespace retarget::cli

@@ -22,9 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file(const std::string& path) {
-  std::error_code ignored;
-  return path == "-" || fs::is_regular_file(path, ignored);
+bool is_given_file(const std::string& path) {
+  return path == "-" || is_file(path);
 }
 
 bool is_model(const std::string& path) {
@@ -34,7 +33,7 @@ bool is_model(const std::string& path) {
 
 // a robot's name or folder
 bool names_robot(const RunArguments& arguments, const std::string& word) {
-  if (is_file(word)) return false;
+  if (is_given_file(word)) return false;
   const auto data_folder = data_folder_of(arguments.common);
   return data_folder && find_robot(word, fs::path(*data_folder) / "robots");
 }
@@ -53,7 +52,7 @@ Result<void> take_words(RunArguments& arguments) {
     if (word.empty()) continue;
     if (motion.empty() && !names_robot(arguments, word)) {
       motion = arguments.run.motion = word;
-    } else if (is_file(word) && !is_model(word)) {
+    } else if (is_given_file(word) && !is_model(word)) {
       std::error_code ignored;
       if (motion == arguments.words[0] && motion != "-" && !fs::exists(motion, ignored)) {
         return usage_failure(
@@ -99,7 +98,10 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
                        {request.report, request.write_map});
 }
 
-Result<void> run_checked(RunArguments arguments, Console& console) {
+}  // namespace
+
+Result<void> run(const RunArguments& given, Console& console) {
+  RunArguments arguments = given;
   TRY(take_words(arguments));
   TRY(take_smpl_file(arguments));
   const auto data_folder = data_folder_of(arguments.common);
@@ -110,13 +112,6 @@ Result<void> run_checked(RunArguments arguments, Console& console) {
   if (!arguments.run.robot.name.empty()) arguments.run.robot.name = setup.loaded.name;
   TRY(run_to_files(arguments.run, arguments.request, setup, console));
   return {};
-}
-
-}  // namespace
-
-ExitCode run(const RunArguments& arguments, Console& console) {
-  const auto done = run_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli

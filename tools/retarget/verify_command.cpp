@@ -95,7 +95,9 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
   return run;
 }
 
-Result<void> verify_checked(const VerifyArguments& arguments, Console& console) {
+}  // namespace
+
+Result<void> verify(const VerifyArguments& arguments, Console& console) {
   TRY_ASSIGN(const Sidecar sidecar, load_sidecar(arguments.file));
   const fs::path beside = fs::path(arguments.file).parent_path();
   TRY_ASSIGN(const Run run, run_of(sidecar, beside, arguments.file));
@@ -127,13 +129,6 @@ Result<void> verify_checked(const VerifyArguments& arguments, Console& console) 
                      changed.empty()
                          ? "nothing that is recorded has changed: another machine or build?"
                          : list_names(changed));
-}
-
-}  // namespace
-
-ExitCode verify(const VerifyArguments& arguments, Console& console) {
-  const auto done = verify_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli

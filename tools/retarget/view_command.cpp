@@ -47,7 +47,10 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
   return std::optional(to_human(*clip, plan.human.calibration.mapping));
 }
 
-Result<void> view_checked(ViewArguments arguments, Console& console) {
+}  // namespace
+
+Result<void> view(const ViewArguments& given, Console& console) {
+  ViewArguments arguments = given;
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
   const Run& run = arguments.run.run;
@@ -66,13 +69,6 @@ Result<void> view_checked(ViewArguments arguments, Console& console) {
       "wrote",
       run.output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
   return {};
-}
-
-}  // namespace
-
-ExitCode view(const ViewArguments& arguments, Console& console) {
-  const auto done = view_checked(arguments, console);
-  return done ? kDone : console.fail(done.error());
 }
 
 }  // namespace retarget::cli
