@@ -13,6 +13,7 @@
 #include "pipeline/targets.h"
 #include "retarget/ik_config.h"
 #include "robot/load_robot.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 
@@ -43,7 +44,7 @@ inline BenchCase load_case(const std::string& clip) {
       load_mapping((source / "configs/lafan1_to_unitree_g1.json").string(), *result.robot).value();
   result.limits = load_limits(*result.robot, "gmr").value();
   const auto file = load_bvh(clip_path(clip).string()).value();
-  result.human = to_human(file.clip, lafan1_mapping(file.clip.skeleton(), clip).value());
+  result.human = to_human(file.clip, lafan1_mapping(file.clip.skeleton()));
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include "bench_support.h"
 #include "refine/fit.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 namespace {
@@ -18,7 +19,7 @@ struct FitCase {
 FitCase load_fit_case(const char* clip) {
   BenchCase bench = load_case(clip);
   auto file = load_bvh(clip_path(clip).string()).value();
-  HumanMapping mapping = lafan1_mapping(file.clip.skeleton(), clip).value();
+  HumanMapping mapping = lafan1_mapping(file.clip.skeleton());
   return {std::move(bench.robot), std::move(bench.tables), std::move(bench.limits),
           std::move(file.clip), std::move(mapping)};
 }
@@ -29,7 +30,7 @@ void fit_clip(benchmark::State& state, const char* clip) {
   options.threads = static_cast<int>(state.range(0));
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        fit(bench.clip, bench.mapping, clip, bench.robot, bench.tables, bench.limits, options));
+        fit(bench.clip, bench.mapping, bench.robot, bench.tables, bench.limits, options));
   }
   state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
 }
@@ -38,7 +39,7 @@ void published_method(benchmark::State& state, const char* clip) {
   const FitCase bench = load_fit_case(clip);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        retarget(bench.clip, bench.mapping, clip, bench.robot, bench.tables, bench.limits));
+        retarget(bench.clip, bench.mapping, bench.robot, bench.tables, bench.limits));
   }
   state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
 }

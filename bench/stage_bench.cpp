@@ -4,6 +4,7 @@
 #include "bench_support.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 namespace {
@@ -18,7 +19,7 @@ BENCHMARK(read_clip)->Unit(benchmark::kMillisecond);
 
 void human_poses(benchmark::State& state) {
   const auto file = load_bvh(clip_path("walk4_subject1").string()).value();
-  const auto mapping = lafan1_mapping(file.clip.skeleton(), "").value();
+  const HumanMapping mapping = lafan1_mapping(file.clip.skeleton());
   for (auto _ : state) benchmark::DoNotOptimize(to_human(file.clip, mapping));
   state.SetItemsProcessed(static_cast<std::int64_t>(file.clip.frame_count()) * state.iterations());
 }

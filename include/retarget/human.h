@@ -133,10 +133,9 @@ struct SkeletonFacts {
   std::optional<double> height;           ///< Of every body of this kind, metres.
   std::optional<double> metres_per_unit;  ///< Of lengths.
   std::optional<Eigen::Vector3d> up;      ///< Unit vector, file axes.
-  /// What is known of the rest pose: `canonical` (all bones have LAFAN1's axes: nothing to
-  /// calibrate), `zero` or `first` (all rotations zero, the first frame: a T-pose), `learned` (no
-  /// pose of it is one); empty: nothing.
-  std::string rest_pose;
+  /// What is known of the rest pose: kZero or kFirst is a T-pose; kLearned: no pose of it is one;
+  /// kAuto: nothing.
+  RestPose rest = RestPose::kAuto;
 };
 
 /// Which joint of a source skeleton stands for each canonical bone.
@@ -153,6 +152,10 @@ struct BoneMap {
 
   [[nodiscard]] int joint(Bone bone) const { return joint_of_bone[bone]; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
+  /// Whether a joint stands for any bone.
+  [[nodiscard]] bool maps(int joint) const;
+  /// How many bones have a joint.
+  [[nodiscard]] int mapped_count() const;
 };
 
 /// The joints of a skeleton that give a canonical bone its pose.

@@ -24,6 +24,8 @@ struct HumanInClip {
   [[nodiscard]] std::vector<SummaryLine> lines() const;
   /// Why it may be understood wrongly.
   [[nodiscard]] const std::vector<Warning>& doubts() const { return calibration.mapping.doubts; }
+  /// Bones without a place.
+  [[nodiscard]] std::vector<Bone> missing_bones() const;
   /// Whether it has LAFAN1's own shape, for which the published mappings are made.
   [[nodiscard]] bool is_lafan1() const;
 };

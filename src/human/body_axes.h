@@ -28,26 +28,6 @@ using BodyFromFile = Eigen::Matrix3d;
 [[nodiscard]] std::optional<Eigen::Vector3d> trunk_direction(const Body& body,
                                                              const JointPoses& pose);
 
-/// The file's up axis by what the movement shows: the axis along which, over the poses, the head
-/// stays above the hips and these above the feet, on average, and above which the lowest joint
-/// wanders least. y, BVH's custom, is taken when it does nearly as well as the best, and when the
-/// body lies: the lowest joint keeps much stiller along y than along the best.
-struct UpGuess {
-  SignedAxis axis;
-  double certainty = 0.0;  ///< Mean cosine of the trunk and the legs to the axis.
-};
-[[nodiscard]] UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses);
-
-/// How far the lowest joint wanders along an axis, from the tenth to the fiftieth percentile of the
-/// poses so that jumps do not count, in legs, at most 1.
-[[nodiscard]] double floor_wander(const Body& body, const std::vector<JointPoses>& poses,
-                                  const SignedAxis& up);
-
-/// Whether the body is on a floor at height 0 along an axis: half of the poses have their lowest
-/// joint within a fifth of a leg's length of it, as nearly all recordings have along up.
-[[nodiscard]] bool is_on_floor(const Body& body, const std::vector<JointPoses>& poses,
-                               const SignedAxis& up);
-
 /// Rotation from the file's axes to z up: the identity for +z, the quarter turn about x for +y.
 /// Of determinant +1 for every axis.
 [[nodiscard]] Eigen::Matrix3d z_up_from_file(const SignedAxis& up);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "human/bone_map.h"
 #include "motion/forward_kinematics.h"
 
 namespace retarget {
@@ -17,11 +18,7 @@ BodyPoses::Pose pose_of(const Clip& clip, int frame) {
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const Pose& world = world_from_joint[joint];
     pose.joints.push_back(world.translation);
-    Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& end : skeleton.joint(joint).end_sites) {
-      if (end.norm() > farthest.norm()) farthest = end;
-    }
-    pose.tips.push_back(world * farthest);
+    pose.tips.push_back(world * farthest_end(skeleton.joint(joint)));
   }
   return pose;
 }

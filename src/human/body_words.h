@@ -4,34 +4,19 @@
 #include <vector>
 
 #include "human/joint_names.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
-/// What part of a body a joint may stand for; of limbs on one side.
-enum class Role {
-  kHips,
-  kSpine,
-  kNeck,
-  kHead,
-  kThigh,
-  kShin,
-  kFoot,
-  kToe,
-  kClavicle,
-  kUpperArm,
-  kForearm,
-  kHand,
-};
-
-/// How well a word names a role: 1 for a word that means nothing else.
-struct RoleWeight {
-  Role role;
+/// A bone that a word names, and how well: 1 for a word that means nothing else.
+struct WordMeaning {
+  Bone bone;  ///< Any joint of the spine is Spine.
   double weight;
 };
 
-/// Roles that a normalised name may mean: `shoulder` the clavicle or the upper arm, `leg` the thigh
+/// Bones that a normalised name may mean: `shoulder` the clavicle or the upper arm, `leg` the thigh
 /// or the shin. Names of fingers, twist joints, ends and helpers mean none.
-[[nodiscard]] std::vector<RoleWeight> roles_of(const JointName& name);
+[[nodiscard]] std::vector<WordMeaning> meanings_of(const JointName& name);
 
 /// Whether a name may mean a canonical bone.
 [[nodiscard]] bool may_mean(const JointName& name, Bone bone);

@@ -77,12 +77,20 @@ class HelperChain {
   double least_ = 0.0;
 };
 
+}  // namespace
+
 bool is_above(const Skeleton& skeleton, int upper, int joint) {
   while (joint >= 0 && joint != upper) joint = skeleton.joint(joint).parent;
   return joint == upper;
 }
 
-}  // namespace
+Eigen::Vector3d farthest_end(const Joint& joint) {
+  Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& end : joint.end_sites) {
+    if (end.norm() > farthest.norm()) farthest = end;
+  }
+  return farthest;
+}
 
 int rotation_joint(const BoneMap& map, const Skeleton& skeleton, Bone bone) {
   const int joint = map.joint(bone);

@@ -5,6 +5,12 @@
 
 namespace retarget {
 
+/// Whether a joint lies on the way from another one up to the root; itself counts.
+[[nodiscard]] bool is_above(const Skeleton& skeleton, int upper, int joint);
+
+/// The end site of a joint that is farthest from it; zero: it has none.
+[[nodiscard]] Eigen::Vector3d farthest_end(const Joint& joint);
+
 /// The joint whose rotation turns a bone.
 ///
 /// That is the bone's own joint, except on the way from the hips up to the file's root where the

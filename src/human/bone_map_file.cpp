@@ -4,31 +4,28 @@
 #include <map>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "base/faults.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
-#include "human/canonical_tree.h"
-#include "human/verify_bone_map.h"
+#include "human/candidate.h"
 
 namespace retarget {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string in_quotes(std::string_view text) {
-  return "\"" + std::string(text) + "\"";
-}
-
 // the joint that an entry names
 std::optional<int> read_joint(const std::string& bone, const Json& value, const Skeleton& skeleton,
                               Faults& faults) {
   if (value.is_null()) return -1;
   if (!value.is_string()) {
-    faults.add(in_quotes(bone) + " must be the name of a joint or null, found " +
-               short_text(value));
+    faults.add(fmt::format("\"{}\" must be the name of a joint or null, found {}", bone,
+                           short_text(value)));
     return std::nullopt;
   }
   const std::string name = value.get<std::string>();
@@ -36,11 +33,11 @@ std::optional<int> read_joint(const std::string& bone, const Json& value, const 
   const auto count = std::ranges::count(names, name);
   if (count == 1) return skeleton.find(name);
   if (count == 0) {
-    faults.add(in_quotes(bone) + ": the skeleton has no joint " + in_quotes(name) +
-               faults.suggestion(name, names));
+    faults.add(fmt::format("\"{}\": the skeleton has no joint \"{}\"{}", bone, name,
+                           faults.suggestion(name, names)));
   } else {
-    faults.add(in_quotes(bone) + ": " + std::to_string(count) + " joints are called " +
-               in_quotes(name) + "; rename all but one of them");
+    faults.add(fmt::format("\"{}\": {} joints are called \"{}\"; rename all but one of them", bone,
+                           count, name));
   }
   return std::nullopt;
 }
@@ -50,15 +47,15 @@ void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faul
   for (const auto& [key, value] : json.items()) {
     const std::optional<Bone> bone = bone_from_name(key);
     if (!bone || limb_bone(*bone) == LimbBone::kFootMod) {
-      faults.add("no bone " + in_quotes(key) + faults.suggestion(key, mapped_bone_names()));
+      faults.add(fmt::format("no bone \"{}\"{}", key, faults.suggestion(key, mapped_bone_names())));
       continue;
     }
     const std::optional<int> joint = read_joint(key, value, skeleton, faults);
     if (!joint || *joint < 0) continue;
     const auto [found, is_new] = bone_of_joint.try_emplace(*joint, key);
     if (!is_new) {
-      faults.add(in_quotes(skeleton.joint(*joint).name) + " stands for two bones, " +
-                 in_quotes(found->second) + " and " + in_quotes(key));
+      faults.add(fmt::format("\"{}\" stands for two bones, \"{}\" and \"{}\"",
+                             skeleton.joint(*joint).name, found->second, key));
     }
     map.joint_of_bone[*bone] = *joint;
   }
@@ -70,8 +67,8 @@ void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
   const SkeletonTree tree(skeleton);
   for (const auto& chain : bone_chains()) {
     for (const Bone bone : bones_out_of_line(tree, map, chain)) {
-      faults.add(in_quotes(skeleton.joint(map.joint(bone)).name) + " as " +
-                 in_quotes(bone_name(bone)) + " does not hang from the bones before it");
+      faults.add(fmt::format("\"{}\" as \"{}\" does not hang from the bones before it",
+                             skeleton.joint(map.joint(bone)).name, bone_name(bone)));
     }
   }
 }

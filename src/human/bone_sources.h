@@ -1,9 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "human/calibrate.h"
 #include "human/human_clip.h"
 #include "human/rest_pose.h"
 
@@ -25,16 +21,5 @@ namespace retarget {
 /// @param rest  a pose, for lengths of bones.
 [[nodiscard]] BoneArray<BoneSource> bone_sources(const Body& body, const JointFromBone& axes,
                                                  const JointPoses& rest);
-
-/// The same for toes, synthetic feet and hands of a body with LAFAN1's axes, where toes or hands are
-/// missing, or toes not believed.
-/// @param bones  all sources; changed.
-void complete_lafan1_ends(const Body& body, BoneArray<BoneSource>& bones);
-
-/// `1.75 m`.
-[[nodiscard]] std::string metres_text(double metres);
-
-/// What was found out, one line for people.
-[[nodiscard]] std::string describe_calibration(const Calibration& calibration);
 
 }  // namespace retarget

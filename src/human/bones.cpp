@@ -58,6 +58,15 @@ std::optional<LimbBone> limb_bone(Bone bone) {
   return place_in_limb(bone).part;
 }
 
+bool BoneMap::maps(int joint) const {
+  return std::ranges::find(joint_of_bone, joint) != joint_of_bone.end();
+}
+
+int BoneMap::mapped_count() const {
+  return static_cast<int>(
+      std::ranges::count_if(joint_of_bone, [](int joint) { return joint >= 0; }));
+}
+
 Bone mirrored(Bone bone) {
   const auto [side, part] = place_in_limb(bone);
   return part ? side_bone(side == Side::kLeft ? Side::kRight : Side::kLeft, *part) : bone;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "human/bone_map.h"
 #include "human/human_clip.h"
@@ -38,12 +37,10 @@ struct CalibrationOptions {
 /// local axes, of unit, up axis or joint order, except through the zero pose where that is taken.
 /// Frames are looked at ten times a second.
 ///
-/// @param file  where the clip comes from, for messages.
 /// @return kInput errors: legs or arms missing when the map is not `partial`, a unit that cannot
 ///     be told (hint: `--unit`), no facing, a T-pose file of another skeleton; kUsage errors:
 ///     options out of range or contradicting.
 [[nodiscard]] Result<Calibration> calibrate(const Clip& clip, const BoneMap& map,
-                                            const CalibrationOptions& options,
-                                            const std::string& file);
+                                            const CalibrationOptions& options);
 
 }  // namespace retarget

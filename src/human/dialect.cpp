@@ -19,7 +19,6 @@ using Json = nlohmann::ordered_json;
 const std::vector<std::string> kKeys = {"description",     "joints",  "others",     "required",
                                         "marks",           "parents", "directions", "height_m",
                                         "metres_per_unit", "up",      "rest_pose"};
-const std::vector<std::string> kRestPoses = {"canonical", "zero", "first"};
 
 std::string in_quotes(const std::string& text) {
   return "\"" + text + "\"";
@@ -47,13 +46,7 @@ class DialectReader {
     dialect_.facts.height = positive("height_m");
     dialect_.facts.metres_per_unit = positive("metres_per_unit");
     if (const Json* up = find("up")) dialect_.facts.up = direction(*up, "\"up\"");
-    dialect_.facts.rest_pose = text("rest_pose");
-    if (!dialect_.facts.rest_pose.empty() &&
-        std::ranges::find(kRestPoses, dialect_.facts.rest_pose) == kRestPoses.end()) {
-      faults_.add("\"rest_pose\" is one of " + list_names(kRestPoses) + ", found " +
-                  in_quotes(dialect_.facts.rest_pose) +
-                  did_you_mean(dialect_.facts.rest_pose, kRestPoses));
-    }
+    read_rest_pose();
     return std::move(dialect_);
   }
 
@@ -90,11 +83,12 @@ class DialectReader {
     return value == nullptr ? std::vector<std::string>() : texts(*value, in_quotes(key));
   }
 
-  const Json* object(const std::string& key) {
+  const Json& object(const std::string& key) {
+    static const Json kNone = Json::object();
     const Json* value = find(key);
-    if (value == nullptr || value->is_object()) return value;
+    if (value == nullptr || value->is_object()) return value == nullptr ? kNone : *value;
     faults_.add(in_quotes(key) + " must be an object, found " + short_text(*value));
-    return nullptr;
+    return kNone;
   }
 
   std::optional<double> positive(const std::string& key) {
@@ -116,26 +110,33 @@ class DialectReader {
     return std::nullopt;
   }
 
+  void read_rest_pose() {
+    // of a canonical one, LAFAN1's, all bones have their axes: nothing is to be found
+    static const std::vector<std::string> kNames = {"canonical", "zero", "first"};
+    const std::string name = text("rest_pose");
+    if (name == "zero") dialect_.facts.rest = RestPose::kZero;
+    if (name == "first") dialect_.facts.rest = RestPose::kFirst;
+    if (name.empty() || std::ranges::find(kNames, name) != kNames.end()) return;
+    faults_.add("\"rest_pose\" is one of " + list_names(kNames) + ", found " + in_quotes(name) +
+                did_you_mean(name, kNames));
+  }
+
   void read_joints() {
     if (!json_.contains("joints")) faults_.add("\"joints\" is missing");
-    const Json* joints = object("joints");
-    if (joints == nullptr) return;
-    for (const auto& [bone, value] : joints->items()) {
+    for (const auto& [bone, value] : object("joints").items()) {
       const auto& known = mapped_bone_names();
       const auto found = std::ranges::find(known, bone);
       if (found == known.end()) {
         faults_.add("\"joints\": no bone " + in_quotes(bone) + faults_.suggestion(bone, known));
       } else {
-        dialect_.names[kAllBones[static_cast<std::size_t>(found - known.begin())]] =
+        dialect_.names[kAllBones[found - known.begin()]] =
             texts(value, "\"joints\", " + in_quotes(bone));
       }
     }
   }
 
   void read_parents() {
-    const Json* parents = object("parents");
-    if (parents == nullptr) return;
-    for (const auto& [joint, parent] : parents->items()) {
+    for (const auto& [joint, parent] : object("parents").items()) {
       if (parent.is_string()) {
         dialect_.parents.emplace_back(joint, parent.get<std::string>());
       } else {
@@ -146,9 +147,7 @@ class DialectReader {
   }
 
   void read_directions() {
-    const Json* directions = object("directions");
-    if (directions == nullptr) return;
-    for (const auto& [joint, value] : directions->items()) {
+    for (const auto& [joint, value] : object("directions").items()) {
       const auto vector = direction(value, "\"directions\", " + in_quotes(joint));
       if (vector) dialect_.directions.emplace_back(joint, *vector);
     }

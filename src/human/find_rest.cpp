@@ -15,61 +15,32 @@ namespace {
 constexpr double kExactMean = 5.0;      // degrees
 constexpr double kExactLargest = 12.0;  // degrees
 
-}  // namespace
-
-std::optional<RestCandidate> RestFinder::candidate(JointPoses pose,
-                                                   const Eigen::Vector3d& up) const {
+std::optional<RestCandidate> candidate(const RestSearch& search, JointPoses pose,
+                                       const Eigen::Vector3d& up) {
+  const auto& [clip, map, options, body, movement] = search;
   std::optional<BodyFromFile> axes;
-  if (!options_.forward) {
-    axes = body_axes(body_, pose, up);
-  } else if (up.cross(options_.forward->direction()).norm() > 0.5) {
-    axes = told_axes(options_.forward->direction(), up);
+  if (!options.forward) {
+    axes = body_axes(body, pose, up);
+  } else if (up.cross(options.forward->direction()).norm() > 0.5) {
+    axes = told_axes(options.forward->direction(), up);
   }
   if (!axes) return std::nullopt;
   return RestCandidate{std::move(pose), *axes};
 }
 
-// a zero pose is built along its own axes, which need not be those of the movement
-std::optional<RestCandidate> RestFinder::zero_candidate() const {
-  JointPoses pose = zero_pose(body_.skeleton());
-  const auto trunk = trunk_direction(body_, pose);
-  if (!trunk) return std::nullopt;
-  auto found = candidate(std::move(pose), nearest_axis(*trunk).direction());
-  if (found) found->is_built = true;
-  return found;
-}
-
-std::optional<std::pair<int, RestCandidate>> RestFinder::best_frame() const {
-  std::optional<std::pair<int, RestCandidate>> best;
-  double least = 0.0;
-  const auto consider = [&](int frame, const JointPoses& pose) {
-    auto found = candidate(pose, movement_.up.direction());
-    if (!found) return;
-    const double mean = deviation_from_t(body_, *found).mean;
-    // poses that are equal but for rounding count as one, the first
-    if (best && mean > least - 1e-6) return;
-    least = mean;
-    best = std::pair(frame, *std::move(found));
-  };
-  // a T-pose in front is none of the motion, but a rest pose
-  for (int frame = 0; frame < movement_.lead_in; ++frame) consider(frame, frame_pose(clip_, frame));
-  for (std::size_t i = 0; i < movement_.poses.size(); ++i)
-    consider(movement_.frames[i], movement_.poses[i]);
-  return best;
-}
-
-Result<Rest> RestFinder::taken(std::optional<RestCandidate> found, std::string name) const {
+Result<Rest> taken(const RestSearch& search, std::optional<RestCandidate> found, std::string name) {
   if (!found) {
-    return input_failure(file_, "the " + name + " shows no facing: hips and shoulders lie along up",
+    return input_failure({}, "the " + name + " shows no facing: hips and shoulders lie along up",
                          "choose another rest pose, or give " OPTION("forward"));
   }
-  JointFromBone axes = bring_to_t(body_, *found);
+  JointFromBone axes = bring_to_t(search.body, *found);
   return Rest{*std::move(found), std::move(axes), std::move(name)};
 }
 
-Result<Rest> RestFinder::rest_of_tpose_file() const {
-  const Skeleton& own = clip_.skeleton();
-  const Clip& tpose = *options_.tpose;
+Result<Rest> rest_of_tpose_file(const RestSearch& search) {
+  const auto& [clip, map, options, body, movement] = search;
+  const Skeleton& own = clip.skeleton();
+  const Clip& tpose = *options.tpose;
   const JointPoses given =
       tpose.frame_count() > 0 ? frame_pose(tpose, 0) : zero_pose(tpose.skeleton());
   // only the mapped joints and the ends of their bones are looked at
@@ -77,80 +48,119 @@ Result<Rest> RestFinder::rest_of_tpose_file() const {
   for (int joint = 0; joint < own.joint_count(); ++joint) {
     const auto same = tpose.skeleton().find(own.joint(joint).name);
     if (same) pose[joint] = given[*same];
-    if (!same && std::ranges::count(map_.joint_of_bone, joint) > 0) {
-      return input_failure(file_, "the T-pose file has no joint \"" + own.joint(joint).name + "\"",
+    if (!same && map.maps(joint)) {
+      return input_failure({}, "the T-pose file has no joint \"" + own.joint(joint).name + "\"",
                            "give a T-pose of the same skeleton");
     }
   }
-  const auto trunk = trunk_direction(body_, pose);
-  if (!trunk) return taken(std::nullopt, "T-pose file");
-  return taken(candidate(std::move(pose), nearest_axis(*trunk).direction()), "T-pose file");
+  const auto trunk = trunk_direction(body, pose);
+  if (!trunk) return taken(search, std::nullopt, "T-pose file");
+  return taken(search, candidate(search, std::move(pose), nearest_axis(*trunk).direction()),
+               "T-pose file");
 }
 
-Result<Rest> RestFinder::told_rest() const {
-  if (options_.rest == RestPose::kZero) return taken(zero_candidate(), "zero pose");
-  if (clip_.frame_count() == 0) return input_failure(file_, "no frames: no frame is a rest pose");
-  if (options_.rest == RestPose::kLearned) return rest_of_movement();
-  if (options_.rest == RestPose::kBest) {
-    const auto best = best_frame();
-    if (!best) return taken(std::nullopt, "movement");
-    return taken(best->second, "frame " + std::to_string(best->first));
+Result<Rest> rest_of_movement(const RestSearch& search) {
+  const auto& [clip, map, options, body, movement] = search;
+  const auto best = best_frame(search);
+  if (!best || movement.poses.empty()) return taken(search, std::nullopt, "movement");
+  return Rest{best->second,
+              learned_axes(body, movement.poses, movement.up.direction(), best->second), "learned"};
+}
+
+Result<Rest> told_rest(const RestSearch& search) {
+  const auto& [clip, map, options, body, movement] = search;
+  if (options.rest == RestPose::kZero) return taken(search, zero_candidate(search), "zero pose");
+  if (clip.frame_count() == 0) return input_failure({}, "no frames: no frame is a rest pose");
+  if (options.rest == RestPose::kLearned) return rest_of_movement(search);
+  if (options.rest == RestPose::kBest) {
+    const auto best = best_frame(search);
+    if (!best) return taken(search, std::nullopt, "movement");
+    return taken(search, best->second, "frame " + std::to_string(best->first));
   }
-  const int frame = options_.rest == RestPose::kFirst ? 0 : options_.rest_frame;
-  if (frame < 0 || frame >= clip_.frame_count()) {
+  const int frame = options.rest == RestPose::kFirst ? 0 : options.rest_frame;
+  if (frame < 0 || frame >= clip.frame_count()) {
     return usage_failure("no frame " + std::to_string(frame) + ": the clip has " +
-                         std::to_string(clip_.frame_count()));
+                         std::to_string(clip.frame_count()));
   }
-  return taken(candidate(frame_pose(clip_, frame), movement_.up.direction()),
+  return taken(search, candidate(search, frame_pose(clip, frame), movement.up.direction()),
                "frame " + std::to_string(frame));
 }
 
 // the rest pose of a kind of skeleton, when it is one in this file
-std::optional<Rest> RestFinder::rest_of_dialect() const {
+std::optional<Rest> rest_of_dialect(const RestSearch& search) {
+  const auto& [clip, map, options, body, movement] = search;
   constexpr double kMostOff = 20.0;  // degrees
-  const std::string& known = map_.facts.rest_pose;
+  const bool is_zero = map.facts.rest == RestPose::kZero;
   std::optional<RestCandidate> pose;
-  if (known == "zero") pose = zero_candidate();
-  if (known == "first" && clip_.frame_count() > 0) {
-    pose = candidate(frame_pose(clip_, 0), movement_.up.direction());
+  if (is_zero) pose = zero_candidate(search);
+  if (map.facts.rest == RestPose::kFirst && clip.frame_count() > 0) {
+    pose = candidate(search, frame_pose(clip, 0), movement.up.direction());
   }
-  if (!pose || deviation_from_t(body_, *pose).mean > kMostOff) return std::nullopt;
-  auto rest = taken(std::move(pose), known == "zero" ? "zero pose" : "frame 0");
+  if (!pose || deviation_from_t(body, *pose).mean > kMostOff) return std::nullopt;
+  auto rest = taken(search, std::move(pose), is_zero ? "zero pose" : "frame 0");
   return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
 }
 
 // one pose says little of how arms are turned about themselves
-Result<Rest> RestFinder::with_arms_of_movement(Result<Rest> rest) const {
-  if (rest && !movement_.poses.empty()) {
-    rest->axes = with_corrected_arms(body_, movement_.poses, movement_.up.direction(), rest->axes);
+Result<Rest> with_arms_of_movement(const RestSearch& search, Result<Rest> rest) {
+  const auto& [clip, map, options, body, movement] = search;
+  if (rest && !movement.poses.empty()) {
+    rest->axes = with_corrected_arms(body, movement.poses, movement.up.direction(), rest->axes);
   }
   return rest;
 }
 
-Result<Rest> RestFinder::find() const {
-  if (options_.tpose) return rest_of_tpose_file();
-  if (options_.rest != RestPose::kAuto) return told_rest();
-  if (auto known = rest_of_dialect()) return *std::move(known);
-  if (map_.facts.rest_pose == "learned") return rest_of_movement();
-  const auto zero = zero_candidate();
-  if (zero && is_well_formed(body_, *zero)) {
-    return with_arms_of_movement(taken(zero, "zero pose"));
-  }
-  if (const auto best = best_frame()) {
-    const Deviation deviation = deviation_from_t(body_, best->second);
-    if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
-      return with_arms_of_movement(taken(best->second, "frame " + std::to_string(best->first)));
-    }
-  }
-  return rest_of_movement();
+}  // namespace
+
+// a zero pose is built along its own axes, which need not be those of the movement
+std::optional<RestCandidate> zero_candidate(const RestSearch& search) {
+  JointPoses pose = zero_pose(search.body.skeleton());
+  const auto trunk = trunk_direction(search.body, pose);
+  if (!trunk) return std::nullopt;
+  auto found = candidate(search, std::move(pose), nearest_axis(*trunk).direction());
+  if (found) found->is_built = true;
+  return found;
 }
 
-Result<Rest> RestFinder::rest_of_movement() const {
-  const auto best = best_frame();
-  if (!best || movement_.poses.empty()) return taken(std::nullopt, "movement");
-  return Rest{best->second,
-              learned_axes(body_, movement_.poses, movement_.up.direction(), best->second),
-              "learned"};
+std::optional<std::pair<int, RestCandidate>> best_frame(const RestSearch& search) {
+  const Movement& movement = search.movement;
+  std::optional<std::pair<int, RestCandidate>> best;
+  double least = 0.0;
+  const auto consider = [&](int frame, const JointPoses& pose) {
+    auto found = candidate(search, pose, movement.up.direction());
+    if (!found) return;
+    const double mean = deviation_from_t(search.body, *found).mean;
+    // poses that are equal but for rounding count as one, the first
+    if (best && mean > least - 1e-6) return;
+    least = mean;
+    best = std::pair(frame, *std::move(found));
+  };
+  // a T-pose in front is none of the motion, but a rest pose
+  for (int frame = 0; frame < movement.lead_in; ++frame)
+    consider(frame, frame_pose(search.clip, frame));
+  for (std::size_t i = 0; i < movement.poses.size(); ++i)
+    consider(movement.frames[i], movement.poses[i]);
+  return best;
+}
+
+Result<Rest> find_rest(const RestSearch& search) {
+  const auto& [clip, map, options, body, movement] = search;
+  if (options.tpose) return rest_of_tpose_file(search);
+  if (options.rest != RestPose::kAuto) return told_rest(search);
+  if (auto known = rest_of_dialect(search)) return *std::move(known);
+  if (map.facts.rest == RestPose::kLearned) return rest_of_movement(search);
+  const auto zero = zero_candidate(search);
+  if (zero && is_well_formed(body, *zero)) {
+    return with_arms_of_movement(search, taken(search, zero, "zero pose"));
+  }
+  if (const auto best = best_frame(search)) {
+    const Deviation deviation = deviation_from_t(body, best->second);
+    if (deviation.mean < kExactMean && deviation.largest < kExactLargest) {
+      return with_arms_of_movement(
+          search, taken(search, best->second, "frame " + std::to_string(best->first)));
+    }
+  }
+  return rest_of_movement(search);
 }
 
 }  // namespace retarget

@@ -25,36 +25,21 @@ struct Rest {
   std::string name;  ///< As Calibration::rest_pose.
 };
 
-/// Chooses the rest pose of a clip as CalibrationOptions say; RestPose and docs/human.md have the
-/// rules. Refers to all that it is given.
-class RestFinder {
- public:
-  RestFinder(const Clip& clip, const BoneMap& map, const CalibrationOptions& options,
-             const std::string& file, const Body& body, const Movement& movement)
-      : clip_(clip), map_(map), options_(options), file_(file), body_(body), movement_(movement) {}
-
-  [[nodiscard]] Result<Rest> find() const;
-  /// All rotations zero, along its own axes; nothing when it shows no facing.
-  [[nodiscard]] std::optional<RestCandidate> zero_candidate() const;
-  /// The frame most like a T-pose and its number, of the movement and what is in front of it.
-  [[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame() const;
-
- private:
-  [[nodiscard]] std::optional<RestCandidate> candidate(JointPoses pose,
-                                                       const Eigen::Vector3d& up) const;
-  [[nodiscard]] std::optional<Rest> rest_of_dialect() const;
-  [[nodiscard]] Result<Rest> rest_of_movement() const;
-  [[nodiscard]] Result<Rest> with_arms_of_movement(Result<Rest> rest) const;
-  [[nodiscard]] Result<Rest> told_rest() const;
-  [[nodiscard]] Result<Rest> rest_of_tpose_file() const;
-  [[nodiscard]] Result<Rest> taken(std::optional<RestCandidate> candidate, std::string name) const;
-
-  const Clip& clip_;
-  const BoneMap& map_;
-  const CalibrationOptions& options_;
-  const std::string& file_;
-  const Body& body_;
-  const Movement& movement_;
+/// What a rest pose is looked for in.
+struct RestSearch {
+  const Clip& clip;
+  const BoneMap& map;
+  const CalibrationOptions& options;
+  const Body& body;
+  const Movement& movement;
 };
+
+/// Chooses the rest pose of a clip as CalibrationOptions say; RestPose and docs/human.md have the
+/// rules.
+[[nodiscard]] Result<Rest> find_rest(const RestSearch& search);
+/// All rotations zero, along its own axes; nothing when it shows no facing.
+[[nodiscard]] std::optional<RestCandidate> zero_candidate(const RestSearch& search);
+/// The frame most like a T-pose and its number, of the movement and what is in front of it.
+[[nodiscard]] std::optional<std::pair<int, RestCandidate>> best_frame(const RestSearch& search);
 
 }  // namespace retarget

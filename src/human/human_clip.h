@@ -8,16 +8,13 @@
 
 namespace retarget {
 
-/// The mapping of a skeleton with LAFAN1's joint names, as the published method takes it: file
-/// units are centimetres, Y is up, the body 1.75 m high whatever its bones say. Further joints
-/// (also above Hips) are allowed. Bones whose joints are not there are left out; a bone's name on
-/// two joints is a kInput error.
-/// @param file  where the skeleton comes from, for messages.
-[[nodiscard]] Result<HumanMapping> lafan1_mapping(const Skeleton& skeleton,
-                                                  const std::string& file);
-
-/// The same for bones that were found by recognition, whatever their names.
-[[nodiscard]] HumanMapping lafan1_mapping(const BoneMap& map);
+/// The mapping of LAFAN1's skeleton as the published method takes it: file units are centimetres, Y
+/// is up, the body 1.75 m high whatever its bones say. The synthetic feet stand at the ankles and turn
+/// with the toes.
+/// @param joints   of the bones; -1: the bone is left out.
+/// @param turning  the joints whose rotations turn them.
+[[nodiscard]] HumanMapping lafan1_mapping(const BoneArray<int>& joints,
+                                          const BoneArray<int>& turning);
 
 /// Poses of a clip's frames under a mapping, one at a time: long clips need not be held as human
 /// poses, which take more memory than what they come from. Refers to its clip and mapping.
@@ -41,6 +38,9 @@ using HumanPoseSource = std::function<void(int frame, HumanPose& world_from_bone
 
 /// The poses of a clip that outlives the source.
 [[nodiscard]] HumanPoseSource poses_of(const HumanClip& human);
+
+/// The poses that a poser makes, which outlives the source.
+[[nodiscard]] HumanPoseSource poses_of(HumanPoser& poser);
 
 /// Poses of all frames under a mapping.
 [[nodiscard]] HumanClip to_human(const Clip& clip, const HumanMapping& mapping);

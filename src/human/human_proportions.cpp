@@ -1,11 +1,10 @@
-#include "human/human_proportions.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "human/body_words.h"
 #include "human/mirrored_chains.h"
+#include "math/statistics.h"
 
 namespace retarget {
 namespace {
@@ -25,7 +24,7 @@ constexpr double kParallel = 0.7;
 constexpr const char* kNarrow = "the shoulders are narrow";
 constexpr const char* kFourLegs = "without rotations it stands on arms and legs";
 // chains that are no part of a human body
-constexpr int kFewestTailJoints = 3;
+constexpr std::size_t kFewestTailJoints = 3;
 constexpr double kLeastTailPerTrunk = 0.3;
 constexpr double kEqualChains = 1.15;
 
@@ -58,12 +57,9 @@ double uprightness(const BodyPoses::Pose& pose, const BoneMap& map) {
 }
 
 double trunk_length(const BodySource& source, const BoneMap& map) {
-  double sum = 0.0;
-  for (const Bone arm : {Bone::kLeftArm, Bone::kRightArm}) {
-    const int joint = map.joint(arm);
-    sum += 0.5 * mean_distance(source, map.joint(Bone::kHips), joint);
-  }
-  return sum;
+  const int hips = map.joint(Bone::kHips);
+  return 0.5 * mean_distance(source, hips, map.joint(Bone::kLeftArm)) +
+         0.5 * mean_distance(source, hips, map.joint(Bone::kRightArm));
 }
 
 // how the trunk stands on the legs over a motion
@@ -76,8 +72,7 @@ Posture posture_of(const BodySource& source, const BoneMap& map) {
   for (const BodyPoses::Pose& pose : source.poses.poses) {
     cosines.push_back(uprightness(pose, map));
   }
-  std::ranges::sort(cosines);
-  return {cosines.back(), cosines[cosines.size() / 2]};
+  return {*std::ranges::max_element(cosines), median(cosines)};
 }
 
 // how far the chains reach that hang from a joint and end without a bone
@@ -89,11 +84,8 @@ std::vector<double> free_chains(const BodySource& source, const BoneMap& map, in
       return mapped >= 0 && mapped != joint && source.tree.between(way, joint, mapped);
     });
     if (leads_to_bone || source.tree.parent(way) != joint) continue;
-    int count = 1;
-    for (int at = way; source.tree.neighbours(at).size() == 2; ++count) {
-      at = source.tree.neighbours(at)[source.tree.parent(at) == source.tree.neighbours(at)[0]];
-    }
-    if (count >= kFewestTailJoints) reaches.push_back(reach.reach(joint, way));
+    if (source.tree.chain(joint, way).size() < kFewestTailJoints) continue;
+    reaches.push_back(reach.reach(joint, way));
   }
   return reaches;
 }
@@ -174,10 +166,11 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
                                   : "the trunk never rises over the legs");
     add_signs_of_animal(source, map, leg, trunk, doubts);
   }
-  for (int joint = 0; joint < source.skeleton.joint_count(); ++joint) {
-    if (!is_animal_word(source.names[joint].base)) continue;
-    doubts.signs.push_back("it has a " + quoted_name(source.skeleton, joint));
-    break;
+  const auto animal = std::ranges::find_if(
+      source.names, [](const JointName& name) { return is_animal_word(name.base); });
+  if (animal != source.names.end()) {
+    const auto joint = static_cast<int>(animal - source.names.begin());
+    doubts.signs.push_back("it has a " + source.quoted_name(joint));
   }
   const auto of_poses = static_cast<std::size_t>(std::ranges::count_if(
       doubts.signs, [](const std::string& sign) { return sign == kNarrow || sign == kFourLegs; }));

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/lower_case.h"
 #include "human/body_words.h"
 
 namespace retarget {
@@ -22,9 +23,6 @@ bool is_digit(char c) {
 }
 bool is_letter(char c) {
   return is_upper(c) || (c >= 'a' && c <= 'z') || static_cast<unsigned char>(c) >= 0x80;
-}
-char lower(char c) {
-  return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
 std::string_view without_namespace(std::string_view name) {
@@ -51,7 +49,7 @@ Words words_of(std::string_view name) {
   Words words;
   std::string word;
   const auto finish = [&] {
-    if (!word.empty()) words.push_back(word);
+    if (!word.empty()) words.push_back(lower_case(word));
     word.clear();
   };
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -65,7 +63,7 @@ Words words_of(std::string_view name) {
       finish();
     } else {
       if (!word.empty() && begins_word(name, i, word.size())) finish();
-      word += lower(name[i]);
+      word += name[i];
     }
   }
   finish();

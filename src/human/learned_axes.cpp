@@ -62,9 +62,8 @@ class Learner {
       const double sign = side == Side::kLeft ? 1.0 : -1.0;
       learn_collar(side, sign);
       learn_arm(side, sign);
-      learn_hinge(side_bone(side, kUpLeg), side_bone(side, kLeg), side_bone(side, kUpLeg), {},
-                  sign);
-      learn_hinge(side_bone(side, kUpLeg), side_bone(side, kLeg), side_bone(side, kLeg), {}, sign);
+      learn_hinge(side, kUpLeg, kLeg, kUpLeg, {}, sign);
+      learn_hinge(side, kUpLeg, kLeg, kLeg, {}, sign);
       learn_foot(side);
     }
     return axes_;
@@ -86,8 +85,6 @@ class Learner {
   }
 
  private:
-  std::optional<Eigen::Matrix3d>& axes_of(Bone bone) { return axes_[bone]; }
-
   // mean of a direction of the world as the joint sees it
   template <typename Direction>
   [[nodiscard]] Eigen::Vector3d mean(int joint, const Direction& direction) const {
@@ -121,7 +118,7 @@ class Learner {
   void set(Bone bone, const Eigen::Vector3d& first, const Eigen::Vector3d& second, int first_axis,
            int second_axis) {
     if (!are_apart(first, second)) return;
-    axes_of(bone) = square(first, second, first_axis, second_axis);
+    axes_[bone] = square(first, second, first_axis, second_axis);
   }
 
   void learn_trunk() {
@@ -140,45 +137,46 @@ class Learner {
   }
 
   void learn_collar(Side side, double sign) {
-    const int joint = body_.turning_joint(side_bone(side, kShoulder));
+    const Bone clavicle = side_bone(side, kShoulder);
+    const int joint = body_.turning_joint(clavicle);
     if (joint < 0 || !body_.has(Bone::kSpine2)) return;
-    set(side_bone(side, kShoulder), mean_course(joint, body_.segment(side_bone(side, kShoulder))),
+    set(clavicle, mean_course(joint, body_.segment(clavicle)),
         sign * mean_course(joint, body_.segment(Bone::kSpine2)), 0, 2);
   }
 
   void learn_arm(Side side, double sign) {
-    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kArm),
-                kUpperArmBias, sign);
-    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kForeArm),
-                kForearmBias, sign);
-    learn_hinge(side_bone(side, kArm), side_bone(side, kForeArm), side_bone(side, kHand), kHandBias,
-                sign);
+    learn_hinge(side, kArm, kForeArm, kArm, kUpperArmBias, sign);
+    learn_hinge(side, kArm, kForeArm, kForeArm, kForearmBias, sign);
+    learn_hinge(side, kArm, kForeArm, kHand, kHandBias, sign);
   }
 
-  // Z of `bone` from the bend between the bones `upper` and `lower`
-  void learn_hinge(Bone upper, Bone lower, Bone bone, const Bias& bias, double sign) {
+  // Z of a part from the bend between the bones `upper_part` and `lower_part`
+  void learn_hinge(Side side, LimbBone upper_part, LimbBone lower_part, LimbBone part,
+                   const Bias& bias, double sign) {
+    const Bone upper = side_bone(side, upper_part), lower = side_bone(side, lower_part);
+    const Bone bone = side_bone(side, part);
     const int joint = body_.turning_joint(bone);
     if (joint < 0 || !body_.has(upper) || !body_.has(lower)) return;
-    const bool is_hand = limb_bone(bone) == kHand;
     const Eigen::Vector3d normal = mean(joint, [&](const JointPoses& pose) {
       const auto a = along(body_.segment(upper), pose), b = along(body_.segment(lower), pose);
       return a && b ? Eigen::Vector3d(a->normalized().cross(b->normalized()))
                     : Eigen::Vector3d(0, 0, 0);
     });
     // a hand's neutral direction is the forearm's
-    const Eigen::Vector3d course = mean_course(joint, body_.segment(is_hand ? lower : bone));
+    const Eigen::Vector3d course = mean_course(joint, body_.segment(part == kHand ? lower : bone));
     if (normal.norm() < kLeastBend || !are_apart(course, normal)) return;
     const Eigen::Matrix3d hinge = square(course, normal, 0, 2);
     const Eigen::Vector3d x = hinge.col(0), n = hinge.col(2);
     const Eigen::Vector3d z = -bias.cosine * n - sign * bias.sine * x.cross(n);
-    axes_of(bone) = square(x, z, 0, 2);
+    axes_[bone] = square(x, z, 0, 2);
   }
 
   void learn_foot(Side side) {
-    const int foot = body_.joint(side_bone(side, kFoot));
+    const Bone foot_bone = side_bone(side, kFoot), toe_bone = side_bone(side, kToe);
+    const int foot = body_.joint(foot_bone);
     if (foot < 0) return;
-    const bool has_toe = body_.turning_joint(side_bone(side, kToe)) >= 0;
-    const int toe = has_toe ? body_.turning_joint(side_bone(side, kToe)) : foot;
+    const bool has_toe = body_.turning_joint(toe_bone) >= 0;
+    const int toe = has_toe ? body_.turning_joint(toe_bone) : foot;
     Eigen::Vector3d vertical = Eigen::Vector3d::Zero(), heading = Eigen::Vector3d::Zero();
     for (const JointPoses* pose : flat_frames(side)) {
       const auto way = foot_direction(side, *pose);
@@ -190,16 +188,14 @@ class Learner {
     const Eigen::Matrix3d level = square(vertical, heading, 1, 0);
     if (!has_toe) {
       // the foot's joint in the pose in which a toe would be level
-      axes_of(side_bone(side, kFoot)) = level *
-                                        canonical_t_pose(side_bone(side, kToe)).transpose() *
-                                        canonical_t_pose(side_bone(side, kFoot));
+      axes_[foot_bone] =
+          level * canonical_t_pose(toe_bone).transpose() * canonical_t_pose(foot_bone);
       return;
     }
-    axes_of(side_bone(side, kToe)) = level;
+    axes_[toe_bone] = level;
     const Eigen::Vector3d lateral =
         mean(foot, [&](const JointPoses& pose) { return pose[toe].rotation * level.col(2); });
-    set(side_bone(side, kFoot), mean_course(foot, body_.segment(side_bone(side, kFoot))), lateral,
-        0, 2);
+    set(foot_bone, mean_course(foot, body_.segment(foot_bone)), lateral, 0, 2);
   }
 
   // of an ankle without toes, where the body faces

@@ -4,6 +4,8 @@
 #include <optional>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "base/option_name.h"
 #include "base/suggest.h"
 
@@ -21,8 +23,7 @@ class LimbSearch {
     extend({});
     if (rival_) {
       const std::size_t slot = first_difference();
-      return failure(
-          ambiguous_bone(source_, slots_[slot].bone, best_.joints[slot], rival_->joints[slot]));
+      return ambiguous_bone(source_, slots_[slot].bone, best_.joints[slot], rival_->joints[slot]);
     }
     for (std::size_t slot = 0; slot < best_.joints.size(); ++slot) settle(slot);
     return best_;
@@ -51,8 +52,8 @@ class LimbSearch {
 
   // whether a joint lies beyond those chosen
   bool fits(const std::vector<int>& begun, int joint) const {
-    std::vector<int> chosen;
-    std::ranges::copy_if(begun, std::back_inserter(chosen), [](int j) { return j >= 0; });
+    std::vector<int> chosen = begun;
+    std::erase(chosen, -1);
     if (chosen.empty()) return true;
     if (std::ranges::find(chosen, joint) != chosen.end()) return false;
     return chosen.size() < 2 ||
@@ -147,34 +148,28 @@ Result<LimbChoice> choose_limb(const BodySource& source, const std::vector<LimbS
   return LimbSearch(source, slots).run();
 }
 
-Error ambiguous_bone(const BodySource& source, Bone bone, int a, int b) {
-  return input_failure(source.file,
-                       quoted_name(source.skeleton, a) + " and " + quoted_name(source.skeleton, b) +
-                           " may both be the " + std::string(bone_name(bone)) +
-                           ": which of them it is cannot be told",
-                       "rename one of them, or give a mapping file with " OPTION("map"))
-      .value();
+Failure ambiguous_bone(const BodySource& source, Bone bone, int a, int b) {
+  return input_failure(
+      {},
+      fmt::format("{} and {} may both be the {}: which of them it is cannot be told",
+                  source.quoted_name(a), source.quoted_name(b), bone_name(bone)),
+      "rename one of them, or give a mapping file with " OPTION("map"));
 }
 
 std::string note_of_choice(const BodySource& source, Bone bone, const std::vector<int>& joints,
                            int chosen) {
-  std::vector<std::string> names;
-  names.reserve(joints.size());
-  for (const int joint : joints) names.push_back(quoted_name(source.skeleton, joint));
-  return list_names(names) + " may each be the " + std::string(bone_name(bone)) + ": took " +
-         quoted_name(source.skeleton, chosen);
+  return fmt::format("{} may each be the {}: took {}", list_names(source.quoted_names(joints)),
+                     bone_name(bone), source.quoted_name(chosen));
 }
 
 int middle_joint(const BodySource& source, const std::vector<int>& joints) {
   const std::vector<Eigen::Vector3d>& places = source.poses.poses.front().joints;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const int joint : joints) middle += places[joint] / static_cast<double>(joints.size());
-  int chosen = joints.front();
-  for (const int joint : joints) {
+  return *std::ranges::min_element(joints, [&](int a, int b) {
     const double share = 1.0 - 1e-9;  // of equals the first
-    if ((places[joint] - middle).norm() < share * (places[chosen] - middle).norm()) chosen = joint;
-  }
-  return chosen;
+    return (places[a] - middle).norm() < share * (places[b] - middle).norm();
+  });
 }
 
 }  // namespace retarget

@@ -34,7 +34,7 @@ struct LimbChoice {
                                              const std::vector<LimbSlot>& slots);
 
 /// The error that two joints fit a bone equally well.
-[[nodiscard]] Error ambiguous_bone(const BodySource& source, Bone bone, int a, int b);
+[[nodiscard]] Failure ambiguous_bone(const BodySource& source, Bone bone, int a, int b);
 
 /// Tells people that a bone could be any of several joints.
 [[nodiscard]] std::string note_of_choice(const BodySource& source, Bone bone,

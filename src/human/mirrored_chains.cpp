@@ -68,9 +68,7 @@ TreeReach::TreeReach(const BodySource& source)
       up_(source.tree.joint_count(), 0.0) {
   const int count = tree_.joint_count();
   for (int joint = 0; joint < count; ++joint) {
-    for (const Eigen::Vector3d& end : source.skeleton.joint(joint).end_sites) {
-      down_[joint] = std::max(down_[joint], end.norm());
-    }
+    down_[joint] = farthest_end(source.skeleton.joint(joint)).norm();
   }
   for (int joint = count - 1; joint > 0; --joint) {
     double& parent = down_[tree_.parent(joint)];

@@ -1,10 +1,11 @@
 #include "human/posed_body.h"
+#include "human/skeleton_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
+#include "math/se3.h"
 #include "motion/forward_kinematics.h"
 
 namespace retarget {
@@ -16,43 +17,27 @@ constexpr int kMostSamples = 1000;
 // shorter than this, relatively to nothing but rounding, a bone has no direction
 constexpr double kNoLength = 1e-9;
 
-// bones at which a bone can end, nearest first
+// bones at which a bone can end, nearest first: of limbs the next one
 std::span<const Bone> ends_of(Bone bone) {
-  static constexpr std::array kTrunk = {Bone::kHips,   Bone::kSpine, Bone::kSpine1,
-                                        Bone::kSpine2, Bone::kNeck,  Bone::kHead};
-  static constexpr std::array kLimbs = {
-      std::array{Bone::kLeftUpLeg, Bone::kLeftLeg, Bone::kLeftFoot, Bone::kLeftToe},
-      std::array{Bone::kRightUpLeg, Bone::kRightLeg, Bone::kRightFoot, Bone::kRightToe},
-      std::array{Bone::kLeftShoulder, Bone::kLeftArm, Bone::kLeftForeArm, Bone::kLeftHand},
-      std::array{Bone::kRightShoulder, Bone::kRightArm, Bone::kRightForeArm, Bone::kRightHand}};
-  const auto in_trunk = std::ranges::find(kTrunk, bone);
-  if (in_trunk != kTrunk.end()) return {in_trunk + 1, kTrunk.end()};
-  for (const auto& limb : kLimbs) {
-    const auto found = std::ranges::find(limb, bone);
-    if (found == limb.end()) continue;
-    const std::span beyond(found + 1, limb.end());
-    return beyond.first(std::min<std::size_t>(1, beyond.size()));
-  }
-  return {};
+  const bool of_limb = side_of(bone) != Side::kNone;
+  const auto& chain =
+      of_limb ? *std::ranges::find_if(
+                    bone_chains(),
+                    [&](const auto& one) { return std::ranges::find(one, bone) != one.end(); })
+              : trunk_bones();
+  const std::span beyond(std::ranges::find(chain, bone) + 1, chain.end());
+  return of_limb ? beyond.first(std::min<std::size_t>(1, beyond.size())) : beyond;
 }
 
 // where a chain ends without further bones: the farthest of the joint's children and end sites;
 // children on the way to the hips lie on the bone's other side
 Segment free_end(const Skeleton& skeleton, int joint, int hips) {
-  Segment segment{joint, joint, Eigen::Vector3d::Zero()};
-  const auto leads_to_hips = [&](const Joint& child) {
-    for (int at = hips; at >= 0; at = skeleton.joint(at).parent) {
-      if (&skeleton.joint(at) == &child) return true;
-    }
-    return false;
-  };
-  for (const Eigen::Vector3d& site : skeleton.joint(joint).end_sites) {
-    if (site.norm() > segment.offset.norm()) segment.offset = site;
-  }
-  for (const Joint& child : skeleton.joints()) {
-    if (child.parent == joint && child.offset.norm() > segment.offset.norm() &&
-        !leads_to_hips(child)) {
-      segment.offset = child.offset;
+  Segment segment{joint, joint, farthest_end(skeleton.joint(joint))};
+  for (int child = joint + 1; child < skeleton.joint_count(); ++child) {
+    const Joint& candidate = skeleton.joint(child);
+    if (candidate.parent == joint && candidate.offset.norm() > segment.offset.norm() &&
+        !is_above(skeleton, child, hips)) {
+      segment.offset = candidate.offset;
     }
   }
   if (segment.offset.norm() < kNoLength) segment.end_joint = -1;
@@ -62,7 +47,7 @@ Segment free_end(const Skeleton& skeleton, int joint, int hips) {
 }  // namespace
 
 JointPoses zero_pose(const Skeleton& skeleton) {
-  JointPoses poses(static_cast<std::size_t>(skeleton.joint_count()));
+  JointPoses poses(skeleton.joint_count());
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const int parent = skeleton.joint(joint).parent;
     poses[joint].translation = skeleton.joint(joint).offset;
@@ -72,7 +57,7 @@ JointPoses zero_pose(const Skeleton& skeleton) {
 }
 
 JointPoses frame_pose(const Clip& clip, int frame) {
-  JointPoses poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
+  JointPoses poses(clip.skeleton().joint_count());
   forward_kinematics(clip, frame, poses);
   return poses;
 }
@@ -86,9 +71,7 @@ std::vector<int> sampled_frames(const Clip& clip, int begin) {
 }
 
 int first_in_place(const Skeleton& skeleton, const BoneMap& map, int joint) {
-  const auto is_helper = [&](int other) {
-    return other > 0 && std::ranges::find(map.joint_of_bone, other) == map.joint_of_bone.end();
-  };
+  const auto is_helper = [&](int other) { return other > 0 && !map.maps(other); };
   while (joint > 0 && skeleton.joint(joint).offset.isZero(0.0) &&
          is_helper(skeleton.joint(joint).parent)) {
     joint = skeleton.joint(joint).parent;
@@ -143,9 +126,7 @@ Eigen::Matrix3d least_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& 
     return 2.0 * fallback * fallback.transpose() - Eigen::Matrix3d::Identity();
   }
   // Rodrigues' formula with the sine in the axis: 1 + [v] + [v]^2 / (1 + cosine)
-  const Eigen::Vector3d v = a.cross(b);
-  Eigen::Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  const Eigen::Matrix3d cross = skew(a.cross(b));
   return Eigen::Matrix3d::Identity() + cross + cross * cross / (1.0 + cosine);
 }
 

@@ -44,10 +44,12 @@ class Body {
 
   [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
   [[nodiscard]] int joint(Bone bone) const { return joints_[bone]; }
+  [[nodiscard]] const BoneArray<int>& joints() const { return joints_; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
   /// The joint whose rotation turns the bone (rotation_joint); joint() is where the bone begins.
   /// -1: the bone has no joint, or none whose rotation is believed.
   [[nodiscard]] int turning_joint(Bone bone) const { return turning_joints_[bone]; }
+  [[nodiscard]] const BoneArray<int>& turning_joints() const { return turning_joints_; }
   /// From now on nothing is known of how the bone turns; where it begins still is.
   void disbelieve_rotation(Bone bone) { turning_joints_[bone] = -1; }
   /// To the next mapped bone; of the last ones to the farthest child or end site.

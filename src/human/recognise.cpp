@@ -1,19 +1,15 @@
 #include "human/recognise.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
+#include <fmt/format.h>
+
+#include "base/located.h"
+#include "base/number_text.h"
 #include "base/option_name.h"
-#include "base/suggest.h"
+#include "base/try.h"
 #include "human/body_words.h"
 #include "human/candidate.h"
-#include "human/human_proportions.h"
-#include "human/recognise_by_dialect.h"
-#include "human/recognise_by_names.h"
-#include "human/recognise_by_shape.h"
-#include "human/trunk.h"
-#include "human/verify_bone_map.h"
 
 namespace retarget {
 namespace {
@@ -29,32 +25,27 @@ bool is_optional(Bone bone) {
 
 // joints that are mapped and share their name with another one: bones that a body does without are
 // left out, others are an error
-std::optional<Error> settle_doubled_names(const BodySource& source, BoneMap& map) {
+Result<void> settle_doubled_names(const BodySource& source, BoneMap& map) {
   for (const Bone bone : kMappedBones) {
     const int joint = map.joint_of_bone[bone];
     // names that say nothing of a body are not what the joint was found by
-    if (joint < 0 || roles_of(source.names[joint]).empty()) continue;
+    if (joint < 0 || meanings_of(source.names[joint]).empty()) continue;
     const std::string& name = source.skeleton.joint(joint).name;
     const auto count = std::ranges::count(source.skeleton.joints(), name, &Joint::name);
     if (count < 2) continue;
-    const std::string what = std::to_string(count) + " joints are called \"" + name +
-                             "\": which of them is the " + std::string(bone_name(bone)) +
-                             " cannot be told";
-    if (!is_optional(bone)) {
-      return input_failure(source.file, what, "rename all but one of them").value();
-    }
+    const std::string what =
+        fmt::format("{} joints are called \"{}\": which of them is the {} cannot be told", count,
+                    name, bone_name(bone));
+    if (!is_optional(bone)) return input_failure({}, what, "rename all but one of them");
     map.joint_of_bone[bone] = -1;
     map.notes.push_back(what + ", it is left out");
   }
-  return std::nullopt;
+  return {};
 }
 
 std::string sentence_of(const std::vector<std::string>& parts) {
-  std::string text = parts.front();
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    text += (i + 1 == parts.size() ? " and " : ", ") + parts[i];
-  }
-  return text;
+  if (parts.size() == 1) return parts.front();
+  return fmt::format("{} and {}", fmt::join(parts.begin(), parts.end() - 1, ", "), parts.back());
 }
 
 // what the ways of recognising found, to choose from and to speak of
@@ -67,14 +58,14 @@ class Recogniser {
   Result<BoneMap> run() {
     if (auto map = recognise_by_dialect(source_, dialects_)) consider(std::move(*map));
     if (accepted_) return finish();
-    const std::optional<Error> by_names = consider_candidate(recognise_by_names(source_));
+    const Result<void> by_names = consider_candidate(recognise_by_names(source_));
     if (accepted_) return finish();
     // limbs that names left out or put wrongly
-    const std::optional<Error> by_shape = consider_candidate(recognise_by_shape(source_));
+    const Result<void> by_shape = consider_candidate(recognise_by_shape(source_));
     if (accepted_ && overrules_names(*accepted_)) accepted_.reset();
-    if (by_names && !(accepted_ && names_mean_nothing(*accepted_))) return failure(*by_names);
+    if (!(accepted_ && names_mean_nothing(*accepted_))) TRY(by_names);
     if (accepted_) return finish();
-    if (by_shape && incomplete_.empty()) return failure(*by_shape);
+    if (incomplete_.empty()) TRY(by_shape);
     return refuse_or_take_part();
   }
 
@@ -102,19 +93,17 @@ class Recogniser {
           continue;
         }
         const bool is_plain = named.dialect != "names" || plainly_means(source_.names[joint], bone);
-        const bool is_other =
-            std::ranges::find(shape.joint_of_bone, joint) != shape.joint_of_bone.end();
-        if (is_plain && is_other) return true;
+        if (is_plain && shape.maps(joint)) return true;
       }
       return false;
     });
   }
 
   // an error to stop at, if there is one
-  std::optional<Error> consider_candidate(Candidate candidate) {
-    if (!candidate) return candidate.error();
-    if (*candidate) consider(std::move(**candidate));
-    return std::nullopt;
+  Result<void> consider_candidate(Candidate candidate) {
+    TRY_ASSIGN(auto map, std::move(candidate));
+    if (map) consider(std::move(*map));
+    return {};
   }
 
   void consider(BoneMap map) {
@@ -133,11 +122,10 @@ class Recogniser {
   }
 
   Result<BoneMap> finish() {
-    if (auto doubled = settle_doubled_names(source_, *accepted_)) return failure(*doubled);
+    TRY(settle_doubled_names(source_, *accepted_));
     const HumanDoubts doubts = doubt_human(source_, *accepted_);
     if (doubts.proven) {
-      return input_failure(source_.file,
-                           "the skeleton is not a human's: " + sentence_of(doubts.signs),
+      return input_failure({}, "the skeleton is not a human's: " + sentence_of(doubts.signs),
                            std::string("if it is one, ") + kMapHint);
     }
     for (const std::string& sign : doubts.signs) {
@@ -150,22 +138,16 @@ class Recogniser {
 
   // the incomplete map with the most bones, if it is one that lacks arms or legs alone
   Result<BoneMap> refuse_or_take_part() {
-    const auto bones = [](const BoneMap& map) {
-      return std::ranges::count_if(map.joint_of_bone, [](int joint) { return joint >= 0; });
-    };
-    const auto best = std::ranges::max_element(incomplete_, {}, bones);
+    const auto best = std::ranges::max_element(incomplete_, {}, &BoneMap::mapped_count);
     if (best == incomplete_.end()) return no_human({"legs", "arms"});
     const std::vector<std::string> missing = missing_parts(*best);
-    const auto lacks = [&](const std::string& part) {
-      return std::ranges::find(missing, part) != missing.end();
-    };
-    const auto is_limb_of = [&](const std::string& limb) {
+    const auto lacks = [&](std::string_view part) {
       return std::ranges::any_of(
-          missing, [&](const std::string& part) { return part.find(limb) != std::string::npos; });
+          missing, [&](const std::string& one) { return one.find(part) != std::string::npos; });
     };
-    if (lacks("hips") || (is_limb_of("leg") && is_limb_of("arm"))) return no_human(missing);
+    if (lacks("hips") || (lacks("leg") && lacks("arm"))) return no_human(missing);
     if (!options_.partial) {
-      return input_failure(source_.file, "no " + sentence_of(missing) + " found in the skeleton",
+      return input_failure({}, "no " + sentence_of(missing) + " found in the skeleton",
                            std::string("go on without with " OPTION("partial") ", or ") + kMapHint);
     }
     accepted_ = *best;
@@ -175,12 +157,12 @@ class Recogniser {
   }
 
   Failure no_human(const std::vector<std::string>& missing) const {
-    const int count = source_.skeleton.joint_count();
-    std::string message = "no human skeleton: no " + sentence_of(missing) + " found in its " +
-                          std::to_string(count) + (count == 1 ? " joint" : " joints");
-    if (!faults_.empty()) message += "; " + faults_.front();
-    return input_failure(source_.file, message,
-                         std::string("if the skeleton is a human's, ") + kMapHint);
+    return input_failure(
+        {},
+        fmt::format("no human skeleton: no {} found in its {}{}{}", sentence_of(missing),
+                    count_text(source_.skeleton.joint_count(), "joint"),
+                    faults_.empty() ? "" : "; ", faults_.empty() ? "" : faults_.front()),
+        std::string("if the skeleton is a human's, ") + kMapHint);
   }
 
   static constexpr double kOddity = 0.85;
@@ -194,23 +176,22 @@ class Recogniser {
 };
 
 Result<BoneMap> recognise(const Skeleton& skeleton, BodyPoses poses,
-                          const std::vector<Dialect>& dialects, const std::string& file,
-                          const RecogniseOptions& options) {
-  const BodySource source{skeleton, file, SkeletonTree(skeleton),
-                          normalise_joint_names(skeleton.names()), std::move(poses)};
+                          const std::vector<Dialect>& dialects, const RecogniseOptions& options) {
+  const BodySource source{skeleton, SkeletonTree(skeleton), normalise_joint_names(skeleton.names()),
+                          std::move(poses)};
   return Recogniser(source, dialects, options).run();
 }
 
 }  // namespace
 
 Result<BoneMap> recognise_skeleton(const Skeleton& skeleton, const std::vector<Dialect>& dialects,
-                                   const std::string& file, const RecogniseOptions& options) {
-  return recognise(skeleton, sample_zero_pose(skeleton), dialects, file, options);
+                                   const RecogniseOptions& options) {
+  return recognise(skeleton, sample_zero_pose(skeleton), dialects, options);
 }
 
 Result<BoneMap> recognise_skeleton(const Clip& clip, const std::vector<Dialect>& dialects,
-                                   const std::string& file, const RecogniseOptions& options) {
-  return recognise(clip.skeleton(), sample_poses(clip), dialects, file, options);
+                                   const RecogniseOptions& options) {
+  return located(recognise(clip.skeleton(), sample_poses(clip), dialects, options), clip.name());
 }
 
 }  // namespace retarget

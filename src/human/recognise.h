@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "human/bone_map.h"
@@ -28,18 +27,15 @@ struct RecogniseOptions {
 /// proportion, head, torso, hips and feet one above the other, human proportions.
 /// The tree is seen from the hips, wherever the file has its root; see rotation_joint.
 ///
-/// @param file  where the skeleton comes from, for messages.
-/// @return kInput errors: no human, limbs missing, ambiguous names, sides that cannot be told.
+/// @return kInput errors, without a file where only the skeleton is known: no human, limbs missing, ambiguous names, sides that cannot be told.
 [[nodiscard]] Result<BoneMap> recognise_skeleton(const Skeleton& skeleton,
                                                  const std::vector<Dialect>& dialects,
-                                                 const std::string& file,
                                                  const RecogniseOptions& options = {});
 
 /// The same with the poses of a motion, which say more than the zero pose (of some skeletons, such
 /// as LAFAN1's, the latter is no pose of a human at all).
 [[nodiscard]] Result<BoneMap> recognise_skeleton(const Clip& clip,
                                                  const std::vector<Dialect>& dialects,
-                                                 const std::string& file,
                                                  const RecogniseOptions& options = {});
 
 }  // namespace retarget

@@ -1,12 +1,10 @@
-#include "human/recognise_by_dialect.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "base/suggest.h"
-#include "human/canonical_tree.h"
-#include "human/trunk.h"
+#include "human/candidate.h"
+#include "human/skeleton_tree.h"
 
 namespace retarget {
 namespace {
@@ -16,23 +14,35 @@ constexpr double kLeastScore = 0.9;
 constexpr double kEqualScore = 0.02;
 constexpr double kDirectionCosine = 0.94;  // 20 degrees
 
+// a dialect that fits, and the map by its names
+struct DialectMatch {
+  const Dialect* dialect = nullptr;
+  BoneMap map;
+  double score = 0.0;    // 0..1
+  int hints = 0;         // marks and directions that were asked for and found
+  double overlap = 0.0;  // Jaccard index of all names, fingers and ends included
+};
+
+// the share of mapped bones that lie in line
+double share_in_line(const SkeletonTree& tree, const BoneMap& map) {
+  std::set<Bone> stray;
+  for (const auto& chain : bone_chains()) {
+    for (const Bone bone : bones_out_of_line(tree, map, chain)) stray.insert(bone);
+  }
+  const int mapped = map.mapped_count();
+  return mapped == 0 ? 0.0 : 1.0 - static_cast<double>(stray.size()) / static_cast<double>(mapped);
+}
+
 // a dialect's names, normalised together so that they compare with a skeleton's
 class DialectNames {
  public:
   explicit DialectNames(const Dialect& dialect) {
-    std::vector<std::string> all = dialect.others;
-    for (const auto& spellings : dialect.names) {
-      all.insert(all.end(), spellings.begin(), spellings.end());
-    }
-    all.insert(all.end(), dialect.required.begin(), dialect.required.end());
-    for (const auto& [joint, parent] : dialect.parents) {
-      all.push_back(joint);
-      all.push_back(parent);
-    }
-    for (const auto& [joint, direction] : dialect.directions) all.push_back(joint);
-    std::ranges::sort(all);
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    written_ = std::move(all);
+    std::set<std::string> all(dialect.others.begin(), dialect.others.end());
+    for (const auto& spellings : dialect.names) all.insert(spellings.begin(), spellings.end());
+    all.insert(dialect.required.begin(), dialect.required.end());
+    for (const auto& [joint, parent] : dialect.parents) all.insert({joint, parent});
+    for (const auto& [joint, direction] : dialect.directions) all.insert(joint);
+    written_.assign(all.begin(), all.end());
     normalised_ = normalise_joint_names(written_);
   }
 
@@ -193,8 +203,7 @@ bool is_better(const DialectMatch& a, const DialectMatch& b) {
   return a.dialect->name < b.dialect->name;
 }
 
-}  // namespace
-
+// all dialects that fit well enough, best first
 std::vector<DialectMatch> match_dialects(const BodySource& source,
                                          const std::vector<Dialect>& dialects) {
   std::vector<DialectMatch> matches;
@@ -215,6 +224,8 @@ std::vector<DialectMatch> match_dialects(const BodySource& source,
   }
   return matches;
 }
+
+}  // namespace
 
 std::optional<BoneMap> recognise_by_dialect(const BodySource& source,
                                             const std::vector<Dialect>& dialects) {

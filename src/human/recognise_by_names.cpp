@@ -1,5 +1,3 @@
-#include "human/recognise_by_names.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,6 @@
 #include "base/try.h"
 #include "human/body_words.h"
 #include "human/limb_search.h"
-#include "human/trunk.h"
 
 namespace retarget {
 namespace {
@@ -23,7 +20,7 @@ constexpr std::size_t kMostChoices = 8;
 void drop_lower_parts(const BodySource& source, std::vector<NamedJoint>& found) {
   const auto is_lower_part = [&](const NamedJoint& lower) {
     const std::string_view word = without_number(source.names[lower.joint].base);
-    if (roles_of(source.names[lower.joint]).size() > 1) return false;
+    if (meanings_of(source.names[lower.joint]).size() > 1) return false;
     return std::ranges::any_of(found, [&](const NamedJoint& upper) {
       return upper.joint != lower.joint && upper.weight == lower.weight &&
              source.names[upper.joint].base != source.names[lower.joint].base &&
@@ -31,18 +28,17 @@ void drop_lower_parts(const BodySource& source, std::vector<NamedJoint>& found) 
              source.tree.between(upper.joint, 0, lower.joint);
     });
   };
-  std::vector<NamedJoint> upper;
-  std::ranges::copy_if(found, std::back_inserter(upper),
-                       [&](const NamedJoint& named) { return !is_lower_part(named); });
+  // all of them are held against all, so none may leave before
+  std::vector<NamedJoint> upper = found;
+  std::erase_if(upper, is_lower_part);
   found = std::move(upper);
 }
 
-std::vector<NamedJoint> joints_of_role(const BodySource& source, Role role, Side side) {
+std::vector<NamedJoint> joints_called(const BodySource& source, Bone bone) {
   std::vector<NamedJoint> found;
   for (int joint = 0; joint < source.skeleton.joint_count(); ++joint) {
-    if (source.names[joint].side != side) continue;
-    for (const RoleWeight& r : roles_of(source.names[joint])) {
-      if (r.role == role) found.push_back({joint, r.weight});
+    for (const auto& [meant, weight] : meanings_of(source.names[joint])) {
+      if (meant == bone) found.push_back({joint, weight});
     }
   }
   drop_lower_parts(source, found);
@@ -51,19 +47,14 @@ std::vector<NamedJoint> joints_of_role(const BodySource& source, Role role, Side
   return found;
 }
 
-struct LimbRole {
+struct LimbPart {
   LimbBone bone;
-  Role role;
   bool required;
 };
-constexpr std::array<LimbRole, 4> kLegRoles = {{{kUpLeg, Role::kThigh, true},
-                                                {kLeg, Role::kShin, true},
-                                                {kFoot, Role::kFoot, true},
-                                                {kToe, Role::kToe, false}}};
-constexpr std::array<LimbRole, 4> kArmRoles = {{{kShoulder, Role::kClavicle, false},
-                                                {kArm, Role::kUpperArm, true},
-                                                {kForeArm, Role::kForearm, true},
-                                                {kHand, Role::kHand, false}}};
+using LimbParts = std::array<LimbPart, 4>;
+constexpr LimbParts kLegParts = {{{kUpLeg, true}, {kLeg, true}, {kFoot, true}, {kToe, false}}};
+constexpr LimbParts kArmParts = {
+    {{kShoulder, false}, {kArm, true}, {kForeArm, true}, {kHand, false}}};
 
 // a limb of one side as its names tell it
 struct NamedLimb {
@@ -80,15 +71,6 @@ Result<LimbChoice> choose_parts(const BodySource& source, std::vector<LimbSlot> 
   return choose_limb(source, slots);
 }
 
-// the way down from a joint to another, 0 if it is no way down
-double length_down(const BodySource& source, int upper, int lower) {
-  double length = 0.0;
-  for (; lower >= 0 && lower != upper; lower = source.tree.parent(lower)) {
-    length += source.poses.lengths[lower];
-  }
-  return lower == upper ? length : 0.0;
-}
-
 // whether the whole limb is made of joints that mean its upper parts better: a clavicle and an
 // upper arm are no arm; with a hand they may be one, if they are as long as its parts
 bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbChoice& parts) {
@@ -100,25 +82,20 @@ bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbC
     return false;
   }
   if (whole.joints.back() < 0) return true;
-  return length_down(source, whole.joints[1], whole.joints[2]) <
-         kLeastUpperPerLower * length_down(source, whole.joints[2], whole.joints[3]);
+  return source.path_length(whole.joints[1], whole.joints[2]) <
+         kLeastUpperPerLower * source.path_length(whole.joints[2], whole.joints[3]);
 }
 
-Result<NamedLimb> find_limb(const BodySource& source, const std::array<LimbRole, 4>& limb,
-                            Side side) {
+Result<NamedLimb> find_limb(const BodySource& source, const LimbParts& limb, Side side) {
   NamedLimb found;
-  found.slots.reserve(limb.size());
-  for (const LimbRole& part : limb) {
-    found.slots.push_back(
-        {side_bone(side, part.bone), part.required, joints_of_role(source, part.role, side)});
+  for (const auto& [part, required] : limb) {
+    const Bone bone = side_bone(side, part);
+    found.slots.push_back({bone, required, joints_called(source, bone)});
   }
   TRY_ASSIGN(const LimbChoice whole, choose_limb(source, found.slots));
   TRY_ASSIGN(const LimbChoice parts, choose_parts(source, found.slots));
-  found.choice = whole;
-  found.whole = !whole.joints.empty();
-  if (found.whole && !is_stretched(source, whole, parts)) return found;
-  found.choice = parts;
-  found.whole = false;
+  found.whole = !whole.joints.empty() && !is_stretched(source, whole, parts);
+  found.choice = found.whole ? whole : parts;
   return found;
 }
 
@@ -134,7 +111,7 @@ bool contradict(const BodySource& source, const NamedLimb& left, const NamedLimb
 }
 
 // the legs or the arms; a word means one thing on both sides, that of the side it fits better
-Result<LimbPair> find_limbs(const BodySource& source, const std::array<LimbRole, 4>& limb) {
+Result<LimbPair> find_limbs(const BodySource& source, const LimbParts& limb) {
   LimbPair sides;
   for (const Side side : kSides) {
     TRY_ASSIGN(sides[side == Side::kLeft ? 0 : 1], find_limb(source, limb, side));
@@ -162,8 +139,8 @@ double map_limb(const NamedLimb& limb, BoneMap& map) {
 }
 
 // the best named joints of the trunk; of those in line the one nearest to the root
-std::vector<int> find_named(const BodySource& source, Role role) {
-  std::vector<NamedJoint> found = joints_of_role(source, role, Side::kNone);
+std::vector<int> find_named(const BodySource& source, Bone bone) {
+  std::vector<NamedJoint> found = joints_called(source, bone);
   std::erase_if(found, [&](const NamedJoint& n) { return n.weight < found.front().weight; });
   std::vector<int> joints;
   for (const NamedJoint& named : found) {
@@ -177,7 +154,7 @@ std::vector<int> find_named(const BodySource& source, Role role) {
 
 // a body does without a head's joint, so that any of several will do
 void set_head(const BodySource& source, BoneMap& map) {
-  const std::vector<int> heads = find_named(source, Role::kHead);
+  const std::vector<int> heads = find_named(source, Bone::kHead);
   if (heads.empty()) return;
   map.joint_of_bone[Bone::kHead] = middle_joint(source, heads);
   if (heads.size() > 1) {
@@ -186,9 +163,9 @@ void set_head(const BodySource& source, BoneMap& map) {
 }
 
 Result<void> set_hips_by_name(const BodySource& source, BoneMap& map) {
-  const std::vector<int> hips = find_named(source, Role::kHips);
+  const std::vector<int> hips = find_named(source, Bone::kHips);
   if (hips.empty()) return {};
-  if (hips.size() > 1) return failure(ambiguous_bone(source, Bone::kHips, hips[0], hips[1]));
+  if (hips.size() > 1) return ambiguous_bone(source, Bone::kHips, hips[0], hips[1]);
   map.joint_of_bone[Bone::kHips] = hips[0];
   return {};
 }
@@ -197,8 +174,7 @@ Result<void> set_hips_by_name(const BodySource& source, BoneMap& map) {
 void set_torso_by_name(const BodySource& source, BoneMap& map) {
   if (map.has(Bone::kSpine2) || !map.has(Bone::kHips) || !map.has(Bone::kHead)) return;
   for (const int joint : source.tree.path(map.joint(Bone::kHips), map.joint(Bone::kHead))) {
-    const std::vector<RoleWeight> roles = roles_of(source.names[joint]);
-    if (!roles.empty() && roles[0].role == Role::kSpine) map.joint_of_bone[Bone::kSpine2] = joint;
+    if (may_mean(source.names[joint], Bone::kSpine)) map.joint_of_bone[Bone::kSpine2] = joint;
   }
 }
 
@@ -213,8 +189,8 @@ Candidate recognise_by_names(const BodySource& source) {
 
   double weight = 0.0;
   int limb_count = 0;
-  TRY_ASSIGN(const LimbPair legs, find_limbs(source, kLegRoles));
-  TRY_ASSIGN(const LimbPair arms, find_limbs(source, kArmRoles));
+  TRY_ASSIGN(const LimbPair legs, find_limbs(source, kLegParts));
+  TRY_ASSIGN(const LimbPair arms, find_limbs(source, kArmParts));
   for (const std::size_t side : {0, 1}) {
     for (const LimbPair* limbs : {&legs, &arms}) {
       const double limb_weight = map_limb((*limbs)[side], map);

@@ -1,5 +1,3 @@
-#include "human/recognise_by_shape.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,6 @@
 #include "base/try.h"
 #include "human/facing.h"
 #include "human/mirrored_chains.h"
-#include "human/trunk.h"
 
 namespace retarget {
 namespace {
@@ -102,8 +99,9 @@ constexpr LimbShape kLegShape = {1.0, 0.2, false};
 constexpr LimbShape kArmShape = {0.85, 0.46, true};
 
 // the three joints of a chain that are most like a limb
-Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& shape) {
-  const std::size_t size = limb_end.size;
+Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair& pair,
+               const LimbShape& shape) {
+  const auto [size, spreads] = end_of_limb(source, reach, pair);
   constexpr double kRatioSpread = 0.2;
   std::vector<double> along(size, 0.0);
   for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
@@ -117,7 +115,7 @@ Limb find_limb(const ChainPair& pair, const LimbEnd& limb_end, const LimbShape& 
       for (std::size_t k = j + 1; k < size; ++k) {
         const double upper = along[j] - along[i], lower = along[k] - along[j];
         if (upper <= 0.0 || lower <= 0.0) continue;
-        if (limb_end.spreads && shape.ends_in_spread && k + 1 < size) continue;
+        if (spreads && shape.ends_in_spread && k + 1 < size) continue;
         const double deviation =
             log_of_near_one(lower / upper / shape.lower_per_upper) / kRatioSpread;
         const double merit = upper * lower * bell(deviation);
@@ -143,19 +141,6 @@ int neighbour_at(const ChainPair& pair, const std::vector<int>& side, std::size_
     if (length > least) return side[static_cast<std::size_t>(i)];
   }
   return -1;
-}
-
-// joints one after the other from `joint` on, away from `before`, up to where they branch
-std::vector<int> chain_from(const BodySource& source, int before, int joint) {
-  std::vector<int> chain;
-  while (true) {
-    chain.push_back(joint);
-    std::vector<int> next = source.tree.neighbours(joint);
-    std::erase(next, before);
-    if (next.size() != 1) return chain;  // the head carries eyes and jaw, or nothing
-    before = joint;
-    joint = next[0];
-  }
 }
 
 // how far above the torso a joint is in all poses together, along the body's own up
@@ -192,7 +177,8 @@ std::vector<int> find_head_chain(const BodySource& source, const Shape& shape) {
     for (const int way : source.tree.neighbours(trunk[i])) {
       const bool is_arm = way == shape.arms.left[0] || way == shape.arms.right[0];
       if (is_arm || std::ranges::find(trunk, way) != trunk.end()) continue;
-      std::vector<int> chain = chain_from(source, trunk[i], way);
+      // the head carries eyes and jaw, or nothing
+      std::vector<int> chain = source.tree.chain(trunk[i], way);
       const double height = height_above_torso(source, shape, chain.back());
       if (height <= best_height) continue;
       best = std::move(chain);
@@ -210,10 +196,8 @@ double order_merit(const BodySource& source, const TreeReach& reach, const Shape
   merit += source.tree.neighbours(shape.torso).size() > 3 ? 1.0 : 0.0;
   merit -= source.tree.neighbours(shape.hips).size() > 3 ? 0.5 : 0.0;
   // legs are longer than arms, and thigh and shin nearer to equal length
-  const LimbEnd leg_end = end_of_limb(source, reach, shape.legs);
-  const LimbEnd arm_end = end_of_limb(source, reach, shape.arms);
-  const Limb leg = find_limb(shape.legs, leg_end, kLegShape),
-             arm = find_limb(shape.arms, arm_end, kArmShape);
+  const Limb leg = find_limb(source, reach, shape.legs, kLegShape);
+  const Limb arm = find_limb(source, reach, shape.arms, kArmShape);
   merit += leg.merit > arm.merit ? 0.6 : -0.6;
   // clavicles come before the arm, and fingers spread from the hand
   merit += arm.upper > leg.upper ? 0.4 : arm.upper < leg.upper ? -0.4 : 0.0;
@@ -247,7 +231,7 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
     }
   }
   if (best && rivalled) {
-    return input_failure(source.file,
+    return input_failure({},
                          "the skeleton has several pairs of equal limbs, and its names do not "
                          "tell which are arms and legs",
                          "give a mapping file with " OPTION("map"));
@@ -263,31 +247,30 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
 
 // whether both pairs hold a limb, which is then mapped
 bool map_limbs(const BodySource& source, const TreeReach& reach, const Shape& shape, BoneMap& map) {
-  const Limb leg = find_limb(shape.legs, end_of_limb(source, reach, shape.legs), kLegShape);
-  const Limb arm = find_limb(shape.arms, end_of_limb(source, reach, shape.arms), kArmShape);
+  const Limb leg = find_limb(source, reach, shape.legs, kLegShape);
+  const Limb arm = find_limb(source, reach, shape.arms, kArmShape);
   if (leg.merit <= 0.0 || arm.merit <= 0.0) return false;
   for (const Side side : kSides) {
     const bool left = side == Side::kLeft;
+    const auto set = [&](LimbBone part, int joint) {
+      map.joint_of_bone[side_bone(side, part)] = joint;
+    };
     const std::vector<int>& legs = left ? shape.legs.left : shape.legs.right;
-    map.joint_of_bone[side_bone(side, kUpLeg)] = legs[leg.upper];
-    map.joint_of_bone[side_bone(side, kLeg)] = legs[leg.lower];
-    map.joint_of_bone[side_bone(side, kFoot)] = legs[leg.end];
-    map.joint_of_bone[side_bone(side, kToe)] = neighbour_at(shape.legs, legs, leg.end, 1);
+    set(kUpLeg, legs[leg.upper]);
+    set(kLeg, legs[leg.lower]);
+    set(kFoot, legs[leg.end]);
+    set(kToe, neighbour_at(shape.legs, legs, leg.end, 1));
     const std::vector<int>& arms = left ? shape.arms.left : shape.arms.right;
-    if (arm.upper > 0) {
-      map.joint_of_bone[side_bone(side, kShoulder)] = neighbour_at(shape.arms, arms, arm.upper, -1);
-    }
-    map.joint_of_bone[side_bone(side, kArm)] = arms[arm.upper];
-    map.joint_of_bone[side_bone(side, kForeArm)] = arms[arm.lower];
-    map.joint_of_bone[side_bone(side, kHand)] = arms[arm.end];
+    set(kShoulder, neighbour_at(shape.arms, arms, arm.upper, -1));
+    set(kArm, arms[arm.upper]);
+    set(kForeArm, arms[arm.lower]);
+    set(kHand, arms[arm.end]);
   }
   return true;
 }
 
-void swap_sides(BoneMap& map, bool legs) {
-  static constexpr std::array kLegs = {kUpLeg, kLeg, kFoot, kToe};
-  static constexpr std::array kArms = {kShoulder, kArm, kForeArm, kHand};
-  for (const LimbBone part : legs ? kLegs : kArms) {
+void swap_sides(BoneMap& map, std::initializer_list<LimbBone> parts) {
+  for (const LimbBone part : parts) {
     std::swap(map.joint_of_bone[side_bone(Side::kLeft, part)],
               map.joint_of_bone[side_bone(Side::kRight, part)]);
   }
@@ -309,14 +292,13 @@ constexpr double kLeastEvidence = 0.1;
 
 Result<void> tell_sides(const BodySource& source, BoneMap& map) {
   const double agree = arms_agree(source, map);
-  if (agree < 0.0) swap_sides(map, false);
+  if (agree < 0.0) swap_sides(map, {kShoulder, kArm, kForeArm, kHand});
   const double left = left_is_left(source, map);
   if (left < 0.0) {
-    swap_sides(map, true);
-    swap_sides(map, false);
+    swap_sides(map, {kUpLeg, kLeg, kFoot, kToe, kShoulder, kArm, kForeArm, kHand});
   }
   if (std::abs(left) >= kLeastEvidence && std::abs(agree) >= kLeastEvidence) return {};
-  return input_failure(source.file,
+  return input_failure({},
                        "neither the joint names nor the poses tell the left side of the body "
                        "from the right",
                        "give a mapping file with " OPTION("map"));

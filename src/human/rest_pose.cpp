@@ -6,6 +6,7 @@
 
 #include "human/canonical_pose.h"
 #include "math/so3.h"
+#include "math/statistics.h"
 
 namespace retarget {
 namespace {
@@ -82,61 +83,33 @@ Eigen::Matrix3d turned_on(const std::optional<Eigen::Vector3d>& way, const Eigen
 }
 
 // rotations in the body's axes that bring the joints of a pose to the T-pose
-class Straightening {
- public:
-  Straightening(const Body& body, const RestCandidate& candidate)
-      : body_(body), candidate_(candidate) {
-    for (const Side side : kSides) {
-      straighten_arm(side);
-      straighten_leg(side);
+BoneArray<Eigen::Matrix3d> straightening(const Body& body, const RestCandidate& candidate) {
+  const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+  BoneArray<Eigen::Matrix3d> turns{none};
+  for (const Side side : kSides) {
+    const auto turn = [&](LimbBone part) -> Eigen::Matrix3d& {
+      return turns[side_bone(side, part)];
+    };
+    const auto straighten = [&](LimbBone part, const Eigen::Vector3d& target,
+                                const Eigen::Matrix3d& carried) {
+      turn(part) = turned_on(heading(body, candidate, side_bone(side, part)), target, carried);
+    };
+    straighten(kShoulder, outward(side), none);
+    straighten(kArm, outward(side), none);
+    straighten(kForeArm, outward(side), turn(kArm));
+    turn(kHand) = turn(kForeArm);
+    straighten(kUpLeg, -up(), none);
+    straighten(kLeg, -up(), turn(kUpLeg));
+    turn(kToe) = candidate.is_built ? turn(kLeg) : none;
+    const auto toes = foot_heading(body, candidate, side, turn(kToe));
+    if (toes) turn(kToe) = least_rotation(*toes, ahead(), up()) * turn(kToe);
+    turn(kFoot) = turn(kToe);
+    if (toes && body.has(side_bone(side, kToe))) {
+      straighten(kFoot, canonical_t_pose(side_bone(side, kFoot)).col(0), turn(kToe));
     }
   }
-
-  [[nodiscard]] const Eigen::Matrix3d& turn(Bone bone) const { return turns_[bone]; }
-
- private:
-  Eigen::Matrix3d& of(Bone bone) { return turns_[bone]; }
-  [[nodiscard]] std::optional<Eigen::Vector3d> way(Bone bone) const {
-    return heading(body_, candidate_, bone);
-  }
-
-  void straighten_arm(Side side) {
-    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d out = outward(side);
-    of(side_bone(side, kShoulder)) = turned_on(way(side_bone(side, kShoulder)), out, none);
-    of(side_bone(side, kArm)) = turned_on(way(side_bone(side, kArm)), out, none);
-    of(side_bone(side, kForeArm)) =
-        turned_on(way(side_bone(side, kForeArm)), out, of(side_bone(side, kArm)));
-    of(side_bone(side, kHand)) = of(side_bone(side, kForeArm));
-  }
-
-  void straighten_leg(Side side) {
-    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
-    of(side_bone(side, kUpLeg)) = turned_on(way(side_bone(side, kUpLeg)), -up(), none);
-    of(side_bone(side, kLeg)) =
-        turned_on(way(side_bone(side, kLeg)), -up(), of(side_bone(side, kUpLeg)));
-    straighten_foot(side, candidate_.is_built ? of(side_bone(side, kLeg)) : none);
-  }
-
-  void straighten_foot(Side side, const Eigen::Matrix3d& carried) {
-    of(side_bone(side, kToe)) = carried;
-    of(side_bone(side, kFoot)) = carried;
-    const auto toes = foot_heading(body_, candidate_, side, carried);
-    if (!toes) return;
-    const Eigen::Matrix3d yaw = least_rotation(*toes, ahead(), up()) * carried;
-    of(side_bone(side, kToe)) = yaw;
-    of(side_bone(side, kFoot)) = yaw;
-    if (body_.has(side_bone(side, kToe))) {
-      const Bone bone = side_bone(side, kFoot);
-      of(side_bone(side, kFoot)) =
-          turned_on(way(side_bone(side, kFoot)), canonical_t_pose(bone).col(0), yaw);
-    }
-  }
-
-  const Body& body_;
-  const RestCandidate& candidate_;
-  BoneArray<Eigen::Matrix3d> turns_{Eigen::Matrix3d(Eigen::Matrix3d::Identity())};
-};
+  return turns;
+}
 
 }  // namespace
 
@@ -146,18 +119,16 @@ Deviation deviation_from_t(const Body& body, const RestCandidate& candidate) {
     if (way) angles.push_back(degrees_between(*way, target));
   };
   for (const Side side : kSides) {
-    hold(heading(body, candidate, side_bone(side, kArm)), outward(side));
-    hold(heading(body, candidate, side_bone(side, kForeArm)), outward(side));
-    hold(heading(body, candidate, side_bone(side, kUpLeg)), -up());
-    hold(heading(body, candidate, side_bone(side, kLeg)), -up());
+    for (const LimbBone part : {kArm, kForeArm, kUpLeg, kLeg}) {
+      const bool of_arm = part == kArm || part == kForeArm;
+      hold(heading(body, candidate, side_bone(side, part)), of_arm ? outward(side) : -up());
+    }
   }
   if (const auto trunk = trunk_direction(body, candidate.pose)) {
     hold(candidate.axes * *trunk, up());
   }
   if (angles.empty()) return {};
-  double sum = 0.0;
-  for (const double angle : angles) sum += angle;
-  return {sum / static_cast<double>(angles.size()), *std::ranges::max_element(angles)};
+  return {mean(angles), *std::ranges::max_element(angles)};
 }
 
 bool is_well_formed(const Body& body, const RestCandidate& candidate) {
@@ -172,13 +143,13 @@ bool is_well_formed(const Body& body, const RestCandidate& candidate) {
 }
 
 JointFromBone bring_to_t(const Body& body, const RestCandidate& candidate) {
-  const Straightening straightening(body, candidate);
+  const BoneArray<Eigen::Matrix3d> turns = straightening(body, candidate);
   JointFromBone joint_from_bone;
   for (const Bone bone : kMappedBones) {
     const int joint = body.turning_joint(bone);
     if (joint < 0) continue;
-    const Eigen::Matrix3d t_from_joint = straightening.turn(bone) * candidate.axes *
-                                         candidate.pose[joint].rotation.toRotationMatrix();
+    const Eigen::Matrix3d t_from_joint =
+        turns[bone] * candidate.axes * candidate.pose[joint].rotation.toRotationMatrix();
     joint_from_bone[bone] = t_from_joint.transpose() * canonical_t_pose(bone);
   }
   return joint_from_bone;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 
@@ -20,6 +21,9 @@ class SkeletonTree {
 
   /// Joints from a to b, both included.
   [[nodiscard]] std::vector<int> path(int a, int b) const;
+  /// Joints one after the other from `joint` on, away from its neighbour `before`, up to where they
+  /// branch or end.
+  [[nodiscard]] std::vector<int> chain(int before, int joint) const;
   /// Whether `joint` lies on the path from a to b; its ends count.
   [[nodiscard]] bool between(int joint, int a, int b) const;
   /// The one joint on all three paths between three joints.
@@ -32,5 +36,16 @@ class SkeletonTree {
   std::vector<int> depths_;
   std::vector<std::vector<int>> neighbours_;
 };
+
+/// Bones from the hips outwards, as they must lie in line in every skeleton.
+[[nodiscard]] const std::vector<std::vector<Bone>>& bone_chains();
+
+/// Bones of the trunk, from the hips on.
+[[nodiscard]] const std::vector<Bone>& trunk_bones();
+
+/// The bones of a chain that are mapped and stray: their joint does not lie beyond the two bones
+/// mapped before it. Empty: the chain is in line.
+[[nodiscard]] std::vector<Bone> bones_out_of_line(const SkeletonTree& tree, const BoneMap& map,
+                                                  const std::vector<Bone>& chain);
 
 }  // namespace retarget

@@ -1,5 +1,3 @@
-#include "human/trunk.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,20 +5,12 @@
 
 #include "base/suggest.h"
 #include "human/body_words.h"
+#include "human/candidate.h"
 
 namespace retarget {
 namespace {
 
 using enum LimbBone;
-
-bool is_mapped(const BoneMap& map, int joint) {
-  return std::ranges::find(map.joint_of_bone, joint) != map.joint_of_bone.end();
-}
-
-bool has_role(const BodySource& source, int joint, Role role) {
-  return std::ranges::any_of(roles_of(source.names[joint]),
-                             [role](const RoleWeight& r) { return r.role == role; });
-}
 
 int first_known(const BoneMap& map, std::initializer_list<Bone> bones) {
   for (const Bone bone : bones) {
@@ -34,16 +24,6 @@ std::vector<int> joints_between(const BodySource& source, int a, int b) {
   if (a < 0 || b < 0 || a == b) return {};
   const std::vector<int> path = source.tree.path(a, b);
   return {path.begin() + 1, path.end() - 1};
-}
-
-double length_of_path(const BodySource& source, int a, int b) {
-  const std::vector<int> path = source.tree.path(a, b);
-  double length = 0.0;
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    const bool down = source.tree.parent(path[i + 1]) == path[i];
-    length += source.poses.lengths[down ? path[i + 1] : path[i]];
-  }
-  return length;
 }
 
 void set_hips(const BodySource& source, BoneMap& map) {
@@ -63,7 +43,7 @@ void set_torso(const BodySource& source, BoneMap& map) {
   int torso = source.tree.meeting_point(left, right, hips);
   // arms that hang from the neck, as in Biped: the torso is what carries the neck
   const std::vector<int> below = joints_between(source, hips, torso);
-  if (has_role(source, torso, Role::kNeck) && !below.empty()) {
+  if (may_mean(source.names[torso], Bone::kNeck) && !below.empty()) {
     if (!map.has(Bone::kNeck)) map.joint_of_bone[Bone::kNeck] = torso;
     torso = below.back();
   }
@@ -85,12 +65,12 @@ void set_spine(const BodySource& source, BoneMap& map) {
   if (!map.has(Bone::kSpine)) map.joint_of_bone[Bone::kSpine] = chain[0];
   const int first = map.joint(Bone::kSpine), torso = map.joint(Bone::kSpine2);
   std::erase_if(chain, [&](int joint) {
-    return is_mapped(map, joint) || !source.tree.between(joint, first, torso);
+    return map.maps(joint) || !source.tree.between(joint, first, torso);
   });
   if (chain.empty() || map.has(Bone::kSpine1)) return;
-  const double half = 0.5 * length_of_path(source, first, torso);
+  const double half = 0.5 * source.path_length(first, torso);
   map.joint_of_bone[Bone::kSpine1] = *std::ranges::min_element(
-      chain, {}, [&](int joint) { return std::abs(length_of_path(source, first, joint) - half); });
+      chain, {}, [&](int joint) { return std::abs(source.path_length(first, joint) - half); });
 }
 
 // necks of two joints may begin with a helper that stands at the torso
@@ -101,9 +81,9 @@ void set_neck(const BodySource& source, BoneMap& map) {
   if (map.has(Bone::kNeck)) return;
   const std::vector<int> chain = joints_between(source, torso, head);
   if (chain.empty()) return;
-  const double least = kHelperLength * length_of_path(source, torso, head);
+  const double least = kHelperLength * source.path_length(torso, head);
   const auto first = std::ranges::find_if(
-      chain, [&](int joint) { return length_of_path(source, torso, joint) > least; });
+      chain, [&](int joint) { return source.path_length(torso, joint) > least; });
   map.joint_of_bone[Bone::kNeck] = first == chain.end() ? chain[0] : *first;
 }
 
@@ -114,10 +94,9 @@ void add_limb_notes(const BodySource& source, BoneMap& map) {
   std::vector<std::string> folded;
   for (const Side side : kSides) {
     for (const auto& [from, to] : kSegments) {
-      for (const int joint : joints_between(source, map.joint(side_bone(side, from)),
-                                            map.joint(side_bone(side, to)))) {
-        folded.push_back(quoted_name(source.skeleton, joint));
-      }
+      const auto inside = source.quoted_names(
+          joints_between(source, map.joint(side_bone(side, from)), map.joint(side_bone(side, to))));
+      folded.insert(folded.end(), inside.begin(), inside.end());
     }
   }
   if (!folded.empty()) map.notes.push_back("folded into the limbs: " + list_names(folded));
@@ -140,12 +119,11 @@ void add_trunk_notes(const BodySource& source, BoneMap& map) {
   if (!missing.empty()) map.notes.push_back("not in the source: " + list_names(missing));
 
   const auto add_folded = [&](Bone from, Bone to) {
-    std::vector<std::string> folded;
-    for (const int joint : joints_between(source, map.joint(from), map.joint(to))) {
-      if (!is_mapped(map, joint)) folded.push_back(quoted_name(source.skeleton, joint));
-    }
+    std::vector<int> folded = joints_between(source, map.joint(from), map.joint(to));
+    std::erase_if(folded, [&](int joint) { return map.maps(joint); });
     if (folded.empty()) return;
-    map.notes.push_back("folded into " + std::string(bone_name(to)) + ": " + list_names(folded));
+    map.notes.push_back("folded into " + std::string(bone_name(to)) + ": " +
+                        list_names(source.quoted_names(folded)));
   };
   add_folded(Bone::kHips, Bone::kSpine2);
   add_folded(Bone::kSpine2, Bone::kHead);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "human/bone_sources.h"
+#include <fmt/format.h>
 
 namespace retarget {
 namespace {
@@ -60,6 +60,14 @@ std::optional<Eigen::Vector3d> between_thighs(const Body& body, const JointPoses
                 rest[body.joint(Bone::kRightUpLeg)].translation);
 }
 
+// a unit by its length: with its name where it is a known one
+Unit unit_of_length(double metres) {
+  for (const UnitRange& range : kRanges) {
+    if (range.metres == metres) return {range.name, range.metres};
+  }
+  return {"given", metres};
+}
+
 }  // namespace
 
 double standing_hip_height(const Body& body, const JointPoses& rest, const BodyFromFile& axes) {
@@ -77,13 +85,6 @@ std::optional<Unit> guess_unit(double hip_height) {
     if (hip_height >= range.low && hip_height < range.high) return Unit{range.name, range.metres};
   }
   return std::nullopt;
-}
-
-Unit unit_of_length(double metres) {
-  for (const UnitRange& range : kRanges) {
-    if (range.metres == metres) return {range.name, range.metres};
-  }
-  return {"given", metres};
 }
 
 std::optional<Unit> unit_of_body(const BodySize& size) {
@@ -116,6 +117,10 @@ std::string assumed_unit_text(double hip_height) {
   return "hips " + std::to_string(hip_height) +
          " units above the floor are a person's in no known unit: metres are those of a body of " +
          metres_text(kAverageHeight);
+}
+
+std::string metres_text(double metres) {
+  return fmt::format("{:.2f} m", metres);
 }
 
 bool is_lafan1_height(double metres) {

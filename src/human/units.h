@@ -24,9 +24,6 @@ struct Unit {
 /// Nothing in between.
 [[nodiscard]] std::optional<Unit> guess_unit(double hip_height);
 
-/// A unit by its length: with its name where it is a known one.
-[[nodiscard]] Unit unit_of_length(double metres);
-
 /// What is known of a body's size.
 struct BodySize {
   double hip_height = 0.0;                ///< standing_hip_height, file units.
@@ -45,6 +42,9 @@ struct BodySize {
 /// its doubt, for people.
 [[nodiscard]] Unit unit_of_average_body(double height);
 [[nodiscard]] std::string assumed_unit_text(double hip_height);
+
+/// `1.75 m`.
+[[nodiscard]] std::string metres_text(double metres);
 
 /// Whether a body is as tall as LAFAN1's, by its bones, within 3 %.
 [[nodiscard]] bool is_lafan1_height(double metres);

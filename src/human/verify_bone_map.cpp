@@ -1,13 +1,13 @@
-#include "human/verify_bone_map.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "human/canonical_tree.h"
+#include <fmt/format.h>
+
 #include "human/facing.h"
+#include "human/skeleton_tree.h"
 
 namespace retarget {
 namespace {
@@ -33,41 +33,23 @@ void check_distinct(const BodySource& source, const BoneMap& map, Verdict& verdi
     if (joint < 0) continue;
     const auto [found, is_new] = bone_of_joint.try_emplace(joint, bone);
     if (is_new) continue;
-    verdict.faults.push_back(quoted_name(source.skeleton, joint) + " would be both " +
-                             std::string(bone_name(found->second)) + " and " +
-                             std::string(bone_name(bone)));
+    verdict.faults.push_back(fmt::format("{} would be both {} and {}", source.quoted_name(joint),
+                                         bone_name(found->second), bone_name(bone)));
   }
 }
 
 void check_in_line(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   for (const auto& chain : bone_chains()) {
     for (const Bone bone : bones_out_of_line(source.tree, map, chain)) {
-      verdict.faults.push_back(quoted_name(source.skeleton, map.joint(bone)) + " as " +
-                               std::string(bone_name(bone)) +
-                               " does not hang where that bone must");
+      verdict.faults.push_back(fmt::format("{} as {} does not hang where that bone must",
+                                           source.quoted_name(map.joint(bone)), bone_name(bone)));
     }
   }
   const int left = map.joint(Bone::kLeftUpLeg), right = map.joint(Bone::kRightUpLeg);
   const int hips = map.joint(Bone::kHips);
   if (left >= 0 && right >= 0 && hips >= 0 && !source.tree.between(hips, left, right)) {
-    verdict.faults.push_back(quoted_name(source.skeleton, hips) +
-                             " as Hips does not lie between the legs");
+    verdict.faults.push_back(source.quoted_name(hips) + " as Hips does not lie between the legs");
   }
-}
-
-double distance(const BodySource& source, int a, int b) {
-  double length = 0.0;
-  const std::vector<int> path = source.tree.path(a, b);
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    length +=
-        source.poses.lengths[source.tree.parent(path[i]) == path[i + 1] ? path[i] : path[i + 1]];
-  }
-  return length;
-}
-
-// `UpLeg`
-std::string without_side(LimbBone part) {
-  return std::string(bone_name(side_bone(Side::kLeft, part)).substr(4));
 }
 
 // length of a segment of a limb, nothing if an end is missing
@@ -75,7 +57,7 @@ std::optional<double> segment(const BodySource& source, const BoneMap& map, Side
                               LimbBone from, LimbBone to) {
   const int a = map.joint(side_bone(side, from)), b = map.joint(side_bone(side, to));
   if (a < 0 || b < 0) return std::nullopt;
-  return distance(source, a, b);
+  return source.path_length(a, b);
 }
 
 void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) {
@@ -84,9 +66,9 @@ void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) 
     const auto shin = segment(source, map, side, kLeg, kFoot);
     if (!thigh || !shin) continue;
     if (*shin <= 0.0 || *thigh < kLeastLegRatio * *shin || *thigh > kMostLegRatio * *shin) {
-      verdict.faults.push_back(std::string(bone_name(side_bone(side, kUpLeg))) + " and " +
-                               std::string(bone_name(side_bone(side, kLeg))) +
-                               " are out of proportion");
+      verdict.faults.push_back(fmt::format("{} and {} are out of proportion",
+                                           bone_name(side_bone(side, kUpLeg)),
+                                           bone_name(side_bone(side, kLeg))));
     }
   }
 }
@@ -100,7 +82,8 @@ void check_mirrored(const BodySource& source, const BoneMap& map, Verdict& verdi
     if (!left || !right) continue;
     const double difference = std::abs(*left - *right);
     const double longer = std::max(*left, *right);
-    const std::string what = "left and right " + without_side(from) + " differ in length";
+    const std::string_view what_of = bone_name(side_bone(Side::kLeft, from)).substr(4);  // UpLeg
+    const std::string what = fmt::format("left and right {} differ in length", what_of);
     if (difference > kNoPair * longer) {
       verdict.faults.push_back(what);
     } else if (difference > kUnequal * longer) {

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "base/faults.h"
 #include "base/file.h"
 #include "base/json.h"
@@ -25,25 +27,46 @@ std::string table_key(std::size_t table) {
   return "ik_match_table" + std::to_string(table + 1);
 }
 
-// reads values of one JSON object and notes each fault with the path to it
-class Reader {
+// reads a mapping and notes each fault with the path to it
+class MappingReader {
  public:
-  Reader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+  MappingReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
 
+  IkTables read(const std::string& file) {
+    IkTables tables;
+    tables.file = file;
+    tables.robot_root = text("robot_root_name");
+    tables.human_root = text("human_root_name");
+    tables.ground_height = number("ground_height");
+    tables.human_height_assumption = number("human_height_assumption");
+    if (tables.human_height_assumption <= 0.0 && json_.contains("human_height_assumption")) {
+      faults_.add("\"human_height_assumption\" must be more than 0");
+    }
+    if (const Json* scales = find("human_scale_table")) {
+      if (!scales->is_object()) faults_.add("\"human_scale_table\" must be an object of numbers");
+      for (const auto& [bone, scale] : scales->items()) {
+        tables.scales.emplace_back(bone, number(scale, "scale of \"" + bone + "\""));
+      }
+    }
+    for (std::size_t table = 0; table < 2; ++table) {
+      tables.tables[table] = read_table(table_key(table));
+    }
+    return tables;
+  }
+
+ private:
   const Json* find(const std::string& key) {
     const auto found = json_.find(key);
-    if (found == json_.end()) {
-      faults_.add("\"" + key + "\" is missing");
-      return nullptr;
-    }
-    return &*found;
+    if (found != json_.end()) return &*found;
+    faults_.add(fmt::format("\"{}\" is missing", key));
+    return nullptr;
   }
 
   std::string text(const std::string& key) {
     const Json* value = find(key);
     if (value == nullptr) return {};
     if (value->is_string()) return value->get<std::string>();
-    faults_.add("\"" + key + "\" must be a text, found " + value->dump());
+    faults_.add(fmt::format("\"{}\" must be a text, found {}", key, value->dump()));
     return {};
   }
 
@@ -51,31 +74,30 @@ class Reader {
     const Json* value = find(key);
     return value == nullptr ? 0.0 : number(*value, "\"" + key + "\"");
   }
-
   double number(const Json& value, const std::string& what) {
-    if (value.is_number() && std::isfinite(value.get<double>())) return value.get<double>();
-    faults_.add(what + " must be a number, found " + value.dump());
+    if (is_number(value)) return value.get<double>();
+    faults_.add(fmt::format("{} must be a number, found {}", what, value.dump()));
     return 0.0;
+  }
+  static bool is_number(const Json& value) {
+    return value.is_number() && std::isfinite(value.get<double>());
   }
 
   // tables are used unless the file says otherwise
-  bool flag(const std::string& key) {
+  bool is_used(const std::string& key) {
     const auto found = json_.find(key);
     if (found == json_.end()) return true;
     if (found->is_boolean()) return found->get<bool>();
-    faults_.add("\"" + key + "\" must be true or false, found " + found->dump());
+    faults_.add(fmt::format("\"{}\" must be true or false, found {}", key, found->dump()));
     return true;
   }
 
   template <int kSize>
   std::optional<Eigen::Matrix<double, kSize, 1>> vector(const Json& value,
                                                         const std::string& what) {
-    const auto is_finite_number = [](const Json& v) {
-      return v.is_number() && std::isfinite(v.get<double>());
-    };
     if (!value.is_array() || value.size() != kSize ||
-        !std::all_of(value.begin(), value.end(), is_finite_number)) {
-      faults_.add(what + " must be " + std::to_string(kSize) + " numbers, found " + value.dump());
+        !std::all_of(value.begin(), value.end(), is_number)) {
+      faults_.add(fmt::format("{} must be {} numbers, found {}", what, kSize, value.dump()));
       return std::nullopt;
     }
     Eigen::Matrix<double, kSize, 1> result;
@@ -83,79 +105,61 @@ class Reader {
     return result;
   }
 
- private:
+  IkRow read_row(const std::string& what, const std::string& body, const Json& json) {
+    IkRow row;
+    row.body = body;
+    if (!json.is_array() || json.size() != 5 || !json[0].is_string()) {
+      faults_.add(
+          fmt::format("{} must be [bone, position weight, rotation weight, position "
+                      "offset, rotation offset], found {}",
+                      what, json.dump()));
+      return row;
+    }
+    row.bone = json[0].get<std::string>();
+    row.position_weight = number(json[1], "position weight in " + what);
+    row.rotation_weight = number(json[2], "rotation weight in " + what);
+    if (row.position_weight < 0.0 || row.rotation_weight < 0.0) {
+      faults_.add("a weight in " + what + " is negative");
+    }
+    row.position_offset =
+        vector<3>(json[3], "position offset in " + what).value_or(row.position_offset);
+    const auto wxyz = vector<4>(json[4], "rotation offset in " + what);
+    if (!wxyz) return row;
+    const double norm = wxyz->norm();
+    if (std::abs(norm - 1.0) > kUnitTolerance) {
+      faults_.add(
+          fmt::format("rotation offset in {} is no unit quaternion (w, x, y, z): its norm is {:f}",
+                      what, norm));
+      return row;
+    }
+    const Eigen::Vector4d unit = *wxyz / norm;
+    row.rotation_offset = Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]);
+    return row;
+  }
+
+  IkTable read_table(const std::string& key) {
+    IkTable table;
+    table.used = is_used("use_" + key);
+    const Json* json = find(key);
+    if (json == nullptr) return table;
+    if (!json->is_object()) {
+      faults_.add("\"" + key + "\" must be an object of rows by robot body");
+      return table;
+    }
+    for (const auto& [body, row] : json->items()) {
+      table.rows.push_back(read_row(key + " of \"" + body + "\"", body, row));
+    }
+    return table;
+  }
+
   const Json& json_;
   Faults& faults_;
 };
 
-IkRow read_row(Reader& reader, Faults& faults, const std::string& table, const std::string& body,
-               const Json& json) {
-  IkRow row;
-  row.body = body;
-  const std::string what = table + " of \"" + body + "\"";
-  if (!json.is_array() || json.size() != 5 || !json[0].is_string()) {
-    faults.add(what + " must be [bone, position weight, rotation weight, position offset, " +
-               "rotation offset], found " + json.dump());
-    return row;
-  }
-  row.bone = json[0].get<std::string>();
-  row.position_weight = reader.number(json[1], "position weight in " + what);
-  row.rotation_weight = reader.number(json[2], "rotation weight in " + what);
-  if (row.position_weight < 0.0 || row.rotation_weight < 0.0) {
-    faults.add("a weight in " + what + " is negative");
-  }
-  if (const auto offset = reader.vector<3>(json[3], "position offset in " + what)) {
-    row.position_offset = *offset;
-  }
-  if (const auto wxyz = reader.vector<4>(json[4], "rotation offset in " + what)) {
-    const double norm = wxyz->norm();
-    if (std::abs(norm - 1.0) > kUnitTolerance) {
-      faults.add("rotation offset in " + what +
-                 " is no unit quaternion (w, x, y, z): its norm is " + std::to_string(norm));
-    } else {
-      const Eigen::Vector4d unit = *wxyz / norm;
-      row.rotation_offset = Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]);
-    }
-  }
-  return row;
-}
-
-IkTable read_table(Reader& reader, Faults& faults, std::size_t number) {
-  IkTable table;
-  table.used = reader.flag("use_" + table_key(number));
-  const Json* json = reader.find(table_key(number));
-  if (json == nullptr) return table;
-  if (!json->is_object()) {
-    faults.add("\"" + table_key(number) + "\" must be an object of rows by robot body");
-    return table;
-  }
-  for (const auto& [body, row] : json->items()) {
-    table.rows.push_back(read_row(reader, faults, table_key(number), body, row));
-  }
-  return table;
-}
-
-IkTables read_tables(const Json& json, const std::string& file, Faults& faults) {
-  Reader reader(json, faults);
-  IkTables tables;
-  tables.file = file;
-  tables.robot_root = reader.text("robot_root_name");
-  tables.human_root = reader.text("human_root_name");
-  tables.ground_height = reader.number("ground_height");
-  tables.human_height_assumption = reader.number("human_height_assumption");
-  if (tables.human_height_assumption <= 0.0 && json.contains("human_height_assumption")) {
-    faults.add("\"human_height_assumption\" must be more than 0");
-  }
-  if (const Json* scales = reader.find("human_scale_table")) {
-    if (!scales->is_object()) faults.add("\"human_scale_table\" must be an object of numbers");
-    for (const auto& [bone, scale] : scales->items()) {
-      tables.scales.emplace_back(bone, reader.number(scale, "scale of \"" + bone + "\""));
-    }
-  }
-  for (std::size_t number = 0; number < 2; ++number) {
-    tables.tables[number] = read_table(reader, faults, number);
-  }
-  return tables;
+bool has_task(const ResolvedMapping& mapping) {
+  return std::ranges::any_of(mapping.tables, [](const ResolvedMapping::Table& table) {
+    return table.used && std::ranges::any_of(table.tasks, &MappedTask::has_weight);
+  });
 }
 
 // finds what the names of a mapping mean for a robot
@@ -175,13 +179,8 @@ class Resolver {
       has_scale_[*bone] = true;
     }
     resolve_roots();
-    bool any_task = false;
-    for (std::size_t number = 0; number < 2; ++number) {
-      resolve_table(number);
-      const auto& [used, tasks] = mapping_.tables[number];
-      any_task = any_task || (used && std::ranges::any_of(tasks, &MappedTask::has_weight));
-    }
-    if (!any_task && faults_.empty()) faults_.add(kNoTask);
+    for (std::size_t number = 0; number < 2; ++number) resolve_table(number);
+    if (!has_task(mapping_) && faults_.empty()) faults_.add(kNoTask);
     return std::move(mapping_);
   }
 
@@ -190,18 +189,18 @@ class Resolver {
     const auto body = robot_.find_body(tables_.robot_root);
     mapping_.root_body = body.value_or(0);
     if (!body && !tables_.robot_root.empty()) {
-      faults_.add("\"robot_root_name\": the robot has no body \"" + tables_.robot_root + "\"" +
-                  did_you_mean(tables_.robot_root, bodies_));
+      faults_.add(fmt::format("\"robot_root_name\": the robot has no body \"{}\"{}",
+                              tables_.robot_root, did_you_mean(tables_.robot_root, bodies_)));
     }
     const auto bone = bone_from_name(tables_.human_root);
     mapping_.root_bone = bone.value_or(Bone::kHips);
     if (tables_.human_root.empty()) return;
     if (!bone) {
-      faults_.add("\"human_root_name\": no bone \"" + tables_.human_root + "\"" +
-                  did_you_mean(tables_.human_root, bone_names()));
+      faults_.add(fmt::format("\"human_root_name\": no bone \"{}\"{}", tables_.human_root,
+                              did_you_mean(tables_.human_root, bone_names())));
     } else if (!has_scale_[*bone]) {
-      faults_.add("the root bone \"" + tables_.human_root +
-                  "\" has no entry in \"human_scale_table\"");
+      faults_.add(fmt::format("the root bone \"{}\" has no entry in \"human_scale_table\"",
+                              tables_.human_root));
     }
   }
 
@@ -220,8 +219,8 @@ class Resolver {
       if (!row.has_weight()) continue;
       const auto [found, is_new] = body_of_bone.try_emplace(row.bone, row.body);
       if (!is_new) {
-        faults_.add(table_key(number) + ": the bone \"" + row.bone + "\" drives two bodies, \"" +
-                    found->second + "\" and \"" + row.body + "\"");
+        faults_.add(fmt::format("{}: the bone \"{}\" drives two bodies, \"{}\" and \"{}\"",
+                                table_key(number), row.bone, found->second, row.body));
       }
     }
   }
@@ -229,16 +228,16 @@ class Resolver {
   void check_row(const IkRow& row, const std::string& table, bool has_body,
                  std::optional<Bone> bone) {
     if (!has_body) {
-      faults_.add(table + ": the robot has no body \"" + row.body + "\"" +
-                  faults_.suggestion(row.body, bodies_));
+      faults_.add(fmt::format("{}: the robot has no body \"{}\"{}", table, row.body,
+                              faults_.suggestion(row.body, bodies_)));
     }
     if (row.bone.empty()) return;  // a row that could not be read was named already
     if (!bone) {
-      faults_.add(table + " of \"" + row.body + "\": no bone \"" + row.bone + "\"" +
-                  faults_.suggestion(row.bone, bone_names()));
+      faults_.add(fmt::format("{} of \"{}\": no bone \"{}\"{}", table, row.body, row.bone,
+                              faults_.suggestion(row.bone, bone_names())));
     } else if (!has_scale_[*bone]) {
-      faults_.add(table + " of \"" + row.body + "\": the bone \"" + row.bone +
-                  "\" has no entry in \"human_scale_table\"");
+      faults_.add(fmt::format("{} of \"{}\": the bone \"{}\" has no entry in \"human_scale_table\"",
+                              table, row.body, row.bone));
     }
   }
 
@@ -257,7 +256,7 @@ auto read_text(std::string_view text, const std::string& file, const Use& use)
   TRY_ASSIGN(const auto json, parse_json(text, file));
   if (!json.is_object()) return config_failure(file, "a mapping must be a JSON object");
   Faults faults;
-  auto result = use(read_tables(json, file, faults), faults);
+  auto result = use(MappingReader(json, faults).read(file), faults);
   if (!faults.empty()) return faults.failure_in(file, "the mapping");
   return result;
 }
@@ -311,14 +310,12 @@ int ResolvedMapping::body_of(Bone bone) const {
 
 Result<int> leave_out_bones(ResolvedMapping& mapping, std::span<const Bone> bones) {
   std::size_t dropped = 0;
-  bool any_task = false;
-  for (auto& [used, tasks] : mapping.tables) {
-    dropped += std::erase_if(tasks, [&](const MappedTask& task) {
+  for (auto& table : mapping.tables) {
+    dropped += std::erase_if(table.tasks, [&](const MappedTask& task) {
       return std::ranges::find(bones, task.bone) != bones.end();
     });
-    any_task = any_task || (used && std::ranges::any_of(tasks, &MappedTask::has_weight));
   }
-  if (!any_task) return config_failure(mapping.file, kNoTask);
+  if (!has_task(mapping)) return config_failure(mapping.file, kNoTask);
   return static_cast<int>(dropped);
 }
 

@@ -210,11 +210,9 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Cl
                                            TrunkRule trunk, const LimitSet& limits,
                                            double least_share) {
   HumanPoser poser(clip, mapping);
-  const HumanPoseSource poses = [&](int frame, HumanPose& world_from_bone) {
-    poser.pose(frame, world_from_bone);
-  };
+  const HumanPoseSource poses = poses_of(poser);
   const auto targets =
-      make_targets(poser.info(), poses, {}, robot_clip.robot(), tables, scale, trunk, &limits);
+      make_targets(poser.info(), poses, robot_clip.robot(), tables, scale, trunk, &limits);
   // the clip was solved with these targets: they can be made
   if (!targets) return {};
   return joints_at_limits(robot_clip, tables, *targets, poses, limits, least_share);

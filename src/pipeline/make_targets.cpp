@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/suggest.h"
 #include "base/try.h"
 #include "pipeline/limb_lengths.h"
@@ -13,32 +15,32 @@ namespace {
 
 // names the mapped bones that the source lacks, and what it has instead
 Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
-                         const std::string& clip_name, const std::string& mapping) {
-  std::vector<std::string> missing, present;
+                         const std::string& mapping) {
+  std::vector<std::string> missing;
   for (const Bone bone : targets.bones()) {
     if (!human.has(bone)) missing.emplace_back(bone_name(bone));
   }
   if (missing.empty()) return {};
-  return input_failure(clip_name,
-                       "the skeleton has no joint for " +
-                           std::string(missing.size() == 1 ? "the bone " : "the bones ") +
-                           list_names(missing) + ", which the mapping " + mapping + " uses",
+  return input_failure({},
+                       fmt::format("the skeleton has no joint for the bone{} {}, which the mapping "
+                                   "{} uses",
+                                   missing.size() == 1 ? "" : "s", list_names(missing), mapping),
                        "the file has " + list_names(human.source_joints));
 }
 
 Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                   const std::string& clip_name, bool forearms) {
+                                   bool forearms) {
   for (const Bone bone : kMeasuredBones) {
     if (human.has(bone)) continue;
     return input_failure(
-        clip_name, "limbs cannot be measured: no joint stands for " + std::string(bone_name(bone)),
+        {}, fmt::format("limbs cannot be measured: no joint stands for {}", bone_name(bone)),
         kOtherScaleHint);
   }
   HumanPose world_from_bone;
   poses(0, world_from_bone);
   const LimbLengths lengths = human_limb_lengths(world_from_bone, forearms);
   if (lengths.leg > 0.0 && lengths.arm > 0.0 && lengths.trunk > 0.0) return lengths;
-  return input_failure(clip_name, "a limb of the body has no length", kOtherScaleHint);
+  return input_failure({}, "a limb of the body has no length", kOtherScaleHint);
 }
 
 std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
@@ -53,15 +55,14 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
 }  // namespace
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                   const std::string& clip_name, const Robot& robot,
-                                   const ResolvedMapping& tables, HeightScale scale,
-                                   TrunkRule trunk, const LimitSet* limits) {
+                                   const Robot& robot, const ResolvedMapping& tables,
+                                   HeightScale scale, TrunkRule trunk, const LimitSet* limits) {
   const double height = scale == HeightScale::kPublished ? human.height : human.size;
   TargetBuilder targets(tables, height, scale);
-  TRY(check_bones(human, targets, clip_name, tables.file));
+  TRY(check_bones(human, targets, tables.file));
   if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
   TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, tables));
-  TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, clip_name, limbs.forearms));
+  TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));
   return TargetBuilder(tables, limbs, body,
                        trunk == TrunkRule::kLines
                            ? make_trunk_aim(human, poses, robot, tables, limbs,

@@ -22,8 +22,6 @@ struct RetargetOptions {
   IkEngine engine = IkEngine::kFast;
   HeightScale height_scale = HeightScale::kPublished;
   TrunkRule trunk = TrunkRule::kBones;
-  /// How far the waist may turn where trunk is kLines, valid while the run lasts; null: the model's.
-  const LimitSet* waist_limits = nullptr;
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing
   /// of the way there is left in the motion, and again every frame into which the root's target
@@ -52,16 +50,14 @@ struct RetargetResult {
 /// model's zero configuration (qpos0), every other from the frame before.
 ///
 /// Errors: weights that lead to values that are not finite (kConfig); a mapped bone that the clip
-/// lacks, or positions too large to compute with (kInput).
-/// @param clip_name  the clip's file, for messages.
-[[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human, const std::string& clip_name,
+/// lacks, or positions too large to compute with (kInput; without a file where the clip is not given).
+[[nodiscard]] Result<RetargetResult> retarget(const HumanClip& human,
                                               const std::shared_ptr<const Robot>& robot,
                                               const ResolvedMapping& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});
 
 /// The same for a clip under a mapping, without holding all human poses in memory.
 [[nodiscard]] Result<RetargetResult> retarget(const Clip& clip, const HumanMapping& mapping,
-                                              const std::string& clip_name,
                                               const std::shared_ptr<const Robot>& robot,
                                               const ResolvedMapping& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});
@@ -74,7 +70,7 @@ struct MadeTargets {
 };
 
 /// The same for targets that were made before; what options say of how to make them does not count.
-[[nodiscard]] Result<RetargetResult> retarget(const MadeTargets& made, const std::string& clip_name,
+[[nodiscard]] Result<RetargetResult> retarget(const MadeTargets& made,
                                               const std::shared_ptr<const Robot>& robot,
                                               const ResolvedMapping& tables, const LimitSet& limits,
                                               const RetargetOptions& options = {});

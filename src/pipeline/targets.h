@@ -88,14 +88,12 @@ class TargetBuilder {
 
 /// The targets of a human's clip under a way of scaling.
 ///
-/// Errors: a mapped bone that the clip lacks, for kLimbs also bones without which its limbs cannot
+/// Errors, of which those of kInput name no file: a mapped bone that the clip lacks, for kLimbs also bones without which its limbs cannot
 /// be measured (kInput); a robot whose limbs cannot be (kConfig).
-/// @param poses      asked for single frames when limbs are measured.
-/// @param clip_name  the clip's file, for messages.
-/// @param limits     how far the waist may turn, for kLines; null: the model's.
+/// @param poses   asked for single frames when limbs are measured.
+/// @param limits  how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
-                                                 const HumanPoseSource& poses,
-                                                 const std::string& clip_name, const Robot& robot,
+                                                 const HumanPoseSource& poses, const Robot& robot,
                                                  const ResolvedMapping& tables, HeightScale scale,
                                                  TrunkRule trunk = TrunkRule::kBones,
                                                  const LimitSet* limits = nullptr);

@@ -8,7 +8,6 @@
 #include "base/try.h"
 #include "motion/clip_range.h"
 #include "options/run_tables.h"
-#include "plan/fit_choice.h"
 #include "retarget/plan.h"
 
 namespace retarget {

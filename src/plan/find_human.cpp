@@ -42,7 +42,7 @@ Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
   TRY_ASSIGN(const auto known, load_dialects(data_folder + "/configs/skeletons"));
   RecogniseOptions recognise;
   recognise.partial = options.partial;
-  return recognise_skeleton(clip, known, clip.name(), recognise);
+  return recognise_skeleton(clip, known, recognise);
 }
 
 }  // namespace
@@ -52,10 +52,17 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   TRY_ASSIGN(const CalibrationOptions how, calibration_options(options, clip));
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
   const auto doubt = let_directions_win(clip, map);
-  TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how, clip.name()));
+  TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
   auto& doubts = calibration.mapping.doubts;
   if (doubt) doubts.insert(doubts.begin(), *doubt);
   return HumanInClip{std::move(map), std::move(calibration)};
+}
+
+std::vector<Bone> HumanInClip::missing_bones() const {
+  std::vector<Bone> missing(kAllBones.begin(), kAllBones.end());
+  std::erase_if(missing,
+                [this](Bone bone) { return calibration.mapping.bones[bone].position_joint >= 0; });
+  return missing;
 }
 
 bool HumanInClip::is_lafan1() const {

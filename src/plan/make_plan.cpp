@@ -62,13 +62,9 @@ HeightScale choose_scale(const HumanInClip& human, const Robot& robot,
 
 // of a partial body: tasks of bones that it lacks
 Result<void> leave_out_missing(Plan& plan) {
-  std::vector<Bone> missing;
+  const std::vector<Bone> missing = plan.human.missing_bones();
   std::vector<std::string> names;
-  for (const Bone bone : kAllBones) {
-    if (plan.human.calibration.mapping.bones[bone].position_joint >= 0) continue;
-    missing.push_back(bone);
-    names.emplace_back(bone_name(bone));
-  }
+  for (const Bone bone : missing) names.emplace_back(bone_name(bone));
   TRY_ASSIGN(const int dropped, leave_out_bones(plan.mapping, missing));
   if (dropped == 0) return {};
   plan.mapping_notes.push_back(
@@ -113,9 +109,9 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.fit = robot.fit;
   // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
   TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
-  plan.mapping = robot.mapping_for(plan.human);
-  plan.is_mapping_of_others =
-      robot.mapping_of_others && plan.mapping.file == robot.mapping_of_others->file;
+  const ResolvedMapping& mapping = robot.mapping_for(plan.human);
+  plan.mapping = mapping;
+  plan.is_mapping_of_others = &mapping != &robot.mapping;
   TRY(choose_frames(clip, options, plan));
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.mapping, options);

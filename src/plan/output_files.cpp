@@ -15,11 +15,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kEndings[] = {".csv", ".npz", ".pkl"};
-
-// other names that files of the same kinds have
-constexpr std::pair<std::string_view, std::string_view> kOtherEndings[] = {
-    {".pickle", ".pkl"}, {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}};
+// endings that say what a file is: the formats' own, and others of files of the same kinds
+constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
+    {".csv", ".csv"},    {".npz", ".npz"}, {".pkl", ".pkl"}, {".pickle", ".pkl"},
+    {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}};
 
 // endings of what is no robot's motion
 constexpr std::string_view kForeignEndings[] = {".bvh",  ".json", ".jsonl", ".npy", ".xml",
@@ -34,11 +33,8 @@ std::string ending_of(const std::string& path) {
 // `.csv`, `.npz` or `.pkl` by a name; empty: it does not say
 std::string_view kind_of(const std::string& path) {
   const std::string ending = ending_of(path);
-  for (const std::string_view known : kEndings) {
-    if (ending == known) return known;
-  }
-  for (const auto& [other, known] : kOtherEndings) {
-    if (ending == other) return known;
+  for (const auto& [known, kind] : kEndings) {
+    if (ending == known) return kind;
   }
   return {};
 }
@@ -93,9 +89,7 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
   }
   std::string base = output;
   const std::string given = ending_of(base);
-  if (std::ranges::find(kEndings, given) != std::end(kEndings)) {
-    base.erase(base.size() - given.size());
-  }
+  if (!given.empty() && kind_of(base) == given) base.erase(base.size() - given.size());
   std::vector<OutputItem> items;
   for (const MotionFormat format : options.formats) {
     if (std::ranges::find(items, format, &OutputItem::format) != items.end()) {

@@ -56,24 +56,42 @@ Json bones_json(const Plan& plan) {
   return json;
 }
 
+// all that a plan says of a human but for the bones, by its key
+template <typename Human, typename Visit>
+void visit_human(Human& human, const Visit& visit) {
+  auto& [map, calibration] = human;
+  auto& mapping = calibration.mapping;
+  visit("description", mapping.description);
+  visit("dialect", mapping.dialect);
+  visit("recognised_by", map.dialect);
+  visit("confidence", map.confidence);
+  visit("partial", map.partial);
+  visit("unit", calibration.unit);
+  visit("metres_per_unit", mapping.metres_per_unit);
+  visit("up", calibration.up);
+  visit("forward", calibration.forward);
+  visit("rest_pose", calibration.rest_pose);
+  visit("rest_deviation_deg", calibration.rest_deviation);
+  visit("height", mapping.height);
+  visit("size", mapping.size);
+  visit("human_from_source", mapping.human_from_source);
+}
+
+template <typename Value>
+Json value_json(const Value& value) {
+  return value;
+}
+Json value_json(const SignedAxis& axis) {
+  return to_text(axis);
+}
+Json value_json(const Eigen::Matrix3d& matrix) {
+  return numbers(matrix);
+}
+
 Json human_json(const Plan& plan) {
-  const auto& [map, calibration] = plan.human;
-  const HumanMapping& mapping = calibration.mapping;
   Json json;
-  json["description"] = mapping.description;
-  json["dialect"] = mapping.dialect;
-  json["recognised_by"] = map.dialect;
-  json["confidence"] = map.confidence;
-  json["partial"] = map.partial;
-  json["unit"] = calibration.unit;
-  json["metres_per_unit"] = mapping.metres_per_unit;
-  json["up"] = to_text(calibration.up);
-  json["forward"] = to_text(calibration.forward);
-  json["rest_pose"] = calibration.rest_pose;
-  json["rest_deviation_deg"] = calibration.rest_deviation;
-  json["height"] = mapping.height;
-  json["size"] = mapping.size;
-  json["human_from_source"] = numbers(mapping.human_from_source);
+  visit_human(plan.human,
+              [&](const char* key, const auto& value) { json[key] = value_json(value); });
   json["bones"] = bones_json(plan);
   return json;
 }
@@ -103,13 +121,14 @@ class Reader {
     }
     std::ranges::copy(values, vector.data());
   }
-  void take_axis(const char* key, SignedAxis& axis) {
+  void take(const char* key, SignedAxis& axis) {
     std::string text;
     take(key, text);
     const bool sound = text.size() == 2 && text[1] >= 'x' && text[1] <= 'z';
     if (!sound) return fault(key, "is no axis");
     axis = {text[1] - 'x', text[0] == '-'};
   }
+  void take(const char* key, Eigen::Matrix3d& matrix) { take_numbers(key, matrix); }
   void take_joint(const char* key, int joints, int& joint) {
     take(key, joint);
     if (joint < -1 || joint >= joints) fault(key, "is no joint of the clip");
@@ -162,23 +181,8 @@ void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, 
 }
 
 void read_human(const Json& json, Plan& plan, const Skeleton& skeleton, Faults& faults) {
-  auto& [map, calibration] = plan.human;
-  HumanMapping& mapping = calibration.mapping;
   Reader reader(json, faults);
-  reader.take("description", mapping.description);
-  reader.take("dialect", mapping.dialect);
-  reader.take("recognised_by", map.dialect);
-  reader.take("confidence", map.confidence);
-  reader.take("partial", map.partial);
-  reader.take("unit", calibration.unit);
-  reader.take("metres_per_unit", mapping.metres_per_unit);
-  reader.take_axis("up", calibration.up);
-  reader.take_axis("forward", calibration.forward);
-  reader.take("rest_pose", calibration.rest_pose);
-  reader.take("rest_deviation_deg", calibration.rest_deviation);
-  reader.take("height", mapping.height);
-  reader.take("size", mapping.size);
-  reader.take_numbers("human_from_source", mapping.human_from_source);
+  visit_human(plan.human, [&](const char* key, auto& value) { reader.take(key, value); });
   read_bones(member(json, "bones"), skeleton, plan.human, faults);
 }
 
@@ -278,11 +282,7 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   TRY(check_need({plan.frame_count(), plan.rate, plan.clip->origin().bytes, plan.clip->name()},
                  plan.options.source.memory_gb, plan.options.save));
   TRY_ASSIGN(plan.mapping, load_mapping(mapping, *plan.robot.robot));
-  std::vector<Bone> missing;
-  for (const Bone bone : kAllBones) {
-    if (plan.human.calibration.mapping.bones[bone].position_joint < 0) missing.push_back(bone);
-  }
-  if (plan.human.map.partial) TRY(leave_out_bones(plan.mapping, missing));
+  if (plan.human.map.partial) TRY(leave_out_bones(plan.mapping, plan.human.missing_bones()));
   return plan;
 }
 

@@ -7,7 +7,6 @@
 #include "base/try.h"
 #include "options/fit_options.h"
 #include "plan/check_options.h"
-#include "plan/fit_choice.h"
 #include "plan/mapping_files.h"
 #include "retarget/plan.h"
 

@@ -57,9 +57,8 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
       return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
     };
   }
-  TRY_ASSIGN(FitResult fitted,
-             fit(*motion.source, plan.human.calibration.mapping, motion.source->name(),
-                 plan.robot.robot, plan.mapping, plan.limits, options, run));
+  TRY_ASSIGN(FitResult fitted, fit(*motion.source, plan.human.calibration.mapping, plan.robot.robot,
+                                   plan.mapping, plan.limits, options, run));
   motion.clip = std::move(fitted.clip);
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
@@ -74,9 +73,8 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
 Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion& motion) {
   RetargetOptions options = pass_options(plan, control, motion.source->frame_count());
   options.frame_solved = control.frame_solved;
-  TRY_ASSIGN(RetargetResult result,
-             retarget(*motion.source, plan.human.calibration.mapping, motion.source->name(),
-                      plan.robot.robot, plan.mapping, plan.limits, options));
+  TRY_ASSIGN(RetargetResult result, retarget(*motion.source, plan.human.calibration.mapping,
+                                             plan.robot.robot, plan.mapping, plan.limits, options));
   motion.clip = std::move(result.clip);
   motion.ik_steps = result.steps;
   return {};

@@ -24,8 +24,7 @@ namespace {
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
   const HumanClip& human = *source.human;
   const HumanPoseSource poses = poses_of(human);
-  const auto targets =
-      make_targets(human, poses_of(human), {}, robot, *source.tables, source.scale);
+  const auto targets = make_targets(human, poses_of(human), robot, *source.tables, source.scale);
   if (!targets) return std::nullopt;
   for (const Bone bone :
        {Bone::kLeftFootMod, Bone::kLeftFoot, Bone::kRightFootMod, Bone::kRightFoot}) {
@@ -64,8 +63,8 @@ void find_limited_joints(const Draft& draft, const LimitSet& limits, const Quali
   const HumanClip& human = *source.human;
   if (human.frame_count < draft.clip.frame_count()) return;
   const HumanPoseSource poses = poses_of(human);
-  const auto targets = make_targets(human, poses, {}, draft.clip.robot(), *source.tables,
-                                    source.scale, TrunkRule::kLines, &limits);
+  const auto targets = make_targets(human, poses, draft.clip.robot(), *source.tables, source.scale,
+                                    TrunkRule::kLines, &limits);
   // a body that lacks what the mapping needs has no targets
   if (!targets) return;
   for (const JointAtLimit& found :

@@ -122,7 +122,7 @@ void TrackingMeasure::collect_rows(double ratio) {
 
 // limb by limb a target is no multiple of its bone's way from the root
 void TrackingMeasure::collect_limb_targets() {
-  const auto targets = make_targets(human_, poses_of(human_), {}, draft_.clip.robot(), tables_,
+  const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), tables_,
                                     HeightScale::kLimbs, TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;

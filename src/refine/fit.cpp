@@ -8,6 +8,7 @@
 #include <numeric>
 #include <thread>
 
+#include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "math/so3.h"
@@ -91,12 +92,11 @@ FitOptions sized_options(FitOptions options, double leg) {
 // one clip on its way through all stages
 class Fit {
  public:
-  Fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
-      const std::shared_ptr<const Robot>& robot, const ResolvedMapping& tables,
-      const LimitSet& limits, const FitOptions& options, const FitRun& run)
+  Fit(const Clip& clip, const HumanMapping& mapping, const std::shared_ptr<const Robot>& robot,
+      const ResolvedMapping& tables, const LimitSet& limits, const FitOptions& options,
+      const FitRun& run)
       : source_(clip),
         mapping_(mapping),
-        clip_name_(clip_name),
         robot_(robot),
         tables_(tables),
         limits_(limits),
@@ -115,7 +115,6 @@ class Fit {
 
   const Clip& source_;
   const HumanMapping& mapping_;
-  const std::string& clip_name_;
   const std::shared_ptr<const Robot>& robot_;
   const ResolvedMapping& tables_;
   const LimitSet& limits_;
@@ -260,7 +259,7 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
     crew.starts_are_there(frame + 1);
   };
   TRY_ASSIGN(const auto first,
-             retarget(made, clip_name_, robot_, tables_, first_limits(*robot_, limits_), options));
+             retarget(made, robot_, tables_, first_limits(*robot_, limits_), options));
   result.steps = first.steps;
   crew.starts_are_there(clip_.frame_count);
   if (!crew.finish(run_.keep_going)) return interrupted_failure();
@@ -342,11 +341,9 @@ Result<FitResult> Fit::run() {
   FitResult result;
   HumanPoser poser(source_, mapping_);
   const HumanClipInfo info = poser.info();
-  const HumanPoseSource poses = [&](int frame, HumanPose& world_from_bone) {
-    poser.pose(frame, world_from_bone);
-  };
+  const HumanPoseSource poses = poses_of(poser);
   TRY_ASSIGN(const TargetBuilder targets,
-             make_targets(info, poses, clip_name_, *robot_, tables_, run_.retarget.height_scale,
+             make_targets(info, poses, *robot_, tables_, run_.retarget.height_scale,
                           TrunkRule::kLines, &limits_));
   const auto limbs = robot_limbs(*robot_, tables_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
@@ -362,7 +359,7 @@ Result<FitResult> Fit::run() {
   MadeTargets made{targets, info.rate, {}};
   if (!read_source(info, poser, made)) {
     // the first stage tells what is wrong with it
-    TRY(retarget(source_, mapping_, clip_name_, robot_, tables_, first_limits(*robot_, limits_),
+    TRY(retarget(source_, mapping_, robot_, tables_, first_limits(*robot_, limits_),
                  run_.retarget));
   }
   result.contacts = find_contacts(feet_, contact_options(options_));
@@ -392,10 +389,10 @@ Result<FitResult> Fit::run() {
 
 }  // namespace
 
-Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping, const std::string& clip_name,
+Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping,
                       const std::shared_ptr<const Robot>& robot, const ResolvedMapping& tables,
                       const LimitSet& limits, const FitOptions& options, const FitRun& run) {
-  return Fit(clip, mapping, clip_name, robot, tables, limits, options, run).run();
+  return located(Fit(clip, mapping, robot, tables, limits, options, run).run(), clip.name());
 }
 
 }  // namespace retarget

@@ -46,9 +46,7 @@ struct FitRun {
 /// the report says so. A robot without soles or collision shapes goes without those terms.
 ///
 /// Errors: as retarget().
-/// @param clip_name  the clip's file, for messages.
 [[nodiscard]] Result<FitResult> fit(const Clip& clip, const HumanMapping& mapping,
-                                    const std::string& clip_name,
                                     const std::shared_ptr<const Robot>& robot,
                                     const ResolvedMapping& tables, const LimitSet& limits,
                                     const FitOptions& options = {}, const FitRun& run = {});

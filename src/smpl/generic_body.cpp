@@ -28,11 +28,9 @@ constexpr double kFootLength = 0.152;
 constexpr double kBall = 0.73 * kFootLength - kHeelBehindAnkle;
 constexpr double kToes = kFootLength - kHeelBehindAnkle;
 
-constexpr Place mirrored(const Place& place) {
-  return {-place.left, place.up, place.forward};
-}
-
 constexpr Place kPelvis = {0, 0.550, 0};
+constexpr Place kSpine1 = {0, 0.580, 0}, kSpine2 = {0, 0.670, 0}, kSpine3 = {0, 0.738, 0};
+constexpr Place kNeck = {0, 0.848, 0}, kHead = {0, 0.912, 0}, kCrown = {0, 1, 0};
 constexpr Place kLeftHip = {kHipWidth, kHip, 0};
 constexpr Place kLeftKnee = {kHipWidth, kKnee, 0};
 constexpr Place kLeftAnkle = {kHipWidth, kAnkle, 0};
@@ -44,33 +42,12 @@ constexpr Place kLeftElbow = {kElbowWidth, kShoulder, 0};
 constexpr Place kLeftWrist = {kWristWidth, kShoulder, 0};
 constexpr Place kLeftFingerTip = {kFingerWidth, kShoulder, 0};
 
-// by kSmplJointNames
-constexpr std::array<Place, kSmplJointCount> kJoints = {kPelvis,
-                                                        kLeftHip,
-                                                        mirrored(kLeftHip),
-                                                        Place{0, 0.580, 0},  // spine1
-                                                        kLeftKnee,
-                                                        mirrored(kLeftKnee),
-                                                        Place{0, 0.670, 0},  // spine2
-                                                        kLeftAnkle,
-                                                        mirrored(kLeftAnkle),
-                                                        Place{0, 0.738, 0},  // spine3
-                                                        kLeftFoot,
-                                                        mirrored(kLeftFoot),
-                                                        Place{0, 0.848, 0},  // neck
-                                                        kLeftCollar,
-                                                        mirrored(kLeftCollar),
-                                                        Place{0, 0.912, 0},  // head
-                                                        kLeftShoulder,
-                                                        mirrored(kLeftShoulder),
-                                                        kLeftElbow,
-                                                        mirrored(kLeftElbow),
-                                                        kLeftWrist,
-                                                        mirrored(kLeftWrist)};
-
-// by SmplTip
-constexpr std::array<Place, kSmplTipCount> kTips = {
-    Place{0, 1, 0}, kLeftToeTip, mirrored(kLeftToeTip), kLeftFingerTip, mirrored(kLeftFingerTip)};
+// by kSmplJointNames, each left joint for the right one behind it as well
+constexpr std::array kJoints = {kPelvis,    kLeftHip,      kSpine1,    kLeftKnee, kSpine2,
+                                kLeftAnkle, kSpine3,       kLeftFoot,  kNeck,     kLeftCollar,
+                                kHead,      kLeftShoulder, kLeftElbow, kLeftWrist};
+// by SmplTip, the same
+constexpr std::array kTips = {kCrown, kLeftToeTip, kLeftFingerTip};
 
 // from the pelvis, in metres
 Eigen::Vector3d position(const Place& place, double height) {
@@ -78,12 +55,21 @@ Eigen::Vector3d position(const Place& place, double height) {
                                   place.forward - kPelvis.forward);
 }
 
+void put_both_sides(std::span<const Place> places, double height,
+                    std::span<Eigen::Vector3d> positions) {
+  auto next = positions.begin();
+  for (const Place& place : places) {
+    *next++ = position(place, height);
+    if (place.left > 0.0) *next++ = position({-place.left, place.up, place.forward}, height);
+  }
+}
+
 }  // namespace
 
 SmplRestBody generic_smpl_rest_body(double height) {
   SmplRestBody body;
-  for (int i = 0; i < kSmplJointCount; ++i) body.joints[i] = position(kJoints[i], height);
-  for (int i = 0; i < kSmplTipCount; ++i) body.tips[i] = position(kTips[i], height);
+  put_both_sides(kJoints, height, body.joints);
+  put_both_sides(kTips, height, body.tips);
   body.height = height;
   return body;
 }

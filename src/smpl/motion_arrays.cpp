@@ -7,6 +7,9 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "base/lower_case.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
@@ -29,39 +32,11 @@ struct Table {
   std::vector<double> values;
   std::size_t rows = 0;
   std::size_t width = 0;
+  std::size_t used = 0;  // columns that are looked at, the first ones
 
   [[nodiscard]] Eigen::Vector3d vector(std::size_t row, std::size_t column) const {
     return Eigen::Map<const Eigen::Vector3d>(values.data() + row * width + column);
   }
-};
-
-class MotionReader {
- public:
-  explicit MotionReader(const NpzFile& file) : file_(file) {}
-
-  Result<MotionArrays> read(std::optional<double> source_fps);
-
- private:
-  Result<Table> read_table(const char* name, std::span<const std::size_t> widths,
-                           std::size_t used_columns) const;
-  Result<void> check_finite(const char* name, const Table& table, std::size_t used_columns) const;
-  Result<void> check_angles(const char* name, const Table& table, std::size_t used_columns) const;
-  Result<void> read_rotations();
-  Result<void> read_split_rotations();
-  Result<void> read_whole_rotations();
-  Result<void> read_translations();
-  Failure no_motion() const;
-  Result<void> read_rate(std::optional<double> source_fps);
-  Result<double> read_rate_array(const char* name) const;
-  Result<void> read_betas();
-  Result<void> read_gender();
-  Result<std::string> read_word(const char* name) const;
-  Result<void> read_family();
-  void warn(std::string message) { arrays_.warnings.push_back({0, 0, std::move(message)}); }
-
-  const NpzFile& file_;
-  MotionArrays arrays_;
-  std::size_t pose_width_ = 0;  // of `poses`, 0 without
 };
 
 // (F, W), or (F, W / 3, 3) as some write rotation vectors
@@ -70,262 +45,248 @@ std::size_t width_of(const std::vector<std::size_t>& shape) {
   return shape.size() == 3 && shape[2] == 3 && shape[1] < kSmplxColumns ? 3 * shape[1] : 0;
 }
 
-Result<Table> MotionReader::read_table(const char* name, std::span<const std::size_t> widths,
-                                       std::size_t used_columns) const {
-  TRY_ASSIGN(const auto array, file_.read(name));
-  const std::size_t width = width_of(array.shape);
-  if (!array.is_number() || std::ranges::find(widths, width) == widths.end()) {
-    std::string wanted;
-    for (const std::size_t possible : widths) {
-      wanted += (wanted.empty() ? "" : " or ") + ("(frames, " + std::to_string(possible) + ")");
-    }
-    return file_.array_failure(name, "expected numbers of shape " + wanted + ", found " +
-                                         (array.is_text() ? "text of " : "") +
-                                         shape_text(array.shape));
+std::string fault_of(double value) {
+  if (std::isfinite(value)) {
+    return fmt::format("expected rotation vectors in radians, found {:f}", value);
   }
-  const std::size_t rows = array.shape[0];
-  if (rows == 0) return file_.array_failure(name, "it has no frames");
-  if (rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    return file_.array_failure(name, "it has more frames than can be counted");
-  }
-  Table table{array.numbers(), rows, width};
-  TRY(check_finite(name, table, used_columns));
-  return table;
+  return std::isnan(value) ? "NaN" : "infinity";
 }
 
-Result<void> MotionReader::check_finite(const char* name, const Table& table,
-                                        std::size_t used_columns) const {
-  for (std::size_t row = 0; row < table.rows; ++row) {
-    for (std::size_t column = 0; column < used_columns; ++column) {
-      const double value = table.values[row * table.width + column];
-      if (std::isfinite(value)) continue;
-      return file_.array_failure(name, std::string(std::isnan(value) ? "NaN" : "infinity") +
-                                           " in frame " + std::to_string(row) + ", column " +
-                                           std::to_string(column));
-    }
-  }
-  return {};
-}
+class MotionReader {
+ public:
+  explicit MotionReader(const NpzFile& file) : file_(file) {}
 
-// no joint turns so often: these are degrees, or no rotations at all
-Result<void> MotionReader::check_angles(const char* name, const Table& table,
-                                        std::size_t used_columns) const {
-  constexpr double kMostRadians = 100.0;
-  for (std::size_t row = 0; row < table.rows; ++row) {
-    for (std::size_t column = 0; column < used_columns; ++column) {
-      if (std::abs(table.values[row * table.width + column]) <= kMostRadians) continue;
+  Result<MotionArrays> read(std::optional<double> source_fps) {
+    TRY(read_rotations());
+    TRY(read_translations());
+    TRY(read_rate(source_fps));
+    TRY(read_betas());
+    TRY(read_gender());
+    TRY(read_family());
+    return std::move(arrays_);
+  }
+
+ private:
+  // numbers in one of several widths, of which the first is what is looked at
+  Result<Table> read_table(const char* name, std::initializer_list<std::size_t> widths,
+                           double most = std::numeric_limits<double>::infinity()) const {
+    TRY_ASSIGN(const auto array, file_.read(name));
+    const std::size_t width = width_of(array.shape);
+    if (!array.is_number() || std::ranges::find(widths, width) == widths.end()) {
       return file_.array_failure(
-          name, "expected rotation vectors in radians, found " +
-                    std::to_string(table.values[row * table.width + column]) + " in frame " +
-                    std::to_string(row) + ", column " + std::to_string(column));
+          name, fmt::format("expected numbers of shape (frames, {}), found {}{}",
+                            fmt::join(widths, ") or (frames, "), array.is_text() ? "text of " : "",
+                            shape_text(array.shape)));
     }
-  }
-  return {};
-}
-
-Result<void> MotionReader::read_split_rotations() {
-  constexpr std::array kRootWidths = {kRootColumns};
-  // 69: with SMPL's two hand joints
-  constexpr std::array kBodyWidths = {kBodyColumns, kSmplColumns - kRootColumns};
-  TRY_ASSIGN(const auto root, read_table("root_orient", kRootWidths, kRootColumns));
-  TRY_ASSIGN(const auto body, read_table("pose_body", kBodyWidths, kBodyColumns));
-  if (root.rows != body.rows) {
-    return file_.array_failure("pose_body", "it has " + std::to_string(body.rows) +
-                                                " frames, root_orient has " +
-                                                std::to_string(root.rows));
-  }
-  TRY(check_angles("root_orient", root, kRootColumns));
-  TRY(check_angles("pose_body", body, kBodyColumns));
-  arrays_.frame_count = static_cast<int>(root.rows);
-  arrays_.rotations.reserve(root.rows * kSmplJointCount);
-  for (std::size_t row = 0; row < root.rows; ++row) {
-    arrays_.rotations.push_back(root.vector(row, 0));
-    for (std::size_t column = 0; column < kBodyColumns; column += 3) {
-      arrays_.rotations.push_back(body.vector(row, column));
+    const std::size_t rows = array.shape[0], used = *widths.begin();
+    if (rows == 0) return file_.array_failure(name, "it has no frames");
+    if (rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+      return file_.array_failure(name, "it has more frames than can be counted");
     }
-  }
-  return {};
-}
-
-Result<void> MotionReader::read_whole_rotations() {
-  constexpr std::array kWidths = {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns};
-  TRY_ASSIGN(const auto poses, read_table("poses", kWidths, kUsedColumns));
-  TRY(check_angles("poses", poses, kUsedColumns));
-  pose_width_ = poses.width;
-  arrays_.frame_count = static_cast<int>(poses.rows);
-  arrays_.rotations.reserve(poses.rows * kSmplJointCount);
-  for (std::size_t row = 0; row < poses.rows; ++row) {
-    for (std::size_t column = 0; column < kUsedColumns; column += 3) {
-      arrays_.rotations.push_back(poses.vector(row, column));
+    Table table{array.numbers(), rows, width, used};
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t column = 0; column < used; ++column) {
+        const double value = table.values[row * width + column];
+        if (std::abs(value) <= most && std::isfinite(value)) continue;
+        return file_.array_failure(
+            name, fmt::format("{} in frame {}, column {}", fault_of(value), row, column));
+      }
     }
+    return table;
   }
-  return {};
-}
 
-Failure MotionReader::no_motion() const {
-  std::string hint;
-  if (file_.has("v_template")) {
-    hint = "this is a body model: it goes with a motion, as " OPTION("smpl-model");
-  } else if (file_.has("betas")) {
-    hint =
-        "AMASS keeps the body alone in shape.npz and *_stagei.npz; motions are *_poses.npz and "
-        "*_stageii.npz";
-  }
-  return file_.file_failure(
-      "expected an SMPL motion with the arrays \"poses\", or \"root_orient\" and \"pose_body\"; "
-      "found " +
-          (file_.names().empty() ? "no arrays at all" : list_names(file_.names())),
-      hint);
-}
-
-Result<void> MotionReader::read_rotations() {
-  if (file_.has("root_orient") && file_.has("pose_body")) return read_split_rotations();
-  return file_.has("poses") ? read_whole_rotations() : no_motion();
-}
-
-Result<void> MotionReader::read_translations() {
-  constexpr std::array<std::size_t, 1> kWidths = {3};
-  TRY_ASSIGN(const auto trans, read_table("trans", kWidths, 3));
-  if (trans.rows != static_cast<std::size_t>(arrays_.frame_count)) {
-    return file_.array_failure("trans", "it has " + std::to_string(trans.rows) +
-                                            " frames, the rotations have " +
-                                            std::to_string(arrays_.frame_count));
-  }
-  arrays_.translations.reserve(trans.rows);
-  for (std::size_t row = 0; row < trans.rows; ++row) {
-    arrays_.translations.push_back(trans.vector(row, 0));
-  }
-  return {};
-}
-
-Result<double> MotionReader::read_rate_array(const char* name) const {
-  TRY_ASSIGN(const auto array, file_.read(name));
-  if (!array.is_number() || array.element_count() != 1) {
+  // @param other  what has another number of frames
+  Failure other_length(const char* name, const Table& table, const char* other, std::size_t rows) {
     return file_.array_failure(name,
-                               std::string("expected one number, found ") +
-                                   (array.is_text() ? "text of" : "numbers of") + " shape " +
-                                   shape_text(array.shape),
+                               fmt::format("it has {} frames, {} {}", table.rows, other, rows));
+  }
+
+  Result<void> read_rotations() {
+    // no joint turns so often: these are degrees, or no rotations at all
+    constexpr double kMostRadians = 100.0;
+    const bool split = file_.has("root_orient") && file_.has("pose_body");
+    if (!split && !file_.has("poses")) return no_motion();
+    std::vector<Table> tables;
+    if (split) {
+      TRY_ASSIGN(Table root, read_table("root_orient", {kRootColumns}, kMostRadians));
+      // 69: with SMPL's two hand joints
+      TRY_ASSIGN(Table body, read_table("pose_body", {kBodyColumns, kSmplColumns - kRootColumns},
+                                        kMostRadians));
+      if (root.rows != body.rows) {
+        return other_length("pose_body", body, "root_orient has", root.rows);
+      }
+      tables = {std::move(root), std::move(body)};
+    } else {
+      TRY_ASSIGN(Table poses,
+                 read_table("poses", {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
+                            kMostRadians));
+      pose_width_ = poses.width;
+      tables = {std::move(poses)};
+    }
+    const std::size_t rows = tables.front().rows;
+    arrays_.frame_count = static_cast<int>(rows);
+    arrays_.rotations.reserve(rows * kSmplJointCount);
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (const Table& table : tables) {
+        for (std::size_t column = 0; column < table.used; column += 3) {
+          arrays_.rotations.push_back(table.vector(row, column));
+        }
+      }
+    }
+    return {};
+  }
+
+  Result<void> read_translations() {
+    TRY_ASSIGN(const auto trans, read_table("trans", {3}));
+    if (trans.rows != static_cast<std::size_t>(arrays_.frame_count)) {
+      return other_length("trans", trans, "the rotations have", arrays_.frame_count);
+    }
+    for (std::size_t row = 0; row < trans.rows; ++row) {
+      arrays_.translations.push_back(trans.vector(row, 0));
+    }
+    return {};
+  }
+
+  Failure no_motion() const {
+    std::string hint;
+    if (file_.has("v_template")) {
+      hint = "this is a body model: it goes with a motion, as " OPTION("smpl-model");
+    } else if (file_.has("betas")) {
+      hint =
+          "AMASS keeps the body alone in shape.npz and *_stagei.npz; motions are *_poses.npz and "
+          "*_stageii.npz";
+    }
+    return file_.file_failure(
+        "expected an SMPL motion with the arrays \"poses\", or \"root_orient\" and \"pose_body\"; "
+        "found " +
+            (file_.names().empty() ? "no arrays at all" : list_names(file_.names())),
+        hint);
+  }
+
+  Result<void> read_rate(std::optional<double> source_fps) {
+    if (source_fps) {
+      arrays_.rate = frame_rate_from_fps(*source_fps);
+      return {};
+    }
+    const char* first = nullptr;
+    for (const char* name : {"mocap_framerate", "mocap_frame_rate", "fps"}) {
+      if (!file_.has(name)) continue;
+      TRY_ASSIGN(const auto fps, read_rate_array(name));
+      const FrameRate rate = frame_rate_from_fps(fps);
+      if (first != nullptr && !same_rate(rate, arrays_.rate)) {
+        return file_.array_failure(
+            name,
+            to_text(rate) + " frames a second, but " + first + " says " + to_text(arrays_.rate),
+            std::string(kRateHint));
+      }
+      if (first != nullptr) continue;
+      arrays_.rate = rate;
+      first = name;
+    }
+    if (first != nullptr) return {};
+    return file_.file_failure(
+        "no frame rate: found none of mocap_framerate, mocap_frame_rate and fps",
+        std::string(kRateHint));
+  }
+
+  Result<double> read_rate_array(const char* name) const {
+    TRY_ASSIGN(const auto array, file_.read(name));
+    if (!array.is_number() || array.element_count() != 1) {
+      return file_.array_failure(name,
+                                 std::string("expected one number, found ") +
+                                     (array.is_text() ? "text of" : "numbers of") + " shape " +
+                                     shape_text(array.shape),
+                                 std::string(kRateHint));
+    }
+    const double fps = array.numbers().front();
+    if (std::isfinite(fps) && fps > 0.0) return fps;
+    return file_.array_failure(name, "expected a frame rate above 0, found " + std::to_string(fps),
                                std::string(kRateHint));
   }
-  const double fps = array.numbers().front();
-  if (std::isfinite(fps) && fps > 0.0) return fps;
-  return file_.array_failure(name, "expected a frame rate above 0, found " + std::to_string(fps),
-                             std::string(kRateHint));
-}
 
-Result<void> MotionReader::read_rate(std::optional<double> source_fps) {
-  if (source_fps) {
-    arrays_.rate = frame_rate_from_fps(*source_fps);
-    return {};
-  }
-  const char* first = nullptr;
-  for (const char* name : {"mocap_framerate", "mocap_frame_rate", "fps"}) {
-    if (!file_.has(name)) continue;
-    TRY_ASSIGN(const auto fps, read_rate_array(name));
-    const FrameRate rate = frame_rate_from_fps(fps);
-    if (first != nullptr && !same_rate(rate, arrays_.rate)) {
-      return file_.array_failure(
-          name, to_text(rate) + " frames a second, but " + first + " says " + to_text(arrays_.rate),
-          std::string(kRateHint));
+  Result<void> read_betas() {
+    if (!file_.has("betas")) {
+      warn("no betas: a body of average shape is assumed");
+      return {};
     }
-    if (first == nullptr) arrays_.rate = rate;
-    if (first == nullptr) first = name;
-  }
-  if (first != nullptr) return {};
-  return file_.file_failure(
-      "no frame rate: found none of mocap_framerate, mocap_frame_rate and fps",
-      std::string(kRateHint));
-}
-
-Result<void> MotionReader::read_betas() {
-  if (!file_.has("betas")) {
-    warn("no betas: a body of average shape is assumed");
+    TRY_ASSIGN(const auto array, file_.read("betas"));
+    const std::vector<std::size_t>& shape = array.shape;
+    if (!array.is_number() || shape.empty() || shape.size() > 2) {
+      return file_.array_failure("betas", "expected a row of numbers, found " +
+                                              std::string(array.is_text() ? "text of " : "") +
+                                              "shape " + shape_text(shape));
+    }
+    const std::vector<double> values = array.numbers();
+    const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
+    if (bad != values.end()) {
+      return file_.array_failure(
+          "betas", "number " + std::to_string(bad - values.begin()) + " is not finite");
+    }
+    if (values.empty()) {
+      warn("no betas: a body of average shape is assumed");
+      return {};
+    }
+    // a row per frame, as fits to video give: a body has one shape
+    const auto width = static_cast<std::ptrdiff_t>(shape.back());
+    arrays_.betas.assign(values.begin(), values.begin() + width);
+    for (auto row = values.begin(); row != values.end(); row += width) {
+      if (std::equal(row, row + width, values.begin())) continue;
+      warn("betas change from frame to frame: those of the first one are taken");
+      break;
+    }
     return {};
   }
-  TRY_ASSIGN(const auto array, file_.read("betas"));
-  const std::vector<std::size_t>& shape = array.shape;
-  if (!array.is_number() || shape.empty() || shape.size() > 2) {
-    return file_.array_failure("betas", "expected a row of numbers, found " +
-                                            std::string(array.is_text() ? "text of " : "") +
-                                            "shape " + shape_text(shape));
-  }
-  const std::vector<double> values = array.numbers();
-  const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
-  if (bad != values.end()) {
-    return file_.array_failure("betas",
-                               "number " + std::to_string(bad - values.begin()) + " is not finite");
-  }
-  if (values.empty()) {
-    warn("no betas: a body of average shape is assumed");
+
+  Result<void> read_gender() {
+    if (!file_.has("gender")) {
+      warn("no gender");
+      return {};
+    }
+    TRY_ASSIGN(auto word, read_word("gender"));
+    constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
+    if (std::ranges::find(kGenders, word) == kGenders.end()) {
+      warn("gender is not the text neutral, female or male, and is ignored");
+      return {};
+    }
+    arrays_.gender = std::move(word);
     return {};
   }
-  // a row per frame, as fits to video give: a body has one shape
-  const auto width = static_cast<std::ptrdiff_t>(shape.back());
-  arrays_.betas.assign(values.begin(), values.begin() + width);
-  for (auto row = values.begin(); row != values.end(); row += width) {
-    if (std::equal(row, row + width, values.begin())) continue;
-    warn("betas change from frame to frame: those of the first one are taken");
-    break;
-  }
-  return {};
-}
 
-// the first element of a text array, lower case; empty for anything else but a damaged file
-Result<std::string> MotionReader::read_word(const char* name) const {
-  TRY_ASSIGN(const auto type, file_.type_of(name));
-  // whatever Python object it is, it is not worth refusing a motion
-  if (type.find('O') != std::string::npos) return std::string();
-  TRY_ASSIGN(const auto array, file_.read(name));
-  if (!array.is_text() || array.element_count() == 0) return std::string();
-  std::string word = array.texts().front();
-  // str() of Python's bytes
-  if (word.starts_with("b'") && word.ends_with('\'')) word = word.substr(2, word.size() - 3);
-  for (char& c : word) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  // the first element of a text array, lower case; empty for anything else but a damaged file
+  Result<std::string> read_word(const char* name) const {
+    TRY_ASSIGN(const auto type, file_.type_of(name));
+    // whatever Python object it is, it is not worth refusing a motion
+    if (type.find('O') != std::string::npos) return std::string();
+    TRY_ASSIGN(const auto array, file_.read(name));
+    if (!array.is_text() || array.element_count() == 0) return std::string();
+    std::string word = array.texts().front();
+    // str() of Python's bytes
+    if (word.starts_with("b'") && word.ends_with('\'')) word = word.substr(2, word.size() - 3);
+    return lower_case(word);
   }
-  return word;
-}
 
-Result<void> MotionReader::read_gender() {
-  if (!file_.has("gender")) {
-    warn("no gender");
+  Result<void> read_family() {
+    if (file_.has("surface_model_type")) {
+      TRY_ASSIGN(const auto word, read_word("surface_model_type"));
+      if (word.starts_with("smplx")) arrays_.family = SmplFamily::kSmplx;
+      if (word == "smpl" || word == "smplh") arrays_.family = SmplFamily::kSmpl;
+      if (arrays_.family != SmplFamily::kUnknown) return {};
+    }
+    if (pose_width_ == kSmplColumns || pose_width_ == kSmplhColumns) {
+      arrays_.family = SmplFamily::kSmpl;
+    }
+    if (pose_width_ == kSmplxColumns || file_.has("pose_jaw") || file_.has("pose_eye")) {
+      arrays_.family = SmplFamily::kSmplx;
+    }
     return {};
   }
-  TRY_ASSIGN(auto word, read_word("gender"));
-  constexpr std::array<std::string_view, 3> kGenders = {"neutral", "female", "male"};
-  if (std::ranges::find(kGenders, word) == kGenders.end()) {
-    warn("gender is not the text neutral, female or male, and is ignored");
-    return {};
-  }
-  arrays_.gender = std::move(word);
-  return {};
-}
 
-Result<void> MotionReader::read_family() {
-  if (file_.has("surface_model_type")) {
-    TRY_ASSIGN(const auto word, read_word("surface_model_type"));
-    if (word.starts_with("smplx")) arrays_.family = SmplFamily::kSmplx;
-    if (word == "smpl" || word == "smplh") arrays_.family = SmplFamily::kSmpl;
-    if (arrays_.family != SmplFamily::kUnknown) return {};
-  }
-  if (pose_width_ == kSmplColumns || pose_width_ == kSmplhColumns) {
-    arrays_.family = SmplFamily::kSmpl;
-  }
-  if (pose_width_ == kSmplxColumns || file_.has("pose_jaw") || file_.has("pose_eye")) {
-    arrays_.family = SmplFamily::kSmplx;
-  }
-  return {};
-}
+  void warn(std::string message) { arrays_.warnings.push_back({0, 0, std::move(message)}); }
 
-Result<MotionArrays> MotionReader::read(std::optional<double> source_fps) {
-  TRY(read_rotations());
-  TRY(read_translations());
-  TRY(read_rate(source_fps));
-  TRY(read_betas());
-  TRY(read_gender());
-  TRY(read_family());
-  return std::move(arrays_);
-}
+  const NpzFile& file_;
+  MotionArrays arrays_;
+  std::size_t pose_width_ = 0;  // of `poses`, 0 without
+};
 
 }  // namespace
 

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/file.h"
 #include "base/npz.h"
 #include "base/try.h"
@@ -26,102 +28,6 @@ constexpr int kSmplxJointCount = 55;
 constexpr int kSole = kSmplTipCount;  // after the tips: the lowest vertex
 constexpr int kPointCount = kSmplJointCount + kSmplTipCount + 1;
 
-class BodyReader {
- public:
-  explicit BodyReader(const NpzFile& file) : file_(file) {}
-
-  Result<SmplBody> read(const std::string& file_name);
-
- private:
-  Result<void> read_arrays();
-  Result<void> check_joints();
-  Result<void> find_landmarks();
-  Result<NpyArray> read_array(const char* name) const;
-  Result<RowMatrix> read_matrix(const char* name, std::vector<std::optional<std::size_t>> shape);
-  void add_vertex(SmplBody& body, int point, double weight, Eigen::Index vertex) const;
-
-  const NpzFile& file_;
-  RowMatrix vertices_;    // V x 3
-  RowMatrix directions_;  // V x 3B: for each coordinate all betas
-  RowMatrix regressor_;   // J x V
-  RowMatrix tree_;        // 2 x J
-  Eigen::Index beta_count_ = 0;
-  std::array<Eigen::Index, kSmplTipCount + 1> landmarks_{};
-};
-
-// a sparse matrix of SciPy is an object for NumPy: say what to do about that one
-Result<NpyArray> BodyReader::read_array(const char* name) const {
-  Result<NpyArray> array = file_.read(name);
-  if (array) return array;
-  const Result<std::string> type = file_.has(name) ? file_.type_of(name) : std::string();
-  if (type && type->find('O') != std::string::npos) {
-    return file_.array_failure(
-        name, "it holds Python objects (a sparse matrix perhaps), which would have to be unpickled",
-        std::string(kSaveHint));
-  }
-  return array;
-}
-
-// rows are the first index, columns all others; nothing in `shape` means any size above 0
-Result<RowMatrix> BodyReader::read_matrix(const char* name,
-                                          std::vector<std::optional<std::size_t>> shape) {
-  TRY_ASSIGN(const auto array, read_array(name));
-  bool fits = array.is_number() && array.shape.size() == shape.size();
-  for (std::size_t i = 0; fits && i < shape.size(); ++i) {
-    fits = array.shape[i] > 0 && array.shape[i] == shape[i].value_or(array.shape[i]);
-  }
-  if (!fits) {
-    std::string wanted;
-    for (const auto& size : shape) {
-      wanted += (wanted.empty() ? "" : ", ") + (size ? std::to_string(*size) : "any");
-    }
-    return file_.array_failure(name, "expected numbers of shape (" + wanted + "), found " +
-                                         (array.is_text() ? "text of " : "") +
-                                         shape_text(array.shape));
-  }
-  const std::vector<double> values = array.numbers();
-  const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
-  if (bad != values.end()) return file_.array_failure(name, "it holds numbers that are not finite");
-  const Eigen::Index rows = static_cast<Eigen::Index>(array.shape.front());
-  return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), rows,
-                                               static_cast<Eigen::Index>(values.size()) / rows));
-}
-
-Result<void> BodyReader::read_arrays() {
-  if (!file_.has("v_template") && (file_.has("poses") || file_.has("pose_body"))) {
-    return file_.file_failure("expected a body model, found a motion");
-  }
-  const auto take = [this](const char* name, RowMatrix& target,
-                           std::vector<std::optional<std::size_t>> shape) -> Result<void> {
-    TRY_ASSIGN(target, read_matrix(name, std::move(shape)));
-    return {};
-  };
-  constexpr std::nullopt_t any = std::nullopt;
-  TRY(take("v_template", vertices_, {any, 3}));
-  const auto vertex_count = static_cast<std::size_t>(vertices_.rows());
-  TRY(take("J_regressor", regressor_, {any, vertex_count}));
-  const auto joint_count = static_cast<std::size_t>(regressor_.rows());
-  TRY(take("kintree_table", tree_, {2, joint_count}));
-  TRY(check_joints());
-  TRY(take("shapedirs", directions_, {vertex_count, 3, any}));
-  beta_count_ = directions_.cols() / 3;
-  return {};
-}
-
-Result<void> BodyReader::check_joints() {
-  bool smpl = tree_.cols() >= kSmplJointCount;
-  for (int joint = 1; smpl && joint < kSmplJointCount; ++joint) {
-    smpl = tree_(0, joint) == kSmplParents[joint];
-  }
-  if (smpl) return {};
-  return file_.array_failure("kintree_table",
-                             "its joints are not those of SMPL, SMPL+H or SMPL-X (22 of the body "
-                             "and more, found " +
-                                 std::to_string(tree_.cols()) + ")",
-                             "models of hands or heads alone (MANO, FLAME) and of animals do not "
-                             "serve");
-}
-
 // the vertex with the highest score on a side (-1 right, 1 left, 0 both); -1: none is there
 template <typename Score>
 Eigen::Index best_vertex(const RowMatrix& vertices, int side, const Score& score) {
@@ -137,68 +43,154 @@ Eigen::Index best_vertex(const RowMatrix& vertices, int side, const Score& score
   return best;
 }
 
-Result<void> BodyReader::find_landmarks() {
-  constexpr double kLowestBody = 0.3;
-  constexpr double kHighestBody = 3.0;
-  const double lowest = vertices_.col(1).minCoeff();
-  const double height = vertices_.col(1).maxCoeff() - lowest;
-  if (height < kLowestBody || height > kHighestBody) {
-    return file_.array_failure("v_template", "a body that is " + std::to_string(height) +
-                                                 " high along y is none in metres");
-  }
-  // toes are far forward, but the belly is too: a step up costs more than it gains
-  constexpr double kCostOfHeight = 4.0;
-  const auto up = [](const Eigen::Vector3d& v) { return v.y(); };
-  const auto forward = [&](const Eigen::Vector3d& v) {
-    return v.z() - kCostOfHeight * (v.y() - lowest);
-  };
-  landmarks_[kHeadTop] = best_vertex(vertices_, 0, up);
-  landmarks_[kLeftToes] = best_vertex(vertices_, 1, forward);
-  landmarks_[kRightToes] = best_vertex(vertices_, -1, forward);
-  landmarks_[kLeftFingers] =
-      best_vertex(vertices_, 1, [](const Eigen::Vector3d& v) { return v.x(); });
-  landmarks_[kRightFingers] =
-      best_vertex(vertices_, -1, [](const Eigen::Vector3d& v) { return -v.x(); });
-  landmarks_[kSole] = best_vertex(vertices_, 0, [](const Eigen::Vector3d& v) { return -v.y(); });
-  if (std::ranges::find(landmarks_, -1) != landmarks_.end()) {
-    return file_.array_failure("v_template",
-                               "a body has two sides, this one lies on one side of "
-                               "x = 0");
-  }
-  return {};
-}
+class BodyReader {
+ public:
+  explicit BodyReader(const NpzFile& file) : file_(file) {}
 
-void BodyReader::add_vertex(SmplBody& body, int point, double weight, Eigen::Index vertex) const {
-  if (weight == 0.0) return;
-  body.points.segment<3>(3 * point) += weight * vertices_.row(vertex).transpose();
-  for (int axis = 0; axis < 3; ++axis) {
-    body.shape_directions.row(3 * point + axis) +=
-        weight * directions_.block(vertex, axis * (directions_.cols() / 3), 1, beta_count_);
-  }
-}
+  Result<SmplBody> read(const std::string& file_name) {
+    TRY(read_arrays());
+    TRY(find_landmarks());
 
-Result<SmplBody> BodyReader::read(const std::string& file_name) {
-  TRY(read_arrays());
-  TRY(find_landmarks());
-
-  SmplBody body;
-  body.file = file_name;
-  body.family = regressor_.rows() == kSmplxJointCount ? SmplFamily::kSmplx : SmplFamily::kSmpl;
-  if (body.family == SmplFamily::kSmplx) {
-    // the last columns move the face
-    const Eigen::Index shapes = directions_.cols() / 3 < 400 ? 10 : 300;
-    beta_count_ = std::min(beta_count_, shapes);
+    SmplBody body;
+    body.file = file_name;
+    body.family = regressor_.rows() == kSmplxJointCount ? SmplFamily::kSmplx : SmplFamily::kSmpl;
+    if (body.family == SmplFamily::kSmplx) {
+      // the last columns move the face
+      const Eigen::Index shapes = directions_.cols() / 3 < 400 ? 10 : 300;
+      beta_count_ = std::min(beta_count_, shapes);
+    }
+    body.points = Eigen::VectorXd::Zero(3 * kPointCount);
+    body.shape_directions = Eigen::MatrixXd::Zero(3 * kPointCount, beta_count_);
+    for (int joint = 0; joint < kSmplJointCount; ++joint) {
+      for (Eigen::Index i = 0; i < vertices_.rows(); ++i) {
+        add_vertex(body, joint, regressor_(joint, i), i);
+      }
+    }
+    for (int i = 0; i <= kSole; ++i) add_vertex(body, kSmplJointCount + i, 1.0, landmarks_[i]);
+    return body;
   }
-  body.points = Eigen::VectorXd::Zero(3 * kPointCount);
-  body.shape_directions = Eigen::MatrixXd::Zero(3 * kPointCount, beta_count_);
-  for (int joint = 0; joint < kSmplJointCount; ++joint) {
-    for (Eigen::Index i = 0; i < vertices_.rows(); ++i) {
-      add_vertex(body, joint, regressor_(joint, i), i);
+
+ private:
+  Result<void> read_arrays() {
+    if (!file_.has("v_template") && (file_.has("poses") || file_.has("pose_body"))) {
+      return file_.file_failure("expected a body model, found a motion");
+    }
+    const auto take = [this](const char* name, RowMatrix& target,
+                             std::vector<std::optional<std::size_t>> shape) -> Result<void> {
+      TRY_ASSIGN(target, read_matrix(name, std::move(shape)));
+      return {};
+    };
+    constexpr std::nullopt_t any = std::nullopt;
+    TRY(take("v_template", vertices_, {any, 3}));
+    const auto vertex_count = static_cast<std::size_t>(vertices_.rows());
+    TRY(take("J_regressor", regressor_, {any, vertex_count}));
+    const auto joint_count = static_cast<std::size_t>(regressor_.rows());
+    TRY(take("kintree_table", tree_, {2, joint_count}));
+    TRY(check_joints());
+    TRY(take("shapedirs", directions_, {vertex_count, 3, any}));
+    beta_count_ = directions_.cols() / 3;
+    return {};
+  }
+
+  Result<void> check_joints() {
+    bool smpl = tree_.cols() >= kSmplJointCount;
+    for (int joint = 1; smpl && joint < kSmplJointCount; ++joint) {
+      smpl = tree_(0, joint) == kSmplParents[joint];
+    }
+    if (smpl) return {};
+    return file_.array_failure(
+        "kintree_table",
+        fmt::format("its joints are not those of SMPL, SMPL+H or SMPL-X (22 of the body and more, "
+                    "found {})",
+                    tree_.cols()),
+        "models of hands or heads alone (MANO, FLAME) and of animals do not serve");
+  }
+
+  Result<void> find_landmarks() {
+    constexpr double kLowestBody = 0.3;
+    constexpr double kHighestBody = 3.0;
+    const double lowest = vertices_.col(1).minCoeff();
+    const double height = vertices_.col(1).maxCoeff() - lowest;
+    if (height < kLowestBody || height > kHighestBody) {
+      return file_.array_failure("v_template", "a body that is " + std::to_string(height) +
+                                                   " high along y is none in metres");
+    }
+    // toes are far forward, but the belly is too: a step up costs more than it gains
+    constexpr double kCostOfHeight = 4.0;
+    const auto up = [](const Eigen::Vector3d& v) { return v.y(); };
+    const auto forward = [&](const Eigen::Vector3d& v) {
+      return v.z() - kCostOfHeight * (v.y() - lowest);
+    };
+    landmarks_[kHeadTop] = best_vertex(vertices_, 0, up);
+    landmarks_[kLeftToes] = best_vertex(vertices_, 1, forward);
+    landmarks_[kRightToes] = best_vertex(vertices_, -1, forward);
+    landmarks_[kLeftFingers] =
+        best_vertex(vertices_, 1, [](const Eigen::Vector3d& v) { return v.x(); });
+    landmarks_[kRightFingers] =
+        best_vertex(vertices_, -1, [](const Eigen::Vector3d& v) { return -v.x(); });
+    landmarks_[kSole] = best_vertex(vertices_, 0, [](const Eigen::Vector3d& v) { return -v.y(); });
+    if (std::ranges::find(landmarks_, -1) != landmarks_.end()) {
+      return file_.array_failure("v_template",
+                                 "a body has two sides, this one lies on one side of "
+                                 "x = 0");
+    }
+    return {};
+  }
+
+  // a sparse matrix of SciPy is an object for NumPy: say what to do about that one
+  Result<NpyArray> read_array(const char* name) const {
+    Result<NpyArray> array = file_.read(name);
+    if (array) return array;
+    const Result<std::string> type = file_.has(name) ? file_.type_of(name) : std::string();
+    if (type && type->find('O') != std::string::npos) {
+      return file_.array_failure(
+          name,
+          "it holds Python objects (a sparse matrix perhaps), which would have to be unpickled",
+          std::string(kSaveHint));
+    }
+    return array;
+  }
+
+  // rows are the first index, columns all others; nothing in `shape` means any size above 0
+  Result<RowMatrix> read_matrix(const char* name, std::vector<std::optional<std::size_t>> shape) {
+    TRY_ASSIGN(const auto array, read_array(name));
+    bool fits = array.is_number() && array.shape.size() == shape.size();
+    for (std::size_t i = 0; fits && i < shape.size(); ++i) {
+      fits = array.shape[i] > 0 && array.shape[i] == shape[i].value_or(array.shape[i]);
+    }
+    if (!fits) {
+      std::vector<std::string> wanted;
+      for (const auto& size : shape) wanted.push_back(size ? std::to_string(*size) : "any");
+      return file_.array_failure(
+          name, fmt::format("expected numbers of shape ({}), found {}{}", fmt::join(wanted, ", "),
+                            array.is_text() ? "text of " : "", shape_text(array.shape)));
+    }
+    const std::vector<double> values = array.numbers();
+    const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
+    if (bad != values.end())
+      return file_.array_failure(name, "it holds numbers that are not finite");
+    const Eigen::Index rows = static_cast<Eigen::Index>(array.shape.front());
+    return RowMatrix(Eigen::Map<const RowMatrix>(values.data(), rows,
+                                                 static_cast<Eigen::Index>(values.size()) / rows));
+  }
+
+  void add_vertex(SmplBody& body, int point, double weight, Eigen::Index vertex) const {
+    if (weight == 0.0) return;
+    body.points.segment<3>(3 * point) += weight * vertices_.row(vertex).transpose();
+    for (int axis = 0; axis < 3; ++axis) {
+      body.shape_directions.row(3 * point + axis) +=
+          weight * directions_.block(vertex, axis * (directions_.cols() / 3), 1, beta_count_);
     }
   }
-  for (int i = 0; i <= kSole; ++i) add_vertex(body, kSmplJointCount + i, 1.0, landmarks_[i]);
-  return body;
-}
+
+  const NpzFile& file_;
+  RowMatrix vertices_;    // V x 3
+  RowMatrix directions_;  // V x 3B: for each coordinate all betas
+  RowMatrix regressor_;   // J x V
+  RowMatrix tree_;        // 2 x J
+  Eigen::Index beta_count_ = 0;
+  std::array<Eigen::Index, kSmplTipCount + 1> landmarks_{};
+};
 
 }  // namespace
 

@@ -28,8 +28,8 @@ struct EditSample {
 
   explicit EditSample(Clip from)
       : clip(std::move(from)),
-        map(recognise_skeleton(clip, all_dialects(), "clip").value()),
-        mapping(calibrate(clip, map, {}, "clip").value().mapping) {}
+        map(recognise_skeleton(clip, all_dialects()).value()),
+        mapping(calibrate(clip, map, {}).value().mapping) {}
 
   [[nodiscard]] HumanClip human() const { return to_human(clip, mapping); }
   [[nodiscard]] HumanClip human_of(const Clip& edited) const { return to_human(edited, mapping); }

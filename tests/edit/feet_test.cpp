@@ -148,7 +148,7 @@ Clip with_other_legs(const Clip& clip) {
 TEST(FeetAfterATransfer, StandAsTheSources) {
   const EditSample& sample = data_sample("walk");
   const Clip legs = with_other_legs(sample.clip);
-  const auto found = recognise_skeleton(legs, all_dialects(), "legs");
+  const auto found = recognise_skeleton(legs, all_dialects());
   ASSERT_TRUE(found) << describe(found.error());
   const EditSample other(legs);
   const HumanClip source = sample.human();

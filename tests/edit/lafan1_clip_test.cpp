@@ -7,6 +7,7 @@
 #include "bvh/write_bvh.h"
 #include "human/human_clip.h"
 #include "retarget/edit.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 namespace {
@@ -20,12 +21,12 @@ Clip sample(const std::string& name) {
 TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
-    const HumanMapping mapping = lafan1_mapping(clip.skeleton(), name).value();
+    const HumanMapping mapping = lafan1_mapping(clip.skeleton());
     const HumanClip human = to_human(clip, mapping);
     const auto shaped = lafan1_clip(clip, mapping);
     ASSERT_TRUE(shaped) << describe(shaped.error());
     const Clip read = read_bvh(format_bvh(*shaped).value(), name).value().clip;
-    const HumanClip again = to_human(read, lafan1_mapping(read.skeleton(), name).value());
+    const HumanClip again = to_human(read, lafan1_mapping(read.skeleton()));
     for (int frame = 0; frame < human.frame_count; ++frame) {
       for (const Bone bone : kAllBones) {
         const Pose &a = human.frame(frame)[bone], &b = again.frame(frame)[bone];
@@ -38,7 +39,7 @@ TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
 
 TEST(Lafan1Clip, BringsBodiesToOneSize) {
   const Clip clip = sample("walk");
-  HumanMapping mapping = lafan1_mapping(clip.skeleton(), "walk").value();
+  HumanMapping mapping = lafan1_mapping(clip.skeleton());
   const Clip expected = lafan1_clip(clip, mapping).value();
   // a child that moves alike
   mapping.size *= 0.5;
@@ -54,7 +55,7 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
 
 TEST(Lafan1Clip, FillsWhatIsMissingButLimbs) {
   const Clip clip = sample("walk");
-  HumanMapping mapping = lafan1_mapping(clip.skeleton(), "walk").value();
+  HumanMapping mapping = lafan1_mapping(clip.skeleton());
   mapping.bones[Bone::kNeck] = {};
   mapping.bones[Bone::kLeftToe] = {};
   const auto shaped = lafan1_clip(clip, mapping);

@@ -122,7 +122,7 @@ TEST(Mirror, TwiceIsTheSameFromFileToFile) {
   for (const auto& entry : std::filesystem::directory_iterator(*shared / "data" / "dialects")) {
     if (entry.path().extension() != ".bvh") continue;
     const auto read = load_bvh(entry.path().string());
-    if (!read || !recognise_skeleton(read->clip, all_dialects(), "clip")) continue;
+    if (!read || !recognise_skeleton(read->clip, all_dialects())) continue;
     // a part in which the T-pose must be guessed
     const int frames = read->clip.frame_count();
     const EditSample sample(cut(read->clip, std::min(10, frames - 1), std::min(frames, 100)));

@@ -26,8 +26,8 @@ const std::vector<Dialect>& dialects() {
 }
 
 TransferTarget understood(const Clip& clip) {
-  const BoneMap map = recognise_skeleton(clip, dialects(), "clip").value();
-  return {clip.shared_skeleton(), map, calibrate(clip, map, {}, "clip").value().mapping};
+  const BoneMap map = recognise_skeleton(clip, dialects()).value();
+  return {clip.shared_skeleton(), map, calibrate(clip, map, {}).value().mapping};
 }
 
 HumanClip human_of(const Clip& clip, const TransferTarget& target) {

@@ -109,10 +109,10 @@ void check_round_trip(const RobotClip& clip) {
 void fuzz_line(std::string_view bytes) {
   auto clip = short_clip(bytes);
   if (!clip) return;
-  auto map = recognise_skeleton(*clip, setup().dialects, "fuzz.bvh");
+  auto map = recognise_skeleton(*clip, setup().dialects);
   if (!good(map)) return;
   (void)let_directions_win(*clip, *map);
-  const auto calibration = calibrate(*clip, *map, {}, "fuzz.bvh");
+  const auto calibration = calibrate(*clip, *map, {});
   if (!good(calibration)) return;
   const auto resampled = resample(*clip, FrameRate{30, 1});
   if (!good(resampled) || resampled->frame_count() > kMostFrames) return;
@@ -120,8 +120,8 @@ void fuzz_line(std::string_view bytes) {
   const ResolvedMapping& tables = is_lafan1 ? setup().of_lafan1 : setup().of_others;
   FitRun run;
   run.retarget.height_scale = is_lafan1 ? HeightScale::kPublished : HeightScale::kLimbs;
-  const auto fitted = fit(*resampled, calibration->mapping, "fuzz.bvh", fuzz_robot(), tables,
-                          setup().limits, setup().fit, run);
+  const auto fitted =
+      fit(*resampled, calibration->mapping, fuzz_robot(), tables, setup().limits, setup().fit, run);
   if (!good(fitted)) return;
   check_motion(fitted->clip);
   check_round_trip(fitted->clip);

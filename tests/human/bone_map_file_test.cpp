@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 TEST(BoneMapFile, WhatIsWrittenIsReadAgain) {
   const Skeleton skeleton = tiny_skeleton(replaced(kBody, "Spine1", "Chest"));
-  const BoneMap map = recognise_skeleton(skeleton, {}, "clip.bvh").value();
+  const BoneMap map = recognise_skeleton(skeleton, {}).value();
   const TemporaryFolder folder;
   const std::string path = folder.write("map.json", format_bone_map(map, skeleton));
   const auto read = read_bone_map(path, skeleton);

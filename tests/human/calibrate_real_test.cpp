@@ -36,7 +36,7 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
   for (const auto& [file, number] : frames) {
     const Clip clip = load("lafan1", file);
     const HumanClip human =
-        to_human(cut(clip, number, number + 1), lafan1_mapping(clip.skeleton(), file).value());
+        to_human(cut(clip, number, number + 1), lafan1_mapping(clip.skeleton()));
     const HumanPose& pose = human.frame(0);
     const auto at = [&](const char* bone) { return pose[*bone_from_name(bone)].translation; };
     Eigen::Vector3d left = at("LeftUpLeg") - at("RightUpLeg") + at("LeftArm") - at("RightArm");
@@ -60,10 +60,9 @@ TEST(CalibrateReal, Lafan1StaysAsItIs) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   for (const char* file : {"dance1_subject2.bvh", "ground1_subject1.bvh"}) {
     const Clip clip = load("lafan1", file);
-    const auto found =
-        calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}, file).value().mapping;
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value().mapping;
     const HumanClip a = to_human(clip, found);
-    const HumanClip b = to_human(clip, lafan1_mapping(clip.skeleton(), file).value());
+    const HumanClip b = to_human(clip, lafan1_mapping(clip.skeleton()));
     ASSERT_EQ(a.world_from_bone.size(), b.world_from_bone.size());
     EXPECT_EQ(std::memcmp(a.world_from_bone.data(), b.world_from_bone.data(),
                           a.world_from_bone.size() * sizeof(HumanPose)),
@@ -78,10 +77,10 @@ TEST(CalibrateReal, WhoLiesKeepsTheUpAxisOfTheirKind) {
   const auto dialects = load_dialects(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   for (const char* file : {"ground1_subject1.bvh", "fallAndGetUp2_subject2.bvh"}) {
     const Clip clip = load("lafan1", file);
-    const BoneMap map = recognise_skeleton(clip, *dialects, file).value();
+    const BoneMap map = recognise_skeleton(clip, *dialects).value();
     constexpr int kFrames = 200;
     for (int begin = 0; begin + kFrames <= clip.frame_count(); begin += kFrames / 2) {
-      const auto found = calibrate(cut(clip, begin, begin + kFrames), map, {}, file);
+      const auto found = calibrate(cut(clip, begin, begin + kFrames), map, {});
       ASSERT_TRUE(found) << describe(found.error());
       EXPECT_GT(found->mapping.human_from_source(2, 1), 0.99) << file << " from frame " << begin;
     }
@@ -98,7 +97,7 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
       {"lafan1_cuts", "walk1_subject1_walk.bvh"}, {"lafan1_cuts", "run2_subject4_run.bvh"}};
   for (const auto& [folder, file] : clips) {
     const Clip clip = load(folder, file);
-    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "unknown"), {}, file).value();
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "unknown"), {}).value();
     EXPECT_EQ(found.rest_pose, "learned");
     EXPECT_EQ(found.unit, "cm");
     EXPECT_EQ(found.up, SignedAxis{});
@@ -125,7 +124,7 @@ TEST(CalibrateReal, LimbsOfEveryDialectLieWhereTheirBonesClaim) {
   for (const DialectFile& dialect : dialect_files()) {
     SCOPED_TRACE(dialect.file);
     const Clip clip = load("dialects", dialect.file);
-    const auto found = calibrate(clip, bone_map(clip.skeleton(), dialect.names), {}, dialect.file);
+    const auto found = calibrate(clip, bone_map(clip.skeleton(), dialect.names), {});
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, dialect.unit);
     // one body is of a child's height, which is doubted

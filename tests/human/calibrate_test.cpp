@@ -25,11 +25,11 @@ Clip sample(const std::string& name) {
 }
 
 HumanClip fixed_human(const Clip& clip) {
-  return to_human(clip, lafan1_mapping(clip.skeleton(), "clip").value());
+  return to_human(clip, lafan1_mapping(clip.skeleton()));
 }
 
 Calibration calibrated(const Clip& clip, const CalibrationOptions& options = {}) {
-  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options, "clip");
+  const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "test"), options);
   EXPECT_TRUE(found.has_value()) << (found ? "" : describe(found.error()));
   return found.value_or(Calibration{});
 }
@@ -41,7 +41,7 @@ HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
 TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
-    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}, "clip").value();
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value();
     const HumanClip human = to_human(clip, found.mapping);
     EXPECT_EQ(found.rest_pose, "lafan1");
     EXPECT_EQ(human.height, 1.75);
@@ -75,7 +75,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesIsTheSameHuman) {
       const Clip metres = scaled_and_turned(
           clip, 0.01, turned ? z_up : Eigen::Quaterniond(Eigen::Quaterniond::Identity()));
       const auto map = lafan1_map(metres.skeleton(), "lafan1");
-      const auto found = calibrate(metres, map, {}, "clip").value();
+      const auto found = calibrate(metres, map, {}).value();
       EXPECT_EQ(found.unit, "m");
       EXPECT_EQ(found.rest_pose, "lafan1");
       EXPECT_EQ(found.mapping.height, 1.75);
@@ -139,24 +139,24 @@ TEST(Calibrate, FactsOfTheDialectCountWhereTheClipDoesNotSpeakAgainstThem) {
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   // legs of 86 units: centimetres by themselves, and half an inch is 1.09 m
   map.facts.metres_per_unit = 0.0127;
-  map.facts.rest_pose = "zero";
-  auto found = calibrate(clip, map, {}, "clip");
+  map.facts.rest = RestPose::kZero;
+  auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->mapping.metres_per_unit, 0.0127);
   EXPECT_EQ(found->rest_pose, "zero pose");
   // 2 m of hips are no person's: the file was converted
   map.facts.metres_per_unit = 0.0254;
-  found = calibrate(clip, map, {}, "clip");
+  found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
   // a first frame that is no T-pose is not taken for one, whatever the kind
-  map.facts.rest_pose = "first";
-  found = calibrate(clip, map, {}, "clip");
+  map.facts.rest = RestPose::kFirst;
+  found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->rest_pose, "zero pose");
   // up counts unless the body plainly stands otherwise
   map.facts.up = Eigen::Vector3d::UnitZ();
-  found = calibrate(clip, map, {}, "clip");
+  found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(to_text(found->up), "+y");
 }
@@ -293,7 +293,7 @@ TEST(Calibrate, KnowsUpOfABodyThatLies) {
   const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
   EXPECT_EQ(calibrated(clip).up, SignedAxis{});
   const Clip lafan1 = cut(sample("get_up"), 0, 60);
-  const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {}, "clip");
+  const auto found = calibrate(lafan1, lafan1_map(lafan1.skeleton(), "lafan1"), {});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->rest_pose, "lafan1");
 }
@@ -312,7 +312,7 @@ TEST(Calibrate, FollowsWhatItIsTold) {
   EXPECT_EQ(found.rest_pose, "frame 3");
   options.rest_frame = 100000;
   const auto map = lafan1_map(clip.skeleton(), "test");
-  EXPECT_EQ(calibrate(clip, map, options, "clip").error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(calibrate(clip, map, options).error().kind, ErrorKind::kUsage);
 }
 
 TEST(Calibrate, TakesTheTPoseOfAnotherFile) {
@@ -344,7 +344,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
                            "RightShoulder", "Spine", "Spine1", "Neck"}) {
     drop(bone);
   }
-  const auto found = calibrate(clip, map, {}, "clip");
+  const auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
   const HumanClip human = to_human(clip, found->mapping), whole = fixed_human(sample("walk"));
   for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
@@ -364,21 +364,20 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
 TEST(Calibrate, RefusesWhatIsNotSafe) {
   const Clip clip = sample("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
-  const auto unit =
-      calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {}, "clip");
+  const auto unit = calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {});
   ASSERT_FALSE(unit);
   EXPECT_EQ(unit.error().kind, ErrorKind::kInput);
   EXPECT_THAT(unit.error().hint, testing::HasSubstr(OPTION("unit")));
   map.joint_of_bone[Bone::kLeftForeArm] = -1;
-  const auto arm = calibrate(clip, map, {}, "clip");
+  const auto arm = calibrate(clip, map, {});
   ASSERT_FALSE(arm);
   EXPECT_THAT(arm.error().message, testing::HasSubstr("LeftForeArm"));
   map.partial = true;
-  const auto partial = calibrate(clip, map, {}, "clip");
+  const auto partial = calibrate(clip, map, {});
   ASSERT_TRUE(partial);
   EXPECT_FALSE(to_human(clip, partial->mapping).has(Bone::kLeftForeArm));
   BoneMap none;
-  EXPECT_FALSE(calibrate(clip, none, {}, "clip"));
+  EXPECT_FALSE(calibrate(clip, none, {}));
 }
 
 TEST(Calibrate, DoubtsSwappedSides) {
@@ -388,7 +387,7 @@ TEST(Calibrate, DoubtsSwappedSides) {
     if (side_of(bone) != Side::kLeft) continue;
     std::swap(map.joint_of_bone[bone], map.joint_of_bone[mirrored(bone)]);
   }
-  const auto found = calibrate(clip, map, {}, "clip");
+  const auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found);
   ASSERT_FALSE(found->mapping.doubts.empty());
   EXPECT_THAT(found->mapping.doubts.back().message, testing::HasSubstr("swapped"));
@@ -399,7 +398,7 @@ TEST(Calibrate, WorksOnAClipWithoutFrames) {
   const Clip none(clip.shared_skeleton(), clip.rate(), 0);
   EXPECT_EQ(calibrated(none).rest_pose, "zero pose");
   const Clip lost(sample("walk").shared_skeleton(), {30, 1}, 0);
-  EXPECT_FALSE(calibrate(lost, lafan1_map(lost.skeleton(), "test"), {}, "clip"));
+  EXPECT_FALSE(calibrate(lost, lafan1_map(lost.skeleton(), "test"), {}));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TEST(Dialect, ReadsWhatAFileSays) {
   EXPECT_EQ(dialect->facts.height, 1.7);
   EXPECT_EQ(dialect->facts.metres_per_unit, 0.0254);
   EXPECT_EQ(dialect->facts.up, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(dialect->facts.rest_pose, "zero");
+  EXPECT_EQ(dialect->facts.rest, RestPose::kZero);
 }
 
 TEST(Dialect, NamesEveryFault) {
@@ -101,7 +101,7 @@ TEST(Dialect, ShippedOnesRecogniseTheirOwnNames) {
       continue;
     }
     const Skeleton skeleton = body_of(dialect);
-    const auto map = recognise_skeleton(skeleton, shipped_dialects(), "clip.bvh");
+    const auto map = recognise_skeleton(skeleton, shipped_dialects());
     ASSERT_TRUE(map) << describe(map.error());
     for (const Bone bone : kMappedBones) {
       if (dialect.names[bone].empty()) continue;
@@ -139,7 +139,7 @@ TEST(Dialect, BodiesOfAllKindsMayLackLegs) {
     const Skeleton upper = without_bones(body, dialect, {"LeftUpLeg", "RightUpLeg"});
     const Skeleton one_leg = without_bones(body, dialect, {"LeftUpLeg"});
     for (const Skeleton& part : {upper, one_leg}) {
-      const auto map = recognise_skeleton(part, shipped_dialects(), "clip.bvh", {.partial = true});
+      const auto map = recognise_skeleton(part, shipped_dialects(), {.partial = true});
       if (!map) {
         ADD_FAILURE() << describe(map.error());
         continue;
@@ -190,7 +190,7 @@ TEST(Dialect, JointsThatAreMarkedAsTheMiddleOnesAreFound) {
   }
   const Skeleton skeleton(joints);
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    const auto map = recognise_skeleton(skeleton, dialects);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->dialect, dialects.empty() ? "names" : "vroid");
     EXPECT_EQ(joint_name(*map, skeleton, "Neck"), "J_Bip_C_Neck");

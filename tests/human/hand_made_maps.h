@@ -5,6 +5,7 @@
 
 #include "human/bone_map.h"
 #include "retarget/clip.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 
@@ -39,19 +40,6 @@ inline std::vector<std::string> two_sided(const std::vector<std::string>& leg,
     for (const std::string& part : arm) names.push_back(sided(part, side));
   }
   return names;
-}
-
-/// LAFAN1's names; the toes may be called ToeBase.
-inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) {
-  BoneMap map;
-  map.dialect = dialect;
-  for (const Bone bone : kMappedBones) {
-    const std::string name(bone_name(bone));
-    auto joint = skeleton.find(name);
-    if (!joint && name.ends_with("Toe")) joint = skeleton.find(name + "Base");
-    map.joint_of_bone[bone] = joint.value_or(-1);
-  }
-  return map;
 }
 
 }  // namespace retarget

@@ -80,14 +80,12 @@ double largest_turn_of(const HumanClip& a, const HumanClip& b) {
 enum class Way { kDialect, kNames, kShape, kMapFile };
 
 Result<HumanClip> human_in(const Clip& clip, Way way) {
-  const auto map =
-      way == Way::kMapFile
-          ? Result<BoneMap>(lafan1_map(clip.skeleton(), "map file"))
-          : recognise_skeleton(clip,
-                               way == Way::kDialect ? shipped_dialects() : std::vector<Dialect>(),
-                               "clip.bvh");
+  const auto map = way == Way::kMapFile
+                       ? Result<BoneMap>(lafan1_map(clip.skeleton(), "map file"))
+                       : recognise_skeleton(clip, way == Way::kDialect ? shipped_dialects()
+                                                                       : std::vector<Dialect>());
   if (!map) return failure(map.error());
-  const auto found = calibrate(clip, *map, {}, "clip.bvh");
+  const auto found = calibrate(clip, *map, {});
   if (!found) return failure(found.error());
   return to_human(clip, found->mapping);
 }

@@ -90,7 +90,7 @@ TEST(HumanProportions, FourLeggedAnimalsAreRefusedHoweverTheyAreCalled) {
       SCOPED_TRACE(std::string(name) + (reared > 0.0 ? ", on its hind legs for a while" : ""));
       const Clip clip = walk_of(body_of(beast), reared);
       for (const Clip& named : {clip, without_names(clip)}) {
-        const auto map = recognise_skeleton(named, shipped_dialects(), "clip.bvh");
+        const auto map = recognise_skeleton(named, shipped_dialects());
         ASSERT_FALSE(map) << map->dialect << " " << map->confidence;
         EXPECT_THAT(map.error().message, HasSubstr("not a human's"));
         EXPECT_THAT(map.error().hint, HasSubstr(OPTION("map")));
@@ -105,7 +105,7 @@ TEST(HumanProportions, AnUprightBodyWithLongArmsAndShortLegsIsDoubtedOnly) {
   for (const char* length : {"-42 0.5", "-41 -0.5"}) body = replaced(body, length, "-24 0");
   const Skeleton skeleton = tiny_skeleton(body);
   const Clip clip(std::make_shared<const Skeleton>(skeleton), {30, 1}, 30);
-  const auto map = recognise_skeleton(clip, shipped_dialects(), "clip.bvh");
+  const auto map = recognise_skeleton(clip, shipped_dialects());
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_THAT(map->notes, Contains(HasSubstr("odd for a human: the arms")));
   EXPECT_LT(map->confidence, 0.8);
@@ -131,7 +131,7 @@ TEST(HumanProportions, PeopleOnAllFoursAreHuman) {
     turn("RightArm", about_x(-90 + swing) * about_z(85));
   }
   for (const Clip& named : {clip, without_names(clip)}) {
-    const auto map = recognise_skeleton(named, shipped_dialects(), "clip.bvh");
+    const auto map = recognise_skeleton(named, shipped_dialects());
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_THAT(map->notes, Contains(HasSubstr("the trunk never rises over the legs")));
     EXPECT_THAT(map->notes, Not(Contains(HasSubstr("narrow"))));

@@ -55,16 +55,16 @@ TEST(JointNames, WordsThatNearlyAllNamesShareAreDropped) {
 }
 
 TEST(BodyWords, AmbiguousWordsMeanBothParts) {
-  EXPECT_EQ(roles_of(normalised("LeftShoulder")).size(), 2U);
-  EXPECT_EQ(roles_of(normalised("LeftLeg")).size(), 2U);
-  EXPECT_EQ(roles_of(normalised("LeftUpLeg")).size(), 1U);
+  EXPECT_EQ(meanings_of(normalised("LeftShoulder")).size(), 2U);
+  EXPECT_EQ(meanings_of(normalised("LeftLeg")).size(), 2U);
+  EXPECT_EQ(meanings_of(normalised("LeftUpLeg")).size(), 1U);
 }
 
 TEST(BodyWords, FingersTwistsAndEndsMeanNothing) {
   for (const char* name : {"LeftHandIndex1", "LeftInHandIndex", "RightlnHandMiddle", "LHipJoint",
                            "LeftForeArmRoll", "upperarm_twist_01_l", "HeadTop_End", "LeftToe_End",
                            "LeftFingerBase", "LeftEye", "lButtock"}) {
-    EXPECT_TRUE(roles_of(normalised(name)).empty()) << name;
+    EXPECT_TRUE(meanings_of(normalised(name)).empty()) << name;
   }
 }
 

@@ -14,7 +14,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 Result<BoneMap> by_names(const std::string& body) {
-  return recognise_skeleton(tiny_skeleton(body), {}, "clip.bvh");
+  return recognise_skeleton(tiny_skeleton(body), {});
 }
 
 // the lines of a body, each replaced by what `change` makes of it
@@ -86,7 +86,7 @@ TEST(LimbSearch, AToeWhoseNameTwoJointsHaveIsLeftOut) {
     return line.find("LeftToeBase") == std::string::npos ? line + "\n" : line + "\n" + line + "\n";
   });
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(tiny_skeleton(body), dialects, "clip.bvh");
+    const auto map = recognise_skeleton(tiny_skeleton(body), dialects);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->joint(Bone::kLeftToe), -1);
     EXPECT_GE(map->joint(Bone::kRightToe), 0);
@@ -139,7 +139,7 @@ root 0 9 0
 TEST(LimbSearch, OfASegmentInTwoJointsTheUpperOneIsTheBone) {
   const Skeleton skeleton = tiny_skeleton(makehuman_body());
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    const auto map = recognise_skeleton(skeleton, dialects);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->dialect, dialects.empty() ? "names" : "makehuman_default");
     for (const auto& [bone, joint] :
@@ -183,11 +183,11 @@ void expect_no_arm(const std::string& body, const std::string& missing, const st
   const Skeleton skeleton = tiny_skeleton(body);
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
     SCOPED_TRACE(dialects.size());
-    const auto refused = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    const auto refused = recognise_skeleton(skeleton, dialects);
     ASSERT_FALSE(refused) << "LeftArm is " << joint_name(*refused, skeleton, "LeftArm");
     EXPECT_EQ(refused.error().message, "no " + missing + " found in the skeleton");
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("partial")));
-    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh", {.partial = true});
+    const auto map = recognise_skeleton(skeleton, dialects, {.partial = true});
     ASSERT_TRUE(map) << describe(map.error());
     for (const std::string part : {"Shoulder", "Arm"}) {
       EXPECT_EQ(joint_name(*map, skeleton, (side + part).c_str()), side + part);

@@ -77,7 +77,7 @@ TEST_F(RealFiles, AreRecognisedAsWhatTheyAre) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
-    const auto map = recognise_skeleton(clip, shipped_dialects(), expected.file);
+    const auto map = recognise_skeleton(clip, shipped_dialects());
     if (!map) {
       ADD_FAILURE() << describe(map.error());
       continue;
@@ -98,7 +98,7 @@ TEST_F(RealFiles, AreRecognisedWithoutAnyDialectFile) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
-    const auto map = recognise_skeleton(clip, {}, expected.file);
+    const auto map = recognise_skeleton(clip, {});
     if (!map) {
       ADD_FAILURE() << describe(map.error());
       continue;
@@ -115,8 +115,8 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
-    const auto named = recognise_skeleton(clip, shipped_dialects(), expected.file);
-    const auto shaped = recognise_skeleton(without_names(clip), shipped_dialects(), expected.file);
+    const auto named = recognise_skeleton(clip, shipped_dialects());
+    const auto shaped = recognise_skeleton(without_names(clip), shipped_dialects());
     ASSERT_TRUE(named);
     if (!shaped) {
       ADD_FAILURE() << describe(shaped.error());
@@ -131,13 +131,13 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
 
 TEST_F(RealFiles, AHeadsetWithoutArmsNeedsConsent) {
   const Clip clip = load("dialects/slimevr_hmd_root.bvh");
-  const auto refused = recognise_skeleton(clip, shipped_dialects(), "hmd.bvh");
+  const auto refused = recognise_skeleton(clip, shipped_dialects());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
   EXPECT_EQ(refused.error().message, "no arms found in the skeleton");
   EXPECT_NE(refused.error().hint.find(OPTION("partial")), std::string::npos);
 
-  const auto map = recognise_skeleton(clip, shipped_dialects(), "hmd.bvh", {.partial = true});
+  const auto map = recognise_skeleton(clip, shipped_dialects(), {.partial = true});
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_TRUE(map->partial);
   EXPECT_EQ(map->dialect, "slimevr");
@@ -163,7 +163,7 @@ TEST_F(RealFiles, ThatAreNoHumansAreRefusedInOneSentence) {
     SCOPED_TRACE(file);
     const Clip clip = load(file);
     for (const bool partial : {false, true}) {
-      const auto map = recognise_skeleton(clip, shipped_dialects(), file, {.partial = partial});
+      const auto map = recognise_skeleton(clip, shipped_dialects(), {.partial = partial});
       ASSERT_FALSE(map);
       EXPECT_EQ(map.error().kind, ErrorKind::kInput);
       EXPECT_EQ(map.error().message.find('\n'), std::string::npos);
@@ -174,7 +174,7 @@ TEST_F(RealFiles, ThatAreNoHumansAreRefusedInOneSentence) {
 
 TEST_F(RealFiles, ANameOnTwoJointsIsRefused) {
   const Clip clip = load("quirks/28_duplicate_names.bvh");
-  const auto map = recognise_skeleton(clip, shipped_dialects(), "clip.bvh");
+  const auto map = recognise_skeleton(clip, shipped_dialects());
   ASSERT_FALSE(map);
   EXPECT_NE(map.error().message.find("\"LeftUpArm\""), std::string::npos) << map.error().message;
 }
@@ -184,7 +184,7 @@ TEST_F(RealFiles, OfTheReadersConformanceSetAreNoHumans) {
     if (entry.path().extension() != ".bvh") continue;
     const auto file = load_bvh(entry.path().string());
     if (!file) continue;
-    EXPECT_FALSE(recognise_skeleton(file->clip, shipped_dialects(), "clip.bvh", {.partial = true}))
+    EXPECT_FALSE(recognise_skeleton(file->clip, shipped_dialects(), {.partial = true}))
         << entry.path();
   }
 }

@@ -9,6 +9,7 @@
 #include "bvh/read_bvh.h"
 #include "human/human_clip.h"
 #include "human/tiny_skeleton.h"
+#include "support/lafan1_map.h"
 
 namespace retarget {
 namespace {
@@ -23,7 +24,7 @@ void expect_bones(const std::string& body,
   const Skeleton skeleton = tiny_skeleton(body);
   // with the dialects and by names alone
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(skeleton, dialects, "clip.bvh");
+    const auto map = recognise_skeleton(skeleton, dialects);
     ASSERT_TRUE(map) << describe(map.error());
     for (const auto& [bone, joint] : expected) {
       EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->dialect;
@@ -467,10 +468,10 @@ TEST(Recognise, ClipsWhoseToesPointBackwardsAreDoubted) {
   const auto clip_of = [](const std::string& body) {
     return Clip(std::make_shared<const Skeleton>(tiny_skeleton(body)), FrameRate{30, 1}, 2);
   };
-  const auto sane = recognise_skeleton(clip_of(kBody), shipped_dialects(), "clip.bvh");
+  const auto sane = recognise_skeleton(clip_of(kBody), shipped_dialects());
   const auto odd = recognise_skeleton(
       clip_of(renamed({{"Left", "Middle"}, {"Right", "Left"}, {"Middle", "Right"}})),
-      shipped_dialects(), "clip.bvh");
+      shipped_dialects());
   ASSERT_TRUE(sane && odd);
   EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("exchanged"))));
   EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be exchanged")));
@@ -482,12 +483,12 @@ TEST(Recognise, ShippedSamplesAreLafan1) {
     SCOPED_TRACE(name);
     const auto path = std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name;
     const Clip clip = load_bvh(path.string() + ".bvh").value().clip;
-    const auto map = recognise_skeleton(clip, shipped_dialects(), "clip.bvh");
+    const auto map = recognise_skeleton(clip, shipped_dialects());
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->dialect, "lafan1");
     EXPECT_EQ(map->notes, std::vector<std::string>());
     // the motion tells the sides where the names do not, and the zero pose does not either
-    const auto by_shape = recognise_skeleton(without_names(clip), shipped_dialects(), "clip.bvh");
+    const auto by_shape = recognise_skeleton(without_names(clip), shipped_dialects());
     ASSERT_TRUE(by_shape) << describe(by_shape.error());
     EXPECT_EQ(by_shape->joint_of_bone, map->joint_of_bone);
   }
@@ -527,10 +528,9 @@ TEST(Recognise, Lafan1GivesTheJointsOfThePublishedMethod) {
     const auto map = recognise(skeleton);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->dialect, "lafan1");
-    const auto published = lafan1_mapping(skeleton, "clip.bvh");
-    ASSERT_TRUE(published);
+    const HumanMapping published = lafan1_mapping(skeleton);
     for (const Bone bone : kMappedBones) {
-      EXPECT_EQ(map->joint_of_bone[bone], published->bones[bone].position_joint) << bone_name(bone);
+      EXPECT_EQ(map->joint_of_bone[bone], published.bones[bone].position_joint) << bone_name(bone);
     }
   }
 }

@@ -149,7 +149,7 @@ inline Clip without_names(const Clip& clip) {
 
 /// recognise_skeleton with the shipped dialects.
 inline Result<BoneMap> recognise(const Skeleton& skeleton, bool partial = false) {
-  return recognise_skeleton(skeleton, shipped_dialects(), "clip.bvh", {.partial = partial});
+  return recognise_skeleton(skeleton, shipped_dialects(), {.partial = partial});
 }
 
 }  // namespace retarget

@@ -83,8 +83,8 @@ Clip sample_in(double scale, bool with_lafan1_axes) {
 
 Result<Calibration> calibrated(const Clip& clip, bool with_lafan1_axes,
                                const CalibrationOptions& options) {
-  return calibrate(clip, lafan1_map(clip.skeleton(), with_lafan1_axes ? "lafan1" : "test"), options,
-                   "clip");
+  return calibrate(clip, lafan1_map(clip.skeleton(), with_lafan1_axes ? "lafan1" : "test"),
+                   options);
 }
 
 TEST(CalibrateSize, ABodyOfNoKnownUnitIsRefusedUnlessItsHeightIsTold) {
@@ -133,10 +133,10 @@ TEST(CalibrateSize, ASmallCharacterOfMixamosNamesIsInCentimetres) {
     std::ranges::copy(small.rotations(frame), clip.rotations(frame).begin());
     std::ranges::copy(small.translations(frame), clip.translations(frame).begin());
   }
-  const auto map = recognise_skeleton(clip, shipped_dialects(), "clip");
+  const auto map = recognise_skeleton(clip, shipped_dialects());
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_EQ(map->dialect, "mixamo");
-  const auto found = calibrate(clip, *map, {}, "clip");
+  const auto found = calibrate(clip, *map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
   EXPECT_NEAR(found->mapping.height, 1.72 * 0.45, 0.03);

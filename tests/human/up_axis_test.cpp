@@ -42,7 +42,7 @@ Clip tumbling(const std::string& name, double turns, bool on_floor) {
 }
 
 Calibration calibrated(const Clip& clip) {
-  return calibrate(clip, lafan1_map(clip.skeleton(), "test"), {}, "clip").value();
+  return calibrate(clip, lafan1_map(clip.skeleton(), "test"), {}).value();
 }
 
 TEST(UpAxis, OfBodiesThatTumbleIsThatOfTheZeroPose) {

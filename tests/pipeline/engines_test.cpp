@@ -10,6 +10,7 @@
 #include "retarget/motion_io.h"
 #include "robot/find_robot.h"
 #include "support/csv.h"
+#include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 
@@ -53,7 +54,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   [[nodiscard]] HumanClip human(const std::string& clip, int frames) const {
     const auto file = load_bvh((shared_ / "data/lafan1" / (clip + ".bvh")).string()).value();
     return to_human(cut(file.clip, 0, std::min(frames, file.clip.frame_count())),
-                    lafan1_mapping(file.clip.skeleton(), clip).value());
+                    lafan1_mapping(file.clip.skeleton()));
   }
 
   fs::path shared_;
@@ -132,8 +133,8 @@ TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
     for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
       RetargetOptions options;
       options.engine = engine;
-      const auto result = retarget(human(clip, static_cast<int>(expected.size())), clip, robot_,
-                                   mapping_, limits_, options);
+      const auto result = retarget(human(clip, static_cast<int>(expected.size())), robot_, mapping_,
+                                   limits_, options);
       ASSERT_TRUE(result) << describe(result.error());
       const auto difference =
           compare_tables(parse_csv(format_robot_csv(result->clip, csv_options)), expected, 1e-6);

@@ -136,11 +136,11 @@ class LimbSegments : public ::testing::Test {
       if (!bvh) return failure(bvh.error());
       clip = std::move(bvh->clip);
     }
-    const auto map = recognise_skeleton(*clip, dialects_, file.string());
+    const auto map = recognise_skeleton(*clip, dialects_);
     if (!map) return failure(map.error());
     CalibrationOptions options;
     options.height = height;
-    const auto calibration = calibrate(*clip, *map, options, file.string());
+    const auto calibration = calibrate(*clip, *map, options);
     if (!calibration) return failure(calibration.error());
     // the first half minute will do
     const int frames = std::min(clip->frame_count(), static_cast<int>(30 * clip->rate().fps()));
@@ -153,7 +153,7 @@ class LimbSegments : public ::testing::Test {
       retarget_options.height_scale = HeightScale::kLimbs;
     }
     const bool is_lafan1 = map->dialect.starts_with("lafan1");
-    auto result = retarget(outcome.human, file.string(), robot_, is_lafan1 ? published_ : derived_,
+    auto result = retarget(outcome.human, robot_, is_lafan1 ? published_ : derived_,
                            robot_->model_limits(), retarget_options);
     if (!result) return failure(result.error());
     outcome.robot = std::move(result->clip);

@@ -13,6 +13,7 @@
 #include "retarget/motion_io.h"
 #include "support/box_qp_residual.h"
 #include "support/csv.h"
+#include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 
@@ -44,14 +45,14 @@ HumanClip load_human(const fs::path& bvh, int frames) {
   EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
   const Clip& clip = file->clip;
   return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
-                  lafan1_mapping(clip.skeleton(), bvh.string()).value());
+                  lafan1_mapping(clip.skeleton()));
 }
 
 std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, IkEngine engine) {
   const auto robot = load_g1();
   RetargetOptions retarget_options;
   retarget_options.engine = engine;
-  const auto result = retarget(load_human(bvh, frames), bvh.string(), robot, g1_tables(*robot),
+  const auto result = retarget(load_human(bvh, frames), robot, g1_tables(*robot),
                                gmr_limits(*robot), retarget_options);
   EXPECT_TRUE(result) << describe(result.error());
   RobotCsvOptions options;

@@ -16,15 +16,14 @@ namespace {
 
 RobotClip robot_motion(const Clip& clip) {
   const auto map = lafan1_map(clip.skeleton(), "test");
-  const auto found = calibrate(clip, map, {}, "clip");
+  const auto found = calibrate(clip, map, {});
   EXPECT_TRUE(found) << describe(found.error());
   const auto robot = load_g1();
   const auto tables =
       load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
   RetargetOptions options;
   options.height_scale = HeightScale::kLimbs;
-  auto result =
-      retarget(clip, found->mapping, "clip", robot, *tables, robot->model_limits(), options);
+  auto result = retarget(clip, found->mapping, robot, *tables, robot->model_limits(), options);
   EXPECT_TRUE(result) << describe(result.error());
   return std::move(result->clip);
 }

@@ -7,6 +7,7 @@
 
 #include "bvh/read_bvh.h"
 #include "pipeline/retarget.h"
+#include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 
@@ -31,12 +32,11 @@ RobotClip solved(const Clip& clip, const std::string& name,
                  const std::shared_ptr<const Robot>& robot, bool settle) {
   const auto tables =
       load_mapping((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  EXPECT_TRUE(tables.has_value() && mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
+  EXPECT_TRUE(tables.has_value());
   RetargetOptions options;
   options.settle = settle;
-  const auto result =
-      retarget(clip, *mapping, "clip", robot, *tables, robot->model_limits(), options);
+  const auto result = retarget(clip, mapping, robot, *tables, robot->model_limits(), options);
   EXPECT_TRUE(result.has_value());
   return result->clip;
 }
@@ -57,7 +57,7 @@ TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
   const Clip whole = load_bvh((kRoot / "data/wave.bvh").string())->clip;
   for (const int frames : {0, 1, 59, 60, 61, 121}) {
     const Clip clip = cut(whole, 0, frames);
-    const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
+    const HumanMapping mapping = lafan1_mapping(clip.skeleton());
     RetargetOptions options;
     options.settle = true;
     options.height_scale = HeightScale::kLimbs;
@@ -70,8 +70,7 @@ TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
     for (const bool ahead : {false, true}) {
       told.clear();
       options.targets_ahead = ahead;
-      const auto result =
-          retarget(clip, *mapping, "clip", robot, *tables, robot->model_limits(), options);
+      const auto result = retarget(clip, mapping, robot, *tables, robot->model_limits(), options);
       ASSERT_TRUE(result) << describe(result.error());
       ASSERT_EQ(static_cast<int>(told.size()), frames);
       for (int frame = 0; frame < frames; ++frame) {

@@ -8,6 +8,7 @@
 
 #include "bvh/read_bvh.h"
 #include "pipeline/retarget.h"
+#include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -82,7 +83,7 @@ TEST(TargetStream, EndsWhereverItIsLeft) {
 TEST(Retarget, SameConfigurationsHoweverTheTargetsAreMade) {
   const std::filesystem::path source(RETARGET_SOURCE_DIR);
   const auto clip = load_bvh((source / "data" / "walk.bvh").string()).value().clip;
-  const auto mapping = lafan1_mapping(clip.skeleton(), "walk").value();
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   const auto robot = load_g1();
   const auto tables =
       load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot).value();
@@ -91,10 +92,10 @@ TEST(Retarget, SameConfigurationsHoweverTheTargetsAreMade) {
   ahead.targets_ahead = true;
   int solved = 0;
   ahead.frame_solved = [&](int frame, std::span<const double>) { EXPECT_EQ(frame, solved++); };
-  const auto expected = retarget(to_human(clip, mapping), "walk", robot, tables, limits, alone);
+  const auto expected = retarget(to_human(clip, mapping), robot, tables, limits, alone);
   ASSERT_TRUE(expected) << describe(expected.error());
   for (const RetargetOptions& options : {alone, ahead}) {
-    const auto result = retarget(clip, mapping, "walk", robot, tables, limits, options);
+    const auto result = retarget(clip, mapping, robot, tables, limits, options);
     ASSERT_TRUE(result) << describe(result.error());
     ASSERT_EQ(result->clip.frame_count(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {

@@ -9,6 +9,7 @@
 #include "bvh/read_bvh.h"
 #include "motion/clip_range.h"
 #include "refine/fit.h"
+#include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -45,10 +46,10 @@ double difference(const RobotClip& a, const RobotClip& b) {
 double apart(const std::shared_ptr<const Robot>& robot, const std::string& mapping_file,
              const Clip& clip) {
   const auto tables = load_mapping(RETARGET_SOURCE_DIR "/configs/" + mapping_file, *robot);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  EXPECT_TRUE(tables.has_value() && mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
+  EXPECT_TRUE(tables.has_value());
   const auto run = [&](const Clip& source) {
-    auto result = fit(source, *mapping, "clip", robot, *tables, robot->model_limits());
+    auto result = fit(source, mapping, robot, *tables, robot->model_limits());
     EXPECT_TRUE(result.has_value()) << describe(result.error());
     return std::move(result->clip);
   };

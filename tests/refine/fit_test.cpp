@@ -13,6 +13,7 @@
 #include "bvh/read_bvh.h"
 #include "motion/clip_range.h"
 #include "motion/resample.h"
+#include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -42,9 +43,8 @@ class FitTest : public testing::Test {
   }
 
   FitResult fitted(const Clip& clip, const FitOptions& options = {}) {
-    const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-    EXPECT_TRUE(mapping.has_value());
-    auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, options);
+    const HumanMapping mapping = lafan1_mapping(clip.skeleton());
+    auto result = fit(clip, mapping, robot_, tables_, limits_, options);
     EXPECT_TRUE(result.has_value()) << describe(result.error());
     return std::move(*result);
   }
@@ -227,10 +227,8 @@ TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
       load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_booster_t1_29dof.json", **robot);
   ASSERT_TRUE(robot.has_value() && tables.has_value());
   const Clip clip = cut(sample("wave.bvh"), 0, 8);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  ASSERT_TRUE(mapping.has_value());
-  const auto result =
-      fit(clip, *mapping, "clip", *robot, *tables, (*robot)->model_limits(), FitOptions{});
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
+  const auto result = fit(clip, mapping, *robot, *tables, (*robot)->model_limits(), FitOptions{});
   ASSERT_TRUE(result.has_value());
   const auto overlap =
       std::ranges::find(result->report.terms, "self-collision", &FitTermReport::name);
@@ -318,11 +316,10 @@ TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
   const auto bare = load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
   ASSERT_TRUE(bare.has_value());
   const Clip clip = cut(sample("walk.bvh"), 0, 10);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  ASSERT_TRUE(mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   FitOptions options;
   options.iterations = 2;
-  const auto result = fit(clip, *mapping, "clip", *bare, tables_, (*bare)->model_limits(), options);
+  const auto result = fit(clip, mapping, *bare, tables_, (*bare)->model_limits(), options);
   ASSERT_TRUE(result.has_value());
   ASSERT_FALSE(result->report.notes.empty());
   EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
@@ -330,11 +327,10 @@ TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
 
 TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
   Clip clip = cut(sample("walk.bvh"), 0, 20);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  ASSERT_TRUE(mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   for (const double x : {1e150, std::numeric_limits<double>::quiet_NaN()}) {
     clip.translations(12)[0].x() = x;
-    const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_);
+    const auto result = fit(clip, mapping, robot_, tables_, limits_);
     ASSERT_FALSE(result.has_value());
     EXPECT_EQ(result.error().kind, ErrorKind::kInput);
     EXPECT_THAT(result.error().message, HasSubstr("frame 12"));
@@ -343,25 +339,23 @@ TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
 
 TEST_F(FitTest, CanBeStopped) {
   const Clip clip = cut(sample("walk.bvh"), 0, 20);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  ASSERT_TRUE(mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   FitRun run;
   run.keep_going = [](double) { return false; };
-  const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, {}, run);
+  const auto result = fit(clip, mapping, robot_, tables_, limits_, {}, run);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }
 
 TEST_F(FitTest, CanBeStoppedWhileTheFirstStageRuns) {
   const Clip clip = cut(sample("walk.bvh"), 0, 100);
-  const auto mapping = lafan1_mapping(clip.skeleton(), "clip");
-  ASSERT_TRUE(mapping.has_value());
+  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   FitOptions options;
   options.window = 0.5;
   options.threads = 3;
   FitRun run;
   run.retarget.keep_going = [](int frame) { return frame < 80; };
-  const auto result = fit(clip, *mapping, "clip", robot_, tables_, limits_, options, run);
+  const auto result = fit(clip, mapping, robot_, tables_, limits_, options, run);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }

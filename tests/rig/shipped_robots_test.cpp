@@ -44,8 +44,8 @@ fs::path mapping_of(const std::string& name) {
 HumanClip walking(const fs::path& file) {
   const auto dialects = load_dialects(source_folder() / "configs" / "skeletons").value();
   const auto bvh = load_bvh(file.string()).value();
-  const auto map = recognise_skeleton(bvh.clip, dialects, file.string()).value();
-  const auto calibration = calibrate(bvh.clip, map, {}, file.string()).value();
+  const auto map = recognise_skeleton(bvh.clip, dialects).value();
+  const auto calibration = calibrate(bvh.clip, map, {}).value();
   const int begin = std::min(bvh.clip.frame_count() / 4, static_cast<int>(bvh.clip.rate().fps()));
   const int end =
       std::min(bvh.clip.frame_count(), begin + static_cast<int>(3.0 * bvh.clip.rate().fps()));
@@ -55,8 +55,8 @@ HumanClip walking(const fs::path& file) {
 
 double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>& robot,
                      const RobotAnatomy& limbs, const IkTables& tables) {
-  const auto result = retarget(human, "walk", robot, resolve_mapping(tables, *robot).value(),
-                               robot->model_limits(), {});
+  const auto result =
+      retarget(human, robot, resolve_mapping(tables, *robot).value(), robot->model_limits(), {});
   EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error()));
   if (!result) return 180.0;
   const auto errors = limb_errors(human, result->clip, limbs);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "human/bone_map.h"
+#include "human/human_clip.h"
+#include "retarget/clip.h"
+
+namespace retarget {
+
+/// The bones of a skeleton with LAFAN1's joint names; the toes may be called ToeBase.
+inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) {
+  BoneMap map;
+  map.dialect = dialect;
+  for (const Bone bone : kMappedBones) {
+    const std::string name(bone_name(bone));
+    auto joint = skeleton.find(name);
+    if (!joint && name.ends_with("Toe")) joint = skeleton.find(name + "Base");
+    map.joint_of_bone[bone] = joint.value_or(-1);
+  }
+  return map;
+}
+
+/// The published method's mapping of such a skeleton, whatever its axes and lengths.
+inline HumanMapping lafan1_mapping(const Skeleton& skeleton) {
+  const BoneMap map = lafan1_map(skeleton, "lafan1");
+  return lafan1_mapping(map.joint_of_bone, map.joint_of_bone);
+}
+
+}  // namespace retarget
