@@ -14,7 +14,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int kBase = FitModel::kBaseDofs;
+constexpr int kBase = KinematicTree::kBaseDofs;
 
 // constant damping, on the diagonal: joints and the root's rotation, the root's position
 constexpr double kDamping = 1.0, kPositionDamping = 100.0;
@@ -68,7 +68,7 @@ class WindowFitter {
   int dofs_;
   bool before_, after_;  // whether a fixed frame lies next to the window
   FrameTerms terms_;
-  FitPose pose_;
+  TreeState pose_;
   JointSpeeds speeds_;
   BlockChain chain_;
   std::vector<std::vector<std::uint32_t>> pairs_;  // by frame
@@ -92,7 +92,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       before_(window.fixed_ends && window.begin > 0),
       after_(window.fixed_ends && window.end < clip.frame_count),
       terms_(model, options),
-      pose_(model),
+      pose_(model.tree),
       speeds_(model, options, clip.frame_time),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
@@ -144,7 +144,7 @@ void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
 
 void WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
-  pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+  pose_.update(clip_.frame(frame, model_.configuration_size));
   if (look_for_pairs && options_.self_collision) {
     terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
   }
@@ -258,7 +258,7 @@ void WindowFitter::apply(int frame) {
   for (int i = kBase; i < dofs_; ++i) {
     signed char& side = held(frame, i);
     if (side != 0) continue;
-    double& value = qpos[at(model_.links[at(i - kBase + 1)].qpos_address)];
+    double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
     value += std::clamp(x[at(i)], -kLargestTurn, kLargestTurn);
     if (value < model_.lower[at(i)]) {
       value = model_.lower[at(i)];
@@ -311,7 +311,7 @@ void WindowFitter::place_own_anchors() {
   for (int frame = window_.begin; frame < window_.end; ++frame) {
     const auto ends = clip_.feet.ends_of(frame);
     if (std::ranges::none_of(ends, [](const FootEndGoal& end) { return end.phase >= 0; })) continue;
-    pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+    pose_.update(clip_.frame(frame, model_.configuration_size));
     add_to_anchors(frame);
   }
   for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {

@@ -18,7 +18,7 @@ constexpr int kProjections = 24;     // of each of two cores on the other
 
 // the core of a shape in the world
 struct Core {
-  Core(const RoundedShape& shape, const Frame& world)
+  Core(const RoundedShape& shape, const Pose& world)
       : centre(world * shape.centre), count(shape.axis_count) {
     for (int i = 0; i < count; ++i) {
       axes[static_cast<std::size_t>(i)] =
@@ -149,8 +149,8 @@ Vector3d normal_of_crossing(const Core& a, const Core& b) {
 
 }  // namespace
 
-FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const RoundedShape& b,
-                         const Frame& world_from_b) {
+FitDistance fit_distance(const RoundedShape& a, const Pose& world_from_a, const RoundedShape& b,
+                         const Pose& world_from_b) {
   const Core core_a(a, world_from_a), core_b(b, world_from_b);
   FitDistance result;
   if (core_a.count == 1 && core_b.count == 1) {

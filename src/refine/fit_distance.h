@@ -17,7 +17,7 @@ struct FitDistance {
 ///
 /// Lines by their closed form (Ericson, "Real-Time Collision Detection", section 5.1.9), rectangles
 /// and boxes by projecting back and forth; where the cores meet, by the least way that parts them.
-[[nodiscard]] FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a,
-                                       const RoundedShape& b, const Frame& world_from_b);
+[[nodiscard]] FitDistance fit_distance(const RoundedShape& a, const Pose& world_from_a,
+                                       const RoundedShape& b, const Pose& world_from_b);
 
 }  // namespace retarget

@@ -28,8 +28,8 @@ RoundedShape shape(std::vector<Vector3d> axes, double radius, const Vector3d& ce
   return result;
 }
 
-Frame moved(const Vector3d& by) {
-  return {Eigen::Matrix3d::Identity(), by};
+Pose moved(const Vector3d& by) {
+  return {Eigen::Quaterniond::Identity(), by};
 }
 
 TEST(FitDistance, OfBalls) {
@@ -73,7 +73,7 @@ TEST(FitDistance, ABoxInABoxGoesOutTheShortestWay) {
 double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector3d& between,
                       const Vector3d& from, const Vector3d& to) {
   const auto distance = [&](const Vector3d& turn) {
-    const Frame at_a{exp_so3(turn).toRotationMatrix(), between};
+    const Pose at_a{exp_so3(turn), between};
     return fit_distance(a, at_a, b, moved(Vector3d::Zero()));
   };
   const FitDistance one = distance(from), other = distance(to);
@@ -107,15 +107,15 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
       a_axes.emplace_back(size_a[i] * Vector3d::Unit(i));
       b_axes.emplace_back(size_b[i] * Vector3d::Unit(i));
     }
-    const Frame at_b = moved(Vector3d::Zero());
-    Frame at_a{exp_so3(2.0 * vector()).toRotationMatrix(), 0.3 * vector()};
+    const Pose at_b = moved(Vector3d::Zero());
+    Pose at_a{exp_so3(2.0 * vector()), 0.3 * vector()};
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
     const auto found = fit_distance(a, at_a, b, at_b);
     PlacedShape box_a, box_b;
     box_a.type = box_b.type = CollisionShape::Type::kBox;
     box_a.centre = at_a.translation;
     box_a.half_size = size_a;
-    box_a.world_from_box = at_a.rotation;
+    box_a.world_from_box = at_a.rotation.toRotationMatrix();
     box_a.bounding_radius = size_a.norm();
     box_b.half_size = size_b;
     box_b.bounding_radius = size_b.norm();
@@ -125,7 +125,7 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
     EXPECT_NEAR(found.distance, exact.distance, 1e-9) << round;
     // a small turn and way of a
     const Vector3d turn = 1e-7 * vector(), way = 1e-7 * vector();
-    at_a.rotation = exp_so3(turn).toRotationMatrix() * at_a.rotation;
+    at_a.rotation = exp_so3(turn) * at_a.rotation;
     const Vector3d arm = found.on_a - at_a.translation;
     at_a.translation += way;
     const double change = fit_distance(a, at_a, b, at_b).distance - found.distance;
@@ -144,7 +144,7 @@ TEST(FitDistance, NoPairOfPointsIsNearer) {
     for (int i = 0; i < round % 4; ++i) a_axes.push_back((0.2 + 0.1 * i) * turn.col(i));
     for (int i = 0; i < (round / 4) % 4; ++i) b_axes.push_back((0.5 - 0.1 * i) * Vector3d::Unit(i));
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
-    const Frame at_a = moved(2.0 * vector()), at_b = moved(vector());
+    const Pose at_a = moved(2.0 * vector()), at_b = moved(vector());
     const auto found = fit_distance(a, at_a, b, at_b);
     double least = 1e9;
     for (int sample = 0; sample < 3000; ++sample) {
