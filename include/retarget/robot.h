@@ -18,6 +18,7 @@ struct mjModel_;
 
 namespace RETARGET_API retarget {
 
+class KinematicTree;
 class Robot;
 
 /// Ranges of a robot's joints under one name.
@@ -142,6 +143,8 @@ class Robot {
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
+  /// What the library itself walks along: bodies that do not move against each other folded.
+  [[nodiscard]] const KinematicTree& tree() const { return *tree_; }
   /// Indices into joints() in the order of the output columns.
   [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
   /// The spheres, capsules and boxes among the geoms of the robot that take part in contacts, in
@@ -181,14 +184,15 @@ class Robot {
   std::vector<std::string> warnings_;
   std::vector<RobotBody> bodies_;
   std::vector<RobotJoint> joints_;
+  std::shared_ptr<const KinematicTree> tree_;
   std::vector<int> output_joints_;
   std::vector<CollisionShape> collision_shapes_;
   int root_body_ = 0;
   LimitSet model_limits_;
 };
 
-/// World poses of all bodies in a configuration, by body index; metres. Own walk over the tree,
-/// no MuJoCo data needed and nothing allocated.
+/// World poses of all bodies in a configuration, by body index; metres. No MuJoCo data needed and
+/// nothing allocated.
 /// @param qpos             configuration_size() values; the root quaternion need not be a unit one,
 ///                         but must not be zero.
 /// @param world_from_body  bodies().size() poses, filled.

@@ -34,14 +34,13 @@ struct LimbShape {
 /// like the knee's. Forearms whose joints beyond the elbow all turn about the forearm end at the
 /// farthest body that is fixed to the last of them.
 /// @param reference  the configuration that `posed` is in.
-[[nodiscard]] std::optional<LimbShape> shape_limb(const PosedRobot& posed,
-                                                  const MovingBodies& moving,
+[[nodiscard]] std::optional<LimbShape> shape_limb(const Robot& robot, const TreeState& posed,
                                                   const std::vector<double>& reference,
                                                   const std::vector<int>& chain, bool is_leg);
 
 /// Points of a moving body and of what is fixed to it, in the world of `posed`: origins of bodies,
 /// corners of the boxes around geoms.
-[[nodiscard]] std::vector<Eigen::Vector3d> outline_points(const PosedRobot& posed,
-                                                          const MovingBodies& moving, int body);
+[[nodiscard]] std::vector<Eigen::Vector3d> outline_points(const Robot& robot,
+                                                          const TreeState& posed, int body);
 
 }  // namespace retarget

@@ -58,8 +58,7 @@ class LimbFinder {
       : robot_(robot),
         file_(std::move(file)),
         reference_(reference_configuration(robot)),
-        posed_(robot, reference_),
-        moving_(robot) {}
+        posed_(robot.tree(), reference_) {}
 
   Result<RobotAnatomy> find();
 
@@ -75,12 +74,12 @@ class LimbFinder {
   [[nodiscard]] Eigen::Matrix3d in_body(int body, const Eigen::Matrix3d& world_from_bone) const;
   [[nodiscard]] std::optional<LimbPart> head() const;
   void note_limbs();
+  [[nodiscard]] int body_of(int link) const { return robot_.tree().links()[link].body; }
 
   const Robot& robot_;
   std::string file_;
   std::vector<double> reference_;
-  PosedRobot posed_;
-  MovingBodies moving_;
+  TreeState posed_;
   ShapedPair legs_, arms_;
   RobotAnatomy found_;
 };
@@ -107,25 +106,26 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
   ShapedPair shaped{pair, {}};
   const std::array<int, 2> first = {pair.first, pair.second};
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto limb = shape_limb(posed_, moving_, reference_, moving_.chain(first[side]), is_leg);
+    const auto limb =
+        shape_limb(robot_, posed_, reference_, joint_chain(robot_.tree(), first[side]), is_leg);
     if (!limb) {
-      return config_failure(file_, "the branch of " + name_of(robot_, first[side]) + " should be " +
-                                       what + " but no joint of it bends it");
+      return config_failure(file_, "the branch of " + name_of(robot_, body_of(first[side])) +
+                                       " should be " + what + " but no joint of it bends it");
     }
     shaped.limbs[side] = *limb;
   }
   // mirror images bend at the same joint; the clearer side decides
   auto& [a, b] = shaped.limbs;
   if (a.middle != b.middle) {
-    return config_failure(file_, "the branches of " + name_of(robot_, first[0]) + " and " +
-                                     name_of(robot_, first[1]) + " should be " + what +
+    return config_failure(file_, "the branches of " + name_of(robot_, body_of(first[0])) + " and " +
+                                     name_of(robot_, body_of(first[1])) + " should be " + what +
                                      " each but differ in build");
   }
   return shaped;
 }
 
 Result<void> LimbFinder::choose_pairs() {
-  std::vector<BranchPair> pairs = branch_pairs(posed_, moving_);
+  std::vector<BranchPair> pairs = branch_pairs(posed_);
   if (stands_on_wheels()) return no_legs("the model stands on wheels");
   if (pairs.empty()) {
     return no_legs("no two branches of the model are mirror images of each other (" +
@@ -134,7 +134,7 @@ Result<void> LimbFinder::choose_pairs() {
   std::ranges::stable_sort(pairs, {}, &BranchPair::lowest);
   double highest = pairs.front().lowest;
   for (std::size_t b = 1; b < robot_.bodies().size(); ++b) {
-    highest = std::max(highest, posed_.body(static_cast<int>(b)).translation.z());
+    highest = std::max(highest, posed_.world_from_body(static_cast<int>(b)).translation.z());
   }
   const double floor = pairs.front().lowest + kGroundShare * (highest - pairs.front().lowest);
   if (pairs.size() > 1 && pairs[1].lowest < floor) {
@@ -165,7 +165,7 @@ double LimbFinder::foot_vote(const Eigen::Vector3d& forward) const {
     const int foot = robot_.joints()[leg.joints.back()].body;
     double ahead = 0.0;
     double behind = 0.0;
-    for (const Eigen::Vector3d& point : outline_points(posed_, moving_, foot)) {
+    for (const Eigen::Vector3d& point : outline_points(robot_, posed_, foot)) {
       const double x = (point - leg.end).dot(forward);
       ahead = std::max(ahead, x);
       behind = std::max(behind, -x);
@@ -207,7 +207,7 @@ void LimbFinder::find_facing() {
 }
 
 Eigen::Matrix3d LimbFinder::in_body(int body, const Eigen::Matrix3d& world_from_bone) const {
-  return posed_.body(body).rotation.toRotationMatrix().transpose() * world_from_bone;
+  return posed_.world_from_body(body).rotation.toRotationMatrix().transpose() * world_from_bone;
 }
 
 void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const {
@@ -221,11 +221,11 @@ void LimbFinder::set_end(Limb& limb, const LimbShape& shape, bool is_leg) const 
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     world_from_bone << found_.forward, up, -found_.left;
   } else {
-    world_from_bone =
-        posed_.body(limb.lower.body).rotation.toRotationMatrix() * limb.lower.body_from_bone;
+    world_from_bone = posed_.world_from_body(limb.lower.body).rotation.toRotationMatrix() *
+                      limb.lower.body_from_bone;
   }
   end.body_from_bone = in_body(end.body, world_from_bone);
-  end.joint = posed_.body(end.body).inverse() * shape.end;
+  end.joint = posed_.world_from_body(end.body).inverse() * shape.end;
   limb.end = end;
 }
 
@@ -251,11 +251,11 @@ Limb LimbFinder::limb_of(const LimbShape& shape, bool is_leg) const {
   };
   const int middle_body = robot_.joints()[shape.joints[shape.middle]].body;
   limb.lower.body = middle_body;
-  limb.upper.body = moving_.carrier(robot_.bodies()[middle_body].parent);
+  limb.upper.body = robot_.tree().carrier(robot_.bodies()[middle_body].parent);
   limb.upper.body_from_bone = in_body(limb.upper.body, bone(shape.upper()));
-  limb.upper.joint = posed_.body(limb.upper.body).inverse() * shape.root;
+  limb.upper.joint = posed_.world_from_body(limb.upper.body).inverse() * shape.root;
   limb.lower.body_from_bone = in_body(limb.lower.body, bone(shape.lower()));
-  limb.lower.joint = posed_.body(limb.lower.body).inverse() * shape.bend;
+  limb.lower.joint = posed_.world_from_body(limb.lower.body).inverse() * shape.bend;
   limb.upper_length = (shape.bend - shape.root).norm();
   limb.lower_length = (shape.end - shape.bend).norm();
   set_end(limb, shape, is_leg);
@@ -267,14 +267,14 @@ std::optional<LimbPart> LimbFinder::head() const {
   const double shoulders = 0.5 * (arms_.limbs[0].root + arms_.limbs[1].root).z();
   std::optional<LimbPart> best;
   double highest = shoulders;
-  for (const int trunk : {found_.torso, found_.pelvis}) {
-    for (const int child : moving_.children(trunk)) {
+  for (const int trunk : {arms_.pair.parent, legs_.pair.parent}) {
+    for (const int child : robot_.tree().children(trunk)) {
       const bool is_limb = child == legs_.pair.first || child == legs_.pair.second ||
                            child == arms_.pair.first || child == arms_.pair.second;
-      const std::vector<int> chain = moving_.chain(child);
+      const std::vector<int> chain = joint_chain(robot_.tree(), child);
       if (is_limb || chain.empty() || chain.size() > 3) continue;
       const int body = robot_.joints()[chain.back()].body;
-      const double height = posed_.body(body).translation.z();
+      const double height = posed_.world_from_body(body).translation.z();
       if (height <= highest) continue;
       highest = height;
       Eigen::Matrix3d upright;
@@ -304,8 +304,8 @@ void LimbFinder::note_limbs() {
 Result<RobotAnatomy> LimbFinder::find() {
   TRY(choose_pairs());
   find_facing();
-  found_.pelvis = legs_.pair.parent;
-  found_.torso = arms_.pair.parent;
+  found_.pelvis = body_of(legs_.pair.parent);
+  found_.torso = body_of(arms_.pair.parent);
   Eigen::Matrix3d upright;
   upright << Eigen::Vector3d::UnitZ(), found_.forward, found_.left;
   found_.pelvis_from_hips = in_body(found_.pelvis, upright);

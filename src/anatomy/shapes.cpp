@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 
-#include "anatomy/branches.h"
 #include "math/so3.h"
+#include "robot/core_points.h"
+#include "robot/kinematic_tree.h"
 #include "robot/load_model.h"
+#include "robot/model_values.h"
 
 namespace retarget {
 namespace {
@@ -23,25 +25,6 @@ constexpr double kHeelShare = 0.25;  // of the foot's length behind the ankle
 constexpr double kFootWidth = 0.11;
 // a limb segment's radius, of its length
 constexpr double kRadius = 0.15;
-
-// the lowest points of a shape, seen along `up` (in the body's frame)
-std::vector<Eigen::Vector3d> lowest_points(const CollisionShape& shape, const Eigen::Vector3d& up) {
-  const Pose& pose = shape.body_from_shape;
-  if (shape.type == Type::kSphere) return {pose.translation - shape.radius * up};
-  std::vector<Eigen::Vector3d> points;
-  if (shape.type == Type::kCapsule) {
-    for (const double end : {-shape.half_length, shape.half_length}) {
-      points.emplace_back(pose * Eigen::Vector3d(0.0, 0.0, end) - shape.radius * up);
-    }
-    return points;
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
-                               (corner & 4) != 0 ? 1.0 : -1.0);
-    points.emplace_back(pose * Eigen::Vector3d(sign.cwiseProduct(shape.half_size)));
-  }
-  return points;
-}
 
 // Puts the touching point that is nearest in the place of each corner of the box around them: feet
 // are no rectangles, and a corner beyond them would touch the floor before they do. Corners stay
@@ -68,17 +51,13 @@ void take_touching_points(const std::vector<Eigen::Vector3d>& touching,
 // a box with the given axes around points
 CollisionShape box_around(int body, const std::vector<Eigen::Vector3d>& points,
                           const Eigen::Matrix3d& axes) {
-  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY);
-  Eigen::Vector3d upper = -lower;
-  for (const Eigen::Vector3d& point : points) {
-    lower = lower.cwiseMin(axes.transpose() * point);
-    upper = upper.cwiseMax(axes.transpose() * point);
-  }
+  Eigen::AlignedBox3d around;
+  for (const Eigen::Vector3d& point : points) around.extend(axes.transpose() * point);
   CollisionShape box;
   box.type = Type::kBox;
   box.body = body;
-  box.half_size = 0.5 * (upper - lower).cwiseMax(2e-3);
-  box.body_from_shape = {Eigen::Quaterniond(axes), axes * (0.5 * (lower + upper))};
+  box.half_size = 0.5 * around.sizes().cwiseMax(2e-3);
+  box.body_from_shape = {Eigen::Quaterniond(axes), axes * around.center()};
   return box;
 }
 
@@ -120,7 +99,7 @@ CollisionShape capsule_around(int body, const std::vector<Eigen::Vector3d>& poin
 class ShapeFinder {
  public:
   ShapeFinder(const Robot& robot, const RobotAnatomy& limbs, const BodyPoints& mesh)
-      : robot_(robot), limbs_(limbs), mesh_(mesh), moving_(robot) {}
+      : robot_(robot), limbs_(limbs), mesh_(mesh), tree_(robot.tree()) {}
 
   RobotShapes find();
 
@@ -138,7 +117,7 @@ class ShapeFinder {
   const Robot& robot_;
   const RobotAnatomy& limbs_;
   const BodyPoints& mesh_;
-  MovingBodies moving_;
+  const KinematicTree& tree_;
   RobotShapes found_;
 };
 
@@ -157,16 +136,13 @@ void ShapeFinder::keep_model_shapes() {
     const int body = model->geom_bodyid[g];
     const bool of_robot = model->body_rootid[body] == robot_.root_body();
     if (!touches || !of_robot || model->geom_type[g] != mjGEOM_CYLINDER) continue;
-    const mjtNum* at = model->geom_pos + 3 * g;
-    const mjtNum* q = model->geom_quat + 4 * g;
     CollisionShape capsule;
     capsule.type = Type::kCapsule;
     capsule.body = body;
     capsule.radius = model->geom_size[3 * g];
     capsule.half_length = std::max(model->geom_size[3 * g + 1] - capsule.radius, 0.0);
     if (capsule.half_length == 0.0) capsule.type = Type::kSphere;
-    capsule.body_from_shape = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
-                               {at[0], at[1], at[2]}};
+    capsule.body_from_shape = pose_at(model->geom_pos, model->geom_quat, g);
     found_.shapes.push_back({capsule, ShapeSource::kModel});
   }
 }
@@ -211,27 +187,22 @@ void ShapeFinder::estimate_segments() {
 std::vector<Eigen::Vector3d> ShapeFinder::foot_points(const LimbPart& foot) const {
   const Eigen::Vector3d up = foot.body_from_bone.col(1);
   std::vector<Eigen::Vector3d> points;
-  std::vector<Pose> world_from_body(robot_.bodies().size());
-  forward_kinematics(robot_, reference_configuration(robot_), world_from_body);
-  for (const int part : moving_.parts(foot.body)) {
-    const Pose foot_from_part = world_from_body[static_cast<std::size_t>(foot.body)].inverse() *
-                                world_from_body[static_cast<std::size_t>(part)];
-    const Eigen::Vector3d up_in_part = foot_from_part.rotation.conjugate() * up;
+  const TreeState posed(tree_, reference_configuration(robot_));
+  const Pose foot_from_world = posed.world_from_body(foot.body).inverse();
+  for (const int part : tree_.rigid_group(foot.body)) {
+    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
     for (const RoughShape& rough : found_.shapes) {
       if (rough.shape.body != part || rough.source != ShapeSource::kModel) continue;
-      for (const Eigen::Vector3d& point : lowest_points(rough.shape, up_in_part)) {
-        points.push_back(foot_from_part * point);
+      for (const Eigen::Vector3d& point : core_points(rough.shape)) {
+        points.push_back(foot_from_part * point - rough.shape.radius * up);
       }
     }
   }
   if (!points.empty()) return points;
-  for (const int part : moving_.parts(foot.body)) {
+  for (const int part : tree_.rigid_group(foot.body)) {
     if (static_cast<std::size_t>(part) >= mesh_.size()) continue;
-    const Pose foot_from_part = world_from_body[static_cast<std::size_t>(foot.body)].inverse() *
-                                world_from_body[static_cast<std::size_t>(part)];
-    for (const Eigen::Vector3d& point : mesh_[static_cast<std::size_t>(part)]) {
-      points.push_back(foot_from_part * point);
-    }
+    const Pose foot_from_part = foot_from_world * posed.world_from_body(part);
+    for (const Eigen::Vector3d& point : mesh_[part]) points.push_back(foot_from_part * point);
   }
   return points;
 }
@@ -265,7 +236,7 @@ void ShapeFinder::find_sole(std::size_t side) {
     found_.sole_source = ShapeSource::kEstimated;
   } else if (found_.sole_source == ShapeSource::kModel &&
              std::ranges::none_of(found_.shapes, [&](const RoughShape& rough) {
-               return moving_.carrier(rough.shape.body) == foot.body &&
+               return tree_.carrier(rough.shape.body) == foot.body &&
                       rough.source == ShapeSource::kModel;
              })) {
     found_.sole_source = ShapeSource::kMesh;
@@ -327,14 +298,11 @@ BodyPoints mesh_points(const std::string& model_path) {
   for (int g = 0; g < model.ngeom; ++g) {
     const int mesh = model.geom_dataid[g];
     if (model.geom_type[g] != mjGEOM_MESH || mesh < 0) continue;
-    const mjtNum* at = model.geom_pos + 3 * g;
-    const mjtNum* q = model.geom_quat + 4 * g;
-    const Pose body_from_geom{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
-                              {at[0], at[1], at[2]}};
+    const Pose body_from_geom = pose_at(model.geom_pos, model.geom_quat, g);
     for (int v = 0; v < model.mesh_vertnum[mesh]; ++v) {
       const float* vertex = model.mesh_vert + 3 * (model.mesh_vertadr[mesh] + v);
-      points[static_cast<std::size_t>(model.geom_bodyid[g])].push_back(
-          body_from_geom * Eigen::Vector3d(vertex[0], vertex[1], vertex[2]));
+      points[model.geom_bodyid[g]].push_back(body_from_geom *
+                                             Eigen::Vector3d(vertex[0], vertex[1], vertex[2]));
     }
   }
   return points;

@@ -25,15 +25,18 @@ bool is_plain_path(std::string_view path) {
          parts.lexically_normal() != ".";
 }
 
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code of_file, of_folder;
+  const fs::path found = fs::weakly_canonical(file, of_file);
+  const fs::path root = fs::weakly_canonical(folder, of_folder);
+  if (of_file || of_folder) return false;
+  return std::ranges::mismatch(root, found).in1 == root.end();
+}
+
 bool lies_in(const fs::path& folder, std::string_view path) {
-  if (!is_plain_path(path)) return false;
   std::error_code error;
-  const fs::path root = fs::canonical(folder, error);
-  if (error) return false;
-  const fs::path found = fs::weakly_canonical(root / fs::path(path), error);
-  if (error) return false;
-  const auto [root_end, end] = std::ranges::mismatch(root, found);
-  return root_end == root.end();
+  return is_plain_path(path) && fs::exists(folder, error) &&
+         is_below(folder / fs::path(path), folder);
 }
 
 }  // namespace retarget

@@ -14,6 +14,9 @@ namespace retarget {
 /// a relative path without `..`. Every other character may be in it.
 [[nodiscard]] bool is_plain_path(std::string_view path);
 
+/// Whether a file is in a folder or below it when links are followed; the folder itself counts.
+[[nodiscard]] bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// Whether a plain path below a folder lies there as well when links are followed. The last part
 /// need not exist.
 [[nodiscard]] bool lies_in(const std::filesystem::path& folder, std::string_view path);

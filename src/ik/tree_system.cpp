@@ -1,6 +1,6 @@
 #include "ik/tree_system.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace retarget {
 namespace {
@@ -13,31 +13,22 @@ void subtract_scaled(const double* __restrict row, double scale, int count,
 
 }  // namespace
 
-TreeSystem::TreeSystem(const MovingTree& tree) : g_(Eigen::VectorXd::Zero(tree.dof_count())) {
-  constexpr int kBase = MovingTree::kBaseDofs;
-  const int size = tree.dof_count();
-  begin_.push_back(0);
-  for (int i = 0; i < size; ++i) {
-    // the base carries everything; a node is carried by what carries its parent, and the parent
-    const int parent = i < kBase ? i - 1
-                       : tree.nodes()[i - kBase].parent == MovingTree::kBase
-                           ? kBase - 1
-                           : tree.nodes()[i - kBase].parent + kBase;
-    if (parent >= 0) {
-      for (int k = begin_[parent]; k < begin_[parent + 1]; ++k) {
-        const int carrier = carriers_[k];
-        carriers_.push_back(carrier);
-      }
-    }
-    carriers_.push_back(i);
-    begin_.push_back(static_cast<int>(carriers_.size()));
-    last_descendant_.push_back(i < kBase ? size - 1
-                                         : tree.nodes()[i - kBase].last_descendant + kBase);
-  }
-  H_.assign(carriers_.size(), 0.0);
-  L_.assign(carriers_.size(), 0.0);
-  inverse_d_.assign(size, 0.0);
-  masked_.assign(size, 0);
+TreeSystem::TreeSystem(const KinematicTree& tree)
+    : tree_(tree),
+      begin_(tree.row_begin()),
+      H_(begin_.back(), 0.0),
+      L_(H_),
+      inverse_d_(tree.dof_count(), 0.0),
+      masked_(tree.dof_count(), 0),
+      g_(Eigen::VectorXd::Zero(tree.dof_count())) {}
+
+void TreeSystem::add_to_diagonal(double value) {
+  for (int i = 0; i < size(); ++i) H_[begin_[i + 1] - 1] += value;
+}
+
+int TreeSystem::last_descendant(int i) const {
+  const int link = std::max(i - KinematicTree::dof_of(0), 0);
+  return KinematicTree::dof_of(tree_.links()[link].last_descendant);
 }
 
 bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::VectorXd& x,
@@ -56,13 +47,14 @@ bool TreeSystem::minimise(const std::vector<BoundSide>& sides, const Eigen::Vect
 // takes a variable that is held at `value` out of the system and its effect to the right side
 void TreeSystem::mask(int i, double value, Eigen::VectorXd& right) {
   double* const row = L_.data() + begin_[i];
-  const int depth = row_size(i) - 1;
+  const int depth = this->depth(i);
+  const int* const above = carriers(i);
   for (int k = 0; k < depth; ++k) {
-    right[carriers(i)[k]] -= H_[begin_[i] + k] * value;
+    right[above[k]] -= H_[begin_[i] + k] * value;
     row[k] = 0.0;
   }
   row[depth] = 1.0;
-  for (int j = i + 1; j <= last_descendant_[i]; ++j) {
+  for (int j = i + 1, last = last_descendant(i); j <= last; ++j) {
     right[j] -= H_[begin_[j] + depth] * value;
     L_[begin_[j] + depth] = 0.0;
   }
@@ -73,14 +65,15 @@ void TreeSystem::mask(int i, double value, Eigen::VectorXd& right) {
 bool TreeSystem::factorise() {
   for (int k = size() - 1; k >= 0; --k) {
     double* const row = L_.data() + begin_[k];
-    const int depth = row_size(k) - 1;
+    const int depth = this->depth(k);
+    const int* const above = carriers(k);
     if (!(row[depth] > 0.0)) return false;
     const double inverse = 1.0 / row[depth];
     inverse_d_[k] = inverse;
     if (masked_[k] != 0) continue;
     for (int m = depth - 1; m >= 0; --m) {
       const double scaled = row[m] * inverse;
-      subtract_scaled(row, scaled, m + 1, L_.data() + begin_[carriers(k)[m]]);
+      subtract_scaled(row, scaled, m + 1, L_.data() + begin_[above[m]]);
       row[m] = scaled;
     }
   }
@@ -92,25 +85,29 @@ void TreeSystem::solve(Eigen::VectorXd& x) const {
   for (int k = size() - 1; k >= 0; --k) {
     if (masked_[k] != 0) continue;
     const double* const row = L_.data() + begin_[k];
-    const int depth = row_size(k) - 1;
+    const int depth = this->depth(k);
+    const int* const above = carriers(k);
     const double value = x[k];
-    for (int m = 0; m < depth; ++m) x[carriers(k)[m]] -= row[m] * value;
+    for (int m = 0; m < depth; ++m) x[above[m]] -= row[m] * value;
   }
   for (int k = 0; k < size(); ++k) {
     if (masked_[k] != 0) continue;
     const double* const row = L_.data() + begin_[k];
-    const int depth = row_size(k) - 1;
+    const int depth = this->depth(k);
+    const int* const above = carriers(k);
     double value = x[k] * inverse_d_[k];
-    for (int m = 0; m < depth; ++m) value -= row[m] * x[carriers(k)[m]];
+    for (int m = 0; m < depth; ++m) value -= row[m] * x[above[m]];
     x[k] = value;
   }
 }
 
 double TreeSystem::gradient(int i, const Eigen::VectorXd& x) const {
-  const int depth = row_size(i) - 1;
+  const int depth = this->depth(i);
+  const int* const above = carriers(i);
   double sum = g_[i];
-  for (int k = 0; k <= depth; ++k) sum += H_[begin_[i] + k] * x[carriers(i)[k]];
-  for (int j = i + 1; j <= last_descendant_[i]; ++j) sum += H_[begin_[j] + depth] * x[j];
+  for (int k = 0; k <= depth; ++k) sum += H_[begin_[i] + k] * x[above[k]];
+  for (int j = i + 1, last = last_descendant(i); j <= last; ++j)
+    sum += H_[begin_[j] + depth] * x[j];
   return sum;
 }
 

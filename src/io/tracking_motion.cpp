@@ -11,6 +11,7 @@
 #include "base/option_name.h"
 #include "math/so3.h"
 #include "math/spline.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -62,80 +63,6 @@ struct Neighbours {
   [[nodiscard]] double steps() const { return static_cast<double>(after - before); }
 };
 
-// a body's pose before its last joint moved it, and that joint's anchor and axis in the world
-struct JointInWorld {
-  Vector3d axis, anchor;
-  Pose before;
-};
-
-JointInWorld undo(const RobotJoint& joint, const Pose& world_from_body, double position) {
-  const double moved = position - joint.reference;
-  JointInWorld found;
-  found.axis = world_from_body.rotation * joint.axis;
-  found.before = world_from_body;
-  if (joint.type == RobotJoint::Type::kSlide) {
-    found.before.translation -= moved * found.axis;
-    return found;
-  }
-  found.anchor = world_from_body * joint.anchor;
-  found.before.rotation = world_from_body.rotation * exp_so3(-moved * joint.axis);
-  found.before.translation = found.anchor - found.before.rotation * joint.anchor;
-  return found;
-}
-
-// velocities of all bodies' origins, and their angular velocities, in the world
-class VelocityWalk {
- public:
-  explicit VelocityWalk(const Robot& robot) : robot_(robot), joints_of_(robot.bodies().size()) {
-    for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-      joints_of_[robot.joints()[j].body].push_back(static_cast<int>(j));
-    }
-    linear.resize(robot.bodies().size());
-    angular.resize(robot.bodies().size());
-  }
-
-  // joint_speed by index into Robot::joints()
-  void walk(std::span<const Pose> world_from_body, std::span<const double> qpos,
-            const Vector3d& root_linear, const Vector3d& root_angular,
-            std::span<const double> joint_speed) {
-    for (std::size_t b = 0; b < world_from_body.size(); ++b) {
-      if (b == 0) {
-        linear[b] = angular[b] = Vector3d::Zero();
-        continue;
-      }
-      if (static_cast<int>(b) == robot_.root_body()) {
-        linear[b] = root_linear;
-        angular[b] = root_angular;
-        continue;
-      }
-      const auto parent = static_cast<std::size_t>(robot_.bodies()[b].parent);
-      const Vector3d& place = world_from_body[b].translation;
-      linear[b] =
-          linear[parent] + angular[parent].cross(place - world_from_body[parent].translation);
-      angular[b] = angular[parent];
-      Pose pose = world_from_body[b];
-      for (std::size_t k = joints_of_[b].size(); k-- > 0;) {
-        const auto j = static_cast<std::size_t>(joints_of_[b][k]);
-        const RobotJoint& joint = robot_.joints()[j];
-        const JointInWorld in_world = undo(joint, pose, qpos[joint.qpos_address]);
-        if (joint.type == RobotJoint::Type::kSlide) {
-          linear[b] += joint_speed[j] * in_world.axis;
-        } else {
-          linear[b] += joint_speed[j] * in_world.axis.cross(place - in_world.anchor);
-          angular[b] += joint_speed[j] * in_world.axis;
-        }
-        pose = in_world.before;
-      }
-    }
-  }
-
-  std::vector<Vector3d> linear, angular;
-
- private:
-  const Robot& robot_;
-  std::vector<std::vector<int>> joints_of_;  // of each body
-};
-
 // for each body of the layout the one among them that it is a part of; itself for those
 std::vector<int> carriers(const Robot& robot, const std::vector<int>& bodies) {
   std::vector<int> carrier(robot.bodies().size(), 0);
@@ -181,9 +108,10 @@ class TrackingMaker {
       : robot_(robot),
         motion_(motion),
         layout_(layout),
-        walk_(robot),
-        poses_(robot.bodies().size()),
-        speeds_(robot.joints().size()) {
+        posed_(robot.tree()),
+        speeds_(robot.joints().size()),
+        linear_(posed_.world_from_link.size()),
+        angular_(posed_.world_from_link.size()) {
     centres_ = point == BodyPoint::kMass
                    ? mass_centres(robot, layout.bodies)
                    : std::vector<Vector3d>(layout.bodies.size(), Vector3d::Zero());
@@ -198,32 +126,44 @@ class TrackingMaker {
       speeds_[j] = (samples.qpos[at.after][address] - samples.qpos[at.before][address]) / time;
     }
     const Vector3d linear = (samples.position[at.after] - samples.position[at.before]) / time;
-    forward_kinematics(robot_, samples.qpos[i], poses_);
-    walk_.walk(poses_, samples.qpos[i], linear, root_angular, speeds_);
+    posed_.update(samples.qpos[i]);
+    find_velocities(linear, root_angular);
     for (const int joint : layout_.joints) {
       motion_.joint_pos.push_back(samples.qpos[i][robot_.joints()[joint].qpos_address]);
       motion_.joint_vel.push_back(speeds_[joint]);
     }
     for (std::size_t k = 0; k < layout_.bodies.size(); ++k) {
-      const auto body = static_cast<std::size_t>(layout_.bodies[k]);
-      const Quaterniond& rotation = poses_[body].rotation;
-      append(motion_.body_pos, poses_[body].translation);
-      motion_.body_quat.insert(motion_.body_quat.end(),
-                               {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
-      append(motion_.body_lin_vel,
-             walk_.linear[body] + walk_.angular[body].cross(rotation * centres_[k]));
-      append(motion_.body_ang_vel, walk_.angular[body]);
+      const Pose body = posed_.world_from_body(layout_.bodies[k]);
+      const int link = robot_.tree().attachment(layout_.bodies[k]).link;
+      append(motion_.body_pos, body.translation);
+      motion_.body_quat.insert(motion_.body_quat.end(), {body.rotation.w(), body.rotation.x(),
+                                                         body.rotation.y(), body.rotation.z()});
+      const Vector3d from_origin = body * centres_[k] - posed_.origin();
+      append(motion_.body_lin_vel, linear_[link] + angular_[link].cross(from_origin));
+      append(motion_.body_ang_vel, angular_[link]);
     }
   }
 
  private:
+  // of the links, from the base outwards
+  void find_velocities(const Vector3d& root_linear, const Vector3d& root_angular) {
+    linear_[0] = root_linear;
+    angular_[0] = root_angular;
+    for (std::size_t i = 1; i < linear_.size(); ++i) {
+      const KinematicTree::Link& link = robot_.tree().links()[i];
+      const int dof = KinematicTree::dof_of(static_cast<int>(i));
+      linear_[i] = linear_[link.parent] + speeds_[link.joint] * posed_.linear[dof];
+      angular_[i] = angular_[link.parent] + speeds_[link.joint] * posed_.angular[dof];
+    }
+  }
+
   const Robot& robot_;
   TrackingMotion& motion_;
   const TrackingLayout& layout_;
-  VelocityWalk walk_;
-  std::vector<Pose> poses_;
-  std::vector<double> speeds_;
-  std::vector<Vector3d> centres_;  // by body of the layout
+  TreeState posed_;
+  std::vector<double> speeds_;              // by joint
+  std::vector<Vector3d> linear_, angular_;  // by link: velocity at the base's origin, angular
+  std::vector<Vector3d> centres_;           // by body of the layout
 };
 
 }  // namespace

@@ -50,8 +50,7 @@ std::vector<double> chain_lengths(const Robot& robot) {
   for (std::size_t b = 1; b < lengths.size(); ++b) {
     const RobotBody& body = robot.bodies()[b];
     if (static_cast<int>(b) == robot.root_body() || body.parent == 0) continue;
-    lengths[b] =
-        lengths[static_cast<std::size_t>(body.parent)] + body.parent_from_body.translation.norm();
+    lengths[b] = lengths[body.parent] + body.parent_from_body.translation.norm();
   }
   return lengths;
 }
@@ -68,7 +67,7 @@ double leg_reach_of(const Robot& robot) {
   const std::vector<double> lengths = chain_lengths(robot);
   double longest = 0.0;
   for (const Sole& sole : robot.profile().soles) {
-    longest = std::max(longest, lengths[static_cast<std::size_t>(sole.body)]);
+    longest = std::max(longest, lengths[sole.body]);
   }
   return longest > 0.0 ? longest : reach_of(robot);
 }
@@ -210,7 +209,7 @@ bool has_sunk(const RobotClip& clip, const std::vector<UprightFrame>& frames, do
     forward_kinematics(clip.robot(), clip.qpos(frames[i].frame), world_from_body);
     double lowest = INFINITY;
     for (const TouchPoint& point : points) {
-      const Pose& body = world_from_body[static_cast<std::size_t>(point.body)];
+      const Pose& body = world_from_body[point.body];
       lowest = std::min(lowest, (body * point.place).z());
     }
     ++tried;

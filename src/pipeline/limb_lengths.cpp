@@ -1,13 +1,13 @@
 #include "pipeline/limb_lengths.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/try.h"
-#include "pipeline/body_path.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -33,9 +33,7 @@ MeasuredLimb arm_of(Side side) {
 class RobotMeasure {
  public:
   RobotMeasure(const Robot& robot, const ResolvedMapping& tables)
-      : robot_(robot), tables_(tables), world_from_body_(robot.bodies().size()) {
-    forward_kinematics(robot, robot.zero_configuration(), world_from_body_);
-  }
+      : robot_(robot), tables_(tables), posed_(robot.tree(), robot.zero_configuration()) {}
 
   Result<RobotLimbs> measure();
   Result<double> measure_leg();
@@ -65,35 +63,30 @@ class RobotMeasure {
 
   const Robot& robot_;
   const ResolvedMapping& tables_;
-  std::vector<Pose> world_from_body_;
+  TreeState posed_;
   RobotLimbs limbs_;
   std::vector<double> ankles_;  // heights
 };
 
-// where the axes of the joints on a part of a path come nearest to each other; without joints the
-// origin of the body before which they would be
+// where the axes of the joints on a part of a path meet; without joints the origin of the body before
+// which they would be
 Eigen::Vector3d RobotMeasure::centre_of_joints(const std::vector<int>& path, std::size_t begin,
                                                std::size_t end) const {
-  constexpr double kPullToAnchor = 0.01;
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  bool any = false;
-  for (std::size_t i = begin; i < end; ++i) {
-    for (const RobotJoint& joint : robot_.joints()) {
-      if (joint.body != path[i]) continue;
-      const Pose& world_from_body = world_from_body_[joint.body];
-      const Eigen::Vector3d axis = world_from_body.rotation * joint.axis;
-      const Eigen::Vector3d anchor =
-          world_from_body.translation + world_from_body.rotation * joint.anchor;
-      Eigen::Matrix3d across = (1.0 + kPullToAnchor) * Eigen::Matrix3d::Identity();
-      if (joint.type == RobotJoint::Type::kHinge) across -= axis * axis.transpose();
-      a += across;
-      b += across * anchor;
-      any = true;
-    }
+  std::vector<int> joints;
+  for (int j = 0; j < static_cast<int>(robot_.joints().size()); ++j) {
+    const auto part = std::span(path).subspan(begin, end - begin);
+    if (std::ranges::find(part, robot_.joints()[j].body) != part.end()) joints.push_back(j);
   }
-  if (!any) return world_from_body_[path[std::min(begin, path.size() - 1)]].translation;
-  return a.inverse() * b;
+  if (!joints.empty()) return common_point(posed_, joints);
+  return posed_.world_from_body(path[std::min(begin, path.size() - 1)]).translation;
+}
+
+// bodies from the child of the world down to this one
+std::vector<int> path_to(const Robot& robot, int body) {
+  std::vector<int> path;
+  for (; body > 0; body = robot.bodies()[body].parent) path.push_back(body);
+  std::ranges::reverse(path);
+  return path;
 }
 
 // robots without wrists often have no hand that follows anything
@@ -134,9 +127,7 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::s
 void RobotMeasure::note(Bone bone, const Eigen::Vector3d& centre) {
   const int body = tables_.body_of(bone);
   if (body < 0) return;
-  const Pose& world_from_body = world_from_body_[body];
-  limbs_.body_from_joint[bone] =
-      world_from_body.rotation.conjugate() * (centre - world_from_body.translation);
+  limbs_.body_from_joint[bone] = posed_.world_from_body(body).inverse() * centre;
 }
 
 Result<RobotMeasure::Pair> RobotMeasure::measure_pair(const std::array<MeasuredLimb, 2>& limbs,
@@ -175,10 +166,9 @@ void RobotMeasure::find_ankle_height() {
   if (robot_.profile().soles.empty()) return;
   double lowest = std::numeric_limits<double>::infinity();
   for (const Sole& sole : robot_.profile().soles) {
+    const Pose world_from_body = posed_.world_from_body(sole.body);
     for (const Eigen::Vector3d& point : sole.points) {
-      const Pose& world_from_body = world_from_body_[sole.body];
-      lowest =
-          std::min(lowest, (world_from_body.translation + world_from_body.rotation * point).z());
+      lowest = std::min(lowest, (world_from_body * point).z());
     }
   }
   limbs_.ankle_height = 0.5 * (ankles_[0] + ankles_[1]) - lowest;

@@ -6,12 +6,10 @@
 #include <utility>
 
 #include "ik/frame_error.h"
-#include "ik/moving_tree.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
-
-constexpr int kNoNode = -1;
 
 // what a task's parts do to a joint that moves one way: position first, then rotation
 struct TaskPush {
@@ -23,7 +21,7 @@ struct TaskPush {
 struct Candidate {
   JointAtLimit found;
   int pass = 0;  // the last one that moves the joint
-  int node = kNoNode;
+  int link = KinematicTree::kWorld;
   std::vector<TaskPush> tasks;  // by task of the pass
 };
 
@@ -75,24 +73,24 @@ void find_wider_set(const Robot& robot, const LimitSet& limits, JointAtLimit& fo
 class PushSum {
  public:
   PushSum(const Robot& robot, const IkPass& pass)
-      : pass_(pass), tree_(robot, bodies_of(pass)), state_(tree_) {}
+      : pass_(pass), tree_(robot.tree()), state_(tree_) {}
 
-  // the joint's node; kNoNode where no task of the pass moves it
-  [[nodiscard]] int node_of(int joint) const {
-    const auto node = std::ranges::find(tree_.nodes(), joint, &MovingTree::Node::joint);
-    return node == tree_.nodes().end() ? kNoNode : static_cast<int>(node - tree_.nodes().begin());
+  // the joint's link; kWorld where it moves no body of the pass's tasks
+  [[nodiscard]] int link_of(int joint) const {
+    const int link = tree_.link_of_joint(joint);
+    const bool moves =
+        std::ranges::any_of(pass_, [&](const FrameTask& task) { return carries(link, task); });
+    return moves ? link : KinematicTree::kWorld;
   }
 
   [[nodiscard]] std::size_t task_count() const { return pass_.size(); }
 
   // moves the tree; candidates of the frame are added one by one
-  void set_frame(std::span<const double> qpos) { state_.update(tree_, qpos); }
+  void set_frame(std::span<const double> qpos) { state_.update(qpos); }
 
   void add(Candidate& candidate, std::span<const Pose> world_from_target) const {
-    const int last = tree_.nodes()[candidate.node].last_descendant;
     for (std::size_t t = 0; t < pass_.size(); ++t) {
-      const int node = tree_.attachments()[t].node;
-      if (node < candidate.node || node > last) continue;
+      if (!carries(candidate.link, pass_[t])) continue;
       add_task(candidate, t, world_from_target[pass_[t].target]);
     }
   }
@@ -113,25 +111,20 @@ class PushSum {
   }
 
  private:
-  static std::vector<int> bodies_of(const IkPass& pass) {
-    std::vector<int> bodies;
-    for (const FrameTask& task : pass) bodies.push_back(task.body);
-    return bodies;
+  [[nodiscard]] bool carries(int link, const FrameTask& task) const {
+    return tree_.carries(link, tree_.attachment(task.body).link);
   }
 
   // with the body's velocity [v; u] for a unit velocity of the joint, in world axes,
   //   d e_v = -A (v - Q A u),  d w = -A u  and  A' w = w
   void add_task(Candidate& candidate, std::size_t t, const Pose& world_from_target) const {
     const FrameTask& task = pass_[t];
-    const Pose world_from_body = state_.world_from_body(tree_.attachments()[t]);
+    const Pose world_from_body = state_.world_from_body(task.body);
     const FrameError error = frame_error(world_from_body, world_from_target);
     const ErrorJacobian jacobian(error);
-    const Eigen::Vector3d& axis = state_.axis[candidate.node];
-    const bool slides = tree_.nodes()[candidate.node].slides;
-    const Eigen::Vector3d turn = slides ? Eigen::Vector3d(0, 0, 0) : axis;
-    const Eigen::Vector3d& anchor = state_.world_from_node[candidate.node].translation;
-    const Eigen::Vector3d velocity =
-        slides ? axis : Eigen::Vector3d(axis.cross(world_from_body.translation - anchor));
+    const int dof = KinematicTree::dof_of(candidate.link);
+    const Eigen::Vector3d& turn = state_.angular[dof];
+    const Eigen::Vector3d velocity = state_.velocity_at(dof, world_from_body.translation);
 
     const Eigen::Vector3d pull = jacobian.transposed_times(error.linear);
     const double outward = candidate.found.at_upper ? 1.0 : -1.0;
@@ -145,7 +138,7 @@ class PushSum {
   }
 
   IkPass pass_;
-  MovingTree tree_;
+  const KinematicTree& tree_;
   TreeState state_;
 };
 
@@ -153,14 +146,14 @@ class PushSum {
 void find_passes(const std::vector<PushSum>& sums, std::vector<Candidate>& candidates) {
   for (Candidate& candidate : candidates) {
     for (int pass = static_cast<int>(sums.size()) - 1; pass >= 0; --pass) {
-      candidate.node = sums[pass].node_of(candidate.found.joint);
-      if (candidate.node == kNoNode) continue;
+      candidate.link = sums[pass].link_of(candidate.found.joint);
+      if (candidate.link == KinematicTree::kWorld) continue;
       candidate.pass = pass;
       candidate.tasks.resize(sums[pass].task_count());
       break;
     }
   }
-  std::erase_if(candidates, [](const Candidate& one) { return one.node == kNoNode; });
+  std::erase_if(candidates, [](const Candidate& one) { return one.link == KinematicTree::kWorld; });
 }
 
 }  // namespace

@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "human/canonical_pose.h"
 #include "math/se3.h"
 #include "math/so3.h"
-#include "pipeline/body_path.h"
 #include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -167,30 +169,23 @@ double Search::take_step() {
   return step.cwiseAbs().maxCoeff();
 }
 
-// the hinges of a path of bodies; going up, they turn what is above them backwards
-void add_waist(const Robot& robot, const LimitSet& limits, const std::vector<Pose>& world_from_body,
-               const Eigen::Vector3d& hip_centre, const std::vector<int>& path, double sign,
+// the hinges among degrees of freedom; going up, they turn what is above them backwards
+void add_waist(const Robot& robot, const LimitSet& limits, const TreeState& posed,
+               const Eigen::Vector3d& hip_centre, std::span<const int> dofs, double sign,
                std::vector<Waist>& waist) {
   const std::vector<double> zero = robot.zero_configuration();
-  for (const int body : path) {
-    // several joints of a body turn it one after the other
-    std::vector<Waist> of_body;
-    for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-      const RobotJoint& joint = robot.joints()[j];
-      if (joint.body != body || joint.type != RobotJoint::Type::kHinge) continue;
-      const Pose& pose = world_from_body[static_cast<std::size_t>(body)];
-      const double range = limits.upper[j] - limits.lower[j];
-      const double spare = std::isfinite(range) ? kSpare * range : 0.0;
-      const double at_zero = zero[static_cast<std::size_t>(joint.qpos_address)];
-      Waist hinge;
-      hinge.axis = sign * (pose.rotation * joint.axis);
-      hinge.anchor = pose * joint.anchor - hip_centre;
-      hinge.lower = limits.lower[j] - at_zero + spare;
-      hinge.upper = limits.upper[j] - at_zero - spare;
-      if (hinge.lower < hinge.upper) of_body.push_back(hinge);
-    }
-    if (sign < 0.0) std::ranges::reverse(of_body);
-    waist.insert(waist.end(), of_body.begin(), of_body.end());
+  for (const int dof : dofs) {
+    const KinematicTree::Link& link = posed.tree->links()[dof - KinematicTree::dof_of(0)];
+    if (link.slides) continue;
+    const double range = limits.upper[link.joint] - limits.lower[link.joint];
+    const double spare = std::isfinite(range) ? kSpare * range : 0.0;
+    const double at_zero = zero[link.qpos_address];
+    Waist hinge;
+    hinge.axis = sign * posed.axis(link.joint);
+    hinge.anchor = posed.anchor(link.joint) - hip_centre;
+    hinge.lower = limits.lower[link.joint] - at_zero + spare;
+    hinge.upper = limits.upper[link.joint] - at_zero - spare;
+    if (hinge.lower < hinge.upper) waist.push_back(hinge);
   }
 }
 
@@ -211,22 +206,24 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedMapping&
   // without a torso of its own, pelvis and torso are one
   const MappedTask* const spine = torso_task(tables);
   const int torso = spine == nullptr || spine->body < 0 ? pelvis : spine->body;
-  std::vector<Pose> world_from_body(robot.bodies().size());
-  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  const TreeState posed(robot.tree(), robot.zero_configuration());
   RobotTrunk trunk;
   trunk.lines = {limbs.shoulder_centre - limbs.hip_centre, limbs.shoulder_line};
   trunk.hip_line = limbs.hip_line;
-  trunk.world_from_pelvis = world_from_body[static_cast<std::size_t>(pelvis)].rotation;
-  trunk.world_from_torso = world_from_body[static_cast<std::size_t>(torso)].rotation;
+  trunk.world_from_pelvis = posed.world_from_body(pelvis).rotation;
+  trunk.world_from_torso = posed.world_from_body(torso).rotation;
 
   // from the pelvis up to the body that carries both, and down to the torso
-  std::vector<int> up = path_to(robot, pelvis), down = path_to(robot, torso);
-  const auto parting = std::ranges::mismatch(up, down);
-  up.erase(up.begin(), parting.in1);
-  down.erase(down.begin(), parting.in2);
+  const auto carriers = [&](int body) {
+    return robot.tree().carriers(KinematicTree::dof_of(robot.tree().attachment(body).link));
+  };
+  const auto to_pelvis = carriers(pelvis), to_torso = carriers(torso);
+  const auto parting = std::ranges::mismatch(to_pelvis, to_torso);
+  std::vector<int> up(parting.in1, to_pelvis.end());
   std::ranges::reverse(up);
-  add_waist(robot, limits, world_from_body, limbs.hip_centre, up, -1.0, trunk.waist);
-  add_waist(robot, limits, world_from_body, limbs.hip_centre, down, 1.0, trunk.waist);
+  const std::vector<int> down(parting.in2, to_torso.end());
+  add_waist(robot, limits, posed, limbs.hip_centre, up, -1.0, trunk.waist);
+  add_waist(robot, limits, posed, limbs.hip_centre, down, 1.0, trunk.waist);
   if (trunk.waist.size() > kMostJoints) return std::nullopt;
   return trunk;
 }

@@ -7,6 +7,7 @@
 #include "math/so3.h"
 #include "math/statistics.h"
 #include "quality/fault_list.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -27,10 +28,9 @@ TrunkLines lines_of(const TrunkBodies& trunk, const PoseOf& pose_of) {
 
 std::optional<Eigen::Matrix3d> standing_trunk(const Robot& robot, const BodyTracks& tracks,
                                               const TrunkBodies& trunk) {
-  std::vector<Pose> world_from_body(robot.bodies().size());
-  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
-  return trunk_frame(lines_of(
-      trunk, [&](int body) -> const Pose& { return world_from_body[tracks.kept_bodies[body]]; }));
+  const TreeState posed(robot.tree(), robot.zero_configuration());
+  return trunk_frame(
+      lines_of(trunk, [&](int body) { return posed.world_from_body(tracks.kept_bodies[body]); }));
 }
 
 // by frame, degrees; as TrunkLean has them

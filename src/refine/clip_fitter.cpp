@@ -17,7 +17,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int kBase = FitModel::kBaseDofs;
+constexpr int kBase = KinematicTree::kBaseDofs;
 
 // constant damping, on the diagonal: joints and the root's rotation, the root's position
 constexpr double kDamping = 1.0, kPositionDamping = 100.0;
@@ -73,7 +73,7 @@ class WindowFitter {
   int dofs_;
   bool before_, after_;  // whether a fixed frame lies next to the window
   FrameTerms terms_;
-  FitPose pose_;
+  TreeState pose_;
   JointSpeeds speeds_;
   BlockChain chain_;
   std::vector<std::vector<std::uint32_t>> pairs_;  // by frame
@@ -98,7 +98,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       before_(window.fixed_ends && window.begin > 0),
       after_(window.fixed_ends && window.end < clip.frame_count),
       terms_(model, options),
-      pose_(model),
+      pose_(model.tree),
       speeds_(model, options, clip.frame_time),
       chain_(dofs_),
       pairs_(at(window.end - window.begin)),
@@ -172,7 +172,7 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
 // @return the frame's cost, its step to the next one included
 double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
   const int t = local(frame);
-  pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+  pose_.update(clip_.frame(frame, model_.configuration_size));
   if (look_for_pairs && options_.self_collision) {
     terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
   }
@@ -286,7 +286,7 @@ void WindowFitter::apply(int frame) {
   qpos[6] = rotation.z();
   for (int i = kBase; i < dofs_; ++i) {
     if (is_held(frame, i)) continue;
-    double& value = qpos[at(model_.links[at(i - kBase + 1)].qpos_address)];
+    double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
     value += std::clamp(x[at(i)], -kLargestTurn, kLargestTurn);
     held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
   }
@@ -333,7 +333,7 @@ void WindowFitter::place_own_anchors() {
   for (int frame = window_.begin; frame < window_.end; ++frame) {
     const auto ends = clip_.feet.ends_of(frame);
     if (std::ranges::none_of(ends, [](const FootEndGoal& end) { return end.phase >= 0; })) continue;
-    pose_.update(model_, clip_.frame(frame, model_.configuration_size));
+    pose_.update(clip_.frame(frame, model_.configuration_size));
     add_to_anchors(frame);
   }
   for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {

@@ -277,9 +277,9 @@ void Fit::keep_bounds(FitReport& report) {
   for (int i = 0; i < options_.decimals; ++i) grid *= 0.1;
   const double per_unit = std::round(1.0 / grid);
   std::vector<double> before, now(at(clip_.frame_count));
-  for (std::size_t link = 1; link < model_.links.size(); ++link) {
-    const std::size_t dof = link + FitModel::kBaseDofs - 1;
-    const auto address = at(model_.links[link].qpos_address);
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    const auto address = at(model_.tree.links()[link].qpos_address);
     for (int t = 0; t < clip_.frame_count; ++t) {
       now[at(t)] = clip_.frame(t, model_.configuration_size)[address];
     }
@@ -289,12 +289,12 @@ void Fit::keep_bounds(FitReport& report) {
     double upper = std::floor(model_.upper[dof] * per_unit) / per_unit;
     if (lower > upper) lower = upper = 0.5 * (model_.lower[dof] + model_.upper[dof]);
     double step = model_.speed_limit[dof] * clip_.frame_time;
-    if (!model_.links[link].slides) {
+    if (!model_.tree.links()[link].slides) {
       step = std::min({step, options_.speed_most * clip_.frame_time, options_.largest_step});
     }
     step = std::max(step - grid - kRounding, 0.5 * step);
     if (bound_steps(now, lower, upper, step) == 0.0) continue;
-    FitBoundReport bound{model_.links[link].joint, 0, 0, 0.0};
+    FitBoundReport bound{robot_->joints()[at(model_.tree.links()[link].joint)].name, 0, 0, 0.0};
     for (int t = 0; t < clip_.frame_count; ++t) {
       const double change = std::abs(now[at(t)] - before[at(t)]);
       clip_.frame(t, model_.configuration_size)[address] = now[at(t)];

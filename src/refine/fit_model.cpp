@@ -5,24 +5,13 @@
 #include <limits>
 #include <numeric>
 #include <set>
-#include <string_view>
 
-#include "ik/moving_tree.h"
+#include "robot/core_points.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Frame to_frame(const Pose& pose) {
-  return {pose.rotation.normalized().toRotationMatrix(), pose.translation};
-}
-
-// where each body hangs: its link, or -1 where it does not move at all
-struct Hanging {
-  int link = -1;
-  Pose link_from_body;
-};
 
 class ModelMaker {
  public:
@@ -39,13 +28,12 @@ class ModelMaker {
   FitModel make();
 
  private:
-  void add_links();
+  void add_dofs();
   void add_smoothness();
   void add_tasks();
   void add_feet();
   void hold_unmapped_joints();
   void add_shapes();
-  void add_floor_points(const CollisionShape& shape, const Frame& link_from_shape);
   void add_foot_shapes();
   void add_pairs();
   void group_pairs();
@@ -53,7 +41,10 @@ class ModelMaker {
   [[nodiscard]] int body_above(int link) const;
   /// The link itself or the next one above that moves.
   [[nodiscard]] int carrier(int link) const;
-  [[nodiscard]] std::vector<int> chain_to_root(int link) const;
+  [[nodiscard]] int parent(int link) const { return model_.tree.links()[link].parent; }
+  [[nodiscard]] const KinematicTree::Attachment& attachment(int body) const {
+    return model_.tree.attachment(body);
+  }
 
   const Robot& robot_;
   const ResolvedMapping& tables_;
@@ -62,13 +53,12 @@ class ModelMaker {
   const FitOptions& options_;
   const SourceSides& sides_;
   FitModel model_;
-  std::vector<Hanging> hanging_;  // by body
-  std::vector<int> shape_body_;   // by shape
+  std::vector<int> shape_body_;  // by shape
 };
 
 FitModel ModelMaker::make() {
   model_.configuration_size = robot_.configuration_size();
-  add_links();
+  add_dofs();
   add_smoothness();
   add_tasks();
   add_feet();
@@ -80,75 +70,36 @@ FitModel ModelMaker::make() {
   return std::move(model_);
 }
 
-void ModelMaker::add_links() {
-  std::vector<int> bodies(robot_.bodies().size());
-  std::iota(bodies.begin(), bodies.end(), 0);
-  const MovingTree tree(robot_, bodies);
-  model_.links.emplace_back();
-  model_.links.front().body = robot_.root_body();
-  model_.dof_parent = {-1, 0, 1, 2, 3, 4};
-  constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
-  model_.lower.assign(FitModel::kBaseDofs, -kInfinity);
-  model_.upper.assign(FitModel::kBaseDofs, kInfinity);
-  model_.speed_limit.assign(FitModel::kBaseDofs, kInfinity);
-  for (const MovingTree::Node& node : tree.nodes()) {
-    const RobotJoint& joint = robot_.joints()[static_cast<std::size_t>(node.joint)];
-    FitLink link;
-    link.parent = node.parent + 1;
-    link.body = joint.body;
-    link.slides = node.slides;
-    link.qpos_address = node.qpos_address;
-    link.reference = node.reference;
-    link.parent_from_link = to_frame(node.parent_from_node);
-    link.joint = joint.name;
-    model_.links.push_back(link);
-    model_.dof_parent.push_back(kLastOfBase + link.parent);
-    model_.lower.push_back(limits_.lower[static_cast<std::size_t>(node.joint)]);
-    model_.upper.push_back(limits_.upper[static_cast<std::size_t>(node.joint)]);
-    model_.speed_limit.push_back(robot_.speed_limit(node.joint));
-  }
-  for (const MovingTree::Attachment& attachment : tree.attachments()) {
-    if (attachment.node == MovingTree::kWorld) {
-      hanging_.emplace_back();
-    } else {
-      hanging_.push_back({attachment.node + 1, attachment.node_from_body});
-    }
+void ModelMaker::add_dofs() {
+  model_.tree = robot_.tree();
+  model_.lower.assign(KinematicTree::kBaseDofs, -kInfinity);
+  model_.upper.assign(KinematicTree::kBaseDofs, kInfinity);
+  model_.speed_limit.assign(KinematicTree::kBaseDofs, kInfinity);
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const int joint = model_.tree.links()[link].joint;
+    model_.lower.push_back(limits_.lower[joint]);
+    model_.upper.push_back(limits_.upper[joint]);
+    model_.speed_limit.push_back(robot_.speed_limit(joint));
   }
 }
 
 int ModelMaker::link_of_bone(Bone bone) const {
-  for (const auto& [used, tasks] : tables_.tables) {
-    for (const MappedTask& task : tasks) {
-      if (task.bone != bone || task.body < 0) continue;
-      return hanging_[static_cast<std::size_t>(task.body)].link;
-    }
-  }
-  return -1;
-}
-
-std::vector<int> ModelMaker::chain_to_root(int link) const {
-  std::vector<int> chain;
-  for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
-    chain.push_back(link);
-  }
-  return chain;
+  const int body = tables_.body_of(bone);
+  return body < 0 ? KinematicTree::kWorld : attachment(body).link;
 }
 
 // arms are what carries one hand and not the other; wrists what comes behind the forearm
 void ModelMaker::add_smoothness() {
   const auto& o = options_;
-  const int dofs = model_.dof_count();
-  model_.smoothness.assign(static_cast<std::size_t>(dofs), o.smoothness_leg);
+  model_.smoothness.assign(model_.dof_count(), o.smoothness_leg);
   std::fill_n(model_.smoothness.begin(), 3, o.smoothness_root_position);
   std::fill_n(model_.smoothness.begin() + 3, 3, o.smoothness_root_rotation);
-  const std::vector<int> left = chain_to_root(link_of_bone(Bone::kLeftHand));
-  const std::vector<int> right = chain_to_root(link_of_bone(Bone::kRightHand));
-  const auto mark = [&](const std::vector<int>& arm, const std::vector<int>& other, int forearm) {
-    bool wrist = std::ranges::find(arm, forearm) != arm.end();
-    for (const int link : arm) {
-      if (std::ranges::find(other, link) != other.end()) break;
+  const int left = link_of_bone(Bone::kLeftHand), right = link_of_bone(Bone::kRightHand);
+  const auto mark = [&](int hand, int other, int forearm) {
+    bool wrist = forearm > 0 && model_.tree.carries(forearm, hand);
+    for (int link = hand; link > 0 && !model_.tree.carries(link, other); link = parent(link)) {
       if (link == forearm) wrist = false;
-      model_.smoothness[static_cast<std::size_t>(link + FitModel::kBaseDofs - 1)] =
+      model_.smoothness[KinematicTree::dof_of(link)] =
           wrist ? o.smoothness_wrist : o.smoothness_arm;
     }
   };
@@ -186,15 +137,15 @@ void ModelMaker::add_tasks() {
   if (!options_.tracking) return;
   for (const MappedTask& mapped : tables_.tables[tables_.tables[1].used ? 1 : 0].tasks) {
     if (!mapped.has_weight() || target_of_bone_[mapped.bone] < 0) continue;
-    const Hanging& hanging = hanging_[static_cast<std::size_t>(mapped.body)];
-    if (hanging.link < 0) continue;
+    const KinematicTree::Attachment& attached = attachment(mapped.body);
+    if (attached.link < 0) continue;
     const Tracking kind = tracking_of(mapped.bone, options_.weights);
     FitTask task;
-    task.body = robot_.bodies()[static_cast<std::size_t>(mapped.body)].name;
-    task.link = hanging.link;
+    task.body = robot_.bodies()[mapped.body].name;
+    task.link = attached.link;
     task.target = target_of_bone_[mapped.bone];
-    task.position = hanging.link_from_body.translation;
-    task.link_from_body = hanging.link_from_body.rotation.normalized();
+    task.position = attached.link_from_body.translation;
+    task.link_from_body = attached.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =
         kind.position * importance(mapped.position_weight, kind.usual_position);
     task.rotation_weight = kind.rotation * importance(mapped.rotation_weight, kind.usual_rotation);
@@ -202,12 +153,18 @@ void ModelMaker::add_tasks() {
   }
 }
 
+Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
+  const Eigen::Vector3d sum =
+      std::accumulate(points.begin(), points.end(), Eigen::Vector3d(0.0, 0.0, 0.0));
+  return sum / static_cast<double>(points.size());
+}
+
 // the points of one end of a sole, in the body's frame
 FitFoot::End make_end(const std::vector<Eigen::Vector3d>& corners,
                       const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& outwards,
-                      const Frame& link_from_body) {
+                      const Pose& link_from_body) {
   FitFoot::End end;
-  for (const auto& corner : corners) end.middle += corner / static_cast<double>(corners.size());
+  end.middle = mean_of(corners);
   double reach = 0.0;
   for (const auto& point : all) reach = std::max(reach, outwards.dot(point - end.middle));
   end.tip = link_from_body * (end.middle + reach * outwards);
@@ -245,17 +202,17 @@ std::vector<int> ends_of_points(const Sole& sole) {
 }
 
 void ModelMaker::add_feet() {
-  model_.is_foot.assign(model_.links.size(), 0);
-  model_.foot_of_link.assign(model_.links.size(), -1);
+  model_.is_foot.assign(model_.tree.links().size(), 0);
+  model_.foot_of_link.assign(model_.tree.links().size(), -1);
   for (const Sole& sole : robot_.profile().soles) {
-    const Hanging& hanging = hanging_[static_cast<std::size_t>(sole.body)];
+    const KinematicTree::Attachment& attached = attachment(sole.body);
     const bool followed = sole.side == "left" ? sides_.left : sides_.right;
-    if (!followed || hanging.link < 0 || sole.points.size() < 2) continue;
+    if (!followed || attached.link < 0 || sole.points.size() < 2) continue;
     const std::vector<int> ends = ends_of_points(sole);
     std::array<std::vector<Eigen::Vector3d>, 2> all, corners;
     for (std::size_t i = 0; i < ends.size(); ++i) {
       if (ends[i] < 0) continue;
-      const auto end = static_cast<std::size_t>(ends[i]);
+      const auto end = ends[i];
       all[end].push_back(sole.points[i]);
       const bool tip = i < sole.labels.size() && sole.labels[i].ends_with("_tip");
       if (!tip) corners[end].push_back(sole.points[i]);
@@ -265,37 +222,31 @@ void ModelMaker::add_feet() {
     for (const std::size_t end : {kHeel, kToe}) {
       if (corners[end].empty()) corners[end] = all[end];
     }
-    const auto mean = [](const std::vector<Eigen::Vector3d>& points) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const auto& point : points) sum += point;
-      return Eigen::Vector3d(sum / static_cast<double>(points.size()));
-    };
-    const Eigen::Vector3d forward = (mean(corners[kToe]) - mean(corners[kHeel])).normalized();
-    const Frame link_from_body = to_frame(hanging.link_from_body);
-    foot.link = hanging.link;
+    const Eigen::Vector3d forward = (mean_of(corners[kToe]) - mean_of(corners[kHeel])).normalized();
+    const Pose& link_from_body = attached.link_from_body;
+    foot.link = attached.link;
     foot.left = sole.side == "left";
     foot.body = sole.body;
     foot.ends[kHeel] = make_end(corners[kHeel], all[kHeel], -forward, link_from_body);
     foot.ends[kToe] = make_end(corners[kToe], all[kToe], forward, link_from_body);
     // distance of the origin from the heel-toe line is its height, for ankles stand above it
-    const Eigen::Vector3d heel = mean(corners[kHeel]);
+    const Eigen::Vector3d heel = mean_of(corners[kHeel]);
     const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
     const Eigen::Vector3d sideways = above.cross(forward).normalized();
     foot.sideways = link_from_body.rotation * sideways;
     for (const std::size_t end : {kHeel, kToe}) {
       for (const auto& corner : corners[end]) {
-        foot.ends[end].half_width = std::max(foot.ends[end].half_width,
-                                             std::abs(sideways.dot(corner - mean(corners[end]))));
+        foot.ends[end].half_width = std::max(
+            foot.ends[end].half_width, std::abs(sideways.dot(corner - mean_of(corners[end]))));
       }
     }
     foot.body_height = (heel - forward * forward.dot(heel)).norm();
     for (FitTask& task : model_.tasks) {
       if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
     }
-    model_.is_foot[static_cast<std::size_t>(foot.link)] = 1;
-    const int ankle = model_.links[static_cast<std::size_t>(foot.link)].parent;
-    for (const int link : {foot.link, ankle}) {
-      model_.foot_of_link[static_cast<std::size_t>(link)] = static_cast<int>(model_.feet.size());
+    model_.is_foot[foot.link] = 1;
+    for (const int link : {foot.link, parent(foot.link)}) {
+      if (link >= 0) model_.foot_of_link[link] = static_cast<int>(model_.feet.size());
     }
     model_.feet.push_back(foot);
   }
@@ -304,68 +255,44 @@ void ModelMaker::add_feet() {
 // a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
 constexpr double kMaxRounding = 0.008;
 
-void ModelMaker::add_floor_points(const CollisionShape& shape, const Frame& link_from_shape) {
-  const int link = hanging_[static_cast<std::size_t>(shape.body)].link;
-  auto& points = model_.floor_points[static_cast<std::size_t>(link)];
-  const auto add = [&](const Eigen::Vector3d& in_shape, double radius) {
-    points.push_back({link_from_shape * in_shape, radius});
-    double& reach = model_.floor_reach[static_cast<std::size_t>(link)];
-    reach = std::max(reach, points.back().position.norm() + radius);
-  };
-  switch (shape.type) {
-    case CollisionShape::Type::kSphere:
-      add(Eigen::Vector3d::Zero(), shape.radius);
-      break;
-    case CollisionShape::Type::kCapsule:
-      add({0.0, 0.0, shape.half_length}, shape.radius);
-      add({0.0, 0.0, -shape.half_length}, shape.radius);
-      break;
-    case CollisionShape::Type::kBox:
-      for (int corner = 0; corner < 8; ++corner) {
-        const Eigen::Vector3d sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
-                                   (corner & 4) != 0 ? 1.0 : -1.0);
-        add(shape.half_size.cwiseProduct(sign), 0.0);
-      }
-      break;
-  }
-}
-
 // Fingers and other joints that carry neither a mapped body nor a sole stay where the robot's zero
 // configuration has them: only smoothness and collisions would move them.
 void ModelMaker::hold_unmapped_joints() {
-  std::vector<bool> moves(model_.links.size(), false);
+  std::vector<bool> moves(model_.tree.links().size(), false);
   const auto mark = [&](int link) {
-    for (const int above : chain_to_root(link)) moves[static_cast<std::size_t>(above)] = true;
+    for (; link > 0; link = parent(link)) moves[link] = true;
   };
   for (const auto& [used, tasks] : tables_.tables) {
     for (const MappedTask& task : tasks) {
-      if (used && task.has_weight()) mark(hanging_[static_cast<std::size_t>(task.body)].link);
+      if (used && task.has_weight()) mark(attachment(task.body).link);
     }
   }
   for (const FitFoot& foot : model_.feet) mark(foot.link);
   const std::vector<double> zero = robot_.zero_configuration();
-  for (std::size_t link = 1; link < model_.links.size(); ++link) {
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
     if (moves[link]) continue;
-    double& lower = model_.lower[FitModel::kBaseDofs - 1 + link];
-    double& upper = model_.upper[FitModel::kBaseDofs - 1 + link];
-    const auto address = static_cast<std::size_t>(model_.links[link].qpos_address);
-    lower = upper = std::max(lower, std::min(zero[address], upper));
+    const int dof = KinematicTree::dof_of(static_cast<int>(link));
+    double &lower = model_.lower[dof], &upper = model_.upper[dof];
+    const double position = zero[model_.tree.links()[link].qpos_address];
+    lower = upper = std::max(lower, std::min(position, upper));
   }
 }
 
 void ModelMaker::add_shapes() {
-  model_.floor_points.resize(model_.links.size());
-  model_.floor_reach.assign(model_.links.size(), 0.0);
+  model_.floor_points.resize(model_.tree.links().size());
+  model_.floor_reach.assign(model_.tree.links().size(), 0.0);
   for (const CollisionShape& shape : robot_.collision_shapes()) {
-    const Hanging& hanging = hanging_[static_cast<std::size_t>(shape.body)];
-    if (hanging.link < 0) continue;
-    const Frame link_from_body = to_frame(hanging.link_from_body);
-    const Frame link_from_shape = to_frame(hanging.link_from_body * shape.body_from_shape);
+    const KinematicTree::Attachment& attached = attachment(shape.body);
+    if (attached.link < 0) continue;
     model_.shapes.push_back(
-        {placed(rounded(shape, kMaxRounding), link_from_body.rotation, link_from_body.translation),
-         hanging.link});
+        {placed(rounded(shape, kMaxRounding), attached.link_from_body), attached.link});
     shape_body_.push_back(shape.body);
-    add_floor_points(shape, link_from_shape);
+    for (const Eigen::Vector3d& point : core_points(shape)) {
+      const Eigen::Vector3d place = attached.link_from_body * point;
+      model_.floor_points[attached.link].push_back({place, shape.radius});
+      double& reach = model_.floor_reach[attached.link];
+      reach = std::max(reach, place.norm() + shape.radius);
+    }
   }
 }
 
@@ -374,32 +301,28 @@ void ModelMaker::add_foot_shapes() {
   for (FitFoot& foot : model_.feet) {
     const Eigen::Vector3d forward = foot.ends[kToe].middle - foot.ends[kHeel].middle;
     const Eigen::Vector3d middle = 0.5 * (foot.ends[kToe].middle + foot.ends[kHeel].middle);
-    for (const FloorPoint& point : model_.floor_points[static_cast<std::size_t>(foot.link)]) {
+    for (const FloorPoint& point : model_.floor_points[foot.link]) {
       const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToe : kHeel;
       foot.ends[end].shape_points.push_back(point);
     }
   }
 }
 
-// the link of the moving body that carries a link's body; a body may have several joints
+// the link that carries a link's body; a body may have several joints
 int ModelMaker::body_above(int link) const {
-  const int body = model_.links[static_cast<std::size_t>(link)].body;
-  while (link >= 0 && model_.links[static_cast<std::size_t>(link)].body == body) {
-    link = model_.links[static_cast<std::size_t>(link)].parent;
-  }
+  return attachment(robot_.bodies()[model_.tree.links()[link].body].parent).link;
+}
+
+int ModelMaker::carrier(int link) const {
+  const auto held = [&](int of) {
+    const int dof = KinematicTree::dof_of(of);
+    return model_.lower[dof] == model_.upper[dof];
+  };
+  while (link > 0 && held(link)) link = parent(link);
   return link;
 }
 
 // all pairs but those of one link, of neighbours in the tree, and those whose contact is no fault
-int ModelMaker::carrier(int link) const {
-  const auto held = [&](int of) {
-    const auto dof = static_cast<std::size_t>(FitModel::kBaseDofs - 1 + of);
-    return model_.lower[dof] == model_.upper[dof];
-  };
-  while (link > 0 && held(link)) link = model_.links[static_cast<std::size_t>(link)].parent;
-  return link;
-}
-
 void ModelMaker::add_pairs() {
   std::set<std::pair<int, int>> allowed;
   for (const auto& [a, b] : robot_.profile().allowed_self_contact) {
@@ -408,14 +331,13 @@ void ModelMaker::add_pairs() {
   }
   const int count = static_cast<int>(model_.shapes.size());
   for (int a = 0; a < count; ++a) {
-    const int link_a = model_.shapes[static_cast<std::size_t>(a)].link;
+    const int link_a = model_.shapes[a].link;
     for (int b = a + 1; b < count; ++b) {
-      const int link_b = model_.shapes[static_cast<std::size_t>(b)].link;
+      const int link_b = model_.shapes[b].link;
       // what is held has no say in whether it touches
       if (carrier(link_a) == carrier(link_b)) continue;
       if (body_above(link_a) == link_b || body_above(link_b) == link_a) continue;
-      if (allowed.contains({shape_body_[static_cast<std::size_t>(a)],
-                            shape_body_[static_cast<std::size_t>(b)]})) {
+      if (allowed.contains({shape_body_[a], shape_body_[b]})) {
         continue;
       }
       model_.pairs.push_back({a, b});
@@ -427,8 +349,7 @@ void ModelMaker::add_pairs() {
 // far from each other
 void ModelMaker::group_pairs() {
   const auto links = [&](const FitPair& pair) {
-    return std::pair(model_.shapes[static_cast<std::size_t>(pair.a)].link,
-                     model_.shapes[static_cast<std::size_t>(pair.b)].link);
+    return std::pair(model_.shapes[pair.a].link, model_.shapes[pair.b].link);
   };
   std::ranges::stable_sort(model_.pairs, {}, links);
   for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
@@ -438,8 +359,8 @@ void ModelMaker::group_pairs() {
     }
     model_.pair_groups.back().end = i + 1;
   }
-  model_.link_balls.resize(model_.links.size());
-  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+  model_.link_balls.resize(model_.tree.links().size());
+  for (std::size_t link = 0; link < model_.tree.links().size(); ++link) {
     Eigen::AlignedBox3d box;
     for (const FloorPoint& point : model_.floor_points[link]) box.extend(point.position);
     if (box.isEmpty()) continue;

@@ -11,31 +11,10 @@
 #include "retarget/ik_config.h"
 #include "retarget/options.h"
 #include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {
-
-/// A rigid transform with its rotation as a matrix: many points pass through it.
-struct Frame {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-
-  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
-    return translation + rotation * point;
-  }
-};
-
-/// A body of the tree that moves against its parent: the root (link 0) or what one joint moves.
-/// Its frame has the joint's axis as z and its origin at the joint's anchor.
-struct FitLink {
-  int parent = -1;  ///< Index of a link with a smaller number; -1: the root.
-  int body = 0;     ///< The robot's body that it is, or is a part of the way to.
-  bool slides = false;
-  int qpos_address = 0;
-  double reference = 0.0;
-  Frame parent_from_link;  ///< At the joint's reference.
-  std::string joint;       ///< Name, for people.
-};
 
 /// A robot body that follows a target.
 struct FitTask {
@@ -98,14 +77,9 @@ struct ShapeBall {
 };
 
 /// All that a fit takes from robot, mapping and options; the same for every frame. Immutable.
-///
-/// Degrees of freedom: 0-2 the root's position in the world, 3-5 its rotation in its own axes,
-/// then one per link but the root.
+/// Links and degrees of freedom are the tree's.
 struct FitModel {
-  static constexpr int kBaseDofs = 6;
-
-  std::vector<FitLink> links;
-  std::vector<int> dof_parent;       ///< The degree of freedom that carries each; -1: none.
+  KinematicTree tree;                ///< Of all joints.
   std::vector<double> lower, upper;  ///< By degree of freedom; infinite for the root.
   std::vector<double> speed_limit;   ///< By degree of freedom, rad/s or m/s; infinite: none.
   std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
@@ -121,7 +95,7 @@ struct FitModel {
   std::vector<ShapeBall> link_balls;  ///< By link.
   int configuration_size = 0;
 
-  [[nodiscard]] int dof_count() const { return kBaseDofs - 1 + static_cast<int>(links.size()); }
+  [[nodiscard]] int dof_count() const { return tree.dof_count(); }
 };
 
 /// Of which sides the source has a whole leg with a foot.

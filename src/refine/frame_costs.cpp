@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "refine/fit_pose.h"
 #include "refine/joint_speeds.h"
 #include "refine/shorthand.h"
 
@@ -22,7 +21,7 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
   const int first = std::max(window.begin - beside, 0);
   const int last = std::min(window.end + beside, clip.frame_count);
   FrameTerms terms(model, options);
-  FitPose pose(model);
+  TreeState pose(model.tree);
   JointSpeeds speeds(model, options, clip.frame_time);
   speeds.update(model, clip, first, last);
   std::vector<double> gradient(at(dofs)), hessian(at(dofs) * at(dofs));
@@ -30,7 +29,7 @@ void frame_costs(const FitModel& model, const FitOptions& options, const FitClip
   for (int frame = window.begin; frame < window.end; ++frame) {
     TermCosts& cost = costs[at(frame - window.begin)];
     cost = {};
-    pose.update(model, clip.frame(frame, model.configuration_size));
+    pose.update(clip.frame(frame, model.configuration_size));
     if (options.self_collision) {
       terms.find_near_pairs(pose, options.self_collision_margin + kOverlapBand, pairs);
     }

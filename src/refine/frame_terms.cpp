@@ -11,7 +11,6 @@ namespace retarget {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 // up to this slope a foot's middle line is as good as its edge
@@ -21,10 +20,9 @@ constexpr double kShapeBelowSole = 0.005;
 // metres around their margins over which points begin to stand on the floor
 constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
 
-ShapeDistance distance_of(const FitPose& pose, const FitShape& a, const FitShape& b) {
+ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitShape& b) {
   const auto in_world = [&](const FitShape& shape) {
-    const Frame& link = pose.world_from_link[at(shape.link)];
-    return placed(shape, link.rotation, link.translation);
+    return placed(shape, pose.world_from_link[at(shape.link)]);
   };
   return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
 }
@@ -34,12 +32,11 @@ ShapeDistance distance_of(const FitPose& pose, const FitShape& a, const FitShape
 FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
     : model_(model),
       options_(options),
-      stiffness_(model.links.size()),
-      force_(model.links.size()),
+      composites_(model.tree.links().size()),
+      tree_hessian_(at(model.tree.row_begin().back())),
       centres_(model.shapes.size()),
-      ball_centres_(model.links.size()),
-      row_(at(model.dof_count()), 0.0),
-      carries_(at(model.dof_count()), 0) {
+      ball_centres_(model.tree.links().size()),
+      row_(at(model.dof_count()), 0.0) {
   row_dofs_.reserve(row_.size());
 }
 
@@ -50,29 +47,26 @@ void FrameTerms::add_row(int link, int axis, const Vector3d& from_root, double w
   const int next = (axis + 1) % 3, last = (axis + 2) % 3;
   // d x n has two entries
   const double at_next = from_root[last], at_last = -from_root[next];
-  Matrix6d& a = stiffness_[at(link)];
-  Vector6d& b = force_[at(link)];
+  Composite& sum = composites_[at(link)];
   const double w_next = weight * at_next, w_last = weight * at_last, force = weight * residual;
-  a(axis, axis) += weight;
-  a(3 + next, axis) += w_next;
-  a(axis, 3 + next) += w_next;
-  a(3 + last, axis) += w_last;
-  a(axis, 3 + last) += w_last;
-  a(3 + next, 3 + next) += w_next * at_next;
-  a(3 + last, 3 + last) += w_last * at_last;
-  a(3 + next, 3 + last) += w_next * at_last;
-  a(3 + last, 3 + next) += w_next * at_last;
-  b[axis] += force;
-  b[3 + next] += force * at_next;
-  b[3 + last] += force * at_last;
+  sum.linear(axis, axis) += weight;
+  sum.mixed(axis, next) += w_next;
+  sum.mixed(axis, last) += w_last;
+  sum.angular(next, next) += w_next * at_next;
+  sum.angular(last, last) += w_last * at_last;
+  sum.angular(next, last) += w_next * at_last;
+  sum.angular(last, next) += w_next * at_last;
+  sum.force[axis] += force;
+  sum.torque[next] += force * at_next;
+  sum.torque[last] += force * at_last;
 }
 
-void FrameTerms::add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs) {
-  const Vector3d& origin = pose.world_from_link[0].translation;
+void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
   for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
     const FitTask& task = model_.tasks[k];
     const TaskTarget& target = goals.targets[k];
-    const Frame& world = pose.world_from_link[at(task.link)];
+    const Pose& world = pose.world_from_link[at(task.link)];
     if (task.horizontal_weight > 0.0 || task.height_weight > 0.0) {
       const Vector3d point = world * task.position;
       const Vector3d error = point - target.position, arm = point - origin;
@@ -88,20 +82,23 @@ void FrameTerms::add_targets(const FitPose& pose, const FrameGoals& goals, TermC
     }
     if (task.rotation_weight > 0.0) {
       const double weight = square(task.rotation_weight);
-      const Vector3d error =
-          log_so3(Quaterniond(world.rotation) * target.world_from_link.conjugate());
-      stiffness_[at(task.link)].bottomRightCorner<3, 3>().diagonal().array() += weight;
-      force_[at(task.link)].tail<3>() += weight * error;
+      const Vector3d error = log_so3(world.rotation * target.world_from_link.conjugate());
+      composites_[at(task.link)].angular.diagonal().array() += weight;
+      composites_[at(task.link)].torque += weight * error;
       costs[kTermRotation] += weight * error.squaredNorm();
     }
   }
 }
 
-void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
+void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
                               const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs) {
-  const Frame& world = pose.world_from_link[at(foot.link)];
-  const Vector3d& origin = pose.world_from_link[0].translation;
-  const Vector3d middle = world * end.middle, tip = world * end.tip;
+  const Pose& world = pose.world_from_link[at(foot.link)];
+  const Vector3d& origin = pose.origin();
+  const Matrix3d rotation = world.rotation.toRotationMatrix();
+  const auto place = [&](const Vector3d& point) -> Vector3d {
+    return world.translation + rotation * point;
+  };
+  const Vector3d middle = place(end.middle), tip = place(end.tip);
   // a rolling foot stands on the tip beyond its corners
   const Vector3d& low = tip.z() < middle.z() ? tip : middle;
   const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
@@ -115,7 +112,7 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
   }
   if (level) {
     // a foot on its edge stands on its corners
-    const Vector3d sideways = world.rotation * foot.sideways;
+    const Vector3d sideways = rotation * foot.sideways;
     Vector3d stands = low;
     double error = low.z();
     if (std::abs(sideways.z()) > kLevelLean) {
@@ -124,11 +121,11 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
     }
     // a shape around the sole that ends beyond it is what touches when the foot rolls
     for (const FloorPoint& point : end.shape_points) {
-      const Vector3d place = world * point.position;
-      const double height = place.z() - point.radius + kShapeBelowSole;
+      const Vector3d touching = place(point.position);
+      const double height = touching.z() - point.radius + kShapeBelowSole;
       if (height >= error) continue;
       error = height;
-      stands = place;
+      stands = touching;
     }
     error -= goal.support;
     const double weight = square(options_.contact_height_weight);
@@ -146,16 +143,16 @@ void FrameTerms::add_foot_end(const FitPose& pose, const FitFoot& foot, const Fi
   if (!options_.floor) return;
   const double weight = square(options_.sole_floor_weight);
   for (const Vector3d& point : end.points) {
-    const Vector3d place = world * point;
-    const double depth = place.z() - (level ? 0.0 : options_.sole_margin);
+    const Vector3d touching = place(point);
+    const double depth = touching.z() - (level ? 0.0 : options_.sole_margin);
     const OneSidedRow row = one_sided(depth, kSoleBand);
     if (row.weight <= 0.0) continue;
-    add_row(foot.link, 2, place - origin, weight * row.weight, row.residual);
+    add_row(foot.link, 2, touching - origin, weight * row.weight, row.residual);
     costs[kTermFloor] += weight * row.cost;
   }
 }
 
-void FrameTerms::add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs) {
+void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (const std::size_t end : {kHeel, kToe}) {
@@ -164,20 +161,21 @@ void FrameTerms::add_feet(const FitPose& pose, const FrameGoals& goals, TermCost
   }
 }
 
-void FrameTerms::add_floor(const FitPose& pose, TermCosts& costs) {
-  const Vector3d& origin = pose.world_from_link[0].translation;
+void FrameTerms::add_floor(const TreeState& pose, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
   const double weight = square(options_.body_floor_weight);
-  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
     // the bottom of a foot's shapes is its sole, which has its own rows
     const double margin = model_.is_foot[link] != 0 ? -options_.sole_margin : options_.body_margin;
-    const Frame& world = pose.world_from_link[link];
+    const Pose& world = pose.world_from_link[link];
     if (model_.floor_points[link].empty() ||
         world.translation.z() > model_.floor_reach[link] + margin + kBodyBand) {
       continue;
     }
+    const Matrix3d rotation = world.rotation.toRotationMatrix();
     for (const FloorPoint& point : model_.floor_points[link]) {
       const double depth =
-          world.translation.z() + world.rotation.row(2).dot(point.position) - point.radius - margin;
+          world.translation.z() + rotation.row(2).dot(point.position) - point.radius - margin;
       const OneSidedRow row = one_sided(depth, kBodyBand);
       if (row.weight <= 0.0) continue;
       add_row(static_cast<int>(link), 2, world * point.position - origin, weight * row.weight,
@@ -187,13 +185,13 @@ void FrameTerms::add_floor(const FitPose& pose, TermCosts& costs) {
   }
 }
 
-void FrameTerms::find_near_pairs(const FitPose& pose, double within,
+void FrameTerms::find_near_pairs(const TreeState& pose, double within,
                                  std::vector<std::uint32_t>& pairs) {
   for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
     const FitShape& shape = model_.shapes[i];
     centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
   }
-  for (std::size_t link = 0; link < model_.links.size(); ++link) {
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
     ball_centres_[link] = pose.world_from_link[link] * model_.link_balls[link].centre;
   }
   pairs.clear();
@@ -217,7 +215,7 @@ void FrameTerms::find_near_pairs(const FitPose& pose, double within,
 }
 
 // a row over the two chains below their common carrier
-void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* gradient,
+void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
                           double* hessian, int stride, TermCosts& costs) {
   const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
   const ShapeDistance found = distance_of(pose, a, b);
@@ -230,24 +228,18 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
     foot_overlap_ = {-apart, foot_a, foot_b, -found.normal.head<2>()};
   }
-  const Vector3d& origin = pose.world_from_link[0].translation;
+  const Vector3d& origin = pose.origin();
   // the same about both points, which lie on one line along the normal
   const Vector3d torque = (found.on_a - origin).cross(found.normal);
-  constexpr int kLastOfBase = FitModel::kBaseDofs - 1;
-  for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) carries_[at(i)] = 1;
-  row_dofs_.clear();
-  for (int i = kLastOfBase + b.link; i >= 0; i = model_.dof_parent[at(i)]) {
-    if (carries_[at(i)] != 0) {
-      carries_[at(i)] = 0;
-      continue;
-    }
-    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]);
-    row_dofs_.push_back(i);
-  }
-  for (int i = kLastOfBase + a.link; i >= 0; i = model_.dof_parent[at(i)]) {
-    if (carries_[at(i)] == 0) continue;
-    carries_[at(i)] = 0;
+  const auto chain_a = model_.tree.carriers(KinematicTree::dof_of(a.link));
+  const auto chain_b = model_.tree.carriers(KinematicTree::dof_of(b.link));
+  const auto parting = std::ranges::mismatch(chain_a, chain_b);
+  row_dofs_.assign(parting.in1, chain_a.end());
+  for (const int i : row_dofs_) {
     row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]));
+  }
+  for (const int i : std::span(parting.in2, chain_b.end())) {
+    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]);
     row_dofs_.push_back(i);
   }
   for (const int i : row_dofs_) {
@@ -260,35 +252,16 @@ void FrameTerms::add_pair(const FitPose& pose, const FitPair& pair, double* grad
   }
 }
 
-void FrameTerms::assemble(const FitPose& pose, const FrameGoals& goals,
+void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
                           std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
                           int stride, TermCosts& costs) {
-  // all at once: clearing small matrices one by one is slow
-  std::fill_n(stiffness_.front().data(), stiffness_.size() * Matrix6d::SizeAtCompileTime, 0.0);
-  std::fill_n(force_.front().data(), force_.size() * Vector6d::SizeAtCompileTime, 0.0);
+  std::ranges::fill(composites_, Composite{});
   foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);
   if (options_.floor) add_floor(pose, costs);
-  for (std::size_t link = model_.links.size() - 1; link > 0; --link) {
-    const std::size_t parent = at(model_.links[link].parent);
-    stiffness_[parent] += stiffness_[link];
-    force_[parent] += force_[link];
-  }
-  const int dofs = model_.dof_count();
-  for (int i = 0; i < dofs; ++i) {
-    const std::size_t link = i < FitModel::kBaseDofs ? 0 : at(i - FitModel::kBaseDofs + 1);
-    double* const row = hessian + static_cast<std::ptrdiff_t>(i) * stride;
-    std::fill_n(row, i + 1, 0.0);
-    Vector6d motion;
-    motion << pose.linear[at(i)], pose.angular[at(i)];
-    Vector6d f;
-    f.noalias() = stiffness_[link] * motion;
-    gradient[i] = force_[link].dot(motion);
-    for (int j = i; j >= 0; j = model_.dof_parent[at(j)]) {
-      row[j] = f.head<3>().dot(pose.linear[at(j)]) + f.tail<3>().dot(pose.angular[at(j)]);
-    }
-  }
+  retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
+  write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
   if (!options_.self_collision) return;
   for (const std::uint32_t pair : pairs) {
     add_pair(pose, model_.pairs[pair], gradient, hessian, stride, costs);

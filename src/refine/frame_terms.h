@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "math/se3.h"
 #include "refine/fit_model.h"
-#include "refine/fit_pose.h"
+#include "robot/composite.h"
 
 namespace retarget {
 
@@ -74,34 +73,34 @@ class FrameTerms {
   /// @param gradient  dof_count() values, written.
   /// @param hessian   rows of `stride` values: the lower triangle is written, all of it.
   /// @param costs     added to.
-  void assemble(const FitPose& pose, const FrameGoals& goals, std::span<const std::uint32_t> pairs,
-                double* gradient, double* hessian, int stride, TermCosts& costs);
+  void assemble(const TreeState& pose, const FrameGoals& goals,
+                std::span<const std::uint32_t> pairs, double* gradient, double* hessian, int stride,
+                TermCosts& costs);
 
   /// The deepest overlap of one foot with another in the frame that was assembled last.
   [[nodiscard]] const FootOverlap& foot_overlap() const { return foot_overlap_; }
 
   /// Pairs of shapes that are less than `within` metres apart.
-  void find_near_pairs(const FitPose& pose, double within, std::vector<std::uint32_t>& pairs);
+  void find_near_pairs(const TreeState& pose, double within, std::vector<std::uint32_t>& pairs);
 
  private:
-  void add_targets(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
-  void add_feet(const FitPose& pose, const FrameGoals& goals, TermCosts& costs);
-  void add_foot_end(const FitPose& pose, const FitFoot& foot, const FitFoot::End& end,
+  void add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
+  void add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
                     const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs);
-  void add_floor(const FitPose& pose, TermCosts& costs);
-  void add_pair(const FitPose& pose, const FitPair& pair, double* gradient, double* hessian,
+  void add_floor(const TreeState& pose, TermCosts& costs);
+  void add_pair(const TreeState& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);
   void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,
                double residual);
 
   const FitModel& model_;
   const FitOptions& options_;
-  std::vector<Matrix6d> stiffness_;  // by link: of what hangs on it alone, then of all it carries
-  std::vector<Vector6d> force_;
+  std::vector<Composite> composites_;                    // by link
+  std::vector<double> tree_hessian_;                     // as assemble writes it
   std::vector<Eigen::Vector3d> centres_, ball_centres_;  // of shapes, of links' shapes; world
   std::vector<double> row_;
   std::vector<int> row_dofs_;
-  std::vector<char> carries_;
   FootOverlap foot_overlap_;
 };
 

@@ -21,9 +21,9 @@ void configuration_step(const FitModel& model, std::span<const double> from,
   const Eigen::Quaterniond a(from[3], from[4], from[5], from[6]), b(to[3], to[4], to[5], to[6]);
   const Eigen::Vector3d turn = log_so3(a.conjugate() * b);
   for (int k = 0; k < 3; ++k) step[3 + k] = turn[k];
-  for (std::size_t link = 1; link < model.links.size(); ++link) {
-    const auto address = static_cast<std::size_t>(model.links[link].qpos_address);
-    step[FitModel::kBaseDofs - 1 + link] = to[address] - from[address];
+  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
+    const auto address = static_cast<std::size_t>(model.tree.links()[link].qpos_address);
+    step[KinematicTree::kBaseDofs - 1 + link] = to[address] - from[address];
   }
 }
 
@@ -33,7 +33,8 @@ JointSpeeds::JointSpeeds(const FitModel& model, const FitOptions& options, doubl
       stiffness_(4.0 * smoothing_ / (1.0 + 4.0 * smoothing_)) {
   for (std::size_t i = 0; i < model.smoothness.size(); ++i) {
     smooth_weight_.push_back(options.smoothness ? square(model.smoothness[i] / frame_time) : 0.0);
-    const bool hinge = i >= FitModel::kBaseDofs && !model.links[i - FitModel::kBaseDofs + 1].slides;
+    const bool hinge = i >= KinematicTree::kBaseDofs &&
+                       !model.tree.links()[i - KinematicTree::kBaseDofs + 1].slides;
     const double own = kLimitShare * model.speed_limit[i];
     const double soft = hinge ? std::min(own, options.speed_soft) : own;
     soft_step_.push_back(soft * frame_time);

@@ -6,7 +6,6 @@
 
 #include "refine/clip_fitter.h"
 #include "refine/fit_model.h"
-#include "refine/fit_pose.h"
 
 namespace retarget {
 
@@ -30,7 +29,7 @@ class StartFrames {
   std::span<const Eigen::Vector3d> path_;
   bool lift_;
   FitClip& clip_;
-  FitPose pose_;
+  TreeState pose_;
 };
 
 }  // namespace retarget

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <utility>
 
-#include "anatomy/branches.h"
 #include "base/suggest.h"
 #include "human/canonical_pose.h"
 #include "math/so3.h"
@@ -17,6 +15,7 @@
 #include "rig/derive_mapping.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
@@ -26,11 +25,6 @@ constexpr double kOddOffset = 8.0 * kDegree;
 constexpr double kWrongOffset = 75.0 * kDegree;
 constexpr double kOddReach = 0.03;  // of the leg's length
 constexpr double kWrongReach = 0.25;
-
-// how far a row's body would be from where the T-pose has it
-struct OffsetError {
-  double direction = 0.0, twist = 0.0;
-};
 
 const MappedTask* task_of(const ResolvedMapping::Table& table, Bone bone) {
   const auto found = std::ranges::find_if(
@@ -50,7 +44,7 @@ class Doctor {
 
   void check_mapping();
   void check_offsets();
-  [[nodiscard]] std::optional<OffsetError> offset_error(const MappedTask& task) const;
+  [[nodiscard]] std::optional<BoneAxesError> offset_error(const MappedTask& task) const;
   void check_reach();
   void check_moved_joints();
   void check_sides_of_mapping();
@@ -59,8 +53,7 @@ class Doctor {
   void check_profile();
   [[nodiscard]] HumanPose human_t_pose() const;
   [[nodiscard]] std::string body_name(const MappedTask& task) const {
-    return task.body < 0 ? std::string()
-                         : robot_.bodies()[static_cast<std::size_t>(task.body)].name;
+    return task.body < 0 ? std::string() : robot_.bodies()[task.body].name;
   }
 
   const Robot& robot_;
@@ -83,7 +76,7 @@ void Doctor::check_mapping() {
   for (const std::string& detail : error.details) fault(detail);
 }
 
-std::optional<OffsetError> Doctor::offset_error(const MappedTask& task) const {
+std::optional<BoneAxesError> Doctor::offset_error(const MappedTask& task) const {
   if (task.body < 0) return std::nullopt;
   // the bone's axes in the body: as found in it, else as the T-pose has them
   std::optional<Eigen::Matrix3d> body_from_bone;
@@ -93,17 +86,13 @@ std::optional<OffsetError> Doctor::offset_error(const MappedTask& task) const {
     }
   }
   if (!body_from_bone) {
-    const PosedRobot posed(robot_, t_pose_->qpos);
-    body_from_bone = posed.body(task.body).rotation.toRotationMatrix().transpose() *
+    const TreeState posed(robot_.tree(), t_pose_->qpos);
+    body_from_bone = posed.world_from_body(task.body).rotation.toRotationMatrix().transpose() *
                      t_pose_of(*limbs_, task.bone);
   }
   const Eigen::Matrix3d given =
       task.rotation_offset.toRotationMatrix().transpose();  // body_from_bone of the task
-  OffsetError error;
-  error.direction = angle_between(given.col(0), body_from_bone->col(0));
-  const Eigen::Vector3d z = rotation_between(given.col(0), body_from_bone->col(0)) * given.col(2);
-  error.twist = angle_between(z, body_from_bone->col(2));
-  return error;
+  return bone_axes_error(given, *body_from_bone);
 }
 
 void Doctor::check_offsets() {
@@ -152,7 +141,7 @@ void Doctor::check_reach() {
   const TargetBuilder targets(*mapping_, HumanLengths{}.height);
   std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
   targets.build(human_t_pose(), built);
-  const PosedRobot posed(robot_, t_pose_->qpos);
+  const TreeState posed(robot_.tree(), t_pose_->qpos);
   const MappedTask* root = task_of(mapping_->tables[1], mapping_->root_bone);
   if (root == nullptr || root->position_weight == 0.0 || root->body < 0) return;
   const int root_target = targets.target_of(root->bone);
@@ -164,12 +153,12 @@ void Doctor::check_reach() {
       const int target = targets.target_of(task->bone);
       if (target < 0 || root_target < 0 || task->body < 0) continue;
       // both bodies moved to their targets: how far hip and ankle are apart then
-      const Eigen::Vector3d hip = posed.body(leg.upper.body) * leg.upper.joint -
-                                  posed.body(root->body).translation +
-                                  built[static_cast<std::size_t>(root_target)].translation;
-      const Eigen::Vector3d ankle = posed.body(leg.end->body) * leg.end->joint -
-                                    posed.body(task->body).translation +
-                                    built[static_cast<std::size_t>(target)].translation;
+      const Eigen::Vector3d hip = posed.world_from_body(leg.upper.body) * leg.upper.joint -
+                                  posed.world_from_body(root->body).translation +
+                                  built[root_target].translation;
+      const Eigen::Vector3d ankle = posed.world_from_body(leg.end->body) * leg.end->joint -
+                                    posed.world_from_body(task->body).translation +
+                                    built[target].translation;
       const double length = leg.upper_length + leg.lower_length;
       const double beyond = (ankle - hip).norm() - length;
       if (beyond < kOddReach * length) continue;
@@ -182,19 +171,17 @@ void Doctor::check_reach() {
 }
 
 void Doctor::check_moved_joints() {
-  std::set<int> moved;
+  std::vector<int> bodies;
   for (const auto& [used, tasks] : mapping_->tables) {
     for (const MappedTask& task : tasks) {
-      if (!used || !task.has_weight()) continue;
-      for (int at = task.body; at > 0; at = robot_.bodies()[static_cast<std::size_t>(at)].parent) {
-        moved.insert(at);
-      }
+      if (used && task.has_weight()) bodies.push_back(task.body);
     }
   }
+  const KinematicTree tree(robot_, bodies);
   std::vector<std::string> still;
   for (const int joint : robot_.output_joints()) {
-    const RobotJoint& j = robot_.joints()[static_cast<std::size_t>(joint)];
-    if (!moved.contains(j.body)) still.push_back(j.name);
+    const bool moves = tree.link_of_joint(joint) != KinematicTree::kWorld;
+    if (!moves) still.push_back(robot_.joints()[joint].name);
   }
   if (!still.empty()) note("no task moves " + list_names(still, 8));
 }
@@ -276,7 +263,7 @@ void Doctor::check_profile() {
   const RobotProfile& profile = robot_.profile();
   std::vector<std::string> missing;
   for (const int joint : robot_.output_joints()) {
-    const std::string& name = robot_.joints()[static_cast<std::size_t>(joint)].name;
+    const std::string& name = robot_.joints()[joint].name;
     if (!profile.speed_limits.contains(name)) missing.push_back(name);
   }
   if (!missing.empty()) {

@@ -5,15 +5,21 @@
 #include <cmath>
 #include <string>
 
-#include "anatomy/branches.h"
 #include "retarget/human.h"
 #include "rig/number_text.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
 
 constexpr HumanLengths kHuman;
 constexpr double kHeightAssumption = 1.8;
+
+// where a half turn's cosine is zero but for rounding, that would choose the quaternion's sign
+Eigen::Matrix3d without_rounding(const Eigen::Matrix3d& rotation) {
+  constexpr double kGrid = 1e12;
+  return (kGrid * rotation).array().round() / kGrid;
+}
 
 // weights of a bone's row in one pass
 struct Weights {
@@ -44,16 +50,16 @@ class MappingMaker {
  public:
   MappingMaker(const Robot& robot, const RobotAnatomy& limbs, const DeriveOptions& options)
       : robot_(robot), limbs_(limbs), options_(options), scales_(derive_scales(limbs)) {
-    const PosedRobot posed(robot, reference_configuration(robot));
+    const TreeState posed(robot.tree(), reference_configuration(robot));
     const auto root_of = [&](const Limb& limb) -> Eigen::Vector3d {
-      return posed.body(limb.upper.body) * limb.upper.joint;
+      return posed.world_from_body(limb.upper.body) * limb.upper.joint;
     };
     const Eigen::Vector3d left = root_of(limbs.legs[0]);
     const Eigen::Vector3d right = root_of(limbs.legs[1]);
     wider_ = 0.5 * (left - right).norm() - scales_.leg * kHuman.hip_width;
     higher_ =
         options.sole_height > 0.0 ? options.sole_height - scales_.leg * kHuman.ankle_height : 0.0;
-    hips_in_pelvis_ = posed.body(limbs.pelvis).inverse() *
+    hips_in_pelvis_ = posed.world_from_body(limbs.pelvis).inverse() *
                       (0.5 * (left + right) - scales_.leg * kHuman.hips_behind * limbs.forward);
   }
 
@@ -111,8 +117,8 @@ IkTables MappingMaker::make() const {
       row.rotation_weight = weights.rotation;
       row.position_offset = position_offset(part);
       row.rotation_offset =
-          Eigen::Quaterniond(Eigen::Matrix3d(part.part.body_from_bone.transpose())).normalized();
-      tables.tables[static_cast<std::size_t>(pass)].rows.push_back(row);
+          Eigen::Quaterniond(without_rounding(part.part.body_from_bone.transpose())).normalized();
+      tables.tables[pass].rows.push_back(row);
     }
   }
   return tables;

@@ -16,7 +16,7 @@ constexpr double kOff = 5.0 * std::numbers::pi / 180.0;  // of a T-pose: worth a
 constexpr double kClear = 0.3;                           // Limb::clarity below: worth a note
 
 std::string body_name(const RobotFindings& findings, int body) {
-  return findings.robot.bodies()[static_cast<std::size_t>(body)].name;
+  return findings.robot.bodies()[body].name;
 }
 
 std::string metres(double length) {
@@ -49,11 +49,11 @@ std::string limbs_section(const RobotFindings& findings) {
   for (const bool is_leg : {true, false}) {
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = is_leg ? limbs.legs[side] : limbs.arms[side];
-      const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
+      const int middle = limb.joints[limb.middle];
       text += fmt::format("| {} {} | {} | {} | {}, {} | {} |\n", side == 0 ? "left" : "right",
                           is_leg ? "leg" : "arm", chain_text(findings, limb),
-                          findings.robot.joints()[static_cast<std::size_t>(middle)].name,
-                          metres(limb.upper_length), metres(limb.lower_length), sureness(limb));
+                          findings.robot.joints()[middle].name, metres(limb.upper_length),
+                          metres(limb.lower_length), sureness(limb));
     }
   }
   if (limbs.head) text += "| head | " + body_name(findings, limbs.head->body) + " | | | |\n";
@@ -114,11 +114,11 @@ std::vector<std::string> notes_about(const RobotFindings& findings) {
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = is_leg ? findings.limbs.legs[side] : findings.limbs.arms[side];
       if (limb.clarity >= kClear) continue;
-      const int middle = limb.joints[static_cast<std::size_t>(limb.middle)];
+      const int middle = limb.joints[limb.middle];
       notes.push_back(
           fmt::format("the {} {} was taken to be \"{}\"; another joint fits nearly as well",
                       side == 0 ? "left" : "right", is_leg ? "knee" : "elbow",
-                      findings.robot.joints()[static_cast<std::size_t>(middle)].name));
+                      findings.robot.joints()[middle].name));
     }
   }
   for (const TPoseResidual& residual : findings.t_pose.residuals) {

@@ -10,7 +10,9 @@
 #include "base/try.h"
 #include "retarget/ik_config.h"
 #include "retarget/rig.h"
+#include "robot/core_points.h"
 #include "robot/find_robot.h"
+#include "robot/kinematic_tree.h"
 #include "robot/load_robot.h"
 
 namespace retarget {
@@ -24,33 +26,26 @@ struct Heights {
   double whole = 0.0;  // from the soles up to the highest point that is known
 };
 
-double top_of(const CollisionShape& shape, const Pose& world_from_body) {
-  const Pose world_from_shape = world_from_body * shape.body_from_shape;
-  const Eigen::Vector3d up = world_from_shape.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  double reach = shape.radius;
-  if (shape.type == CollisionShape::Type::kCapsule) reach += shape.half_length * std::abs(up.z());
-  if (shape.type == CollisionShape::Type::kBox) reach = up.cwiseAbs().dot(shape.half_size);
-  return world_from_shape.translation.z() + reach;
-}
-
 std::optional<Heights> heights_of(const Robot& robot) {
-  std::vector<Pose> world_from_body(robot.bodies().size());
-  forward_kinematics(robot, robot.zero_configuration(), world_from_body);
+  const TreeState posed(robot.tree(), robot.zero_configuration());
+  const double root = posed.origin().z();
   double lowest = INFINITY;
   for (const Sole& sole : robot.profile().soles) {
     for (const Eigen::Vector3d& point : sole.points) {
-      lowest = std::min(lowest, (world_from_body[sole.body] * point).z());
+      lowest = std::min(lowest, (posed.world_from_body(sole.body) * point).z());
     }
   }
   if (!std::isfinite(lowest)) return std::nullopt;
-  double highest = world_from_body[robot.root_body()].translation.z();
-  for (std::size_t b = 1; b < robot.bodies().size(); ++b) {
-    highest = std::max(highest, world_from_body[b].translation.z());
+  double highest = root;
+  for (int body = 1; body < static_cast<int>(robot.bodies().size()); ++body) {
+    highest = std::max(highest, posed.world_from_body(body).translation.z());
   }
   for (const CollisionShape& shape : robot.collision_shapes()) {
-    highest = std::max(highest, top_of(shape, world_from_body[shape.body]));
+    for (const Eigen::Vector3d& point : core_points(shape)) {
+      highest = std::max(highest, (posed.world_from_body(shape.body) * point).z() + shape.radius);
+    }
   }
-  return Heights{world_from_body[robot.root_body()].translation.z() - lowest, highest - lowest};
+  return Heights{root - lowest, highest - lowest};
 }
 
 Json number_or_null(double value) {

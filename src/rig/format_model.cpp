@@ -124,9 +124,9 @@ void ModelWriter::write_geoms(int body, const std::string& indent, std::string& 
 void ModelWriter::write_body(int body, int depth, std::string& text) const {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   const std::string inner = indent + "  ";
-  const std::string& name = robot_.bodies()[static_cast<std::size_t>(body)].name;
+  const std::string& name = robot_.bodies()[body].name;
   text += indent + "<body" + attribute("name", name);
-  text += pose_attributes(robot_.bodies()[static_cast<std::size_t>(body)].parent_from_body) + ">\n";
+  text += pose_attributes(robot_.bodies()[body].parent_from_body) + ">\n";
   write_joints(body, inner, text);
   write_inertial(body, inner, text);
   write_geoms(body, inner, text);

@@ -70,8 +70,7 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
 Json allowed_contacts(const Robot& robot) {
   Json pairs = Json::array();
   for (const auto& [above, body] : neighbours(robot)) {
-    pairs.push_back({robot.bodies()[static_cast<std::size_t>(above)].name,
-                     robot.bodies()[static_cast<std::size_t>(body)].name});
+    pairs.push_back({robot.bodies()[above].name, robot.bodies()[body].name});
   }
   return pairs;
 }
@@ -83,9 +82,8 @@ Json soles_json(const Robot& robot, const std::vector<Sole>& soles) {
     for (const Eigen::Vector3d& point : sole.points) {
       points.push_back({rounded(point.x(), 5), rounded(point.y(), 5), rounded(point.z(), 5)});
     }
-    all[sole.side] = {{"body", robot.bodies()[static_cast<std::size_t>(sole.body)].name},
-                      {"points", points},
-                      {"labels", sole.labels}};
+    all[sole.side] = {
+        {"body", robot.bodies()[sole.body].name}, {"points", points}, {"labels", sole.labels}};
   }
   return all;
 }
@@ -109,7 +107,7 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
   json["default_speed_limit"] = kDefaultSpeedLimit;
   json["t_pose"] = Json::object();
   for (const RobotJoint& joint : robot.joints()) {
-    const double position = rounded(t_pose.qpos[static_cast<std::size_t>(joint.qpos_address)], 4);
+    const double position = rounded(t_pose.qpos[joint.qpos_address], 4);
     if (position != 0.0) json["t_pose"][joint.name] = position;
   }
   json["soles"] = soles_json(robot, soles);

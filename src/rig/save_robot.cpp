@@ -104,15 +104,6 @@ Result<void> write_files(const MadeRobot& robot, const fs::path& folder) {
   return {};
 }
 
-// whether a file is in a folder or below it, links followed
-bool is_below(const fs::path& file, const fs::path& folder) {
-  std::error_code error;
-  const fs::path of_file = fs::weakly_canonical(file, error);
-  const fs::path of_folder = fs::weakly_canonical(folder, error);
-  if (error) return false;
-  return std::ranges::mismatch(of_folder, of_file).in1 == of_folder.end();
-}
-
 Failure name_failure(const std::string& name) {
   return usage_failure("\"" + name + "\" cannot be a robot's name: it becomes a folder's");
 }

@@ -5,27 +5,25 @@
 #include <cmath>
 #include <numeric>
 
-#include "anatomy/branches.h"
 #include "human/canonical_pose.h"
 #include "ik/box_qp.h"
 #include "math/so3.h"
-#include "math/trigonometry.h"
 #include "retarget/human.h"
+#include "robot/composite.h"
 
 namespace retarget {
 namespace {
+
+Eigen::Matrix3d world_from_bone(const TreeState& posed, const BonePart& bone) {
+  const Pose body = posed.world_from_body(bone.part.body);
+  return body.rotation.toRotationMatrix() * bone.part.body_from_bone;
+}
 
 // axes of bones against the canonical ones
 class TPoseProblem {
  public:
   TPoseProblem(const Robot& robot, const RobotAnatomy& limbs)
-      : robot_(robot), limbs_(limbs), parts_(bone_parts(limbs)), carries_(robot.bodies().size()) {
-    for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
-      for (int at = static_cast<int>(b); at > 0; at = robot.bodies()[at].parent) {
-        carries_[b].push_back(at);
-      }
-    }
-  }
+      : robot_(robot), limbs_(limbs), parts_(bone_parts(limbs)) {}
 
   [[nodiscard]] const std::vector<BonePart>& parts() const { return parts_; }
   [[nodiscard]] double cost(const std::vector<double>& qpos) const;
@@ -44,53 +42,55 @@ class TPoseProblem {
   // a torso that stands straight goes before arms that reach out
   [[nodiscard]] double weight_of(const BonePart& part, int column) const {
     constexpr double kTrunk = 10.0;
-    const double weight = kAxisWeight[static_cast<std::size_t>(column)];
+    const double weight = kAxisWeight[column];
     return part.part.body == limbs_.torso ? kTrunk * weight : weight;
-  }
-
-  [[nodiscard]] bool moves(int joint, int body) const {
-    return std::ranges::find(carries_[body], robot_.joints()[joint].body) != carries_[body].end();
   }
 
   const Robot& robot_;
   const RobotAnatomy& limbs_;
   std::vector<BonePart> parts_;
-  std::vector<std::vector<int>> carries_;  // by body: itself and its ancestors
 };
 
 double TPoseProblem::linearise(const std::vector<double>& qpos, Eigen::MatrixXd& hessian,
                                Eigen::VectorXd& gradient) const {
-  const PosedRobot posed(robot_, qpos);
+  const KinematicTree& tree = robot_.tree();
+  const TreeState posed(tree, qpos);
+  std::vector<Composite> composites(tree.links().size());
   const auto count = static_cast<Eigen::Index>(robot_.joints().size());
   hessian = kStay * kStay * Eigen::MatrixXd::Identity(count, count);
   gradient = Eigen::VectorXd::Zero(count);
   double cost = 0.0;
   for (Eigen::Index j = 0; j < count; ++j) {
-    const RobotJoint& joint = robot_.joints()[static_cast<std::size_t>(j)];
+    const RobotJoint& joint = robot_.joints()[j];
     const double away = kStay * (qpos[joint.qpos_address] - joint.reference);
     gradient[j] = kStay * away;
     cost += away * away;
   }
   for (const BonePart& part : parts_) {
-    const Eigen::Matrix3d found =
-        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
+    const Eigen::Matrix3d found = world_from_bone(posed, part);
     const Eigen::Matrix3d wanted = t_pose_of(limbs_, part.bone);
+    Composite& sum = composites[tree.attachment(part.part.body).link];
     for (int column = 0; column < 3; ++column) {
       const double weight = weight_of(part, column);
       if (weight == 0.0) continue;
       const Eigen::Vector3d residual = weight * (found.col(column) - wanted.col(column));
       cost += residual.squaredNorm();
-      Eigen::Matrix3Xd jacobian = Eigen::Matrix3Xd::Zero(3, count);
-      for (Eigen::Index j = 0; j < count; ++j) {
-        const int joint = static_cast<int>(j);
-        const bool hinge = robot_.joints()[joint].type == RobotJoint::Type::kHinge;
-        if (!hinge || !moves(joint, part.part.body)) continue;
-        jacobian.col(j) = weight * posed.axis(joint).cross(found.col(column));
-      }
-      hessian += jacobian.transpose() * jacobian;
-      gradient += jacobian.transpose() * residual;
+      // the axis changes with w x axis
+      const Eigen::Vector3d axis = found.col(column);
+      sum.angular += weight * weight * (Eigen::Matrix3d::Identity() - axis * axis.transpose());
+      sum.torque += weight * axis.cross(residual);
     }
   }
+  const int dofs = tree.dof_count();
+  std::vector<double> rows(tree.row_begin().back());
+  Eigen::VectorXd slope(dofs);
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(dofs, dofs);
+  assemble(posed, composites, rows, std::span(slope.data(), slope.size()));
+  // by column what is written by row: the upper triangle; joints come in the tree's order
+  write_lower_triangle(tree, rows, curvature.data(), dofs);
+  hessian +=
+      Eigen::MatrixXd(curvature.selfadjointView<Eigen::Upper>()).bottomRightCorner(count, count);
+  gradient += slope.tail(count);
   return cost;
 }
 
@@ -104,11 +104,10 @@ double TPoseProblem::cost(const std::vector<double>& qpos) const {
 }
 
 double TPoseProblem::misfit(const std::vector<double>& qpos) const {
-  const PosedRobot posed(robot_, qpos);
+  const TreeState posed(robot_.tree(), qpos);
   double sum = 0.0;
   for (const BonePart& part : parts_) {
-    const Eigen::Matrix3d found =
-        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
+    const Eigen::Matrix3d found = world_from_bone(posed, part);
     const Eigen::Matrix3d away = found - t_pose_of(limbs_, part.bone);
     for (int column = 0; column < 3; ++column) {
       const double weight = weight_of(part, column);
@@ -141,7 +140,7 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
     qp.solve(damped, gradient, lower, upper, step);
     std::vector<double> next = qpos;
     for (Eigen::Index j = 0; j < count; ++j) {
-      next[robot.joints()[static_cast<std::size_t>(j)].qpos_address] += step[j];
+      next[robot.joints()[j].qpos_address] += step[j];
     }
     if (problem.cost(next) < cost) {
       qpos = std::move(next);
@@ -199,6 +198,12 @@ std::vector<int> start_patterns() {
 
 }  // namespace
 
+BoneAxesError bone_axes_error(const Eigen::Matrix3d& axes, const Eigen::Matrix3d& wanted) {
+  // the least turn that brings X into place, then the angle between the Z axes
+  const Eigen::Vector3d z = rotation_between(axes.col(0), wanted.col(0)) * axes.col(2);
+  return {angle_between(axes.col(0), wanted.col(0)), angle_between(z, wanted.col(2))};
+}
+
 std::vector<BonePart> bone_parts(const RobotAnatomy& limbs) {
   std::vector<BonePart> parts;
   parts.push_back({Bone::kHips, {limbs.pelvis, limbs.pelvis_from_hips, Eigen::Vector3d::Zero()}});
@@ -243,20 +248,12 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
     least = cost;
     best.qpos = std::move(qpos);
   }
-  const PosedRobot posed(robot, best.qpos);
+  const TreeState posed(robot.tree(), best.qpos);
   for (const BonePart& part : problem.parts()) {
-    const Eigen::Matrix3d found =
-        posed.body(part.part.body).rotation.toRotationMatrix() * part.part.body_from_bone;
-    const Eigen::Matrix3d wanted = t_pose_of(limbs, part.bone);
-    TPoseResidual residual;
+    const Eigen::Matrix3d found = world_from_bone(posed, part);
+    TPoseResidual residual{bone_axes_error(found, t_pose_of(limbs, part.bone))};
     residual.bone = bone_name(part.bone);
     residual.body = part.part.body;
-    const Eigen::Vector3d turn = found.col(0).cross(wanted.col(0));
-    residual.direction = portable::atan2(turn.norm(), found.col(0).dot(wanted.col(0)));
-    // the least turn that brings X into place, then the angle between the Z axes
-    const Eigen::Quaterniond least_turn = rotation_between(found.col(0), wanted.col(0));
-    const Eigen::Vector3d z = least_turn * found.col(2);
-    residual.twist = portable::atan2(z.cross(wanted.col(2)).norm(), z.dot(wanted.col(2)));
     best.residuals.push_back(residual);
   }
   return best;

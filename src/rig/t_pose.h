@@ -8,12 +8,18 @@
 
 namespace retarget {
 
+/// How far a bone's axes are from others, rad.
+struct BoneAxesError {
+  double direction = 0.0;  ///< Angle between the X axes.
+  double twist = 0.0;      ///< Angle that is left about X.
+};
+[[nodiscard]] BoneAxesError bone_axes_error(const Eigen::Matrix3d& axes,
+                                            const Eigen::Matrix3d& wanted);
+
 /// How far a body is from the canonical T-pose.
-struct TPoseResidual {
+struct TPoseResidual : BoneAxesError {
   std::string bone;  ///< Canonical bone.
   int body = 0;
-  double direction = 0.0;  ///< Angle between the bone's X axis and the canonical one, rad.
-  double twist = 0.0;      ///< Angle that is left about X, rad.
 };
 
 /// The configuration in which a robot stands in the canonical T-pose as well as its limits allow.

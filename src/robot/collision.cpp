@@ -36,8 +36,7 @@ CollisionModel::CollisionModel(const Robot& robot) : shapes_(robot.collision_sha
 void CollisionModel::place(std::span<const Pose> world_from_body,
                            std::span<RoundedShape> in_world) const {
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    const Pose& body = world_from_body[shapes_[i].body];
-    in_world[i] = placed(in_body_[i], body.rotation.toRotationMatrix(), body.translation);
+    in_world[i] = placed(in_body_[i], world_from_body[shapes_[i].body]);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "robot/json_ranges.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/json.h"
@@ -24,16 +26,15 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
   }
   for (const auto& [name, range] : json.items()) {
     const auto joint = robot.find_joint(name);
-    std::string fault = what;
     if (!joint) {
-      fault.append(": the model has no joint \"").append(name).append("\"");
-      faults.add(fault.append(faults.suggestion(name, robot.joint_names())));
+      faults.add(fmt::format("{}: the model has no joint \"{}\"{}", what, name,
+                             faults.suggestion(name, robot.joint_names())));
     } else if (!is_range(range)) {
-      fault.append(" of \"").append(name).append("\" must be [lower, upper], found ");
-      faults.add(fault.append(short_text(range)));
+      faults.add(fmt::format("{} of \"{}\" must be [lower, upper], found {}", what, name,
+                             short_text(range)));
     } else if (range[0].get<double>() > range[1].get<double>()) {
-      fault.append(" of \"").append(name).append("\": lower is above upper in ");
-      faults.add(fault.append(short_text(range)));
+      faults.add(
+          fmt::format("{} of \"{}\": lower is above upper in {}", what, name, short_text(range)));
     } else {
       set.lower[*joint] = range[0].get<double>();
       set.upper[*joint] = range[1].get<double>();

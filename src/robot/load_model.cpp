@@ -26,13 +26,13 @@ struct SpecDeleter {
 // MuJoCo reports through handlers of the process and keeps the last XML in a global
 std::mutex load_mutex;
 
-template <typename Predicate>
-void delete_elements(mjSpec* spec, mjtObj kind, Predicate unwanted) {
-  std::vector<mjsElement*> doomed;
+// of a kind; they may be deleted while they are gone through
+std::vector<mjsElement*> elements_of(mjSpec* spec, mjtObj kind) {
+  std::vector<mjsElement*> elements;
   for (mjsElement* e = mjs_firstElement(spec, kind); e != nullptr; e = mjs_nextElement(spec, e)) {
-    if (unwanted(e)) doomed.push_back(e);
+    elements.push_back(e);
   }
-  for (mjsElement* element : doomed) mjs_delete(spec, element);
+  return elements;
 }
 
 bool is_named(const mjString* text) {
@@ -41,27 +41,23 @@ bool is_named(const mjString* text) {
 
 // what is left moves the same way and needs no file beside the MJCF
 void keep_kinematics(mjSpec* spec, bool keep_meshes) {
-  delete_elements(spec, mjOBJ_GEOM, [keep_meshes](mjsElement* element) {
+  for (mjsElement* element : elements_of(spec, mjOBJ_GEOM)) {
     const mjsGeom* geom = mjs_asGeom(element);
-    if (keep_meshes && geom->type == mjGEOM_MESH) return false;
-    return is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
-           geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF;
-  });
-  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_GEOM); e != nullptr;
-       e = mjs_nextElement(spec, e)) {
-    mjs_setString(mjs_asGeom(e)->material, "");
+    mjs_setString(geom->material, "");
+    if (keep_meshes && geom->type == mjGEOM_MESH) continue;
+    if (is_named(geom->meshname) || is_named(geom->hfieldname) || geom->type == mjGEOM_MESH ||
+        geom->type == mjGEOM_HFIELD || geom->type == mjGEOM_SDF) {
+      mjs_delete(spec, element);
+    }
   }
-  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_SITE); e != nullptr;
-       e = mjs_nextElement(spec, e)) {
-    mjs_setString(mjs_asSite(e)->material, "");
-  }
+  for (mjsElement* e : elements_of(spec, mjOBJ_SITE)) mjs_setString(mjs_asSite(e)->material, "");
   constexpr std::array kDropped = {mjOBJ_SENSOR,   mjOBJ_ACTUATOR, mjOBJ_TENDON,  mjOBJ_EQUALITY,
                                    mjOBJ_KEY,      mjOBJ_PAIR,     mjOBJ_EXCLUDE, mjOBJ_SKIN,
                                    mjOBJ_FLEX,     mjOBJ_TUPLE,    mjOBJ_MESH,    mjOBJ_HFIELD,
                                    mjOBJ_MATERIAL, mjOBJ_TEXTURE};
   for (const mjtObj kind : kDropped) {
     if (keep_meshes && kind == mjOBJ_MESH) continue;
-    delete_elements(spec, kind, [](mjsElement*) { return true; });
+    for (mjsElement* element : elements_of(spec, kind)) mjs_delete(spec, element);
   }
   // mappings may name bodies that do not move against their parent
   spec->compiler.fusestatic = 0;
@@ -81,11 +77,8 @@ int joint_count_below(mjsBody* body) {
 }
 
 bool has_free_joint(mjSpec* spec) {
-  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_JOINT); e != nullptr;
-       e = mjs_nextElement(spec, e)) {
-    if (mjs_asJoint(e)->type == mjJNT_FREE) return true;
-  }
-  return false;
+  return std::ranges::any_of(elements_of(spec, mjOBJ_JOINT),
+                             [](mjsElement* e) { return mjs_asJoint(e)->type == mjJNT_FREE; });
 }
 
 // the robot is what carries the most joints; a base with joints of its own stays as it is
@@ -107,7 +100,7 @@ std::string float_base(mjSpec* spec) {
 // nameless elements of a kind get the kind's word and a number
 void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
   int number = 0;
-  for (mjsElement* e = mjs_firstElement(spec, kind); e != nullptr; e = mjs_nextElement(spec, e)) {
+  for (mjsElement* e : elements_of(spec, kind)) {
     if (is_named(mjs_getName(e))) continue;
     std::string name;
     do {
@@ -119,8 +112,7 @@ void name_elements(mjSpec* spec, mjtObj kind, const std::string& word) {
 
 // what holds joints or bodies together beyond the tree
 void note_equalities(mjSpec* spec, LoadedModel& loaded) {
-  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_EQUALITY); e != nullptr;
-       e = mjs_nextElement(spec, e)) {
+  for (mjsElement* e : elements_of(spec, mjOBJ_EQUALITY)) {
     const mjsEquality* equality = mjs_asEquality(e);
     const std::string first = mjs_getString(equality->name1);
     const std::string second = mjs_getString(equality->name2);

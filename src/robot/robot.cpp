@@ -6,21 +6,14 @@
 #include <limits>
 #include <utility>
 
-#include "math/trigonometry.h"
+#include "robot/kinematic_tree.h"
+#include "robot/model_values.h"
 #include "robot/variant.h"
 
 namespace retarget {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Eigen::Quaterniond quaternion_of(const mjtNum* wxyz) {
-  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
-}
-
-Eigen::Vector3d vector_of(const mjtNum* xyz) {
-  return {xyz[0], xyz[1], xyz[2]};
-}
 
 std::string name_of(const mjModel* model, mjtObj kind, int index) {
   const char* name = mj_id2name(model, kind, index);
@@ -43,18 +36,6 @@ std::optional<int> index_of(const std::vector<T>& items, std::string_view name) 
   return static_cast<int>(found - items.begin());
 }
 
-// body_before_joint from body_after_joint
-Pose motion_of(const RobotJoint& joint, double position) {
-  const double travel = position - joint.reference;
-  if (joint.type == RobotJoint::Type::kSlide) {
-    return {Eigen::Quaterniond::Identity(), travel * joint.axis};
-  }
-  const auto [sine, cosine] = portable::sin_cos(0.5 * travel);
-  const Eigen::Vector3d vector = sine * joint.axis;
-  const Eigen::Quaterniond turn(cosine, vector.x(), vector.y(), vector.z());
-  return {turn, joint.anchor - turn * joint.anchor};
-}
-
 }  // namespace
 
 void ModelDeleter::operator()(mjModel_* model) const {
@@ -65,16 +46,15 @@ Robot::Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warn
     : model_(std::move(model)), warnings_(std::move(warnings)) {
   read_bodies();
   read_joints();
+  tree_ = std::make_shared<KinematicTree>(*this);
   read_collision_shapes();
   set_profile(std::move(profile));
 }
 
 void Robot::read_bodies() {
   for (int b = 0; b < model_->nbody; ++b) {
-    bodies_.push_back(
-        {name_of(model_.get(), mjOBJ_BODY, b),
-         model_->body_parentid[b],
-         {quaternion_of(model_->body_quat + 4 * b), vector_of(model_->body_pos + 3 * b)}});
+    bodies_.push_back({name_of(model_.get(), mjOBJ_BODY, b), model_->body_parentid[b],
+                       pose_at(model_->body_pos, model_->body_quat, b)});
   }
 }
 
@@ -91,8 +71,8 @@ void Robot::read_joints() {
     joint.type =
         model_->jnt_type[j] == mjJNT_SLIDE ? RobotJoint::Type::kSlide : RobotJoint::Type::kHinge;
     joint.body = model_->jnt_bodyid[j];
-    joint.axis = vector_of(model_->jnt_axis + 3 * j);
-    joint.anchor = vector_of(model_->jnt_pos + 3 * j);
+    joint.axis = vector_at(model_->jnt_axis, j);
+    joint.anchor = vector_at(model_->jnt_pos, j);
     joint.qpos_address = model_->jnt_qposadr[j];
     joint.dof_address = model_->jnt_dofadr[j];
     joint.reference = model_->qpos0[joint.qpos_address];
@@ -111,9 +91,8 @@ void Robot::read_collision_shapes() {
     CollisionShape shape;
     shape.body = model_->geom_bodyid[g];
     shape.geom = g;
-    shape.body_from_shape = {quaternion_of(model_->geom_quat + 4 * g),
-                             vector_of(model_->geom_pos + 3 * g)};
-    const mjtNum* size = model_->geom_size + 3 * g;
+    shape.body_from_shape = pose_at(model_->geom_pos, model_->geom_quat, g);
+    const Eigen::Vector3d size = vector_at(model_->geom_size, g);
     switch (model_->geom_type[g]) {
       case mjGEOM_SPHERE:
         shape.type = CollisionShape::Type::kSphere;
@@ -126,7 +105,7 @@ void Robot::read_collision_shapes() {
         break;
       case mjGEOM_BOX:
         shape.type = CollisionShape::Type::kBox;
-        shape.half_size = vector_of(size);
+        shape.half_size = size;
         break;
       default:
         continue;
@@ -198,28 +177,6 @@ std::vector<std::string> Robot::body_names() const {
 
 std::vector<std::string> Robot::joint_names() const {
   return names_of(joints_);
-}
-
-void forward_kinematics(const Robot& robot, std::span<const double> qpos,
-                        std::span<Pose> world_from_body) {
-  const auto& bodies = robot.bodies();
-  const auto& joints = robot.joints();
-  // joints are sorted by body, so one walk over both serves
-  std::size_t j = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    Pose& world = world_from_body[b];
-    if (b == 0) {
-      world = Pose{};
-    } else if (static_cast<int>(b) == robot.root_body()) {
-      world = {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized(),
-               {qpos[0], qpos[1], qpos[2]}};
-    } else {
-      world = world_from_body[bodies[b].parent] * bodies[b].parent_from_body;
-    }
-    for (; j < joints.size() && joints[j].body == static_cast<int>(b); ++j) {
-      world = world * motion_of(joints[j], qpos[joints[j].qpos_address]);
-    }
-  }
 }
 
 }  // namespace retarget

@@ -286,10 +286,10 @@ RoundedShape rounded(const CollisionShape& shape, double max_rounding) {
   return result;
 }
 
-RoundedShape placed(const RoundedShape& shape, const Eigen::Matrix3d& rotation,
-                    const Vector3d& translation) {
+RoundedShape placed(const RoundedShape& shape, const Pose& a_from_b) {
   RoundedShape result = shape;
-  result.centre = translation + rotation * shape.centre;
+  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
+  result.centre = a_from_b.translation + rotation * shape.centre;
   for (int i = 0; i < shape.axis_count; ++i) {
     result.half_axes[static_cast<std::size_t>(i)] = rotation * axis(shape, i);
   }
@@ -297,8 +297,7 @@ RoundedShape placed(const RoundedShape& shape, const Eigen::Matrix3d& rotation,
 }
 
 RoundedShape place(const CollisionShape& shape, const Pose& world_from_body) {
-  return placed(rounded(shape), world_from_body.rotation.toRotationMatrix(),
-                world_from_body.translation);
+  return placed(rounded(shape), world_from_body);
 }
 
 ShapeDistance shape_distance(const RoundedShape& a, const RoundedShape& b, NearestPoints points) {

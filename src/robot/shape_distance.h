@@ -27,9 +27,8 @@ struct RoundedShape {
 ///                      than this (metres), with that radius around it.
 [[nodiscard]] RoundedShape rounded(const CollisionShape& shape, double max_rounding = 0.0);
 
-/// As seen from where its frame stands in another one.
-[[nodiscard]] RoundedShape placed(const RoundedShape& shape, const Eigen::Matrix3d& rotation,
-                                  const Eigen::Vector3d& translation);
+/// A shape given in b, in a.
+[[nodiscard]] RoundedShape placed(const RoundedShape& shape, const Pose& a_from_b);
 
 /// A collision shape in the world.
 [[nodiscard]] RoundedShape place(const CollisionShape& shape, const Pose& world_from_body);

@@ -15,7 +15,9 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "base/number_text.h"
+#include "base/plain_name.h"
 #include "base/try.h"
 #include "robot/mujoco_messages.h"
 
@@ -40,11 +42,6 @@ constexpr double kMostNumbers = 1e6;
 constexpr double kMostKeyNumbers = 8e6;
 constexpr double kMostPoints = 1000;
 constexpr double kMostDetail = 10'000;
-
-bool same_word(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  return std::ranges::equal(a, b, [&](char x, char y) { return lower(x) == lower(y); });
-}
 
 // a bound on an attribute of <size>; 0 and what is below mean MuJoCo's own choice
 struct SizeBound {
@@ -126,16 +123,6 @@ Failure fault(const XMLElement& element, const Place& place, std::string message
   error.message = "<" + std::string(element.Name()) + "> " + std::move(message);
   error.hint = std::move(hint);
   return failure(std::move(error));
-}
-
-// whether a path, links followed, lies in a folder without links
-bool lies_in(const fs::path& path, const fs::path& folder) {
-  std::error_code error;
-  const fs::path whole = fs::weakly_canonical(path, error);
-  if (error) return false;
-  const auto [rest, ignored] =
-      std::mismatch(folder.begin(), folder.end(), whole.begin(), whole.end());
-  return rest == folder.end();
 }
 
 std::string text_of(const XMLElement& element, const char* attribute) {
@@ -236,7 +223,7 @@ Result<void> ModelVetter::vet_named_file(const XMLElement& element, const Place&
     const fs::path file = folder / named;
     std::error_code ignored;
     if (!fs::exists(file, ignored)) continue;
-    if (!lies_in(file, root_)) {
+    if (!is_below(file, root_)) {
       return fault(element, place,
                    "names \"" + named.substr(0, 200) + "\", which lies outside the model's folder",
                    "copy the file beside the model");
@@ -264,9 +251,7 @@ Result<void> ModelVetter::vet_attached(const XMLElement& element, const Place& p
 
 Result<void> ModelVetter::vet_mesh(const XMLElement& element, const Place& place) {
   const std::string named =
-      text_of(element, same_word(element.Name(), "mesh") && element.Attribute("filename") != nullptr
-                           ? "filename"
-                           : "file");
+      text_of(element, element.Attribute("filename") != nullptr ? "filename" : "file");
   if (!meshes_ || named.empty()) return {};
   const fs::path package = root_.parent_path();
   for (const std::string& folder : mesh_folders_) {
@@ -274,7 +259,7 @@ Result<void> ModelVetter::vet_mesh(const XMLElement& element, const Place& place
       const fs::path file = root_ / folder / name;
       std::error_code ignored;
       if (!fs::exists(file, ignored)) continue;
-      if (!lies_in(file, package)) {
+      if (!is_below(file, package)) {
         return fault(
             element, place,
             "names \"" + named.substr(0, 200) + "\", which lies outside the model's package");
@@ -290,8 +275,8 @@ Result<void> ModelVetter::vet_mesh(const XMLElement& element, const Place& place
 }
 
 Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
-  const auto is = [name = std::string_view(element.Name())](std::string_view word) {
-    return same_word(name, word);
+  const auto is = [name = lower_case(element.Name())](std::string_view word) {
+    return name == word;
   };
   if (is("plugin")) {
     return fault(element, place, "asks for a plugin of MuJoCo's, which is never loaded",

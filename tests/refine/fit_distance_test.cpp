@@ -33,11 +33,10 @@ struct FitDistance {
   Vector3d normal, on_a, on_b;
 };
 
-FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const RoundedShape& b,
-                         const Frame& world_from_b) {
-  const ShapeDistance found = shape_distance(
-      placed(a, world_from_a.rotation, world_from_a.translation),
-      placed(b, world_from_b.rotation, world_from_b.translation), NearestPoints::kEven);
+FitDistance fit_distance(const RoundedShape& a, const Pose& world_from_a, const RoundedShape& b,
+                         const Pose& world_from_b) {
+  const ShapeDistance found =
+      shape_distance(placed(a, world_from_a), placed(b, world_from_b), NearestPoints::kEven);
   FitDistance result{found.distance, -found.normal, found.on_a - a.radius * found.normal,
                      found.on_b + b.radius * found.normal};
   if (found.distance + a.radius + b.radius < 0.0) {
@@ -46,8 +45,8 @@ FitDistance fit_distance(const RoundedShape& a, const Frame& world_from_a, const
   return result;
 }
 
-Frame moved(const Vector3d& by) {
-  return {Eigen::Matrix3d::Identity(), by};
+Pose moved(const Vector3d& by) {
+  return {Eigen::Quaterniond::Identity(), by};
 }
 
 TEST(FitDistance, OfBalls) {
@@ -91,7 +90,7 @@ TEST(FitDistance, ABoxInABoxGoesOutTheShortestWay) {
 double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector3d& between,
                       const Vector3d& from, const Vector3d& to) {
   const auto distance = [&](const Vector3d& turn) {
-    const Frame at_a{exp_so3(turn).toRotationMatrix(), between};
+    const Pose at_a{exp_so3(turn), between};
     return fit_distance(a, at_a, b, moved(Vector3d::Zero()));
   };
   const FitDistance one = distance(from), other = distance(to);
@@ -125,8 +124,8 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
       a_axes.emplace_back(size_a[i] * Vector3d::Unit(i));
       b_axes.emplace_back(size_b[i] * Vector3d::Unit(i));
     }
-    const Frame at_b = moved(Vector3d::Zero());
-    Frame at_a{exp_so3(2.0 * vector()).toRotationMatrix(), 0.3 * vector()};
+    const Pose at_b = moved(Vector3d::Zero());
+    Pose at_a{exp_so3(2.0 * vector()), 0.3 * vector()};
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
     const auto found = fit_distance(a, at_a, b, at_b);
     CollisionShape box_a, box_b;
@@ -134,13 +133,13 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
     box_a.half_size = size_a;
     box_b.half_size = size_b;
     const ShapeDistance exact = shape_distance(
-        place(box_a, {Eigen::Quaterniond(at_a.rotation), at_a.translation}), place(box_b, {}));
+        place(box_a, at_a), place(box_b, {}));
     if (exact.distance > -1e-3) continue;
     ++seen;
     EXPECT_NEAR(found.distance, exact.distance, 1e-9) << round;
     // a small turn and way of a
     const Vector3d turn = 1e-7 * vector(), way = 1e-7 * vector();
-    at_a.rotation = exp_so3(turn).toRotationMatrix() * at_a.rotation;
+    at_a.rotation = exp_so3(turn) * at_a.rotation;
     const Vector3d arm = found.on_a - at_a.translation;
     at_a.translation += way;
     const double change = fit_distance(a, at_a, b, at_b).distance - found.distance;
@@ -159,7 +158,7 @@ TEST(FitDistance, NoPairOfPointsIsNearer) {
     for (int i = 0; i < round % 4; ++i) a_axes.push_back((0.2 + 0.1 * i) * turn.col(i));
     for (int i = 0; i < (round / 4) % 4; ++i) b_axes.push_back((0.5 - 0.1 * i) * Vector3d::Unit(i));
     const RoundedShape a = shape(a_axes, 0.0), b = shape(b_axes, 0.0);
-    const Frame at_a = moved(2.0 * vector()), at_b = moved(vector());
+    const Pose at_a = moved(2.0 * vector()), at_b = moved(vector());
     const auto found = fit_distance(a, at_a, b, at_b);
     double least = 1e9;
     for (int sample = 0; sample < 3000; ++sample) {

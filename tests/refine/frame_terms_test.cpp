@@ -36,8 +36,8 @@ std::vector<double> moved(const FitModel& model, std::vector<double> qpos,
   qpos[4] = q.x();
   qpos[5] = q.y();
   qpos[6] = q.z();
-  for (std::size_t link = 1; link < model.links.size(); ++link) {
-    qpos[static_cast<std::size_t>(model.links[link].qpos_address)] += step[5 + link];
+  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
+    qpos[static_cast<std::size_t>(model.tree.links()[link].qpos_address)] += step[5 + link];
   }
   return qpos;
 }
@@ -75,17 +75,16 @@ class FrameTermsTest : public testing::Test {
 
   // goals at the places of a configuration, then away from them
   void set_goals(const std::vector<double>& qpos, double away) {
-    FitPose pose(model_);
-    pose.update(model_, qpos);
+    TreeState pose(model_.tree);
+    pose.update(qpos);
     std::normal_distribution<double> normal;
     const auto noise = [&] {
       return Vector3d(away * Vector3d(normal(random_), normal(random_), normal(random_)));
     };
     targets_.clear();
     for (const FitTask& task : model_.tasks) {
-      const Frame& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
-      targets_.push_back(
-          {world * task.position + noise(), Eigen::Quaterniond(world.rotation) * exp_so3(noise())});
+      const Pose& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
+      targets_.push_back({world * task.position + noise(), world.rotation * exp_so3(noise())});
     }
     ends_.assign(4, FootEndGoal{});
     anchors_.assign(2, Eigen::Vector2d::Zero());
@@ -105,8 +104,8 @@ class FrameTermsTest : public testing::Test {
 
   double assemble(const std::vector<double>& qpos) {
     FrameTerms terms(model_, options_);
-    FitPose pose(model_);
-    pose.update(model_, qpos);
+    TreeState pose(model_.tree);
+    pose.update(qpos);
     std::vector<std::uint32_t> pairs;
     terms.find_near_pairs(pose, 0.02, pairs);
     gradient_.assign(dofs_, 0.0);
@@ -219,17 +218,15 @@ TEST_F(FrameTermsTest, TermsCanBeLeftOut) {
 TEST_F(FrameTermsTest, PosesAreThoseOfTheRobot) {
   for (int round = 0; round < 5; ++round) {
     const auto qpos = random_configuration(0.8, 1.0);
-    FitPose pose(model_);
-    pose.update(model_, qpos);
+    TreeState pose(model_.tree);
+    pose.update(qpos);
     std::vector<Pose> bodies(robot_->bodies().size());
     forward_kinematics(*robot_, qpos, bodies);
     for (const FitTask& task : model_.tasks) {
-      const Frame& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
+      const Pose& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
       const Pose& body = bodies[static_cast<std::size_t>(robot_->find_body(task.body).value())];
       EXPECT_LT((world * task.position - body.translation).norm(), 1e-12);
-      EXPECT_LT(log_so3(Eigen::Quaterniond(world.rotation) * task.link_from_body *
-                        body.rotation.conjugate())
-                    .norm(),
+      EXPECT_LT(log_so3(world.rotation * task.link_from_body * body.rotation.conjugate()).norm(),
                 1e-12);
     }
   }
@@ -259,7 +256,7 @@ TEST_F(FrameTermsTest, StepsHaveTheGradientOfTheirCost) {
   speeds.terms(kFrame, terms);
   gradient -= terms[joint].force;
   // by hand: the joint's steps, smoothed by a dense solve of the same least squares
-  const auto address = static_cast<std::size_t>(model_.links[joint - 5].qpos_address);
+  const auto address = static_cast<std::size_t>(model_.tree.links()[joint - 5].qpos_address);
   const auto total = [&](double change) {
     Eigen::VectorXd v(clip.frame_count - 1);
     for (int t = 0; t + 1 < clip.frame_count; ++t) {
@@ -335,8 +332,8 @@ TEST_F(FrameTermsTest, NearPairsAreFoundAmongAllPairs) {
   constexpr double kWithin = 0.03;
   std::size_t most = 0;
   for (int round = 0; round < 5; ++round) {
-    FitPose pose(model_);
-    pose.update(model_, random_configuration(0.4, 0.8));
+    TreeState pose(model_.tree);
+    pose.update(random_configuration(0.4, 0.8));
     FrameTerms terms(model_, options_);
     std::vector<std::uint32_t> found, expected;
     terms.find_near_pairs(pose, kWithin, found);

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "retarget/pose.h"
+
+namespace retarget {
+
+/// The vector of an element in one of MuJoCo's arrays.
+[[nodiscard]] inline Eigen::Vector3d vector_at(const double* values, int element) {
+  return Eigen::Map<const Eigen::Vector3d>(values + 3 * static_cast<std::ptrdiff_t>(element));
+}
+
+/// The pose of an element in MuJoCo's arrays of positions and quaternions (wxyz).
+[[nodiscard]] inline Pose pose_at(const double* positions, const double* quaternions, int element) {
+  const double* q = quaternions + 4 * static_cast<std::ptrdiff_t>(element);
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), vector_at(positions, element)};
+}
+
+}  // namespace retarget
