@@ -148,14 +148,14 @@ void fit_step_assembly(benchmark::State& state) {
   const FitWindow window = work.window();
   const int dofs = work.model.dof_count();
   FrameTerms terms(work.model, work.options);
-  FitPose pose(work.model);
+  TreeState pose(work.model.tree);
   std::vector<double> gradient(static_cast<std::size_t>(dofs)),
       hessian(gradient.size() * gradient.size());
   std::vector<std::uint32_t> pairs;
   for (auto _ : state) {
     for (int frame = window.begin; frame < window.end; ++frame) {
       TermCosts costs{};
-      pose.update(work.model, work.clip.frame(frame, work.model.configuration_size));
+      pose.update(work.clip.frame(frame, work.model.configuration_size));
       // looked for every fourth step
       if (frame % 4 == 0) terms.find_near_pairs(pose, 0.04, pairs);
       terms.assemble(pose, work.clip.goals(frame, work.model.tasks.size()), pairs, gradient.data(),
