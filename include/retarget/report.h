@@ -184,7 +184,7 @@ struct QualityReport {
   std::vector<SegmentAngle> segments;
   std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
   std::optional<JointMostAtLimit> at_limit;  ///< Nothing: no joint ever is.
-  SourceContacts contacts;  ///< Of the source's heels and toes.
+  SourceContacts contacts;                   ///< Of the source's heels and toes.
   /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
   std::vector<LimitedJoint> limited_joints;
   /// Of a motion that was fitted just now: what its terms cost, and what had to be bounded.

@@ -13,8 +13,8 @@ namespace {
 
 // height of the ankle over the toe by their distance, of feet that stand
 constexpr double kFlattestFoot = 0.15, kSteepestFoot = 0.6, kCommonFoot = 0.36;
-constexpr double kUsualRise = 0.06;   // the same, metres
-constexpr double kNearLowest = 0.05;  // metres
+constexpr double kUsualRise = 0.06;     // the same, metres
+constexpr double kNearLowest = 0.05;    // metres
 constexpr double kLowestShare = 0.02;   // of frames
 constexpr double kLeastStanding = 0.7;  // seconds of both feet together
 constexpr double kSunk = 0.25;          // metres that a body may be too low for a moment

@@ -113,9 +113,9 @@ class Crawling(ToolTest):
         self.assert_done(result)
         self.assertNotIn("missed   ", result.stderr)
         motion, = json.loads((self.folder / "run.json").read_text())["motions"]
-        # by their heights the feet stand, and no sole is near the floor
+        # by their heights some feet stand, and no sole is near the floor
         self.assertGreater(motion["contact_pct"], 10)
-        self.assertGreater(motion["contact_height_p50_cm"], 2)
+        self.assertGreater(motion["contact_height_p50_cm"], 1)
         self.assertNotIn("stance_height_p50_cm", motion)
 
 

@@ -2,9 +2,9 @@
 #include <numbers>
 
 #include "edit_sample.h"
-#include "support/clip_sampler.h"
 #include "motion/resample.h"
 #include "retarget/edit.h"
+#include "support/clip_sampler.h"
 
 namespace retarget {
 namespace {
