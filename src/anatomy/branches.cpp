@@ -32,7 +32,7 @@ std::optional<double> asymmetry(const TreeState& posed, const std::vector<int>& 
     const Eigen::Vector3d gap = posed.anchor(first[i]) - posed.anchor(second[i]);
     const double along = gap.dot(across);
     // an anchor may stand anywhere on its axis
-    const Eigen::Vector3d axis = posed.axis(first[i]);
+    const Eigen::Vector3d& axis = posed.axis(first[i]);
     const Eigen::Vector3d aside = gap - along * across;
     worst = std::max(worst, (aside - aside.dot(axis) * axis).norm());
     apart += along / static_cast<double>(first.size());

@@ -49,7 +49,7 @@ inline Eigen::Vector3d place_link(const KinematicTree::Link& link, const Pose& w
                                   double position, Pose& world_from_link) {
   const Eigen::Quaterniond rotation = world_from_parent.rotation * link.parent_from_link.rotation;
   const double travel = position - link.reference;
-  const Eigen::Vector3d axis = z_axis_of(rotation);
+  Eigen::Vector3d axis = z_axis_of(rotation);
   world_from_link.translation =
       world_from_parent.translation +
       turned(world_from_parent.rotation, link.parent_from_link.translation);

@@ -86,9 +86,7 @@ class KinematicTree {
 /// The tree must stay where it is. Nothing is allocated in update.
 struct TreeState {
   explicit TreeState(const KinematicTree& of);
-  TreeState(const KinematicTree& of, std::span<const double> qpos) : TreeState(of) {
-    update(qpos);
-  }
+  TreeState(const KinematicTree& of, std::span<const double> qpos) : TreeState(of) { update(qpos); }
 
   /// @param qpos  in the layout of Robot; the root quaternion need not be a unit one.
   void update(std::span<const double> qpos);
