@@ -89,7 +89,7 @@ void robot_forward_kinematics(benchmark::State& state) {
 }
 BENCHMARK(robot_forward_kinematics)->Unit(benchmark::kMillisecond);
 
-// the clip taken for one of 120 frames a second; items are source frames
+// the clip taken for one of 120 frames per second; items are source frames
 void resample_120_to_30(benchmark::State& state, bool antialias) {
   Clip clip = load_bvh(clip_path(kClip).string()).value().clip;
   clip.set_rate(frame_rate_from_fps(120.0));

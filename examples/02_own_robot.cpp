@@ -1,6 +1,6 @@
-// A robot of one's own from its MJCF or URDF, without meshes; then a motion for it:
+// Your own robot from its MJCF or URDF, without meshes; then a motion for it:
 //     02_own_robot my_robot.xml walk.bvh walk.csv
-// The folder my_robot is written here; look at decisions.md in it before it is trusted.
+// Writes the folder my_robot here; check decisions.md in it before using it.
 
 #include <retarget/retarget.h>
 #include <retarget/rig.h>

@@ -1,4 +1,4 @@
-// Every decision can be seen and replaced before a motion is solved, and its quality looked at after:
+// Every decision can be inspected and replaced before solving, and the quality measured afterwards:
 //     03_stages_by_hand walk.bvh unitree_g1 walk.csv
 
 #include <retarget/retarget.h>

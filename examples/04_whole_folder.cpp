@@ -1,4 +1,4 @@
-// Every BVH below a folder, to one robot; the robot's side is decided once. A bad file stops nothing:
+// Every BVH below a folder, to one robot, which is set up once. A bad file does not stop the rest:
 //     04_whole_folder clips unitree_g1 out
 
 #include <retarget/retarget.h>

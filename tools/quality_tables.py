@@ -52,7 +52,7 @@ def value(report, name):
 
 
 def print_table(title, names, reports):
-    """A column a clip, a row a figure."""
+    """One column per clip, one row per figure."""
     print(f"\n{title}\n\n| figure | " + " | ".join(names) + " |")
     print("| --- |" + " --- |" * len(names))
     for name, digits in FIGURES.items():

@@ -33,17 +33,17 @@ struct FrameRate {
   friend bool operator==(const FrameRate&, const FrameRate&) = default;
 };
 
-/// The rate meant by a positive, finite frames-per-second number.
+/// The rate meant by a positive, finite number of frames per second.
 ///
-/// A whole number N when the value is within 1e-4 of it, relatively (so the 0.033333 that many
-/// files say means 30 exactly); otherwise the simplest fraction within 1e-9 of the value
-/// (23.976 becomes 2997/125).
+/// A whole number N when the value is within a relative 1e-4 of it (so the 0.033333 found in many
+/// files means exactly 30); otherwise the simplest fraction within 1e-9 of the value (23.976
+/// becomes 2997/125).
 [[nodiscard]] FrameRate frame_rate_from_fps(double fps);
 
 /// The rate meant by a positive, finite `Frame Time` in seconds; rules as frame_rate_from_fps.
 [[nodiscard]] FrameRate frame_rate_from_frame_time(double frame_time);
 
-/// Whether two rates differ by no more than 1e-4, relatively: then frames are copied one by one.
+/// Whether two rates differ by at most a relative 1e-4: frames are then copied one by one.
 [[nodiscard]] bool same_rate(const FrameRate& a, const FrameRate& b);
 
 /// `30`, or with up to eight significant digits `23.976`.
@@ -72,7 +72,7 @@ enum class Channel : unsigned char {
 [[nodiscard]] constexpr int axis_of(Channel channel) {
   return static_cast<int>(channel) % 3;
 }
-/// As BVH spells it: `Xposition`, `Zrotation`, `Yscale`.
+/// Its name in BVH: `Xposition`, `Zrotation`, `Yscale`.
 [[nodiscard]] std::string_view channel_name(Channel channel);
 
 /// A joint of a skeleton. Lengths and axes are the file's own.
@@ -98,16 +98,17 @@ class Skeleton {
   [[nodiscard]] int joint_count() const { return static_cast<int>(joints_.size()); }
   [[nodiscard]] const Joint& joint(int index) const { return joints_[index]; }
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
-  /// The first joint of that exact name.
+  /// The first joint with exactly this name.
   [[nodiscard]] std::optional<int> find(std::string_view name) const;
-  /// All names in joint order.
+  /// All joint names, in joint order.
   [[nodiscard]] std::vector<std::string> names() const;
   /// Values in one motion row: the channels of all joints.
   [[nodiscard]] int channel_count() const { return channel_count_; }
 
-  /// Number of joints with a translation of their own in each frame.
+  /// Number of joints whose translation is stored in each frame.
   [[nodiscard]] int translated_count() const { return translated_count_; }
-  /// Where a joint's translation lies in a frame's list of translations; -1: it is its offset.
+  /// Index of a joint's translation in a frame's list of translations; -1: the translation is the
+  /// offset.
   [[nodiscard]] int translation_slot(int joint) const { return translation_slots_[joint]; }
 
  private:
@@ -119,20 +120,20 @@ class Skeleton {
 
 /// Where a clip came from.
 struct ClipOrigin {
-  std::string name;                   ///< Its file as the user named it; `standard input`.
+  std::string name;                   ///< The file as the user named it, or `standard input`.
   std::uint64_t bytes = 0;            ///< Of the file.
-  std::optional<double> body_height;  ///< Metres, where the file tells.
+  std::optional<double> body_height;  ///< Metres, if the file gives it.
   std::vector<Warning> warnings;      ///< What was odd about the file.
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,
 /// in the units and axes of the file it came from.
 ///
-/// Joints without position channels have their offset as translation in every frame and take no
+/// Joints without position channels use their offset as translation in every frame and need no
 /// memory for it.
 class Clip {
  public:
-  /// All rotations identity, all translations the joints' offsets.
+  /// All rotations are identity, all translations are the joints' offsets.
   Clip(std::shared_ptr<const Skeleton> skeleton, FrameRate rate, int frame_count);
 
   [[nodiscard]] const Skeleton& skeleton() const { return *skeleton_; }
@@ -142,7 +143,7 @@ class Clip {
   /// Time from the first to the last frame in seconds: (frame_count - 1) / rate.
   [[nodiscard]] double duration() const;
 
-  /// Rotations of all joints of a frame, each parent_from_joint.
+  /// Rotations of all joints in a frame, each parent_from_joint.
   [[nodiscard]] std::span<Eigen::Quaterniond> rotations(int frame);
   [[nodiscard]] std::span<const Eigen::Quaterniond> rotations(int frame) const;
   /// Translations of the joints that have position channels, by Skeleton::translation_slot.
@@ -152,7 +153,7 @@ class Clip {
   /// Translation of any joint from its parent, in the parent's frame.
   [[nodiscard]] const Eigen::Vector3d& translation(int frame, int joint) const;
 
-  /// Clips that are made of a clip (cut, resampled) keep its origin.
+  /// Clips made from a clip (cut, resampled) keep its origin.
   [[nodiscard]] const ClipOrigin& origin() const;
   /// A clip of the same skeleton and origin, at rest.
   [[nodiscard]] Clip empty_like(FrameRate rate, int frame_count) const;
@@ -161,7 +162,7 @@ class Clip {
   void set_origin(ClipOrigin origin);
 
   void set_rate(FrameRate rate) { rate_ = rate; }
-  /// Frames that are added are at rest, as those of the constructor; amortised cost per frame.
+  /// Added frames are at rest, as in the constructor. Amortised constant cost per frame.
   void resize(int frame_count);
 
  private:
@@ -181,15 +182,15 @@ struct FrameRange {
   friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
 
-/// Gives a frame of a clip the pose of a frame of another on the same skeleton.
+/// Copies the pose of a frame to a frame of another clip on the same skeleton.
 void copy_frame(const Clip& from, int from_frame, Clip& to, int to_frame);
 
 /// Frames [begin, end) as a clip of its own that starts at time 0.
 /// @pre 0 <= begin <= end <= clip.frame_count()
 [[nodiscard]] Clip cut(const Clip& clip, int begin, int end);
 
-/// Of q and -q takes for every joint the one nearer to the frame before, in place.
-/// Rotations stay the same; interpolation and filtering need it.
+/// For every joint, replaces q by -q where that is nearer to the previous frame. Rotations stay the
+/// same; interpolation and filtering need this.
 void make_sign_continuous(Clip& clip);
 
 }  // namespace retarget

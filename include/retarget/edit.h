@@ -16,26 +16,26 @@
 
 // What `retarget edit` does: clips in, clips out (docs/editing.md). Defaults are the command's.
 //
-// Most edits look at the human in a clip and take its mapping, as recognition and calibration found
-// it in the whole clip. Errors of a single clip name no file: the caller knows which it is.
+// Most edits need the human in a clip and take its mapping, as recognition and calibration found it
+// in the whole clip. Errors about a single clip name no file: the caller knows which one it is.
 
 namespace RETARGET_API retarget {
 
-/// A line of what an edit has to tell: a short label (none: it belongs to the line before) and text.
+/// A line of an edit's report: a short label (empty: continues the previous line) and text.
 struct EditNote {
   std::string label, text;
 };
 
-/// An edited clip and what there is to say about it.
+/// An edited clip and a report about it.
 struct Edited {
   Clip clip;
   std::vector<EditNote> notes = {};
   std::vector<Warning> doubts = {};  ///< What may be wrong with it.
-  /// Of a seam that is not good (kRun): why. Who wants it all the same takes the clip.
+  /// Why a seam is not good (kRun). The clip can still be used.
   std::optional<Error> misfit = std::nullopt;
 };
 
-/// A clip and the human in it; refers to them.
+/// References to a clip and the human in it.
 struct Subject {
   const Clip& clip;
   const BoneMap& map;
@@ -46,39 +46,38 @@ struct Subject {
 // --- time ---
 
 struct TimingOptions {
-  std::optional<FrameRate> rate = {};  ///< Nothing: the source's.
-  std::optional<double> speed = {};    ///< How many times as fast, 0.01 to 100.
-  bool linear = false;    ///< Straight lines and slerp between source frames, not splines.
+  std::optional<FrameRate> rate = {};  ///< Empty: the source's.
+  std::optional<double> speed = {};    ///< Playback speed factor, 0.01 to 100.
+  bool linear = false;    ///< Linear interpolation and slerp between source frames, not splines.
   bool antialias = true;  ///< Low-pass a source that is faster than the output.
 };
 
 /// The clip at another frame rate, or faster or slower: frame i is the source at the time
-/// i * speed / rate. Both are one resampling, the source taken as a clip of speed times its rate:
-/// times are exact, and faster motion is low-passed first.
-/// @return kUsage errors: a speed out of range. kInput errors: more samples
-///     than anybody means.
+/// i * speed / rate. Both are done in one resampling, treating the source as a clip at speed times
+/// its rate: times are exact, and faster motion is low-passed first.
+/// @return kUsage errors: a speed out of range. kInput errors: an implausible number of samples.
 [[nodiscard]] Result<Clip> change_timing(Clip clip, const TimingOptions& options);
 
-/// Which part of a clip is meant; by times or by frames. Nothing given: all of it.
+/// A part of a clip, by times or by frames. By default the whole clip.
 struct TrimOptions {
-  std::optional<double> start = {}, end = {};  ///< Seconds; the end counts.
-  std::string frames = {};                     ///< `a:b`, as Python slices; empty: not given.
+  std::optional<double> start = {}, end = {};  ///< Seconds; the end is inclusive.
+  std::string frames = {};                     ///< `a:b` as in Python slices; empty: not given.
 
   [[nodiscard]] bool any() const { return start || end || !frames.empty(); }
   /// Whether the part's beginning was chosen.
   [[nodiscard]] bool begun() const { return start || !frames.empty(); }
 };
 
-/// @return kUsage errors: times and frames both, a part without frames.
+/// @return kUsage errors: both times and frames given, a part without frames.
 [[nodiscard]] Result<Clip> trim(Clip clip, const TrimOptions& options);
 
-/// The clip without frames in front that are none of its motion: a T-pose or a frame of zeros that
-/// it jumps away from. Edits that look at a motion as a whole want this before: put_on_floor,
-/// make_loop, concatenate, rethread. A note where there were any.
-/// @param can_start  the note tells of the option that keeps them.
+/// The clip without leading frames that are not part of its motion: a T-pose or an all-zero frame
+/// that it jumps away from. Call this before edits that look at the motion as a whole:
+/// put_on_floor, make_loop, concatenate, rethread. Adds a note if frames were dropped.
+/// @param can_start  whether the note mentions the option that keeps them.
 [[nodiscard]] Edited cut_lead_in(Clip clip, bool can_start = true);
 
-/// For people: frames, rate, seconds.
+/// Human-readable: frames, rate, seconds.
 [[nodiscard]] std::string summary(const Clip& clip);
 
 // --- skeleton ---
@@ -86,8 +85,8 @@ struct TrimOptions {
 /// A clip on another skeleton, and how well it fits.
 struct RestChange : Edited {
   /// Largest distance, over joints, end sites and frames, between where they are and where they
-  /// were; file units. 0 but for rounding where bone lengths agree and the bones that leave one
-  /// joint form the same angles in both skeletons.
+  /// were; file units. 0 up to rounding if bone lengths agree and the bones leaving each joint form
+  /// the same angles in both skeletons.
   double largest_distance = 0.0;
 };
 
@@ -100,27 +99,27 @@ struct RestChange : Edited {
 /// Q being the identity above the root and for joints that nothing leaves. Then the world rotation
 /// of joint i is that of the source times Q_i^-1, and what leaves it points as before. Q_i is the
 /// least rotation for one direction, the best by least squares (Kabsch) for several.
-/// A translation of its own keeps its world value; bone lengths are the target's.
+/// Translations stored per frame keep their world value; bone lengths are the target's.
 ///
 /// @param file, target_file  of the clip and of the target, for messages.
-/// @return kInput errors: names that are missing, doubled, or below another parent.
+/// @return kInput errors: joints that are missing, duplicated, or below another parent.
 [[nodiscard]] Result<RestChange> change_rest(const Clip& clip,
                                              const std::shared_ptr<const Skeleton>& target,
                                              const std::string& file,
                                              const std::string& target_file);
 
-/// How far feet and hips were moved for feet to stand, metres.
+/// How far feet and hips were moved to plant the feet, metres.
 struct PlantSummary {
   double largest_correction = 0.0;  ///< Of an ankle.
   double largest_drop = 0.0;        ///< Of the hips.
-  double largest_miss = 0.0;        ///< Of a place that a leg does not reach.
+  double largest_miss = 0.0;        ///< To a place that a leg cannot reach.
 };
 
 /// A clip on another body.
 struct Transferred : Edited {
-  std::vector<std::string> left_out;  ///< Joints of the source that turn or move and have no twin.
+  std::vector<std::string> left_out;  ///< Joints of the source that move and have no counterpart.
   std::vector<std::string> at_rest;   ///< Joints of the target that stay as they are.
-  std::optional<PlantSummary> feet;   ///< Nothing: they could not be planted.
+  std::optional<PlantSummary> feet;   ///< Empty: they could not be planted.
 };
 
 /// A human's movement on another skeleton, through the T-pose: with world rotations of source and
@@ -128,27 +127,27 @@ struct Transferred : Edited {
 /// Both sides know their T-pose as the canonical human's, so this is the canonical bone's rotation
 /// times the inverse of the target's joint_from_bone.
 ///
-/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by what
-/// the soles are farther below the hips than the source's, so that who stood on the floor stands on
-/// it, and put on the hips, or on the root above them where they have no position channels.
+/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by the
+/// extra distance from hips to soles, so that a body that stood on the floor still does, and put on
+/// the hips, or on the root above them where they have no position channels.
 ///
-/// Joints that are no bone (fingers, a second neck joint, helpers) but have a twin in the source,
-/// of the same name below a joint of the same name, turn as it does; so do translations of twins,
-/// scaled. The others keep their rest rotation (zero). Joint order, offsets and channels are the
-/// target's.
+/// Joints that are not bones (fingers, a second neck joint, helpers) but have a counterpart in the
+/// source, of the same name below a joint of the same name, turn as it does; their translations are
+/// copied, scaled. The others keep their rest rotation (zero). Joint order, offsets and channels
+/// are the target's.
 ///
-/// Then feet are planted, for bodies of other proportions slide where the source stands: each foot
-/// that stands on its toes, sole or heel moves over the floor no more than the source's, in
-/// proportion, and is as high over it.
+/// Then feet are planted, as bodies of other proportions would slide where the source stands: each
+/// foot that stands on its toes, sole or heel slides no more than the source's, in proportion, and
+/// keeps its height above the floor.
 [[nodiscard]] Transferred transfer(const Subject& source, const Subject& target);
 
 /// A human's movement as a clip in the shape of LAFAN1: its 22 joints in its order, names and axes,
-/// centimetres, y up, rotations z y x. What reads LAFAN1 reads any source this way.
+/// centimetres, y up, rotations z y x. Programs that read LAFAN1 can read any source this way.
 ///
-/// The body is brought to the size that readers of LAFAN1 take for granted (HumanMapping::size
-/// becomes 1.75 m); offsets are the means of the bones' places over the clip, so lengths are the
-/// source's own in proportion. Joints that the source lacks stand at their parents and turn with
-/// them. The path over the floor is scaled along.
+/// The body is scaled to the size that readers of LAFAN1 assume (HumanMapping::size becomes 1.75
+/// m); offsets are the means of the bones' places over the clip, so lengths are the source's own in
+/// proportion. Joints that the source lacks stand at their parents and turn with them. The path
+/// over the floor is scaled too.
 /// @return a kInput error when the hips, a leg or an arm is missing.
 [[nodiscard]] Result<Clip> lafan1_clip(const Clip& clip, const HumanMapping& mapping);
 
@@ -159,16 +158,16 @@ struct Transferred : Edited {
 ///
 /// With W the world rotation of a joint, M the mirror and S the reflection between the axes of the
 /// joint and of its counterpart, the counterpart's world rotation is M W S^-1. S comes from the
-/// skeleton: most zero poses are their own mirror image; only else does the T-pose say more, and
-/// where that is guessed, the nearest reflection of axes is meant.
+/// skeleton: most zero poses are their own mirror image; otherwise the T-pose is used, and where
+/// that is guessed, the nearest reflection of axes.
 /// @return a kInput error naming a joint without a counterpart; as turn_clip.
 [[nodiscard]] Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping);
 
 // --- place ---
 
-/// The clip turned about the vertical through its hips in the first frame; radians, positive to the
-/// left.
-/// @return a kInput error for a body that no joint moves as a whole.
+/// The clip, rotated about the vertical through its hips in the first frame; radians, positive to
+/// the left.
+/// @return a kInput error if no joint moves the whole body.
 [[nodiscard]] Result<Clip> turn_clip(Clip clip, const HumanMapping& mapping, double angle);
 
 /// The clip moved over the ground, metres along the axes of GroundPose. Errors as turn_clip.
@@ -179,22 +178,21 @@ struct Transferred : Edited {
 [[nodiscard]] Result<Eigen::Vector2d> way_from_text(std::string_view text);
 
 /// Height of the floor that a human stands on, metres: the median, over the frames in which a foot
-/// is planted, of the lowest of that foot's joints and end sites. In a clip that is shorter than a
-/// contact a foot is planted that stands still in all of it: in a single frame the lower one.
-/// @return a kInput error when no foot ever stands.
+/// is planted, of the lowest of that foot's joints and end sites. In a clip shorter than a contact,
+/// a foot that stands still throughout counts as planted; in a single frame, the lower one.
+/// @return a kInput error if no foot is ever planted.
 [[nodiscard]] Result<double> floor_height(const Clip& clip, const HumanMapping& mapping);
 
 /// The clip raised or lowered so that the floor is at height 0, which `floor` (metres) is now.
 /// Errors as turn_clip.
 [[nodiscard]] Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor);
 
-/// How feet are brought to where they stand.
+/// How feet are moved to their contacts.
 struct PlantOptions {
-  /// In which a foot leaves its place for where its leg would have it, and comes to it, seconds.
+  /// Seconds over which a foot blends between its contact and where its leg would put it.
   double release = 0.3;
-  /// Legs are stretched to this share of thigh and shin as it is asked for, and less and less from
-  /// there to the longest one; where they were stretched farther before, from there to their
-  /// length.
+  /// Legs stretch freely up to this share of thigh and shin, then less and less up to
+  /// longest_reach; legs that were stretched farther before, from there up to their full length.
   double soft_reach = 0.96;
   double longest_reach = 0.995;
   double pelvis_blend = 0.25;   ///< Before and after a frame in which the hips are low, seconds.
@@ -204,14 +202,14 @@ struct PlantOptions {
 // --- seams ---
 
 struct SeamOptions {
-  double window = 1.0 / 3.0;  ///< Of the frames that are compared and blended, seconds.
+  double window = 1.0 / 3.0;  ///< Length of the part compared and blended, seconds.
   double band = 2.0;          ///< Searched at the end of a and at the beginning of b, seconds.
   bool search_all = false;    ///< Search both clips as a whole.
-  /// What it costs to leave out a second of either clip, metres of distance: of equally good seams
-  /// the one that keeps most is taken.
+  /// Cost of dropping a second of either clip, metres of distance: of equally good seams, the one
+  /// that keeps most wins.
   double cost_of_second = 0.01;
   double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
-  /// Where other feet are planted in the one than in the other, the distance counts so much more.
+  /// Relative penalty on the distance where different feet are planted in the two clips.
   double other_support = 0.5;
   int most_seams = 4;  ///< How many places are tried.
 };
@@ -219,16 +217,16 @@ struct SeamOptions {
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
 struct Seam {
   int a_frame = 0, b_frame = 0;
-  int overlap = 1;      ///< Frames, from these on, that both clips have (at most the window).
-  GroundPose a_from_b;  ///< Brings b over the ground to a: of the world, about its origin.
+  int overlap = 1;      ///< Frames shared by both clips from here on (at most the window).
+  GroundPose a_from_b;  ///< Moves b over the ground to a: in the world, about its origin.
   Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< The same of b's hips at b_frame, metres.
-  double distance = 0.0;                          ///< Root mean square of the bones', metres.
+  double distance = 0.0;                          ///< Root mean square over the bones, metres.
   bool same_support = true;                       ///< The same feet are planted in both.
   std::string worst_bone;                         ///< Farthest from its counterpart at the seam,
   double worst_distance = 0.0;                    ///< by so many metres.
 };
 
-/// Distances of all windows that were searched, row by row: rows are frames of a.
+/// Distances of all searched windows, row by row: rows are frames of a.
 struct SeamMap {
   int a_begin = 0, b_begin = 0;  ///< The frames of the first row and column.
   int width = 0;                 ///< Frames of b.
@@ -240,8 +238,8 @@ struct SeamMap {
 
 /// How one clip becomes the next.
 enum class SeamBlend : std::uint8_t {
-  kCrossfade,  ///< Both are mixed over the frames that they share.
-  kInertial,   ///< At once; what the second lacks to the first fades in it.
+  kCrossfade,  ///< Blends both over the frames that they share.
+  kInertial,   ///< Switches at once; the difference to the first fades out in the second.
 };
 
 /// What joints may do at a seam or on a path, times their 99.9th percentile in the clips.
@@ -252,8 +250,8 @@ struct MotionLimits {
 
 struct ConcatenateOptions {
   SeamOptions seam;
-  /// Where no good seam is within seam.band, twice as much is searched, and again, up to so many
-  /// seconds: recordings often begin with seconds of a T-pose that nothing goes on to.
+  /// If there is no good seam within seam.band, the range is doubled repeatedly, up to this many
+  /// seconds: recordings often begin with seconds of a T-pose.
   double widest_band = 32.0;
   SeamBlend blend = SeamBlend::kCrossfade;
   double fade = 0.35;      ///< Of kInertial: how long the difference fades, seconds.
@@ -267,13 +265,13 @@ struct ConcatenateOptions {
   double same_floor = 0.02;
   PlantOptions plant;
 
-  /// Looks for the seam within so many seconds and no more, or, for `all`, everywhere, and there
-  /// rather for a good one than for one that keeps all of both clips; empty: as it is.
-  /// kUsage errors: anything else.
+  /// Searches for the seam within this many seconds only or, for `all`, everywhere, then preferring
+  /// a good seam to one that keeps all of both clips; empty: no change. kUsage errors: anything
+  /// else.
   [[nodiscard]] Result<void> search(std::string_view text);
 };
 
-/// What a seam became.
+/// How good a seam is.
 struct SeamCheck {
   double usual_speed = 0.0;    ///< 99.9th percentile of the clips' joint speeds, m/s: the joint's
                                ///< own, or that of all joints where this is less.
@@ -285,7 +283,7 @@ struct SeamCheck {
   double slip = 0.0;      ///< Mean speed over the floor of planted ankles at the seam, m/s,
   double own_slip = 0.0;  ///< and of the same in the clips.
   double jump = 0.0;      ///< Largest speed of a planted ankle beyond that in either clip, m/s.
-  std::vector<std::string> faults;  ///< What is wrong with it, a phrase each; none: it is good.
+  std::vector<std::string> faults;  ///< What is wrong with it, one phrase each; empty: it is good.
 };
 
 /// Two clips as one.
@@ -293,20 +291,20 @@ struct Concatenation : Edited {
   Seam seam;
   SeamMap map;
   double lift = 0.0;  ///< By which b was raised to stand on a's floor, metres.
-  double band = 0.0;  ///< That was searched in the end, seconds.
+  double band = 0.0;  ///< The range that was searched in the end, seconds.
   SeamCheck check;
 };
 
 /// Joins b to a where they fit best: frames of a up to the seam, then those of b, moved over the
 /// ground to where a has come. The result has seam.a_frame + frames of b - seam.b_frame frames.
-/// Where the floors of the clips differ, b is raised or lowered to a's floor if the seam is the
-/// better for it (a clip cut in two on a stair stays as it was).
+/// Where the floors of the clips differ, b is raised or lowered to a's floor if that improves the
+/// seam (a clip cut in two on a stair stays as it was).
 ///
 /// The seam has the least distance of Kovar, Gleicher and Pighin (2002) over windows of bone
-/// positions (all bones alike), each window turned and moved over the ground as fits best. Where the
-/// clips share less than a window, the distance counts more by half the share that is missing, and
-/// so it does where other feet are on the floor. Frames that both clips have, at the end of a and
-/// the beginning of b, are found before all else.
+/// positions (all bones alike), each window turned and moved over the ground as fits best. Where
+/// the clips share less than a window, the distance is increased by half the missing share; it is
+/// also increased where different feet are on the floor. Frames that both clips contain, at the end
+/// of a and the beginning of b, are found first.
 ///
 /// kCrossfade mixes the frames that both have from the seam on (at most the window): with k of them
 /// a weighs 2 ((p + 1) / k)^3 - 3 ((p + 1) / k)^2 + 1 in the p-th; translations are mixed linearly,
@@ -314,8 +312,8 @@ struct Concatenation : Edited {
 /// channel a cubic from the difference of values and velocities at the seam to rest; so does
 /// kCrossfade where the clips share less than the window.
 ///
-/// Where b begins one frame after a's end, as the parts of a clip do that was cut in two, and no
-/// joint is too fast across the cut, the two are put together as they lie (seam.overlap is 0).
+/// Where b begins one frame after a's end, as when a clip was cut in two, and no joint is too fast
+/// across the cut, the two are joined as they are (seam.overlap is 0).
 ///
 /// Feet that are planted near the seam stay there: one that stands in both clips stays where a has
 /// it until it leaves the floor. Then the seam is checked; one that is not good is a misfit.
@@ -336,13 +334,14 @@ struct Concatenation : Edited {
 
 struct LoopOptions {
   double shortest = 0.0;    ///< Of the cycle, seconds; 0: half the clip.
-  ConcatenateOptions seam;  ///< How end and beginning are joined, and when that is good.
+  ConcatenateOptions seam;  ///< How end and beginning are joined, and when the seam is good.
   bool in_place = false;    ///< The cycle neither advances nor turns.
-  int times = 1;            ///< How often the cycle is played.
+  int times = 1;            ///< How many times the cycle is played.
 };
 
 /// A cycle without a seam.
-struct Loop : Edited {  ///< `cycle` frames for each time: the next one would be the first again.
+struct Loop : Edited {  ///< `cycle` frames for each time: the frame after them would be the first
+                        ///< again.
   int cycle = 0;        ///< Frames of one cycle: the source's from its first one on, but for those
                         ///< around the seam.
   double distance = 0.0;  ///< Between beginning and end before they were joined, as of a seam.
@@ -353,13 +352,13 @@ struct Loop : Edited {  ///< `cycle` frames for each time: the next one would be
   SeamCheck check;                                ///< Of where the end meets the beginning.
 };
 
-/// Makes a cycle of the clip from its first frame to where the body is most like that,
-/// after `shortest` or later. The clip is joined there to itself as by `concatenate`: frames around
-/// the seam are blended, feet that stand stay where they stand, the seam is checked. Positions and
-/// velocities of all joints go on steadily from each cycle to the next. Where a foot stands all
-/// through the cycle, the advance is that which leaves it in its place.
+/// Makes a cycle from the first frame to the frame most like it, at `shortest` or later. The clip
+/// is joined there to itself as by `concatenate`: frames around the seam are blended, planted feet
+/// stay in place, the seam is checked. Positions and velocities of all joints are continuous from
+/// each cycle to the next. If a foot is planted throughout the cycle, the advance is chosen so that
+/// it stays in place.
 /// @return kInput errors: fewer than 4 frames, or than `shortest` needs; as turn_clip.
-///     kUsage errors: `times` below 1 or that make more than 10 million frames.
+///     kUsage errors: `times` below 1, or more than 10 million frames in total.
 [[nodiscard]] Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping,
                                      const LoopOptions& options);
 
@@ -367,34 +366,34 @@ struct Loop : Edited {  ///< `cycle` frames for each time: the next one would be
 
 struct PathFitOptions {
   double tolerance = 0.05;       ///< Largest distance of the curve from the track, metres.
-  double low_pass = 0.5;         ///< Cut-off for the hips' track, Hz: what strides sway is no path.
-  double still_step = 0.03;      ///< The track goes on when the hips have come so far, metres.
-  double first_piece = 2.0;      ///< Length of the segments that are tried first, metres,
+  double low_pass = 0.5;         ///< Cut-off for the hips' track, Hz: removes the sway of strides.
+  double still_step = 0.03;      ///< Shortest step of the track, metres.
+  double first_piece = 2.0;      ///< Length of the first segments tried, metres,
   double shortest_piece = 0.25;  ///< and of the shortest into which they are split.
-  double still_speed = 0.1;      ///< Slower than this a body has no direction of its way, m/s.
+  double still_speed = 0.1;      ///< Below this speed a body has no direction of travel, m/s.
 };
 
-/// Frames [begin, end) in which the body does not go anywhere.
+/// Frames [begin, end) in which the body stays in place.
 struct StillPhase {
   int begin = 0, end = 0;
   double turn = 0.0;  ///< Of the hips, from the frame before to the frame after, radians.
 };
 
-/// The way of a human over the ground.
+/// The path of a human over the ground.
 struct PathMotion {
   GroundPath path;
   std::vector<double> along;  ///< Metres along the path, per frame; never decreasing.
   std::vector<StillPhase> still;
   double largest_distance = 0.0;  ///< Of the path from the smoothed track, metres.
 
-  /// For people: length, segments, how near to the track.
+  /// Human-readable: length, segments, distance from the track.
   [[nodiscard]] std::string summary() const;
 };
 
 /// Fits a path to the track of the hips (Gleicher: Motion Path Editing, 2001).
 ///
-/// The track is low-passed without delay and thinned to steps of `still_step`, so that who stands
-/// makes no path. A chain of cubics by chord length, with one tangent at each joint and hence
+/// The track is low-passed without delay and thinned to steps of `still_step`, so that standing
+/// still adds no path. A chain of cubics by chord length, with one tangent at each joint and hence
 /// without corners, is fitted to it by least squares; segments that leave the track by more than
 /// the tolerance are split and all is fitted again. A body that stays within a step gets a path of
 /// a millimetre in the direction it faces.
@@ -402,7 +401,8 @@ struct PathMotion {
 [[nodiscard]] Result<PathMotion> fit_path(const Clip& clip, const HumanMapping& mapping,
                                           const PathFitOptions& options = {});
 
-/// The path to follow in place of a motion's own; begins where that does unless it is a file's.
+/// The path to follow instead of a motion's own; begins where that does unless it comes from a
+/// file.
 struct PathChange {
   std::string to = {};   ///< `line`, `circle` or `figure8`, as long as the own; a JSON file; empty:
                          ///< the own.
@@ -420,26 +420,27 @@ struct PathChange {
 
 /// What stays as it is when a path becomes longer or shorter.
 enum class PathKeep : std::uint8_t {
-  kTime,    ///< How long the motion takes: all of the path is gone in it.
-  kSpeed,   ///< How fast it goes: it is played slower on a longer path.
-  kStride,  ///< How far each frame is along the path: the motion ends where its own way is gone,
-            ///< or goes straight on from the path's end.
+  kTime,    ///< The duration: the whole path is covered in it.
+  kSpeed,   ///< The speed over the ground: a longer path takes longer.
+  kStride,  ///< How far each frame is along the path: the motion ends after the length of its own
+            ///< path, or goes straight on from the path's end.
 };
 
 struct RethreadOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
-  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break are one, seconds.
+  double same_stand = 0.1;  ///< Contacts of a foot with a shorter break count as one, seconds.
   MotionLimits limits;      ///< Of the joints.
 };
 
 /// A motion on another path.
 struct Rethreaded : Edited {
   PathMotion source;               ///< The motion's own path.
-  std::vector<GroundPose> frames;  ///< That move along the new path, per frame of the source.
+  std::vector<GroundPose> frames;  ///< Poses along the new path, per frame of the source.
   PlantSummary feet;
-  SeamCheck check;  ///< Speeds and accelerations in the whole clip; faults where a path hurries.
+  SeamCheck check;  ///< Speeds and accelerations in the whole clip; faults where the path is too
+                    ///< fast.
 };
 
 /// Sends a motion along another path: the body keeps its pose relative to the frame that moves
@@ -447,12 +448,12 @@ struct Rethreaded : Edited {
 /// F'(s'(t)) F(s(t))^-1. Corners of a path are turned at no more than 4 rad/s. Only the channels
 /// that move the whole body change; then feet that stand are planted where the frame in the middle
 /// of each contact brings them.
-/// @return kInput errors as fit_path and turn_clip; kUsage errors: kSpeed for a motion without
-///     a way of its own, or for a path more than 100 times longer or shorter.
+/// @return kInput errors as fit_path and turn_clip; kUsage errors: kSpeed for a motion that stays
+///     in place, or for a path more than 100 times longer or shorter.
 [[nodiscard]] Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping,
                                           const GroundPath& path, const RethreadOptions& options);
 
-/// A motion, and the path that it follows, as seen from above; either may be left out.
+/// A motion and the path that it follows, seen from above; either may be omitted.
 struct PathDrawing {
   const Clip* clip = nullptr;
   const GroundPath* path = nullptr;

@@ -11,10 +11,11 @@
 
 namespace RETARGET_API retarget {
 
-/// Whose fault an error is. Each kind has one exit code in the command line tool.
+/// Category of an error. Each kind has its own exit code in the command-line tool.
 enum class ErrorKind {
   kRun,          ///< The run failed: an output could not be written, a gate was missed.
-  kUsage,        ///< The call is wrong: contradicting options, an output folder that is not there.
+  kUsage,        ///< The call is wrong: contradictory options, an output folder that does not
+                 ///< exist.
   kInput,        ///< The motion file is bad: malformed, without frames, lacking a mapped bone.
   kConfig,       ///< A mapping, profile, model or robot name is bad.
   kInterrupted,  ///< The user stopped the run.
@@ -29,13 +30,13 @@ struct Location {
 
 /// An error as a value: what is wrong, where, and what the user can do.
 ///
-/// The library neither prints nor exits; `describe` gives the one readable text. Options that its
-/// texts name are marked: shown elsewhere, they go through spell_options.
+/// The library neither prints nor exits; `describe` gives the readable text. Options named in the
+/// texts are marked; to show such a text elsewhere, pass it through spell_options.
 struct Error {
   ErrorKind kind = ErrorKind::kRun;
   Location location;
   std::string message;  ///< What was expected and what was found, one sentence, no full stop.
-  std::vector<std::string> details;  ///< Where there are several faults: each, in a sentence.
+  std::vector<std::string> details;  ///< If there are several errors: one sentence each.
   std::string hint;                  ///< What to do about it; may be empty.
 };
 
@@ -46,7 +47,7 @@ struct Warning {
   std::string message;
 };
 
-/// A value or the error that stood in its way. No exception crosses a module boundary.
+/// A value, or the error that prevented it. No exception crosses a module boundary.
 template <typename T>
 using Result = tl::expected<T, Error>;
 
@@ -65,7 +66,7 @@ using Failure = tl::unexpected<Error>;
 /// The error of a run that the user stopped.
 [[nodiscard]] Failure interrupted_failure();
 
-/// How an option is written for those who read a text, by its name in the schema (`source-fps`).
+/// How an option is spelled in a text, given its name in the schema (`source-fps`).
 using OptionSpelling = std::string (*)(std::string_view name);
 
 /// `source_fps`, as a member of options or a keyword.
@@ -73,7 +74,7 @@ using OptionSpelling = std::string (*)(std::string_view name);
 /// `--source-fps`
 [[nodiscard]] std::string option_as_flag(std::string_view name);
 
-/// A text of the library with the options in it spelled out.
+/// A text of the library with its option marks spelled out.
 [[nodiscard]] std::string spell_options(std::string_view text,
                                         OptionSpelling spelling = option_as_field);
 
@@ -81,7 +82,7 @@ using OptionSpelling = std::string (*)(std::string_view name);
 [[nodiscard]] std::string full_message(const Error& error);
 
 /// `file:line:column: error: message`, details as `\n  - detail` and, where there is one,
-/// `\n  hint: ...`; no final newline. Parts that are not known are left out.
+/// `\n  hint: ...`; no final newline. Unknown parts are omitted.
 [[nodiscard]] std::string describe(const Error& error, OptionSpelling spelling = option_as_field);
 
 /// `file:line:column: warning: message`, no final newline.

@@ -1,7 +1,7 @@
 #pragma once
 
-/// What the public headers declare is seen from outside of a shared library; the rest need not be.
-/// Stands before a namespace's name: `namespace RETARGET_API retarget {`.
+/// Exports the declarations of the public headers from a shared library; the rest may stay hidden.
+/// Goes before a namespace's name: `namespace RETARGET_API retarget {`.
 #if defined(__GNUC__)
 #define RETARGET_API [[gnu::visibility("default")]]
 #else

@@ -12,9 +12,9 @@
 
 namespace RETARGET_API retarget {
 
-/// A place on the ground and a heading, or the rigid motion over the ground that leads from the
-/// origin there: p goes to Rz(heading) p + position. In the canonical human's world (metres, x and
-/// y on the ground, z up); of a y-up file x is the file's x and y its -z.
+/// A position on the ground and a heading, or the planar rigid motion from the origin to it: p goes
+/// to Rz(heading) p + position. In the canonical human's world (metres, x and y on the ground, z
+/// up); of a y-up file x is the file's x and y its -z.
 struct GroundPose {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double heading = 0.0;  ///< Radians from x towards y.
@@ -30,8 +30,8 @@ struct GroundPose {
 /// The motion that turns about a point on the ground.
 [[nodiscard]] GroundPose turn_about(const Eigen::Vector2d& point, double angle);
 
-/// A curve over the ground, a chain of cubic Bezier segments, by its length: metres, in the
-/// canonical human's world.
+/// A curve over the ground, a chain of cubic Bezier segments, parametrised by arc length: metres,
+/// in the canonical human's world.
 class GroundPath {
  public:
   /// @pre 3n + 1 finite points, n >= 1; the segments share their ends.
@@ -41,9 +41,10 @@ class GroundPath {
   [[nodiscard]] std::size_t segment_count() const { return (points_.size() - 1) / 3; }
   [[nodiscard]] double length() const { return lengths_.back(); }
 
-  /// Place and heading of the tangent, in (-pi, pi], after `along` metres; before the beginning and
-  /// after the end the path goes straight on. Where control points coincide, so that a derivative
-  /// vanishes, the tangent is that of the points next to there; that of a path without length is x.
+  /// Position and heading of the tangent, in (-pi, pi], after `along` metres; the path continues
+  /// straight before its beginning and after its end. Where control points coincide, so that a
+  /// derivative vanishes, the tangent is taken from the neighbouring points; for a path without
+  /// length it is x.
   [[nodiscard]] GroundPose at(double along) const;
 
   /// Length up to a point of a segment, 0 <= u <= 1.
@@ -65,20 +66,21 @@ class GroundPath {
   std::vector<double> lengths_;  // up to each part of each segment, from 0
 };
 
-/// Straight on from a place, in its heading.
+/// A straight line from a pose, along its heading.
 [[nodiscard]] GroundPath line_path(const GroundPose& start, double length);
-/// Around a circle that is left of the start (right, for a negative radius), for a length.
+/// Along a circle to the left of the start (to the right for a negative radius), for a given
+/// length.
 /// @pre radius is not 0
 [[nodiscard]] GroundPath circle_path(const GroundPose& start, double radius, double length);
 /// A circle to the left and one to the right that touch at the start, each half the length.
 [[nodiscard]] GroundPath figure8_path(const GroundPose& start, double length);
 /// A smooth curve through points (Catmull-Rom tangents, as long as the nearer neighbours allow);
-/// points that coincide with the one before are left out.
+/// points that coincide with the previous one are skipped.
 /// @pre at least one point
 [[nodiscard]] GroundPath path_through(const std::vector<Eigen::Vector2d>& points);
 
 /// Reads `{"control_points": [[x, y], ...]}` (3n + 1 points of n Bezier segments) or
-/// `{"waypoints": [[x, y], ...]}` (path_through); other members are for people.
+/// `{"waypoints": [[x, y], ...]}` (path_through); other members are ignored.
 /// @return kConfig errors.
 [[nodiscard]] Result<GroundPath> parse_path(std::string_view text, const std::string& file);
 [[nodiscard]] Result<GroundPath> load_path(const std::string& path);

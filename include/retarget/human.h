@@ -122,13 +122,13 @@ enum class LimbBone : unsigned char {
 
 /// kNone for the trunk, neck and head.
 [[nodiscard]] Side side_of(Bone bone);
-/// Nothing for the trunk, neck and head.
+/// Empty for the trunk, neck and head.
 [[nodiscard]] std::optional<LimbBone> limb_bone(Bone bone);
-/// The same bone on the other side; of the trunk, neck and head the bone itself.
+/// The same bone on the other side; for the trunk, neck and head the bone itself.
 [[nodiscard]] Bone mirrored(Bone bone);
 
-/// What all files of a kind of skeleton have in common. Files are converted and edited, so that
-/// these count where the clip itself does not speak against them.
+/// What all files of a kind of skeleton have in common. As files get converted and edited, these
+/// apply only where the clip itself does not contradict them.
 struct SkeletonFacts {
   std::optional<double> height;           ///< Of every body of this kind, metres.
   std::optional<double> metres_per_unit;  ///< Of lengths.
@@ -142,11 +142,11 @@ struct SkeletonFacts {
 struct BoneMap {
   std::string dialect;      ///< Name of the dialect file, or "names", "topology", "map file".
   double confidence = 0.0;  ///< 0..1.
-  /// -1: the source has none; so have the synthetic feet. The spine: Hips is the joint both legs
+  /// -1: the source has none; also for the synthetic feet. The spine: Hips is the joint both legs
   /// hang from, Spine2 the torso, i.e. the last common ancestor of the arms; Spine and Spine1 the
   /// joints between (fewer: -1; more: chosen evenly, the rest folded).
   BoneArray<int> joint_of_bone = BoneArray<int>(-1);
-  std::vector<std::string> notes;  ///< For people: what is missing, folded, assumed.
+  std::vector<std::string> notes;  ///< Human-readable: what is missing, folded, assumed.
   bool partial = false;            ///< Legs or arms are missing.
   SkeletonFacts facts;             ///< Of the dialect; empty where none was recognised.
 
@@ -164,9 +164,9 @@ struct BoneSource {
   int rotation_joint = -1;  ///< Joint whose rotation is the bone's; -1: the bone is missing.
   /// The bone's canonical axes seen from the rotation joint, a constant: with rotations in the
   /// T-pose, facing x with z up, it is R_joint(T)^-1 * R_canonical(T), so that the bone turns by
-  /// R_joint(t) * R_joint(T)^-1 from its canonical T-pose. Without: the joint's own axes.
+  /// R_joint(t) * R_joint(T)^-1 from its canonical T-pose. Empty: the joint's own axes.
   std::optional<Eigen::Quaterniond> joint_from_bone = std::nullopt;
-  /// Where the bone begins, in the position joint's frame and the source's unit. Without: at the
+  /// Where the bone begins, in the position joint's frame and the source's unit. Empty: at the
   /// joint's origin.
   std::optional<Eigen::Vector3d> position_in_joint = std::nullopt;
 };
@@ -179,18 +179,18 @@ struct HumanMapping {
   /// Turns the source's axes into canonical ones; a rotation (determinant +1).
   Eigen::Matrix3d human_from_source = Eigen::Matrix3d::Identity();
   double height = 1.75;  ///< Of the body, metres.
-  /// Height of a body of average proportions with legs like these, metres: what bodies of
-  /// different sizes are compared by, since feet and hips must fit the robot's legs.
+  /// Height of a body of average proportions with legs like these, metres: used to compare bodies
+  /// of different sizes, since feet and hips must fit the robot's legs.
   double size = 1.75;
-  std::string description;      ///< What was taken for granted, for people.
-  std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: nothing speaks against it.
+  std::string description;      ///< What was assumed, human-readable.
+  std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: no doubts.
 };
 
-/// How a clip becomes the canonical human, and what was found out for it.
+/// How a clip becomes the canonical human, and what was detected for that.
 struct Calibration {
   HumanMapping mapping;
   std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
-                          ///< told height; `unknown`.
+                          ///< given height; `unknown`.
   SignedAxis up;          ///< In the file's axes.
   SignedAxis forward;     ///< Nearest axis to the facing in the rest pose.
   std::string rest_pose;  ///< `zero pose`, `frame 12`, `T-pose file`, `learned`; `lafan1`, or
@@ -199,7 +199,7 @@ struct Calibration {
                                 ///< T-pose, degrees; of `learned`, that of the best frame.
 };
 
-/// What a canonical human in motion is, but for its poses.
+/// A canonical human's motion without its poses.
 struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;

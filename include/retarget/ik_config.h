@@ -18,18 +18,17 @@ namespace RETARGET_API retarget {
 
 /// How the height of the body scales a human to a robot.
 enum class HeightScale : unsigned char {
-  /// As the published method: in proportion to the height, which it takes to be 1.75 m whoever is
-  /// recorded.
+  /// As in the published method: in proportion to the height, which it assumes to be 1.75 m for
+  /// everyone.
   kPublished,
-  /// Inversely: every body is brought to the size of the published one first, so that a child and
-  /// a giant who move alike give one robot motion.
+  /// Inversely: every body is brought to the size of the published one first, so that a child and a
+  /// giant moving alike give the same robot motion.
   kNormalised,
-  /// Not at all: legs, trunk and arms take the robot's lengths each, the table's scales are not
-  /// used.
+  /// Not at all: legs, trunk and arms take the robot's lengths; the table's scales are not used.
   kLimbs,
 };
 
-/// How pelvis and torso turn where limbs are scaled one by one (kLimbs).
+/// How pelvis and torso turn when limbs are scaled individually (kLimbs).
 enum class TrunkRule : unsigned char {
   kBones,  ///< As the bones Hips and Spine2, as published.
   kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's.
@@ -59,7 +58,7 @@ struct IkTable {
 };
 
 /// A mapping file from a human to a robot as read, in the schema of GMR (General Motion
-/// Retargeting). Its names may be any; resolve_mapping finds what they mean for a robot.
+/// Retargeting). Its names are not checked here; resolve_mapping resolves them for a robot.
 ///
 /// | key | meaning |
 /// |---|---|
@@ -82,17 +81,19 @@ struct IkTables {
 };
 
 /// Reads a mapping file. Syntax errors come with line and column; wrong types, missing keys and
-/// quaternions whose norm is not 1 within 1e-3 are named all at once. Quaternions are normalised.
+/// quaternions whose norm is not 1 within 1e-3 are reported all at once. Quaternions are
+/// normalised.
 [[nodiscard]] Result<IkTables> parse_ik_tables(std::string_view text, const std::string& file);
 [[nodiscard]] Result<IkTables> load_ik_tables(const std::string& path);
 
 /// A robot's body follows a bone.
 struct MappedTask : IkTask {
-  int body = -1;  ///< Index into Robot::bodies(); -1, in a table that is not used: it has no such.
+  int body = -1;  ///< Index into Robot::bodies(); -1 in an unused table: the robot has no such
+                  ///< body.
   Bone bone = Bone::kHips;
 };
 
-/// A mapping for one robot, all names resolved and held against robot and human.
+/// A mapping for one robot, all names resolved and checked against robot and human.
 struct ResolvedMapping {
   struct Table {
     bool used = true;
@@ -106,23 +107,22 @@ struct ResolvedMapping {
   BoneArray<double> scales{1.0};         ///< Of bones with tasks in use, and of the root bone.
   std::array<Table, 2> tables;
 
-  /// The first task of a bone that has a weight, else the first one; null: none. Tables that are not
-  /// used count too.
+  /// The first task of a bone with a weight, else its first task; null: none. Includes unused
+  /// tables.
   [[nodiscard]] const MappedTask* find_task(Bone bone) const;
   /// The body of that task; -1: none.
   [[nodiscard]] int body_of(Bone bone) const;
 };
 
-/// Finds bodies and bones of a mapping and names every fault at once (kConfig): unknown bodies and
-/// bones (with the nearest name), bones without a scale, two bodies on one bone, a root that is not
-/// there, no task at all. Tables that are not used are not looked at; of their rows those count whose
-/// bone is known.
+/// Finds bodies and bones of a mapping and reports all errors at once (kConfig): unknown bodies and
+/// bones (with the nearest name), bones without a scale, two bodies on one bone, a missing root, no
+/// task at all. Unused tables are not checked; only their rows with a known bone are kept.
 [[nodiscard]] Result<ResolvedMapping> resolve_mapping(const IkTables& tables, const Robot& robot);
-/// Reads a mapping file for a robot; faults of the file and of its names are named together.
+/// Reads a mapping file for a robot; errors in the file and in its names are reported together.
 [[nodiscard]] Result<ResolvedMapping> load_mapping(const std::string& path, const Robot& robot);
 
-/// Takes the tasks of these bones out of both tables: for bodies that lack an arm or a leg.
-/// @return how many tasks that were; kConfig error: nothing is left.
+/// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
+/// @return the number of removed tasks; kConfig error: nothing is left.
 [[nodiscard]] Result<int> leave_out_bones(ResolvedMapping& mapping, std::span<const Bone> bones);
 
 }  // namespace retarget

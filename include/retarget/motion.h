@@ -10,7 +10,7 @@
 
 namespace RETARGET_API retarget {
 
-/// A motion of a robot: one configuration per frame (layout as Robot says), root quaternions
+/// A motion of a robot: one configuration per frame (layout: see Robot), root quaternions
 /// sign-continuous.
 class RobotClip {
  public:

@@ -9,24 +9,23 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 
-// Everything that a program can ask for. Defaults are those of the command line; the names of its
-// options, their ranges and what they do are in docs/options.md, made from the same tables
-// (src/options).
+// All options of a program. Defaults are those of the command line; option names, ranges and
+// meanings are in docs/options.md, generated from the same tables (src/options).
 
 namespace RETARGET_API retarget {
 
 /// How a robot's motion is made.
 enum class Method : unsigned char {
-  kFit,  ///< All frames of the clip at once, so that a robot can follow (docs/fit.md).
+  kFit,  ///< All frames of the clip at once, to be followable by a robot (docs/fit.md).
   kGmr,  ///< The published two-pass inverse kinematics, frame by frame (docs/ik.md).
 };
 
 /// Which implementation of the inverse kinematics runs; both take the same steps.
 enum class IkEngine : unsigned char { kFast, kReference };
 
-/// What becomes of frames in front that the motion jumps away from (a T-pose, a frame of zeros).
+/// What happens to leading frames that the motion jumps away from (a T-pose, an all-zero frame).
 enum class LeadIn : unsigned char {
-  kAuto,  ///< They are dropped, but for Method::kGmr.
+  kAuto,  ///< Dropped, except with Method::kGmr.
   kDrop,
   kKeep,
 };
@@ -51,7 +50,7 @@ enum class MotionFormat : unsigned char {
 /// Order of the four quaternion columns.
 enum class QuaternionOrder { kXyzw, kWxyz };
 
-/// Whose velocity `body_lin_vel_w` is.
+/// The point whose velocity `body_lin_vel_w` is.
 enum class BodyPoint : unsigned char {
   kLink,  ///< The link's origin, as mjlab has it.
   kMass,  ///< The centre of mass of the link and what is fixed to it, as Isaac Lab has it.
@@ -60,7 +59,7 @@ enum class BodyPoint : unsigned char {
 /// How the body's size scales the motion.
 enum class ScaleRule : unsigned char {
   kAuto,    ///< kLimbs; kTable for LAFAN1 with the published method or a mapping made for it.
-  kTable,   ///< As the mapping's table says, whatever the body's height.
+  kTable,   ///< By the mapping's table, whatever the body's height.
   kHeight,  ///< The same, every body brought to one size first.
   kLimbs,   ///< Legs, trunk and arms take the robot's lengths.
 };
@@ -91,9 +90,9 @@ enum class RestPose {
              ///< frames of the whole movement.
 };
 
-/// How hard the robot's bodies are drawn to the bones that a mapping gives them. Weights of
-/// residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
-/// without one.
+/// How strongly the robot's bodies are pulled to the bones that a mapping assigns to them. Weights
+/// of residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
+/// unweighted.
 struct TrackingWeights {
   double hips_position = 29.0;  ///< Per metre.
   double hips_rotation = 16.0;  ///< Per radian.
@@ -114,15 +113,15 @@ struct TrackingWeights {
   double other_rotation = 8.0;
 };
 
-/// Everything that a fit can be told. One setting serves all clips and robots; lengths are metres,
-/// times seconds, so that nothing depends on the frame rate (docs/fit.md).
+/// Options of the fit. One setting works for all clips and robots; lengths are in metres, times in
+/// seconds, so that nothing depends on the frame rate (docs/fit.md).
 struct FitOptions {
   // terms; each can be left out by name
   bool tracking = true;        ///< Bodies follow their targets.
   bool foot_height = true;     ///< Heel and toe follow the source's clearance.
   bool contact = true;         ///< Planted heels and toes stay where they are, on the floor.
   bool floor = true;           ///< Nothing goes below the floor.
-  bool self_collision = true;  ///< Parts of the robot stay out of each other.
+  bool self_collision = true;  ///< Parts of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
   bool speed = true;           ///< Joints stay below `speed_soft`.
 
@@ -136,7 +135,7 @@ struct FitOptions {
   double contact_height_weight = 400.0;  ///< The same to the floor.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
-  double sole_margin = 0.002;        ///< Metres; of feet that are not planted.
+  double sole_margin = 0.002;        ///< Metres; for feet that are not planted.
   double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
@@ -154,75 +153,75 @@ struct FitOptions {
   double speed_soft = 8.4;     ///< rad/s; faster joints are slowed down.
   double speed_weight = 6.5;   ///< Per rad/s above it.
   double speed_most = 14.4;    ///< rad/s; no joint is ever faster, whatever its own limit.
-  double largest_step = 0.48;  ///< rad; no joint ever moves farther from a frame to the next.
+  double largest_step = 0.48;  ///< rad; no joint ever moves farther between two frames.
 
   // when a source foot is planted; lengths and speeds are those of a body with legs (thigh and
   // shank) 0.85 m long
   double contact_speed = 0.15;          ///< m/s; a slower heel or toe may be planted.
-  double contact_release_speed = 0.25;  ///< m/s; a planted one stays so below.
+  double contact_release_speed = 0.25;  ///< m/s; a planted one stays planted below.
   double contact_height = 0.04;         ///< Metres above its standing height.
   double contact_release_height = 0.06;
-  double contact_time = 0.1;  ///< Seconds; what is shorter is no contact.
-  // a foot above the floor stands on something when it is as still as that
-  double support_time = 0.15;   ///< Seconds that it is slow, at least.
-  double support_drift = 0.02;  ///< Metres that it moves in that time, at most.
+  double contact_time = 0.1;  ///< Seconds; anything shorter is not a contact.
+  // a raised foot stands on something when it is this still
+  double support_time = 0.15;   ///< Seconds that it must be slow.
+  double support_drift = 0.02;  ///< Metres that it may move in that time.
 
   // solver
   int iterations = 10;        ///< Gauss-Newton steps.
   int anchor_iterations = 7;  ///< Of these, how many also move the places of contacts.
   double window = 20.0;       ///< Seconds that are solved together.
   double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.
-  int threads = 0;            ///< 0: as many as the machine has. The result is the same.
+  int threads = 0;            ///< 0: all of the machine's. The result does not depend on it.
   int decimals = 6;           ///< Digits at which limits hold for the numbers as printed.
 };
 
 /// How a motion file is read.
 struct SourceOptions {
-  bool smpl = false;        ///< Read as SMPL or SMPL-X whatever the content; else found.
+  bool smpl = false;        ///< Read as SMPL or SMPL-X whatever the content; else detected.
   std::string smpl_model;   ///< The user's body model, NPZ; empty: a generic body.
   bool lenient = false;     ///< Keep the complete frames of a damaged file.
   std::string root;         ///< Which of several ROOTs.
-  double source_fps = 0.0;  ///< Frames per second; 0: as the file says.
-  double memory_gb = 0.0;   ///< That a clip may need; 0: three quarters of what there is.
+  double source_fps = 0.0;  ///< Frames per second; 0: the file's own.
+  double memory_gb = 0.0;   ///< Limit for one clip; 0: three quarters of what is available.
 };
 
-/// How the human in a clip is found and measured; what is not given is found.
+/// How the human in a clip is recognised and measured; what is not given is detected.
 struct HumanOptions {
-  std::string map;       ///< Mapping file (which joint is which bone) in place of recognition.
+  std::string map;       ///< Mapping file (which joint is which bone) instead of recognition.
   bool partial = false;  ///< Arms or legs may be missing.
   RestPose rest = RestPose::kAuto;
   int tpose_frame = -1;    ///< Frame of the source that is the T-pose; negative: not given.
   std::string tpose_file;  ///< BVH of the same skeleton whose first frame is the T-pose.
-  std::string unit;        ///< `m`, `dm`, `cm`, `mm`, `inch`, `cmu`, or metres; empty: found.
+  std::string unit;        ///< `m`, `dm`, `cm`, `mm`, `inch`, `cmu`, or metres; empty: detected.
   std::optional<SignedAxis> up, forward;  ///< In the file's axes.
   double height = 0.0;                    ///< Metres; 0: estimated.
-  bool unit_optional = false;             ///< What is done needs no unit.
+  bool unit_optional = false;             ///< The unit is not needed.
 };
 
-/// Which part of a clip is meant.
+/// Which part of a clip is used.
 struct PartOptions {
   double start_s = -1.0;  ///< Negative: not given.
   double end_s = -1.0;    ///< Inclusive.
-  std::string frames;     ///< `a:b`, as Python slices; empty: not given.
+  std::string frames;     ///< `a:b` as in Python slices; empty: not given.
   LeadIn lead_in = LeadIn::kAuto;
 };
 
 /// A robot by its name or folder, or by its model file.
 struct RobotChoice {
   std::string name;     ///< `unitree_g1`, `g1`, a folder with model.xml and robot.json.
-  std::string model;    ///< In place of a name: MJCF or URDF.
-  std::string profile;  ///< Of `model`: robot.json; empty: none.
+  std::string model;    ///< Instead of a name: MJCF or URDF.
+  std::string profile;  ///< For `model`: robot.json; empty: none.
   std::string variant;  ///< Whose other joints are held: `29`, `23`; empty: the whole robot.
 };
 
 /// How a motion is solved.
 struct SolveOptions {
   std::string limits;     ///< A set of the robot, or a JSON or MJCF file; empty: the method's own.
-  std::string ik_config;  ///< `published`, `derived`, or a file; empty: as is best for the source.
+  std::string ik_config;  ///< `published`, `derived`, or a file; empty: whichever suits the source.
   Method method = Method::kFit;
-  std::string fit_config;            ///< JSON of FitOptions, over `fit`; empty: none.
+  std::string fit_config;            ///< JSON of FitOptions, overrides `fit`; empty: none.
   FitOptions fit;                    ///< Of Method::kFit.
-  double fit_window_s = 0.0;         ///< In place of FitOptions::window; 0: that one.
+  double fit_window_s = 0.0;         ///< Overrides FitOptions::window; 0: does not.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   IkEngine engine = IkEngine::kFast;
   ScaleRule scale = ScaleRule::kAuto;
@@ -230,31 +229,31 @@ struct SolveOptions {
 
 /// The output's frames.
 struct TimeOptions {
-  std::optional<double> fps = 30.0;  ///< Nothing: the source's own rate.
+  std::optional<double> fps = 30.0;  ///< Empty: the source's own rate.
   Interpolation interpolation = Interpolation::kCubic;
   bool no_antialias = false;  ///< Do not low-pass a source that is faster than the output.
 };
 
-/// Between the columns of a CSV.
+/// Column separator of a CSV.
 enum class Delimiter : unsigned char { kComma, kSpace, kTab };
 
 /// How a motion is written (docs/formats.md).
 struct SaveOptions {
-  std::vector<MotionFormat> formats;  ///< Empty: by the output's ending.
+  std::vector<MotionFormat> formats;  ///< Empty: by the output's extension.
   int precision = 6;                  ///< CSV: digits after the decimal point, 0 to 17.
   Delimiter delimiter = Delimiter::kComma;
-  bool header = false;  ///< CSV: a first line that names the columns.
+  bool header = false;  ///< CSV: header line with the column names.
   QuaternionOrder quaternion = QuaternionOrder::kXyzw;
-  bool frame_column = false;              ///< CSV: a first column that counts frames from 0.
+  bool frame_column = false;              ///< CSV: leading column with frame numbers from 0.
   bool degrees = false;                   ///< CSV: joints in degrees.
   bool centimetres = false;               ///< CSV: root position in centimetres.
   bool normalize_start = false;           ///< Begin at x = y = 0, facing +x.
   int npz_fps = 50;                       ///< NPZ: frames per second.
-  std::optional<BodyPoint> npz_velocity;  ///< NPZ: nothing: the format's own.
-  std::string motion_name;                ///< In PBHC's files; empty: by the output's name.
+  std::optional<BodyPoint> npz_velocity;  ///< NPZ; empty: the format's own.
+  std::string motion_name;                ///< In PBHC's files; empty: from the output's name.
 };
 
-/// All that a motion depends on beside its clip and its robot.
+/// Everything that a motion depends on besides its clip and its robot.
 struct Options {
   SourceOptions source;
   HumanOptions human;
@@ -264,7 +263,7 @@ struct Options {
   SaveOptions save;
 };
 
-/// A run from file to file: what a sidecar keeps and `verify` does again.
+/// A run from file to file, as recorded in a sidecar and repeated by `verify`.
 struct Run {
   std::string motion;  ///< The clip's file; `-`: standard input.
   RobotChoice robot;

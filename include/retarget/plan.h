@@ -20,84 +20,83 @@ struct HumanInClip {
   BoneMap map;
   Calibration calibration;
 
-  /// What it was taken as, line by line.
+  /// What was recognised, line by line.
   [[nodiscard]] std::vector<SummaryLine> lines() const;
-  /// Why it may be understood wrongly.
+  /// Why the recognition may be wrong.
   [[nodiscard]] const std::vector<Warning>& doubts() const { return calibration.mapping.doubts; }
   /// Bones without a place.
   [[nodiscard]] std::vector<Bone> missing_bones() const;
-  /// Whether it has LAFAN1's own shape, for which the published mappings are made.
+  /// Whether it has the form of LAFAN1, for which the published mappings are made.
   [[nodiscard]] bool is_lafan1() const;
 };
 
-/// What is decided for a robot whatever the clip: loaded once for many.
+/// What is decided for a robot independently of the clip: loaded once for many clips.
 struct RobotSetup {
   LoadedRobot loaded;
   LimitSet limits;
-  ResolvedMapping mapping;  ///< For clips in LAFAN1's shape, and for all where there is no other.
+  ResolvedMapping mapping;  ///< For clips in the form of LAFAN1, and for all if there is no other.
   std::optional<ResolvedMapping> mapping_of_others;
-  FitOptions fit;  ///< Of Method::kFit, with the file of options read and terms left out.
+  FitOptions fit;  ///< Of Method::kFit, with the options file read and terms removed.
 
   [[nodiscard]] const ResolvedMapping& mapping_for(const HumanInClip& human) const;
 };
 
-/// How a clip becomes a robot's motion: every decision, made once and written down. A value: each
-/// member may be read and replaced before solve().
+/// How a clip becomes a robot's motion: every decision, made once and written down. A plain value:
+/// every member may be read and replaced before solve().
 struct Plan {
   std::shared_ptr<const Clip> clip;  ///< As it was read; null after solve(Plan&&).
   LoadedRobot robot;
-  Options options;  ///< As they were given; what members below decide, they decide.
+  Options options;  ///< As given; the members below take precedence.
 
   HumanInClip human;
 
-  FrameRange part;         ///< Frames of the clip that are taken.
-  int lead_in_frames = 0;  ///< Of those left out in front, which are none of the motion.
+  FrameRange part;         ///< Frames of the clip that are used.
+  int lead_in_frames = 0;  ///< Dropped leading frames that are not part of the motion.
   FrameRate rate;          ///< Of the motion.
 
   LimitSet limits;
   ResolvedMapping mapping;
-  bool is_mapping_of_others = false;  ///< Chosen because the clip is not in LAFAN1's shape.
+  bool is_mapping_of_others = false;  ///< Chosen because the clip is not in the form of LAFAN1.
   HeightScale scale = HeightScale::kLimbs;
   FitOptions fit;
   std::vector<SummaryLine> clip_notes;     ///< What was left out of the clip, and why.
   std::vector<SummaryLine> mapping_notes;  ///< The same of the mapping.
 
-  /// The robot, and by what the clip comes to it, line by line.
+  /// The robot and how the clip is mapped to it, line by line.
   [[nodiscard]] std::vector<SummaryLine> robot_lines() const;
-  /// All that was decided as text, a line each.
+  /// All decisions as text, one line each.
   [[nodiscard]] std::string summary() const;
   /// Frames of the motion that solve() makes.
   [[nodiscard]] std::int64_t frame_count() const;
 };
 
-/// The human in a clip. A clip whose rotations do not carry its positions is given such as do.
+/// The human in a clip. If a clip's rotations do not match its positions, they are replaced.
 /// @param data_folder  with configs/skeletons.
 [[nodiscard]] Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
                                              const std::string& data_folder);
 
-/// Options that contradict each other (kUsage), and values and files that need no clip to be
-/// refused.
+/// Checks for contradictory options (kUsage), and for values and files that are wrong whatever the
+/// clip.
 [[nodiscard]] Result<void> check_options(const Options& options);
 
-/// What options mean for a robot: limits, mappings, the fit's options.
+/// Resolves options for a robot: limits, mappings, the fit's options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(LoadedRobot robot, const Options& options);
 
 /// Decides how a clip becomes a robot's motion.
 ///
-/// Errors: of kUsage, options that contradict each other; of kInput, a clip without frames, no human
-/// in it, a part that is not there, more memory than is allowed; of kConfig, files of options.
+/// Errors: of kUsage, options that contradict each other; of kInput, a clip without frames, no
+/// human in it, a part outside the clip, more memory than allowed; of kConfig, bad option files.
 [[nodiscard]] Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& options);
 [[nodiscard]] Result<Plan> make_plan(Clip clip, const LoadedRobot& robot,
                                      const Options& options = {});
 
-/// A plan as JSON: the run that it is of, and every decision by its value. The same plan gives the same
-/// text.
+/// A plan as JSON: its run, and the value of every decision. The same plan gives the same text.
 /// @pre the plan has its clip
 [[nodiscard]] std::string plan_json(const Plan& plan);
 
-/// Reads such a file, its clip and its robot. What was decided is taken as it stands there and not
-/// decided again, so that a decision may be changed in the file.
-/// Errors (kConfig): the file's faults, all at once; those of load_clip and load_robot.
+/// Reads such a file, its clip and its robot. Decisions are taken from the file and not made again,
+/// so they can be changed in the file.
+/// Errors (kConfig): all errors in the file at once; those of load_clip and load_robot.
 [[nodiscard]] Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder = {});
 
 }  // namespace retarget

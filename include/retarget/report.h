@@ -12,15 +12,16 @@
 
 namespace RETARGET_API retarget {
 
-/// A figure that a motion is judged by.
+/// A figure of merit of a motion.
 struct Metric {
   std::string_view key;         ///< Its name in JSON, gates and tables.
-  std::string_view unit;        ///< `%` (of frames unless the definition says else), `rad/s`, ...
-  std::string_view definition;  ///< For people, one or two sentences.
+  std::string_view unit;        ///< `%` (of frames unless the definition says otherwise), `rad/s`,
+                                ///< ...
+  std::string_view definition;  ///< Human-readable, one or two sentences.
   std::string_view source;      ///< Where the definition comes from.
 };
 
-/// All metrics, in the order in which reports list them.
+/// All metrics, in report order.
 [[nodiscard]] std::span<const Metric> quality_metrics();
 
 /// By key; nullptr for an unknown one.
@@ -32,10 +33,10 @@ struct Metric {
 /// How much a term of the fit costs, and where.
 struct FitTermReport {
   std::string name;        ///< As in docs/fit.md.
-  double before = 0.0;     ///< Mean over frames, of the motion that the fit starts from.
+  double before = 0.0;     ///< Mean over frames, for the motion that the fit starts from.
   double after = 0.0;      ///< The same at the end.
-  std::vector<int> worst;  ///< Up to five frames where it is worst at the end, worst first, each
-                           ///< at least half a second from the others.
+  std::vector<int> worst;  ///< Up to five frames where it is worst at the end, worst first, at
+                           ///< least half a second apart.
 };
 
 /// A joint whose motion had to be changed at the end to keep the limits.
@@ -65,7 +66,7 @@ struct FitStatus {
 /// See FitStatus::converged.
 inline constexpr double kFitTolerance = 0.01;
 
-/// What a fit found and what is left.
+/// Results of a fit.
 struct FitReport {
   double floor_height = 0.0;  ///< By how much the targets were lowered, metres.
   bool floor_found = false;   ///< False: no foot of the source stands; the height is a guess.
@@ -85,24 +86,24 @@ struct MetricValue {
   std::optional<double> p95;  ///< Of metrics that give mean and 95th percentile.
 };
 
-/// How a motion keeps to one set of joint limits.
+/// How well a motion respects one set of joint limits.
 struct LimitSetResult {
   std::string name;
   double frames_pct = 0.0;        ///< Frames with a joint beyond its range by more than 1e-6,
   double frames_1mrad_pct = 0.0;  ///< and by more than 1e-3 (rad or m).
   double worst_excess = 0.0;      ///< Largest amount beyond a limit, rad or m; 0: none.
-  std::string joint;              ///< Whose it is; empty: none is beyond.
+  std::string joint;              ///< The joint in question; empty: none is beyond.
   int frame = 0;
 };
 
-/// How a body follows its bone.
+/// How well a body follows its bone.
 struct TrackingRow {
   int table = 2;  ///< Of the mapping, 1 or 2.
   std::string body, bone;
   /// Distance of the body, as seen from the root, from the scaled bone; mean and 95th percentile,
-  /// centimetres. Nothing for rows without position weight.
+  /// centimetres. Empty for rows without position weight.
   std::optional<double> position_cm, position_p95_cm;
-  /// Angle from the bone's offset axes, degrees. Nothing for rows without rotation weight.
+  /// Angle from the bone's offset axes, degrees. Empty for rows without rotation weight.
   std::optional<double> rotation_deg, rotation_p95_deg;
 };
 
@@ -112,8 +113,8 @@ struct SegmentAngle {
   double mean_deg = 0.0, p95_deg = 0.0;
 };
 
-/// How far trunks are from upright; means, degrees. The lean is the angle between the vertical and
-/// the direction that is vertical when the body stands, carried by its trunk.
+/// Lean of the trunks; means, degrees. The lean is the angle between the vertical and the direction
+/// that is vertical when the body stands, carried by its trunk.
 struct TrunkLean {
   double human = 0.0, robot = 0.0;
   /// Of the bare line from the middle of the hips to the middle of the shoulders,
@@ -124,29 +125,29 @@ struct TrunkLean {
   double human_standing = 0.0, robot_standing = 0.0;
 };
 
-/// The joint that is at a limit in the most frames.
+/// The joint that is at a limit in most frames.
 struct JointMostAtLimit {
   std::string joint;
   bool at_upper = false;
   double frames_pct = 0.0;
 };
 
-/// A joint that stands at a limit in many frames, and what pushes it there.
+/// A joint that is at a limit in many frames, and what pushes it there.
 struct LimitedJoint {
   std::string joint;
   bool at_upper = false;
   int frames = 0;
   double frames_pct = 0.0;
-  std::string task;             ///< Bone that is followed; empty: nothing pushes.
+  std::string task;             ///< The followed bone; empty: nothing pushes.
   bool rotation = false;        ///< The task's rotation; else its position.
   double shortfall = 0.0;       ///< Of the task: degrees, or cm.
   std::string wider_set;        ///< A limit set of the robot that is wider there; empty: none,
-  std::optional<double> wider;  ///< by so much, rad or m; nothing: it has no limit there.
+  std::optional<double> wider;  ///< by so much, rad or m; empty: it has no limit there.
 };
 
 /// A run of frames in which something is wrong.
 struct Fault {
-  std::string metric;  ///< The key of the metric it counts for.
+  std::string metric;  ///< Key of the metric it belongs to.
   std::string where;   ///< Joint, body or pair of bodies.
   int begin = 0;       ///< First frame,
   int end = 0;         ///< and the one after the last.
@@ -155,39 +156,40 @@ struct Fault {
   std::string unit;     ///< Of the amount.
 };
 
-/// What a gate asks of a metric, and whether it got it.
+/// A gate on a metric, and whether it passed.
 struct GateResult {
   std::string metric;
-  std::optional<double> least, most;  ///< Bounds that the figure must keep, inclusive.
-  std::optional<double> value;        ///< Nothing: the metric was not measured.
+  std::optional<double> least, most;  ///< Bounds for the figure, inclusive.
+  std::optional<double> value;        ///< Empty: the metric was not measured.
   bool passed = true;                 ///< True where nothing was measured.
 };
 
-/// A motion's figures. Metrics that need what was not given (a source clip, soles, collision
-/// shapes, enough frames) are left out.
+/// A motion's figures. Metrics that need missing data (a source clip, soles, collision shapes,
+/// enough frames) are omitted.
 struct QualityReport {
   std::string file;  ///< The motion's, without folder.
   std::string robot;
   int frames = 0;
   double fps = 30.0;
-  std::string limits;            ///< Name of the limit set that limit_pct is about.
-  std::string source;            ///< The source clip's file, without folder; empty: none was given.
+  std::string limits;            ///< Name of the limit set used for limit_pct.
+  std::string source;            ///< The source clip's file, without folder; empty: none.
   std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
   int source_frames = 0;         ///< Frames of the motion that the source covers.
   std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
   int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
-  int speed_limits_assumed = 0;  ///< and without: hinges are then held against assumed_speed_limit.
+  int speed_limits_assumed = 0;  ///< and without: their hinges are compared with
+                                 ///< assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s
   std::vector<MetricValue> values;   ///< In the order of quality_metrics().
   std::vector<LimitSetResult> limit_sets;
   std::vector<TrackingRow> tracking;
   std::vector<SegmentAngle> segments;
   std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
-  std::optional<JointMostAtLimit> at_limit;  ///< Nothing: no joint ever is.
+  std::optional<JointMostAtLimit> at_limit;  ///< Empty: no joint ever is.
   SourceContacts contacts;                   ///< Of the source's heels and toes.
   /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
   std::vector<LimitedJoint> limited_joints;
-  /// Of a motion that was fitted just now: what its terms cost, and what had to be bounded.
+  /// If the motion has just been fitted: the cost of its terms, and what had to be bounded.
   std::optional<FitReport> fit;
   std::vector<Fault> faults;  ///< By metric; the worst first.
   std::vector<GateResult> gates;
@@ -196,38 +198,39 @@ struct QualityReport {
   [[nodiscard]] bool passed() const;
 };
 
-/// The reports as JSON (docs/quality.md has the schema). Floating point numbers have as many
-/// digits as it takes to read them back unchanged.
+/// The reports as JSON (docs/quality.md has the schema). Floating-point numbers have enough digits
+/// to be read back unchanged.
 [[nodiscard]] std::string report_json(std::span<const QualityReport> reports);
 
-/// For people: a row per metric, a column per motion, and what missed its gate or is worst.
+/// Human-readable: one row per metric, one column per motion, then missed gates and the worst
+/// frames.
 [[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
 
-/// Bounds that a metric must keep, inclusive.
+/// Bounds for a metric, inclusive.
 struct Gate {
   std::string metric;  ///< Key.
   std::optional<double> least, most;
-  /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; those of
-  /// others are larger or smaller as their legs are. Nothing: for every robot.
+  /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; for others
+  /// they scale with the legs. Empty: for every robot.
   std::optional<double> leg = std::nullopt;
 };
 
 /// Gates, at most one for each metric.
 class Gates {
  public:
-  /// Takes the place of the gate on the same metric; one without bounds removes it.
+  /// Replaces the gate on the same metric; a gate without bounds removes it.
   void set(Gate gate);
   void clear() { gates_.clear(); }
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
 
   /// Sets every gate of a file: JSON
   /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`; a number is a
-  /// maximum, `null` removes the gate. Other members of the file are for people.
-  /// kConfig errors name all faults, unknown metrics with the nearest one.
+  /// maximum, `null` removes the gate. Other members of the file are ignored. kConfig errors report
+  /// everything at once, unknown metrics with the nearest name.
   [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
   [[nodiscard]] Result<void> add_file(const std::string& path);
 
-  /// Holds a report against the gates and writes what came of it into it.
+  /// Checks a report against the gates and stores the results in it.
   void judge(QualityReport& report) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The front door of the library: from a motion file to a robot's motion.
+/// The main interface of the library: from a motion file to a robot's motion.
 ///
 ///     auto robot = retarget::load_robot("unitree_g1");
 ///     auto clip = retarget::load_clip("walk.bvh");
@@ -8,7 +8,8 @@
 ///     auto motion = retarget::solve(*plan);
 ///     auto saved = retarget::save(*motion, "walk.csv");
 ///
-/// Each gives a Result, an error as a value; options and their defaults are those of the command line.
+/// Each returns a Result, which holds a value or an error; options and defaults are those of the
+/// command line.
 
 #include "retarget/error.h"
 #include "retarget/load.h"

@@ -24,17 +24,16 @@ class Robot;
 /// Ranges of a robot's joints under one name.
 struct LimitSet {
   std::string name;           ///< `official`, `gmr`, `model`, or the file it came from.
-  std::string source;         ///< Where the figures come from, for people; may be empty.
+  std::string source;         ///< Where the figures come from, human-readable; may be empty.
   std::vector<double> lower;  ///< By joint in the robot's joint order, rad or m; -infinity: none.
   std::vector<double> upper;  ///< As lower; +infinity: none. lower <= upper.
 };
 
-/// A limit set of the robot by name, or from a file: JSON `{"joint": [lower, upper], ...}` or an
-/// MJCF whose joint ranges count (by its extension .xml; with or without a free joint). Joints that
-/// a file does not name keep the model's ranges; joints of an MJCF that the robot lacks are passed
-/// over, in JSON they are faults. Joints
-/// that the robot's variant holds have their one position as range. An unknown name lists the
-/// robot's sets; all faults of a file are named at once (kConfig).
+/// A limit set of the robot by name, or from a file: JSON `{"joint": [lower, upper], ...}` or the
+/// joint ranges of an MJCF (extension .xml; with or without a free joint). Joints that a file does
+/// not name keep the model's ranges; joints that the robot lacks are ignored in an MJCF and errors
+/// in JSON. The range of a joint held by the robot's variant is its held position. An unknown name
+/// lists the robot's sets; all errors in a file are reported at once (kConfig).
 [[nodiscard]] Result<LimitSet> load_limits(const Robot& robot, const std::string& name_or_file);
 
 struct ModelDeleter {
@@ -47,7 +46,7 @@ using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
 struct RobotBody {
   std::string name;
   int parent = 0;
-  Pose parent_from_body;  ///< Before the body's joints move it; metres.
+  Pose parent_from_body;  ///< At the zero position of the body's joints; metres.
 };
 
 /// A hinge or slide joint: one degree of freedom.
@@ -63,7 +62,7 @@ struct RobotJoint {
   int dof_address = 0;     ///< Index into a velocity.
 };
 
-/// The touching points of a foot.
+/// The contact points of a foot.
 struct Sole {
   std::string side;  ///< `left` or `right`.
   int body = 0;
@@ -71,22 +70,22 @@ struct Sole {
   std::vector<std::string> labels;      ///< One per point; may be empty.
 };
 
-/// A primitive that stands for a body, or for a part of it, where distances are measured.
+/// A primitive that represents a body, or part of it, in distance queries.
 struct CollisionShape {
   enum class Type { kSphere, kCapsule, kBox };
   Type type = Type::kSphere;
   int body = 0;
-  int geom = -1;             ///< The model's geom that it is; -1: none.
+  int geom = -1;             ///< The corresponding geom of the model; -1: none.
   Pose body_from_shape;      ///< The centre; a capsule's axis is z, a box's sides are the axes.
   double radius = 0.0;       ///< Sphere and capsule, metres.
-  double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, caps not counted.
+  double half_length = 0.0;  ///< Capsule: from the centre to an end of the axis, without caps.
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< Box, metres.
 };
 
-/// rad/s; for joints whose speed nobody published.
+/// rad/s; for joints without a published speed limit.
 inline constexpr double kDefaultSpeedLimit = 20.0;
 
-/// A robot with some of its joints held, as its maker or a training framework has it.
+/// A robot with some joints locked, as sold by its maker or used by a training framework.
 struct RobotVariant {
   std::string name;
   std::string description;               ///< For people; may be empty.
@@ -116,19 +115,19 @@ struct RobotProfile {
 /// the joints (rad, m), each at its qpos_address.
 class Robot {
  public:
-  /// @param model  compiled, with one free joint, its first, and else hinges and slides; load_robot
-  ///               checks that.
-  /// @param warnings  what was odd about the model.
+  /// @param model  compiled; its first joint is free, all others are hinges or slides. load_robot
+  ///     checks this.
+  /// @param warnings  anything odd about the model.
   Robot(ModelPtr model, RobotProfile profile, std::vector<std::string> warnings = {});
 
-  /// Takes another profile and with it another output order; before the robot is shared.
+  /// Sets another profile and with it another output order. Call before the robot is shared.
   void set_profile(RobotProfile profile);
-  /// Holds the joints of a variant: they leave the output columns, every limit set has their one
-  /// position as range, and the zero configuration has them there. Before the robot is shared, and
-  /// once; robot_variant does it by name.
+  /// Locks the joints of a variant: they leave the output columns, their range in every limit set
+  /// is the locked position, and the zero configuration has it. Call once, before the robot is
+  /// shared; robot_variant does it by name.
   void set_variant(const RobotVariant& variant);
 
-  /// Takes other shapes in the place of the model's; before the robot is shared.
+  /// Replaces the model's shapes. Call before the robot is shared.
   void set_collision_shapes(std::vector<CollisionShape> shapes) {
     collision_shapes_ = std::move(shapes);
   }
@@ -136,9 +135,9 @@ class Robot {
   [[nodiscard]] const mjModel_* model() const { return model_.get(); }
   [[nodiscard]] const std::string& name() const { return profile_.name; }
   [[nodiscard]] const RobotProfile& profile() const { return profile_; }
-  /// What MuJoCo found odd in the model, one line each.
+  /// MuJoCo's warnings about the model, one line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-  /// The variant that this robot is; without a name: the whole robot.
+  /// The variant of this robot; empty name: the whole robot.
   [[nodiscard]] const RobotVariant& variant() const { return variant_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
@@ -148,26 +147,26 @@ class Robot {
   /// Indices into joints() in the order of the output columns.
   [[nodiscard]] const std::vector<int>& output_joints() const { return output_joints_; }
   /// The spheres, capsules and boxes among the geoms of the robot that take part in contacts, in
-  /// the model's order, or what was set in their place. Other shapes, and what stands in the world,
-  /// are left out.
+  /// the model's order, or their replacements. Other shapes, and shapes fixed to the world, are
+  /// omitted.
   [[nodiscard]] const std::vector<CollisionShape>& collision_shapes() const {
     return collision_shapes_;
   }
   /// The body of the free joint.
   [[nodiscard]] int root_body() const { return root_body_; }
   [[nodiscard]] int configuration_size() const;
-  /// The model's qpos0; joints that the variant holds are where it holds them.
+  /// The model's qpos0; joints held by the variant are at their held position.
   [[nodiscard]] std::vector<double> zero_configuration() const;
   /// The ranges of the model itself, as a set called `model`.
   [[nodiscard]] const LimitSet& model_limits() const { return model_limits_; }
-  /// Name of the limit set that a method takes when the user names none.
+  /// Name of a method's default limit set.
   [[nodiscard]] std::string limits_for(const std::string& method) const;
   /// Speed limit of a joint, rad/s or m/s: the profile's, else its default for hinges and infinity
   /// for slides.
   /// @param joint  index into joints().
   [[nodiscard]] double speed_limit(int joint) const;
 
-  /// By name; nothing for an empty one, also where the model has elements without a name.
+  /// By name; empty for an empty name, even if the model has unnamed elements.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;
   [[nodiscard]] std::optional<int> find_joint(std::string_view name) const;
   [[nodiscard]] std::vector<std::string> body_names() const;
@@ -193,8 +192,8 @@ class Robot {
 
 /// World poses of all bodies in a configuration, by body index; metres. No MuJoCo data needed and
 /// nothing allocated.
-/// @param qpos             configuration_size() values; the root quaternion need not be a unit one,
-///                         but must not be zero.
+/// @param qpos  configuration_size() values; the root quaternion need not have unit norm, but must
+///     not be zero.
 /// @param world_from_body  bodies().size() poses, filled.
 void forward_kinematics(const Robot& robot, std::span<const double> qpos,
                         std::span<Pose> world_from_body);

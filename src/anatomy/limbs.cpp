@@ -110,7 +110,7 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
         shape_limb(robot_, posed_, reference_, joint_chain(robot_.tree(), first[side]), is_leg);
     if (!limb) {
       return config_failure(file_, "the branch of " + name_of(robot_, body_of(first[side])) +
-                                       " should be " + what + " but no joint of it bends it");
+                                       " should be " + what + " but it has no joint that bends");
     }
     shaped.limbs[side] = *limb;
   }
@@ -119,7 +119,7 @@ Result<ShapedPair> LimbFinder::shape(const BranchPair& pair, bool is_leg) const 
   if (a.middle != b.middle) {
     return config_failure(file_, "the branches of " + name_of(robot_, body_of(first[0])) + " and " +
                                      name_of(robot_, body_of(first[1])) + " should be " + what +
-                                     " each but differ in build");
+                                     " each but differ in structure");
   }
   return shaped;
 }
@@ -140,7 +140,7 @@ Result<void> LimbFinder::choose_pairs() {
   if (pairs.size() > 1 && pairs[1].lowest < floor) {
     return no_legs("two pairs of limbs reach the ground (a quadruped?)");
   }
-  if (pairs.size() == 1) return no_legs("the model has one pair of limbs only");
+  if (pairs.size() == 1) return no_legs("the model has only one pair of limbs");
   const auto arms =
       std::max_element(pairs.begin() + 1, pairs.end(),
                        [](const auto& a, const auto& b) { return a.joint_count < b.joint_count; });
@@ -191,10 +191,10 @@ void LimbFinder::find_facing() {
   found_.facing_is_sure = std::abs(votes) > 1.0;
   if (sign * names < 0.0) {
     found_.notes.emplace_back(
-        "names call the limbs on the robot's left side right: knees and feet say where it faces");
+        "the limbs on the robot's left side are named right: its facing is taken from knees and feet");
   }
   if (!found_.facing_is_sure) {
-    found_.notes.emplace_back("knees, feet and names hardly say where the robot faces");
+    found_.notes.emplace_back("knees, feet and names hardly show where the robot faces");
   }
   if (sign < 0.0) {
     std::swap(legs_.limbs[0], legs_.limbs[1]);
@@ -287,14 +287,14 @@ std::optional<LimbPart> LimbFinder::head() const {
 
 void LimbFinder::note_limbs() {
   if (!std::ranges::all_of(found_.legs, &Limb::flexion_is_sure)) {
-    found_.notes.emplace_back("the knees' ranges allow both ways: taken to bend backwards");
+    found_.notes.emplace_back("the knees' ranges allow both directions: assumed to bend backwards");
   }
   if (!std::ranges::all_of(found_.arms, &Limb::flexion_is_sure)) {
-    found_.notes.emplace_back("the elbows' ranges allow both ways: taken to bend forwards");
+    found_.notes.emplace_back("the elbows' ranges allow both directions: assumed to bend forwards");
   }
   if (found_.arms[0].lower_is_estimated || found_.arms[1].lower_is_estimated) {
     found_.notes.emplace_back(
-        "nothing marks where the forearms end: their direction and length are from their masses");
+        "nothing marks where the forearms end: their direction and length are estimated from their masses");
   }
   if (!found_.legs[0].end) {
     found_.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");

@@ -51,7 +51,7 @@ Result<fs::path> find_data_folder(const DataFolderSearch& search) {
   if (!search.installed.empty() && holds_data(search.installed)) return fs::path(search.installed);
   return config_failure(
       "", "no data folder with robots/ and configs/ found beside the program",
-      std::string("name it with " OPTION("data-dir") " DIR or the environment variable ") +
+      std::string("set it with " OPTION("data-dir") " DIR or the environment variable ") +
           kVariable);
 }
 

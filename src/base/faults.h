@@ -37,7 +37,7 @@ class Faults {
   /// @param what  what is at fault, such as `the mapping`.
   [[nodiscard]] Failure failure_in(const std::string& file, const std::string& what) const {
     if (count_ == 1) return config_failure(file, faults_.front());
-    Failure failure = config_failure(file, std::to_string(count_) + " faults in " + what);
+    Failure failure = config_failure(file, std::to_string(count_) + " errors in " + what);
     std::vector<std::string>& details = failure.value().details;
     details = faults_;
     if (count_ > faults_.size()) {

@@ -37,7 +37,7 @@ Failure write_failure(const std::string& name, int error_number) {
   const std::string path = name == "-" ? "standard output" : name;
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   return run_failure(path, "cannot write the file: " + system_message(error_number),
-                     full ? "nothing was left behind; free some space or write elsewhere" : "");
+                     full ? "no partial file was left; free some space or write elsewhere" : "");
 }
 
 Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most,
@@ -179,14 +179,14 @@ Result<void> check_output_folder(const std::string& path) {
   if (path == "-") return {};
   const std::string folder = folder_of(path);
   std::error_code ignored;
-  if (path.empty()) return usage_failure("the name of the output is empty");
+  if (path.empty()) return usage_failure("the output name is empty");
   if (std::filesystem::is_directory(folder, ignored)) return {};
   if (std::filesystem::exists(folder, ignored)) {
     return usage_failure("\"" + folder + "\" of the output \"" + path + "\" is not a folder");
   }
   return usage_failure(
       "the folder \"" + folder + "\" of the output \"" + path + "\" does not exist",
-      "make it first: mkdir -p " + folder);
+      "create it first: mkdir -p " + folder);
 }
 
 Result<OutputFile> OutputFile::create(const std::string& path) {

@@ -52,7 +52,7 @@ Failure json_failure(std::string_view text, const std::string& file, std::size_t
   error.location.line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n'));
   error.location.column =
       line_end == std::string_view::npos ? before.size() + 1 : before.size() - line_end;
-  error.message = "no valid JSON: " + reason;
+  error.message = "invalid JSON: " + reason;
   return failure(std::move(error));
 }
 
@@ -88,7 +88,7 @@ std::optional<Excess> excess_of(std::string_view text) {
         return Excess{i, "an object of more than " + std::to_string(kMaxMembers) + " members"};
       }
       if (++all > kMaxMembersInAll) {
-        return Excess{i, "more than " + std::to_string(kMaxMembersInAll) + " members in all"};
+        return Excess{i, "more than " + std::to_string(kMaxMembersInAll) + " members in total"};
       }
     }
   }

@@ -176,7 +176,7 @@ Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name, 
   std::string_view rest = bytes;
   const ReadBytes read = [&rest](std::size_t size) -> Result<std::string> {
     if (size > rest.size()) {
-      return format_failure("the file ends early: expected " + count_text(size, "byte") +
+      return format_failure("the file is truncated: expected " + count_text(size, "byte") +
                             ", found " + std::to_string(rest.size()));
     }
     std::string part(rest.substr(0, size));

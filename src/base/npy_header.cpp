@@ -133,7 +133,7 @@ class DictionaryParser {
   }
 
   Failure expected(const std::string& what) const {
-    return format_failure("the NPY header is malformed: expected " + what + " at its byte " +
+    return format_failure("the NPY header is malformed: expected " + what + " at byte " +
                           std::to_string(position_));
   }
 
@@ -187,7 +187,7 @@ Result<NpyType> type_from_text(const std::string& text) {
   constexpr std::size_t kCharacter = 4;
   if (!kind || size > std::numeric_limits<std::size_t>::max() / kCharacter) {
     return format_failure("its type " + text + " is not supported",
-                          "supported are booleans, integers, floats of 2, 4 and 8 bytes, and text");
+                          "supported types: booleans, integers, floats of 2, 4 and 8 bytes, and text");
   }
   return NpyType{*kind, *kind == NpyKind::kText ? kCharacter * size : size, text[0] == '>'};
 }
@@ -232,7 +232,7 @@ Result<NpyHeader> read_npy_header(const ReadBytes& read) {
   const std::size_t length = little_endian(length_text, 0, length_bytes);
   if (length > kMostHeaderBytes) {
     return format_failure("its NPY header claims " + count_text(length, "byte") + ", at most " +
-                          std::to_string(kMostHeaderBytes) + " are read");
+                          std::to_string(kMostHeaderBytes) + " are allowed");
   }
   TRY_ASSIGN(const auto text, read(length));
   Result<NpyHeader> header = DictionaryParser(text).parse();
@@ -245,7 +245,7 @@ Result<NpyLayout> npy_layout(const NpyHeader& header) {
   const auto size = total_size(header.shape, type.item_size);
   if (!size) {
     return format_failure("its shape " + shape_text(header.shape) +
-                          " has more elements than any memory");
+                          " has more elements than fit in any memory");
   }
   NpyLayout layout;
   layout.array = {type.kind, type.item_size, header.shape, {}};

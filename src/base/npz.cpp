@@ -27,8 +27,7 @@ struct Foreign {
 };
 
 constexpr std::string_view kSaveHint =
-    "save its arrays with numpy.savez; nothing is ever unpickled here, as that runs code from the "
-    "file";
+    "save its arrays with numpy.savez; nothing is ever unpickled, as that would run code from the file";
 
 constexpr std::array kForeign = {
     Foreign{"\x93NUMPY"sv, "a single NPY array", "put the arrays into one file with numpy.savez"},
@@ -42,9 +41,9 @@ constexpr std::array kForeign = {
     Foreign{"version https://git-lfs"sv, "a git-LFS pointer",
             "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it "
             "comes from"},
-    Foreign{"<!doctype html"sv, "a web page", "the download gave a page in place of the file"},
-    Foreign{"<!DOCTYPE html"sv, "a web page", "the download gave a page in place of the file"},
-    Foreign{"<html"sv, "a web page", "the download gave a page in place of the file"},
+    Foreign{"<!doctype html"sv, "a web page", "the download returned a web page instead of the file"},
+    Foreign{"<!DOCTYPE html"sv, "a web page", "the download returned a web page instead of the file"},
+    Foreign{"<html"sv, "a web page", "the download returned a web page instead of the file"},
     Foreign{"HIERARCHY"sv, "a BVH file", ""},
 };
 
@@ -88,13 +87,13 @@ struct NpzFile::Contents {
                              count_text(count * sizeof(double), "byte") + " of memory, ";
     if (count > most) {
       return complete(format_failure(what + "at most " + std::to_string(options.max_number_bytes) +
-                                     " are taken")
+                                     " are allowed")
                           .value(),
                       array);
     }
     if (is_too_much(count * sizeof(double), entry.packed_size, options.free_number_bytes,
                     options.max_ratio)) {
-      return complete(format_failure(what + "and the file has " +
+      return complete(format_failure(what + "but the file has only " +
                                          count_text(entry.packed_size, "byte") + " of them",
                                      std::string(kBombHint))
                           .value(),
@@ -115,7 +114,7 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
     return contents->complete(format_failure(std::move(message), std::string(hint)).value());
   };
 
-  if (bytes.empty()) return fault("expected an NPZ file, found an empty one");
+  if (bytes.empty()) return fault("expected an NPZ file, found an empty file");
   for (const Foreign& foreign : kForeign) {
     if (!bytes.starts_with(foreign.prefix)) continue;
     return fault("expected an NPZ file, found " + std::string(foreign.what), foreign.hint);
@@ -132,7 +131,7 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
   }
   if (is_too_much(total, bytes.size(), options.free_total_bytes, options.max_ratio)) {
     return fault("unpacked, its arrays would have " + count_text(total, "byte") +
-                     ", and the file has " + std::to_string(bytes.size()),
+                     ", but the file has only " + std::to_string(bytes.size()),
                  kBombHint);
   }
 
@@ -140,7 +139,7 @@ Result<NpzFile> NpzFile::open(std::string_view bytes, std::string file_name,
   for (const ZipEntry& entry : entries) {
     std::string name = entry.name;
     if (name.ends_with(kSuffix)) name.resize(name.size() - kSuffix.size());
-    if (has_control_bytes(name)) return fault("the name of an array has control bytes in it");
+    if (has_control_bytes(name)) return fault("an array name contains control characters");
     if (!contents->index.emplace(name, names.size()).second) {
       return fault("there are two arrays \"" + name + "\"");
     }
@@ -201,12 +200,12 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
   if (layout->data_size > contents_->options.max_array_bytes) {
     return array_failure(name, needs + count_text(layout->data_size, "byte") + ", at most " +
                                    std::to_string(contents_->options.max_array_bytes) +
-                                   " are read");
+                                   " are allowed");
   }
   if (is_too_much(entry.size, entry.packed_size, contents_->options.free_array_bytes,
                   contents_->options.max_ratio)) {
     return array_failure(name,
-                         needs + count_text(layout->data_size, "byte") + ", and the file has " +
+                         needs + count_text(layout->data_size, "byte") + ", but the file has only " +
                              count_text(entry.packed_size, "byte") + " of it",
                          std::string(kBombHint));
   }

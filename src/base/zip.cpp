@@ -48,7 +48,7 @@ Result<ZipArchive> ZipArchive::open(std::string_view bytes) {
     zip_source_free(source);
     if (zip_error_code_zip(&error) != ZIP_ER_NOZIP) return damaged_archive(error);
     return format_failure("no ZIP directory at its end",
-                          "the file was cut off, or it is no NPZ file (as numpy.savez writes it)");
+                          "the file was cut off, or it is not an NPZ file (as written by numpy.savez)");
   }
   std::uint64_t unclaimed = bytes.size();
   const zip_int64_t count = zip_get_num_entries(opened, 0);
@@ -75,7 +75,7 @@ Result<ZipEntryReader> ZipArchive::entry_reader(std::size_t index) const {
   if (entry.comp_method != ZIP_CM_STORE && entry.comp_method != ZIP_CM_DEFLATE) {
     return format_failure(
         fmt::format("its compression (ZIP method {}) is not supported", entry.comp_method),
-        "numpy.savez and numpy.savez_compressed write what is read here");
+        "save it with numpy.savez or numpy.savez_compressed");
   }
   if (entry.comp_method == ZIP_CM_STORE && entry.size != entry.comp_size) {
     return format_failure(
@@ -92,9 +92,9 @@ ZipEntryReader::ZipEntryReader(zip_file* file) : file_(file, zip_fclose) {}
 Failure ZipEntryReader::read_failure() {
   switch (zip_error_code_zip(zip_file_get_error(file_.get()))) {
     case ZIP_ER_CRC:
-      return format_failure("its bytes disagree with their checksum: the file is damaged");
+      return format_failure("its checksum does not match: the file is damaged");
     case ZIP_ER_INCONS:
-      return format_failure("its packed data do not end where it ends");
+      return format_failure("its compressed data have the wrong length");
     default:
       return format_failure("its compressed data are damaged");
   }
@@ -110,7 +110,7 @@ Result<std::string> ZipEntryReader::read(std::size_t size) {
     const zip_int64_t count = zip_fread(file_.get(), bytes.data() + begin, chunk);
     if (count < 0) return read_failure();
     if (static_cast<std::size_t>(count) < chunk) {
-      return format_failure(fmt::format("it ends early: expected {}, found {}",
+      return format_failure(fmt::format("it is truncated: expected {}, found {}",
                                         count_text(size, "byte"), begin + count));
     }
   }
@@ -122,7 +122,7 @@ Result<void> ZipEntryReader::finish() {
   char more = 0;
   const zip_int64_t count = zip_fread(file_.get(), &more, 1);
   if (count < 0) return read_failure();
-  if (count > 0) return format_failure("its packed data do not end where it ends");
+  if (count > 0) return format_failure("its compressed data have the wrong length");
   return {};
 }
 

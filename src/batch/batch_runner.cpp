@@ -215,17 +215,17 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
   error.location.file = task.input->path;
   if (end.timed_out) {
     error.message =
-        "the clip took longer than " + number_text(request_.clip_timeout_s, 3) + " s and was ended";
-    error.hint = OPTION("clip-timeout") " gives it more";
+        "the clip took longer than " + number_text(request_.clip_timeout_s, 3) + " s and was stopped";
+    error.hint = OPTION("clip-timeout") " allows more time";
   } else if (end.signal == SIGKILL) {
-    error.message = "the clip's process was killed from outside, for want of memory perhaps";
-    error.hint = "fewer " OPTION("jobs") " leave more for each";
+    error.message = "the clip's process was killed from outside, perhaps because memory ran out";
+    error.hint = "fewer " OPTION("jobs") " leave more memory for each";
   } else {
-    error.message = "the clip ended its process" +
+    error.message = "the clip's process crashed" +
                     (end.signal == 0 ? std::string()
-                                     : " by signal " + std::to_string(end.signal) + " (" +
+                                     : " with signal " + std::to_string(end.signal) + " (" +
                                            ::strsignal(end.signal) + ")");
-    error.hint = "that is a fault of this tool; the other clips are not touched by it";
+    error.hint = "that is a bug in this tool; the other clips are not affected";
   }
   error = spelled(std::move(error));
   entry.exit_code = request_.exit_code(error.kind);
@@ -261,7 +261,7 @@ void BatchWorker::work(const BatchTask& task, double memory_gb) {
     done = solve(task, memory_gb, entry);
   } catch (const std::bad_alloc&) {
     done = run_failure(task.input->path, "there is not enough memory for this clip",
-                       "fewer " OPTION("jobs") " leave more for each");
+                       "fewer " OPTION("jobs") " leave more memory for each");
   } catch (const std::exception& error) {
     done = run_failure(task.input->path, error.what());
   }

@@ -109,7 +109,7 @@ void InputFinder::add_entry(const fs::directory_entry& entry, const std::string&
     // a link to nothing too: who put it there misses a clip, and its reading says so
     add_input(entry.path().string(), below_root, there ? &info : nullptr);
   } else {
-    found_.notes.push_back("passed over " + entry.path().string() + ": not a file");
+    found_.notes.push_back("skipped " + entry.path().string() + ": not a file");
   }
 }
 
@@ -118,12 +118,12 @@ void InputFinder::add_folder(const fs::path& folder, const std::string& relative
   if (::stat(folder.c_str(), &info) != 0) return;
   const FolderId id(info.st_dev, info.st_ino);
   if (output_folder_ == id) {
-    found_.notes.push_back("passed over " + folder.string() + ": outputs go there");
+    found_.notes.push_back("skipped " + folder.string() + ": it is the output folder");
     return;
   }
   if (std::ranges::find(above_, id) != above_.end()) {
-    found_.notes.push_back("passed over " + folder.string() +
-                           ": a link back to a folder that it lies in");
+    found_.notes.push_back("skipped " + folder.string() +
+                           ": a link back to one of its parent folders");
     return;
   }
   std::error_code error;
@@ -148,7 +148,7 @@ Result<std::string> InputFinder::below(const std::string& path, const std::strin
   const fs::path relative = fs::path(fs::absolute(path, ignored).lexically_normal())
                                 .lexically_relative(fs::absolute(base, ignored).lexically_normal());
   if (relative.empty() || *relative.begin() == "..") {
-    return usage_failure("\"" + path + "\" does not lie below the folder \"" + base + "\"",
+    return usage_failure("\"" + path + "\" is not inside the folder \"" + base + "\"",
                          "give another " OPTION("base") ", or none");
   }
   return relative.string();
@@ -165,7 +165,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
   if (there && S_ISDIR(info.st_mode)) {
     if (must_exist && output_folder_ == FolderId(info.st_dev, info.st_ino)) {
       return usage_failure("the folder of clips \"" + path + "\" is the output folder",
-                           "give another folder with -o; it may lie in this one");
+                           "give another folder with -o; it may be inside this one");
     }
     std::string relative;
     if (!base.empty()) {
@@ -177,7 +177,7 @@ Result<void> InputFinder::add_existing(const std::string& path, const std::strin
     return {};
   }
   if (there && !S_ISREG(info.st_mode)) {
-    return input_failure(path, "a batch reads files, and this is a pipe or a device",
+    return input_failure(path, "a batch reads files; this is a pipe or a device",
                          "retarget " OPTION("bvh") " reads one");
   }
   TRY_ASSIGN(const auto relative, below(path, base));
@@ -200,7 +200,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
   ::globfree(&matches);
   if (status == 0) return added;
   return input_failure(pattern, "no file matches this pattern",
-                       "a folder is searched as a whole when it is given by its name");
+                       "give a folder by its name to search all of it");
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
@@ -235,7 +235,7 @@ Result<FoundInputs> InputFinder::run() {
     TRY(add_list(list));
   }
   if (hidden_ > 0) {
-    found_.notes.push_back("passed over " + std::to_string(hidden_) +
+    found_.notes.push_back("skipped " + std::to_string(hidden_) +
                            " files named ._*, which macOS leaves in archives");
   }
   if (excluded_ > 0) {

@@ -37,17 +37,17 @@ struct InputSearch {
 
 struct FoundInputs {
   std::vector<BatchInput> inputs;  ///< By relative path, then path; every pair of them once.
-  std::vector<std::string> notes;  ///< What was passed over and why, one line each.
+  std::vector<std::string> notes;  ///< What was skipped and why, one line each.
 };
 
 /// Finds the motion files: in folders all whose name ends in .bvh or .npz in any letter case, else
 /// those that are named. A folder that cannot be read is an input itself, whose reading fails.
 ///
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
-/// folders, and the `._NAME` files of macOS archives, are passed over. A file of a list that is not
+/// folders, and the `._NAME` files of macOS archives, are skipped. A file of a list that is not
 /// there stays an input, whose reading fails; every other name must exist (kInput), as must one
-/// input (kInput). Files below no `base` that was given, and a folder to be searched that is the output
-/// folder, are kUsage errors.
+/// input (kInput). Files below no `base` that was given, and a folder to be searched that is the
+/// output folder, are kUsage errors.
 [[nodiscard]] Result<FoundInputs> find_inputs(const InputSearch& search);
 
 /// The relative path without its .bvh or .npz: where outputs of an input go, but for their ending.

@@ -59,7 +59,7 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const std::string
       return run_failure(folder,
                          "another batch is writing into this folder" +
                              (holder.empty() ? std::string() : ": " + holder),
-                         "wait for it, end it, or give another folder with -o");
+                         "wait for it, stop it, or give another folder with -o");
     }
     if (is_in_place(lock.descriptor_, lock.path_)) break;
     ::close(std::exchange(lock.descriptor_, -1));

@@ -17,7 +17,7 @@ namespace retarget {
     const std::string& folder, const std::vector<ManifestEntry>& entries);
 
 /// Removes what a killed run left of outputs that were not whole; nobody else may be writing there.
-/// Folders that links take out of the output folder are passed over.
+/// Folders that links take out of the output folder are skipped.
 void remove_unfinished(const std::string& output_folder,
                        const std::set<std::filesystem::path>& folders);
 

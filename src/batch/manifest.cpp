@@ -22,7 +22,7 @@ Failure manifest_failure(const std::string& path, int error_number) {
   return run_failure(path,
                      "cannot write the manifest: " + std::generic_category().message(error_number),
                      error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG
-                         ? "free some space and go on with " OPTION("resume")
+                         ? "free some space and continue with " OPTION("resume")
                          : "");
 }
 

@@ -26,13 +26,13 @@ Result<std::vector<ManifestEntry>> read_entries(const std::string& path, Observe
   TRY_ASSIGN(auto content, read_manifest(path));
   if (content.unreadable > 0) {
     observer.line("manifest", path + ": " + count_text(content.unreadable, "line") +
-                                  " cannot be read and counts for nothing");
+                                  " ignored: cannot be read");
   }
   if (content.outside > 0) {
     observer.warn({{0, 0,
                     count_text(content.outside, "line") + " with a name that is not inside the " +
-                        "output folder, as \"" + content.outside_name +
-                        "\", counts for nothing: no batch writes such"}},
+                        "output folder, such as \"" + content.outside_name +
+                        "\", ignored: no batch writes such names"}},
                   path);
   }
   return std::move(content.entries);
@@ -86,7 +86,7 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
     const ManifestEntry& entry = *missed[i];
     observer.line(i == 0 ? "worst" : "", entry.relative + " on " + entry.robot + ": " +
                                              count_text(entry.quality->missed.size(), "gate") +
-                                             " missed, furthest " + entry.quality->worst);
+                                             " missed, worst " + entry.quality->worst);
   }
 }
 
@@ -123,8 +123,8 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     for (const std::string& path : there) {
       if (!fs::exists(path, ignored)) continue;
       return usage_failure(
-          path + " is there: the folder holds a batch already",
-          OPTION("resume") " goes on with it, " OPTION("redo") " does all of it again");
+          path + " exists: the folder already holds a batch",
+          OPTION("resume") " continues it, " OPTION("redo") " starts over");
     }
     return manifests;
   }
@@ -182,7 +182,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
     TRY_ASSIGN(auto read, read_entries(name, observer));
     append_to(entries, std::move(read));
   }
-  if (entries.empty()) return input_failure(folder, "there is no manifest of a batch to merge");
+  if (entries.empty()) return input_failure(folder, "there is no batch manifest to merge");
   entries = latest_entries(std::move(entries));
   TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now

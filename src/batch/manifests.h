@@ -33,9 +33,9 @@ struct BatchManifests {
 /// @param known  relative names of the clips that a batch found.
 [[nodiscard]] bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known);
 
-/// Brings the manifest of a batch that is through into order, a line a clip and robot. Where the
-/// batch is no part of one, what the manifests of parts say goes into it as merge_manifests does
-/// it, but for clips that are gone, and summary.csv is written.
+/// Brings the manifest of a batch that is through into order, one line per clip and robot. Where
+/// the batch is no part of one, what the manifests of parts say goes into it as merge_manifests
+/// does it, but for clips that are gone, and summary.csv is written.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
                                             const std::set<std::string>& known, Observer& observer);
 

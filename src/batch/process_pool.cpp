@@ -101,7 +101,7 @@ class Pool {
       waiting_.erase(next);
       return {};
     }
-    return run_failure("", "processes end as soon as they are started");
+    return run_failure("", "worker processes exit as soon as they are started");
   }
 
   void wait_for_answers() {

@@ -40,16 +40,16 @@ Result<void> check_request(const BatchRequest& request) {
                          "retarget batch " OPTION("help") " shows more");
   }
   if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_mapping_kind(solve.ik_config)) {
-    return usage_failure(OPTION("ik-config") " is a mapping to one robot, and there are several",
+    return usage_failure(OPTION("ik-config") " is a mapping to one robot, but several are given",
                          "run a batch for each robot");
   }
   if (request.resume && request.redo) {
-    return usage_failure(OPTION("resume") " and " OPTION("redo") " exclude each other",
-                         "give one of them");
+    return usage_failure(OPTION("resume") " and " OPTION("redo") " cannot be combined",
+                         "give only one of them");
   }
   if (std::ranges::find(request.inputs, "-") != request.inputs.end()) {
-    return usage_failure("a batch reads no motion from standard input",
-                         OPTION("list") " - reads names of files there");
+    return usage_failure("a batch cannot read a motion from standard input",
+                         OPTION("list") " - reads file names from it");
   }
   const SaveOptions& save = request.run.options.save;
   TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
@@ -101,7 +101,7 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     observer.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
                                robot.setup.mapping.file);
     if (const auto& of_others = robot.setup.mapping_of_others) {
-      observer.line("", "of sources that are not LAFAN1: " + of_others->file);
+      observer.line("", "for sources other than LAFAN1: " + of_others->file);
     }
     robots.push_back(std::move(robot));
   }
@@ -270,8 +270,7 @@ void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
                   count_text(files.size(), "file") +
-                      " that earlier options made of these clips stay as they are and are no "
-                      "longer in the manifest: " +
+                      " that earlier options made from these clips are left in place and no longer in the manifest: " +
                       list_names(files, kShown)}},
                 folder);
 }
@@ -297,7 +296,7 @@ Result<BatchLocks> take_locks(const std::string& folder, const Shard& shard, Obs
                               is_part ? FolderLock::Kind::kShared : FolderLock::Kind::kAlone));
   if (!lock.is_held()) {
     observer.line("lock", "none: the file system of " + folder +
-                              " has no locks; do not start a second batch there");
+                              " does not support locks; do not start a second batch there");
   }
   BatchLocks locks{std::move(lock), std::nullopt};
   if (!is_part) return locks;
@@ -322,7 +321,7 @@ Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& man
   if (plan.unchanged > 0) {
     observer.line("resume", std::to_string(plan.unchanged) + " of " +
                                 std::to_string(plan.unchanged + plan.tasks.size()) +
-                                " are done and have not changed");
+                                " are done and unchanged");
   }
   return ManifestWriter::begin(manifests.path, kept_entries(manifests, plan));
 }
@@ -342,8 +341,8 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
   if (ran) return progress.failed();
   if (ran.error().kind != ErrorKind::kInterrupted) return failure(ran.error());
   Error stopped = ran.error();
-  stopped.message = "interrupted; clips that were not done have no output";
-  stopped.hint = "the same call with " OPTION("resume") " goes on from here";
+  stopped.message = "interrupted; unfinished clips have no output";
+  stopped.hint = "the same command with " OPTION("resume") " continues from here";
   return failure(std::move(stopped));
 }
 

@@ -23,7 +23,7 @@ struct BatchRequest {
   std::string output;                ///< Folder.
   int jobs = 0;                      ///< Clips at a time; 0: as many as there are processors.
   double clip_timeout_s = 0.0;       ///< After which a clip has failed; 0: never.
-  bool resume = false;               ///< Skip clips that are done and have not changed.
+  bool resume = false;               ///< Skip clips that are done and unchanged.
   bool redo = false;                 ///< Forget an earlier batch in the folder.
   std::string shard;                 ///< `I/N`; empty: all of it.
   bool quality = true;               ///< Measure the motions.

@@ -81,7 +81,7 @@ bool serve(pid_t parent, int tasks, int answers, const WorkerProcess::Actions& a
 
 Failure start_failure(int error_number) {
   return run_failure("", "cannot start a process: " + std::generic_category().message(error_number),
-                     "fewer " OPTION("jobs") " need fewer of them");
+                     "fewer " OPTION("jobs") " need fewer processes");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Signature {
 constexpr std::string_view kLfsHint =
     "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it comes from";
 constexpr std::string_view kWebHint =
-    "the download gave a page in place of the file: take the link to the raw file";
+    "the download returned a web page instead of the file: use the link to the raw file";
 constexpr std::string_view kUnpackHint = "unpack it and give the .bvh file inside";
 constexpr std::string_view kFbxHint = "export the motion as BVH, for instance from Blender";
 

@@ -124,7 +124,7 @@ Result<void> HierarchyParser::parse_start() {
   const bool begins_late = equal_ignoring_case(token, "ROOT");
   return source_.unexpected_at(
       offset, "HIERARCHY",
-      begins_late ? "put a line HIERARCHY before it" : "a BVH file begins with the word HIERARCHY");
+      begins_late ? "add a line HIERARCHY before it" : "a BVH file begins with the word HIERARCHY");
 }
 
 // one statement inside the braces of a joint or an end site
@@ -156,7 +156,7 @@ Result<void> HierarchyParser::parse_joint(std::size_t keyword, int parent) {
   if (control != name.end()) {
     const auto bad = offset + static_cast<std::size_t>(control - name.begin());
     return source_.failure_at(
-        bad, "expected the name of a joint, found a control byte in " + in_quotes(name));
+        bad, "expected the name of a joint, found a control character in " + in_quotes(name));
   }
   if (parent < 0 && !hierarchy_.roots.empty() && wanted_root_.empty()) {
     const Joint& first = hierarchy_.joints[hierarchy_.roots.front()];
@@ -253,7 +253,7 @@ Result<void> HierarchyParser::parse_channels(std::size_t keyword) {
         keyword, block.has_channels
                      ? "expected one CHANNELS in " + block_name(block) + ", found a second"
                      : "expected CHANNELS of " + block_name(block) +
-                           " before the joints below it, found it after");
+                           " before its child joints, found it after");
   }
   block.has_channels = true;
   const std::string_view token = next_token();
@@ -323,7 +323,7 @@ Failure HierarchyParser::unclosed(std::size_t offset) const {
   return source_.unexpected_at(offset,
                                "'}' to close " + block_name(block) + " of line " +
                                    std::to_string(source_.line_of(block.begin)),
-                               offset == source_.text().size() ? "the file seems to be cut off"
+                               offset == source_.text().size() ? "the file seems to be truncated"
                                                                : "a closing brace is missing");
 }
 
@@ -334,7 +334,7 @@ Failure HierarchyParser::unknown_statement(std::size_t offset) const {
   std::string hint;
   for (const Channel channel : kChannels) {
     if (equal_ignoring_case(token, channel_name(channel))) {
-      hint = "CHANNELS lists more names than the number after it says";
+      hint = "CHANNELS lists more names than its count";
     }
   }
   const std::vector<std::string> keywords = {"OFFSET", "CHANNELS", "JOINT", "End", "End Site"};
@@ -360,7 +360,7 @@ void HierarchyParser::collect_warnings() {
   warn(missing_channels_,
        count_text(missing_channels_.count, "joint") + " without CHANNELS: read as CHANNELS 0");
   warn(long_offsets_, count_text(long_offsets_.count, "OFFSET") +
-                          " with more than three numbers: the first three count");
+                          " with more than three numbers: the first three are used");
   warn(scale_channels_, count_text(scale_channels_.count, "scale channel") + " ignored");
   warn(end_site_channels_,
        count_text(end_site_channels_.count, "End Site") + " with CHANNELS: ignored");
@@ -379,8 +379,8 @@ void HierarchyParser::warn_about_duplicate_names() {
   }
   if (repeated.empty()) return;
   hierarchy_.warnings.push_back(
-      source_.warning_at(first, "several joints of one name: " + list_names(repeated, 5) +
-                                    "; they can be told apart by their place in the file alone"));
+      source_.warning_at(first, "several joints have the same name: " + list_names(repeated, 5) +
+                                    "; only their place in the file tells them apart"));
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ Error RowsParser::bad_value() const {
 Error RowsParser::wrong_length(const RowLayout::Line& line) const {
   return source_.error_at(line.begin,
                           "expected rows of " + std::to_string(width()) +
-                              " values, as the channels of HIERARCHY ask for, found " +
+                              " values, one per channel of HIERARCHY, found " +
                               std::to_string(line.values) + " on this line",
                           kLenientHint);
 }
@@ -174,16 +174,16 @@ std::optional<Error> RowsParser::find_damage(Stop stop) const {
                             "expected " + std::to_string(width()) + " values in row " +
                                 std::to_string(rows_ + 1) + ", which begins here, found " +
                                 std::to_string(column_) + " before the end of the file",
-                            "the file seems to be cut off" +
+                            "the file seems to be truncated" +
                                 (rows_ > 0 ? std::string("; ") + kLenientHint : std::string()));
   }
   if (too_few()) {
     return source_.error_at(
         place,
-        "expected " + std::to_string(options_.declared_rows) + " rows, as Frames on line " +
-            std::to_string(source_.line_of(options_.declared_place)) + " says, found " +
+        "expected " + std::to_string(options_.declared_rows) + " rows, as declared by Frames on line " +
+            std::to_string(source_.line_of(options_.declared_place)) + ", found " +
             std::to_string(rows_) + " before the end of the file",
-        rows_ > 0 ? std::string("the file seems to be cut off; ") + kLenientHint : "");
+        rows_ > 0 ? std::string("the file seems to be truncated; ") + kLenientHint : "");
   }
   return std::nullopt;
 }
@@ -191,8 +191,8 @@ std::optional<Error> RowsParser::find_damage(Stop stop) const {
 void RowsParser::note_row_count(MotionRows& rows) const {
   if (rows.count <= options_.declared_rows) return;
   rows.warnings.push_back(source_.warning_at(
-      options_.declared_place, "Frames says " + std::to_string(options_.declared_rows) +
-                                   ", the file holds " + std::to_string(rows.count) +
+      options_.declared_place, "Frames declares " + std::to_string(options_.declared_rows) +
+                                   ", the file has " + std::to_string(rows.count) +
                                    " rows: all are read"));
 }
 
@@ -228,7 +228,7 @@ Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
       rows.dropped = lines.bad;
       dropped = "; dropped " + std::to_string(lines.bad) + " damaged line" +
                 (lines.bad == 1 ? "" : "s") +
-                (lines.moved_up ? ", later frames moved up in time" : "");
+                (lines.moved_up ? ", later frames come earlier" : "");
     }
   }
   if (rows.count == 0) return failure(damage);

@@ -19,9 +19,9 @@ Fault comma_fault(std::string_view token) {
                        token.find('.') == std::string_view::npos && token.back() != ',';
   if (decimal) {
     return {"a number with a decimal point", " with a decimal comma",
-            "write decimal points: replace the commas, or export with an English locale"};
+            "use decimal points: replace the commas, or export with an English locale"};
   }
-  return {"a number", "", "separate the values by blanks, not by commas"};
+  return {"a number", "", "separate the values with spaces, not commas"};
 }
 
 Fault find_fault(std::string_view token, const ParsedNumber& number) {
@@ -37,7 +37,7 @@ Fault find_fault(std::string_view token, const ParsedNumber& number) {
     const std::string_view rest = token.substr(static_cast<std::size_t>(number.end - token.data()));
     if (rest.starts_with('-') || rest.starts_with('+')) {
       return {"a number followed by white space", "",
-              "a blank is missing before " + in_quotes(rest)};
+              "a space is missing before " + in_quotes(rest)};
     }
     return {"a number followed by white space", "", ""};
   }

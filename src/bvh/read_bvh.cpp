@@ -117,9 +117,9 @@ Result<BvhFile> BvhReader::skeleton_alone(const Tree& tree) {
   const std::size_t end = source_.text().size();
   if (!options_.motion_optional) {
     return source_.unexpected_at(end, "MOTION after the skeleton",
-                                 "the file holds a skeleton without motion, or was cut off");
+                                 "the file has a skeleton but no motion, or was truncated");
   }
-  warnings_.push_back(source_.warning_at(end, "no MOTION: the skeleton alone is read"));
+  warnings_.push_back(source_.warning_at(end, "no MOTION: only the skeleton is read"));
   const FrameRate rate =
       options_.source_fps ? frame_rate_from_fps(*options_.source_fps) : FrameRate{};
   BvhFile file = finish(Clip(tree.skeleton, rate, 0));
@@ -136,7 +136,7 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
   TRY(read_rows(tree, header, clip));
   if (clip.frame_count() == 0) {
     warnings_.push_back(
-        source_.warning_at(header.frames_place, "no frames: the skeleton alone is read"));
+        source_.warning_at(header.frames_place, "no frames: only the skeleton is read"));
   }
   warn_about_positions(tree, read_positions_beside_offsets(clip));
   BvhFile file = finish(std::move(clip));
@@ -149,7 +149,7 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   if (tree.row_width == 0) {
     if (header.frames == 0) return {};
     return source_.unexpected_at(header.frames_place,
-                                 "no frames, for no joint has a channel to move by");
+                                 "no frames, as no joint has a channel");
   }
   // the text, not the header, bounds the memory: a value takes a digit and a blank
   const std::size_t bytes_left = source_.text().size() - scanner_.offset();
@@ -203,10 +203,10 @@ Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleto
       header.frames_place,
       std::to_string(frames) + " frames of " + std::to_string(skeleton.joint_count()) +
           " joints take " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
-          number_text(static_cast<double>(most_bytes()) / 1e6, 1) + " MB are taken" +
+          number_text(static_cast<double>(most_bytes()) / 1e6, 1) + " MB are allowed" +
           (by_user ? "" : " for a file of this size"),
-      by_user ? OPTION("memory") " gives more; or split the file"
-              : "leave out the joints without channels, which move with their parents");
+      by_user ? OPTION("memory") " allows more; or split the file"
+              : "remove the joints without channels, which move with their parents");
 }
 
 void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& reading) {
@@ -218,9 +218,9 @@ void BvhReader::warn_about_positions(const Tree& tree, const PositionReading& re
     warnings_.push_back(
         source_.warning_at(tree.places[joints.front()], what + list_names(names, 5)));
   };
-  warn(reading.unmoved, "position channels that are 0 in every frame: the OFFSET counts for ");
+  warn(reading.unmoved, "position channels that are 0 in every frame: the OFFSET is used for ");
   warn(reading.changes,
-       "position channels that are near 0 beside the OFFSET: they are added to it for ");
+       "position channels that are near 0 compared with the OFFSET: they are added to it for ");
 }
 
 BvhFile BvhReader::finish(Clip clip) {

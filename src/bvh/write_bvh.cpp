@@ -100,7 +100,7 @@ Result<void> BvhWriter::check_joint(int index) const {
   const auto breaks_line = [](char c) { return is_line_end(c) || is_control(c) || c == '{'; };
   if (name.empty() || is_space(name.front()) || is_space(name.back()) ||
       std::ranges::any_of(name, breaks_line)) {
-    return fault(index, -1, "its name is empty, has blanks around it or holds a line end or '{'");
+    return fault(index, -1, "its name is empty, has spaces around it or contains a line break or '{'");
   }
   if (!joint.offset.allFinite() ||
       !std::ranges::all_of(joint.end_sites, [](const auto& site) { return site.allFinite(); })) {
@@ -114,12 +114,12 @@ Result<void> BvhWriter::check() const {
   if (decimals_ && (*decimals_ < 0 || *decimals_ > kMostDecimals)) {
     return usage_failure("decimals must be between 0 and " + std::to_string(kMostDecimals));
   }
-  if (skeleton_.joint_count() == 0) return run_failure({}, "a skeleton without joints is no BVH");
+  if (skeleton_.joint_count() == 0) return run_failure({}, "a skeleton without joints cannot be written as BVH");
   for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
     TRY(check_joint(joint));
   }
   if (skeleton_.channel_count() == 0 && clip_.frame_count() > 0) {
-    return run_failure({}, "cannot write frames as BVH: no joint has a channel to move by");
+    return run_failure({}, "cannot write frames as BVH: no joint has a channel");
   }
   return {};
 }
@@ -216,7 +216,7 @@ Result<void> BvhWriter::find_angles(int frame, int joint) {
   std::swap(turns.before, turns.now);
   const double miss = euler_angles(rotation.normalized(), turns.axes, turns.before, turns.now);
   if (miss > kReachTolerance) {
-    return fault(joint, frame, "its rotation channels do not reach the rotation",
+    return fault(joint, frame, "its rotation channels cannot represent the rotation",
                  "give the joint three rotation channels");
   }
   return {};

@@ -32,8 +32,8 @@ Result<std::vector<int>> match_joints(const Skeleton& source, const Skeleton& ta
     const std::string above = parent < 0 ? "" : source.joint(parent).name;
     if (above != (joint.parent < 0 ? "" : target.joint(joint.parent).name)) {
       return input_failure(
-          file, "the joint \"" + joint.name + "\" hangs elsewhere than in " + target_file,
-          "retarget edit transfer is for other trees");
+          file, "the joint \"" + joint.name + "\" has a different parent than in " + target_file,
+          "use retarget edit transfer for other trees");
     }
     twins.push_back(*twin);
   }

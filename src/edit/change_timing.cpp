@@ -41,7 +41,7 @@ Edited cut_lead_in(Clip clip, bool can_start) {
       std::string("; " OPTION("start") " 0 takes ") + (count == 1 ? "it" : "them");
   return {cut(clip, count, clip.frame_count()),
           {{"lead-in", count_text(count, "frame") +
-                           " in front left out, from which the motion jumps away" +
+                           " at the start left out, as the motion jumps away from there" +
                            (can_start ? take : std::string())}}};
 }
 

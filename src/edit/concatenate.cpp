@@ -120,7 +120,7 @@ void tell_seam(Concatenation& joined, const FrameRate& rate) {
   const Seam& seam = joined.seam;
   auto& notes = joined.notes;
   if (seam.overlap == 0) {
-    notes = {{"seam", "the second goes on where the first ends: put together as they are"}};
+    notes = {{"seam", "the second continues where the first ends: joined as they are"}};
     return;
   }
   const auto frame_text = [&rate](int frame) {
@@ -142,13 +142,13 @@ void tell_seam(Concatenation& joined, const FrameRate& rate) {
       {"", fmt::format("{} cm apart, {} feet on the floor", number_text(100.0 * seam.distance, 2),
                        seam.same_support ? "the same" : "other")},
       {"",
-       fmt::format("fastest for what it does: {} {} m/s (in the clips {}); planted feet slip at "
+       fmt::format("fastest relative to its usual speed: {} {} m/s (in the clips {}); planted feet slip at "
                    "{} m/s",
                    check.fastest_bone, number_text(check.largest_speed, 2),
                    number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
   if (check.jolted_bone.empty()) return;
   notes.push_back(
-      {"", fmt::format("largest acceleration for what it does: {} {} m/s2 (in the clips {})",
+      {"", fmt::format("largest acceleration relative to its usual: {} {} m/s2 (in the clips {})",
                        check.jolted_bone, number_text(check.largest_acceleration, 1),
                        number_text(check.usual_acceleration, 1))});
 }
@@ -163,11 +163,11 @@ void judge_seam(Concatenation& joined, bool searched_all, double longest, const 
   const bool everywhere = searched_all || joined.band >= longest;
   joined.misfit =
       run_failure(b_name,
-                  "does not fit to " + a_name + " " +
+                  "does not fit " + a_name + " " +
                       (everywhere ? "anywhere" : "within " + number_text(joined.band, 1) + " s") +
                       ": " + list_names(faults),
-                  std::string(OPTION("force") " joins them all the same") +
-                      (everywhere ? "" : "; " OPTION("search") " all looks everywhere"))
+                  std::string(OPTION("force") " joins them anyway") +
+                      (everywhere ? "" : "; " OPTION("search") " all searches everywhere"))
           .value();
 }
 
@@ -197,7 +197,7 @@ Result<Edited> like_first(const Subject& next, const Subject& first) {
   if (!same_body(next, first)) {
     Transferred moved = transfer(next, first);
     result = {std::move(moved.clip),
-              {{"", "brought to the first clip's skeleton through the T-pose"}}};
+              {{"", "transferred to the first clip's skeleton through the T-pose"}}};
     result.notes.insert(result.notes.end(), moved.notes.begin(), moved.notes.end());
   }
   const FrameRate from = next.clip.rate(), to = first.clip.rate();
@@ -233,7 +233,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
   }
   if (a.skeleton().names() != b.skeleton().names() ||
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
-    return input_failure(b_name, "has another skeleton than " + a_name);
+    return input_failure(b_name, "has a different skeleton than " + a_name);
   }
   auto mover = BodyMover::of(a, mapping, &b);
   if (!mover) {
@@ -242,7 +242,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
   }
   for (const auto& [clip, name] : {std::pair(&a, &a_name), std::pair(&b, &b_name)}) {
     if (clip->frame_count() > 0) continue;
-    return input_failure(*name, "the clip has no frames to be joined to another");
+    return input_failure(*name, "the clip has no frames to join");
   }
   TRY_ASSIGN(auto joined, Joiner(a, b, mapping, *mover, options).run());
   tell_seam(joined, a.rate());

@@ -178,9 +178,9 @@ Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamO
   const SeamFinder finder(a, b, options);
   constexpr std::int64_t kMostPairs = 16'000'000;
   if (finder.pair_count() > kMostPairs) {
-    return usage_failure("the seam is looked for among " + std::to_string(finder.pair_count()) +
+    return usage_failure("the seam would be searched among " + std::to_string(finder.pair_count()) +
                              " pairs of frames, which is too many",
-                         OPTION("search") " S looks at the last and the first S seconds only");
+                         OPTION("search") " S searches only the last and the first S seconds");
   }
   return finder.run();
 }

@@ -100,7 +100,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, c
     return input_failure({},
                          "no joint moves the body as a whole: neither the root nor a joint between "
                          "it and the hips has three position and three rotation channels",
-                         "retarget edit transfer brings the motion to a skeleton that has them");
+                         "retarget edit transfer moves the motion to a skeleton that has them");
   }
   return BodyMover(chain.back(), mapping);
 }

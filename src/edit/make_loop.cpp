@@ -200,14 +200,14 @@ void tell(Loop& loop, const FrameRate& rate, bool in_place) {
                     " s; its ends were " + number_text(100.0 * loop.distance, 2) + " cm apart"},
       {"advance", number_text(loop.way.norm(), 3) + " m and " +
                       number_text(loop.advance.heading * 180.0 / std::numbers::pi, 2) +
-                      " degrees a cycle" + (in_place ? ", taken out" : "")}};
+                      " degrees per cycle" + (in_place ? ", taken out" : "")}};
   loop.doubts = as_warnings(loop.check.faults);
   if (loop.check.faults.empty()) return;
   loop.misfit = run_failure(
-                    {}, "its end does not fit to its beginning: " + list_names(loop.check.faults),
+                    {}, "its end does not fit its beginning: " + list_names(loop.check.faults),
                     OPTION("start") " and " OPTION("end")
                     " choose a part that comes back to its first pose; " OPTION("force")
-                    " closes it all the same")
+                    " closes it anyway")
                     .value();
 }
 

@@ -87,7 +87,7 @@ GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
 Result<void> PathChange::check() const {
   constexpr double kSmallestRadius = 0.01;
   if (std::abs(radius) >= kSmallestRadius) return {};
-  return usage_failure(OPTION("radius") " must be 0.01 m at least");
+  return usage_failure(OPTION("radius") " must be at least 0.01 m");
 }
 
 Result<GroundPath> change_path(const GroundPath& own, const PathChange& change) {

@@ -44,8 +44,8 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
     }
   }
   if (heights.empty()) {
-    return input_failure({}, "no foot ever stands: the floor cannot be told",
-                         OPTION("floor") " H says how high the floor is, in metres");
+    return input_failure({}, "no foot is ever planted: cannot infer the floor",
+                         OPTION("floor") " H gives the height of the floor in metres");
   }
   return median(std::move(heights));
 }

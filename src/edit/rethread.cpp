@@ -20,7 +20,7 @@ Result<double> playing_speed(PathKeep keep, double own_length, double length) {
   if (keep != PathKeep::kSpeed) return 1.0;
   if (own_length < kShortestWay || length < kShortestWay) {
     return usage_failure("a path of " + number_text(std::min(own_length, length), 3) +
-                             " m has no speed that could be kept",
+                             " m has no speed to keep",
                          "keep the time instead");
   }
   return own_length / length;
@@ -55,15 +55,14 @@ std::vector<Warning> doubts_about(const PlantSummary& feet) {
   constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
   if (feet.largest_miss > kNotedMiss) {
     doubts.push_back({0, 0,
-                      "a leg is too short for its place by " +
+                      "a leg is too short to reach its place by " +
                           number_text(100.0 * feet.largest_miss, 1) + " cm"});
   }
   if (feet.largest_correction > kNotedCorrection) {
     doubts.push_back({0, 0,
                       "a foot had to be moved by " +
                           number_text(100.0 * feet.largest_correction, 0) +
-                          " cm to stand: the new path turns or hurries where these steps do not; "
-                          "a gentler path or " OPTION("keep") " stride suits them better"});
+                          " cm to stand: the new path turns or speeds up where these steps do not; a gentler path or " OPTION("keep") " stride suits them better"});
   }
   return doubts;
 }

@@ -54,7 +54,7 @@ void read_entries(const Json& json, const Skeleton& skeleton, BoneMap& map, Faul
     if (!joint || *joint < 0) continue;
     const auto [found, is_new] = bone_of_joint.try_emplace(*joint, key);
     if (!is_new) {
-      faults.add(fmt::format("\"{}\" stands for two bones, \"{}\" and \"{}\"",
+      faults.add(fmt::format("\"{}\" is given for two bones, \"{}\" and \"{}\"",
                              skeleton.joint(*joint).name, found->second, key));
     }
     map.joint_of_bone[*bone] = *joint;
@@ -67,7 +67,7 @@ void check_map(const Skeleton& skeleton, const BoneMap& map, Faults& faults) {
   const SkeletonTree tree(skeleton);
   for (const auto& chain : bone_chains()) {
     for (const Bone bone : bones_out_of_line(tree, map, chain)) {
-      faults.add(fmt::format("\"{}\" as \"{}\" does not hang from the bones before it",
+      faults.add(fmt::format("\"{}\" as \"{}\" is not below the bones before it",
                              skeleton.joint(map.joint(bone)).name, bone_name(bone)));
     }
   }

@@ -112,7 +112,7 @@ class Calibrator {
 
   Result<void> check() const {
     if (!body_.has(Bone::kHips)) {
-      return input_failure({}, "no joint stands for the hips", "name it in a mapping file");
+      return input_failure({}, "no joint found for the hips", "name it in a mapping file");
     }
     std::vector<std::string> missing;
     for (const Side side : kSides) {
@@ -122,7 +122,7 @@ class Calibrator {
       }
     }
     if (!missing.empty() && !map_.partial) {
-      return input_failure({}, "no joints stand for " + list_names(missing),
+      return input_failure({}, "no joints found for " + list_names(missing),
                            "legs and arms are needed, unless " OPTION("partial") " is given");
     }
     const auto is_positive = [](const std::optional<double>& value) {
@@ -131,7 +131,7 @@ class Calibrator {
     if (!is_positive(options_.metres_per_unit)) return usage_failure("the unit must be positive");
     if (!is_positive(options_.height)) return usage_failure("the height must be positive");
     if (options_.tpose && options_.rest != RestPose::kAuto) {
-      return usage_failure("a T-pose file and a rest pose exclude each other");
+      return usage_failure("a T-pose file and a rest pose cannot be combined");
     }
     if (options_.up && options_.forward && options_.up->axis == options_.forward->axis) {
       return usage_failure("forward cannot be along the up axis");
@@ -155,7 +155,7 @@ class Calibrator {
     const UpChoice up = choose_up(body_, movement_.poses, known);
     movement_.up = up.axis;
     if (up.doubtful) {
-      doubt("the body hardly ever stands: " + to_text(up.axis) +
+      doubt("the body is hardly ever upright: " + to_text(up.axis) +
             " was taken as the up axis; give " OPTION("up") " if that is wrong");
     }
   }
@@ -173,9 +173,9 @@ class Calibrator {
     return input_failure(
         {},
         hip_height > 0.0 ? "hips " + std::to_string(hip_height) +
-                               " units above the floor are a person's in no known unit"
-        : options_.height ? "without a leg the unit cannot be told, nor by the height that is given"
-                          : "without a leg the unit cannot be told",
+                               " units above the floor fit a person in no known unit"
+        : options_.height ? "cannot infer the unit without a leg, even with the given height"
+                          : "cannot infer the unit without a leg",
         "give the unit's length in metres with " OPTION("unit") +
             std::string(height > 0.0 ? ", or the body's height with " OPTION("height") : ""));
   }
@@ -213,7 +213,7 @@ class Calibrator {
     doubt((sides.size() > 1               ? std::string("the toes turn")
            : sides.front() == Side::kLeft ? "the left toes turn"
                                           : "the right toes turn") +
-          " farther than toes do: their rotations are not believed, and they "
+          " farther than toes can: their rotations are ignored, and they "
           "follow the foot");
     return true;
   }

@@ -194,7 +194,7 @@ class FootContactFinder {
         });
   }
 
-  // short changes within a phase, in either direction, are passed over
+  // short changes within a phase, in either direction, are skipped
   void smooth_levels(const ContactPhase& phase, std::vector<char>& levels) const {
     for (const char passed_over : {0, 1}) {
       for_each_run(

@@ -60,7 +60,7 @@ class DialectReader {
     const Json* value = find(key);
     if (value == nullptr) return {};
     if (value->is_string()) return value->get<std::string>();
-    faults_.add(in_quotes(key) + " must be a text, found " + short_text(*value));
+    faults_.add(in_quotes(key) + " must be a string, found " + short_text(*value));
     return {};
   }
 
@@ -72,7 +72,7 @@ class DialectReader {
     };
     if (is_text(value)) return {value.get<std::string>()};
     if (!value.is_array() || !std::ranges::all_of(value, is_text)) {
-      faults_.add(what + " must be a text or a list of texts, found " + short_text(value));
+      faults_.add(what + " must be a string or a list of strings, found " + short_text(value));
       return {};
     }
     for (const Json& entry : value) result.push_back(entry.get<std::string>());
@@ -140,7 +140,7 @@ class DialectReader {
       if (parent.is_string()) {
         dialect_.parents.emplace_back(joint, parent.get<std::string>());
       } else {
-        faults_.add("\"parents\", " + in_quotes(joint) + " must be a text, found " +
+        faults_.add("\"parents\", " + in_quotes(joint) + " must be a string, found " +
                     short_text(parent));
       }
     }

@@ -30,7 +30,7 @@ std::optional<RestCandidate> candidate(const RestSearch& search, JointPoses pose
 
 Result<Rest> taken(const RestSearch& search, std::optional<RestCandidate> found, std::string name) {
   if (!found) {
-    return input_failure({}, "the " + name + " shows no facing: hips and shoulders lie along up",
+    return input_failure({}, "the " + name + " has no facing direction: hips and shoulders lie along the up axis",
                          "choose another rest pose, or give " OPTION("forward"));
   }
   JointFromBone axes = bring_to_t(search.body, *found);
@@ -70,7 +70,7 @@ Result<Rest> rest_of_movement(const RestSearch& search) {
 Result<Rest> told_rest(const RestSearch& search) {
   const auto& [clip, map, options, body, movement] = search;
   if (options.rest == RestPose::kZero) return taken(search, zero_candidate(search), "zero pose");
-  if (clip.frame_count() == 0) return input_failure({}, "no frames: no frame is a rest pose");
+  if (clip.frame_count() == 0) return input_failure({}, "no frames: there is no rest pose");
   if (options.rest == RestPose::kLearned) return rest_of_movement(search);
   if (options.rest == RestPose::kBest) {
     const auto best = best_frame(search);

@@ -17,7 +17,7 @@ HumanMapping lafan1_mapping(const BoneArray<int>& joints, const BoneArray<int>& 
   mapping.human_from_source << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   mapping.height = 1.75;
   mapping.description =
-      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as the published method has it";
+      "LAFAN1 skeleton, centimetres, Y up, body height 1.75 m as in the published method";
   return mapping;
 }
 

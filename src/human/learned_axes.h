@@ -14,7 +14,7 @@ namespace retarget {
 /// * Knees and elbows bend about -Z: Z is the mean, over the frames, of the bending plane's normal
 ///   (weighted by the sine of the bend), for thigh, shin, upper arm, forearm and hand. Those of
 ///   LAFAN1's arms stand off their Z by 13 (upper arm), 10 (forearm) and 38 degrees (hand: people
-///   hardly ever hold their palms down) on the mean over twelve of its clips, turned outwards;
+///   hardly ever hold their palms down) on average over twelve of its clips, turned outwards;
 ///   the same is taken off here.
 /// * Z of hips and torso is the mean hip and shoulder line. X of the hips and of the head is the
 ///   mean vertical of frames in which the trunk is upright (within 25 degrees).

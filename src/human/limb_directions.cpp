@@ -324,9 +324,8 @@ std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
   }
   make_rotations_from_directions(clip, map);
   return Warning{0, 0,
-                 fmt::format("the joints' rotations do not carry the limbs, which wander by {} "
-                             "degrees against them: rotations were made from the positions; how "
-                             "forearms, hands and head turn about themselves is not known",
+                 fmt::format("the joints' rotations do not match the limbs, which are off by up to {} "
+                             "degrees: rotations were computed from the positions; the twist of forearms, hands and head is unknown",
                              std::lround(wander))};
 }
 

@@ -34,7 +34,7 @@ Result<void> settle_doubled_names(const BodySource& source, BoneMap& map) {
     const auto count = std::ranges::count(source.skeleton.joints(), name, &Joint::name);
     if (count < 2) continue;
     const std::string what =
-        fmt::format("{} joints are called \"{}\": which of them is the {} cannot be told", count,
+        fmt::format("{} joints are called \"{}\": which of them is the {} is unclear", count,
                     name, bone_name(bone));
     if (!is_optional(bone)) return input_failure({}, what, "rename all but one of them");
     map.joint_of_bone[bone] = -1;
@@ -125,11 +125,11 @@ class Recogniser {
     TRY(settle_doubled_names(source_, *accepted_));
     const HumanDoubts doubts = doubt_human(source_, *accepted_);
     if (doubts.proven) {
-      return input_failure({}, "the skeleton is not a human's: " + sentence_of(doubts.signs),
+      return input_failure({}, "the skeleton is not human: " + sentence_of(doubts.signs),
                            std::string("if it is one, ") + kMapHint);
     }
     for (const std::string& sign : doubts.signs) {
-      accepted_->notes.push_back("odd for a human: " + sign);
+      accepted_->notes.push_back("unusual for a human: " + sign);
       accepted_->confidence *= kOddity;
     }
     add_trunk_notes(source_, *accepted_);
@@ -148,7 +148,7 @@ class Recogniser {
     if (lacks("hips") || (lacks("leg") && lacks("arm"))) return no_human(missing);
     if (!options_.partial) {
       return input_failure({}, "no " + sentence_of(missing) + " found in the skeleton",
-                           std::string("go on without with " OPTION("partial") ", or ") + kMapHint);
+                           std::string("continue without with " OPTION("partial") ", or ") + kMapHint);
     }
     accepted_ = *best;
     accepted_->partial = true;
@@ -159,10 +159,10 @@ class Recogniser {
   Failure no_human(const std::vector<std::string>& missing) const {
     return input_failure(
         {},
-        fmt::format("no human skeleton: no {} found in its {}{}{}", sentence_of(missing),
+        fmt::format("not a human skeleton: no {} found in its {}{}{}", sentence_of(missing),
                     count_text(source_.skeleton.joint_count(), "joint"),
                     faults_.empty() ? "" : "; ", faults_.empty() ? "" : faults_.front()),
-        std::string("if the skeleton is a human's, ") + kMapHint);
+        std::string("if it is one, ") + kMapHint);
   }
 
   static constexpr double kOddity = 0.85;

@@ -320,7 +320,7 @@ Candidate recognise_by_shape(const BodySource& source) {
   if (!map.has(Bone::kHips) || !map.has(Bone::kSpine2)) return std::nullopt;
   TRY(tell_sides(source, map));
   map.confidence = kShapeConfidence;
-  map.notes.emplace_back("found by the shape of the tree: the joint names say nothing reliable");
+  map.notes.emplace_back("found by the shape of the tree: the joint names are not reliable");
   return map;
 }
 

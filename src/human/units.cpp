@@ -115,7 +115,7 @@ Unit unit_of_average_body(double height) {
 
 std::string assumed_unit_text(double hip_height) {
   return "hips " + std::to_string(hip_height) +
-         " units above the floor are a person's in no known unit: metres are those of a body of " +
+         " units above the floor fit a person in no known unit: scaled to a body of " +
          metres_text(kAverageHeight);
 }
 

@@ -41,14 +41,14 @@ void check_distinct(const BodySource& source, const BoneMap& map, Verdict& verdi
 void check_in_line(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   for (const auto& chain : bone_chains()) {
     for (const Bone bone : bones_out_of_line(source.tree, map, chain)) {
-      verdict.faults.push_back(fmt::format("{} as {} does not hang where that bone must",
+      verdict.faults.push_back(fmt::format("{} as {} is not where that bone must be",
                                            source.quoted_name(map.joint(bone)), bone_name(bone)));
     }
   }
   const int left = map.joint(Bone::kLeftUpLeg), right = map.joint(Bone::kRightUpLeg);
   const int hips = map.joint(Bone::kHips);
   if (left >= 0 && right >= 0 && hips >= 0 && !source.tree.between(hips, left, right)) {
-    verdict.faults.push_back(source.quoted_name(hips) + " as Hips does not lie between the legs");
+    verdict.faults.push_back(source.quoted_name(hips) + " as Hips is not between the legs");
   }
 }
 
@@ -112,15 +112,14 @@ void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdic
   // the zero pose of many skeletons is no pose of a human
   if (source.poses.from_motion) {
     doubt(verdict,
-          "in no frame is the head over the torso, that over the hips, and those over "
-          "the feet");
+          "in no frame is the head above the torso, the torso above the hips and the hips above the feet");
   }
 }
 
 void check_sides(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   if (!source.poses.from_motion) return;
   if (left_is_left(source, map) > -kLeastSwapEvidence) return;
-  doubt(verdict, "toes and knees point backwards: left and right may be exchanged in the source");
+  doubt(verdict, "toes and knees point backwards: left and right may be swapped in the source");
 }
 
 bool has_all(const BoneMap& map, Side side, std::initializer_list<LimbBone> bones) {

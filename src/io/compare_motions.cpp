@@ -30,7 +30,7 @@ bool is_beyond(double found, double tolerance, double value) {
   return found > tolerance * (1.0 + 1e-6) + kRounding * std::abs(value);
 }
 
-// an array with a row a frame becomes columns beside those that are there
+// an array with one row per frame becomes extra columns
 class TableBuilder {
  public:
   void add(const std::string& name, const NpyArray& array) {
@@ -217,7 +217,7 @@ void compare_others(const MotionTable& a, const MotionTable& b, double tolerance
 Result<MotionTable> parse_motion_table(std::string_view bytes, const std::string& file) {
   auto table = any_table(bytes, file);
   if (table && (table->columns.empty() || table->frames == 0)) {
-    return input_failure(file, "the file has no numbers with a row a frame");
+    return input_failure(file, "the file has no array with one row per frame");
   }
   return table;
 }

@@ -12,14 +12,14 @@
 
 namespace retarget {
 
-/// A motion as named columns of numbers, a row a frame.
+/// A motion as named columns of numbers, one row per frame.
 struct MotionTable {
   std::vector<std::string> columns;
   /// First of four columns that are one quaternion: q and -q there are the same.
   std::vector<std::size_t> quaternions;
   std::size_t frames = 0;
   std::vector<double> values;  ///< Row by row.
-  /// Numbers that are no columns, by name: a rate, arrays with other than a row a frame.
+  /// Numbers that are not columns, by name: a rate, arrays without one row per frame.
   std::vector<std::pair<std::string, std::vector<double>>> others;
 };
 
@@ -28,8 +28,9 @@ struct MotionTable {
 
 /// What a file holds, without knowing the robot: the columns of a CSV (by their names where it has
 /// a header; columns 4 to 7, or after a frame number 5 to 8, as a quaternion where they are of unit
-/// length), or all numbers and arrays of numbers of an NPZ or a pickle, those that have a row a frame
-/// as columns. Errors (kInput): those of the readers of such files; a file without any column.
+/// length), or all numbers and arrays of numbers of an NPZ or a pickle, those with one row per
+/// frame as columns. Errors (kInput): those of the readers of such files; a file without any
+/// column.
 [[nodiscard]] Result<MotionTable> parse_motion_table(std::string_view bytes,
                                                      const std::string& file);
 

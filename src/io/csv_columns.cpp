@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kRootColumns = 7;
 constexpr std::size_t kNamesShown = 6;
 
-constexpr const char* kByNumber = OPTION("ignore-header") " takes the columns by their number";
+constexpr const char* kByNumber = OPTION("ignore-header") " reads the columns by position";
 
 std::string quoted(const std::vector<std::string>& names) {
   std::vector<std::string> shown;
@@ -175,9 +175,9 @@ Result<void> check_joints(const CsvColumns& columns, const Robot& robot, const s
   }
   return input_failure(file,
                        "the header names " + std::to_string(named.size()) +
-                           " joints, and these of the robot " + robot.name() +
+                           " joints, but these of the robot " + robot.name() +
                            " are missing: " + list_names(missing),
-                       "a file may lack what a variant of the robot lacks (retarget robots show)");
+                       "a file may omit the joints that a variant of the robot omits (retarget robots show)");
 }
 
 Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const Robot& robot,
@@ -196,7 +196,7 @@ Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const
                          "the header names " + quoted(unknown) + ", which " +
                              (unknown.size() == 1 ? "is" : "are") + " no joint of the robot " +
                              robot.name() + did_you_mean(unknown.front(), robot.joint_names()),
-                         std::string(kByNumber) + "; columns of other things are to be left out");
+                         std::string(kByNumber) + "; remove columns of other things");
   }
   if (!reader.conflict().empty()) {
     return input_failure(file, "the header names " + reader.conflict());
@@ -204,9 +204,8 @@ Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const
   columns.quaternion_named = complete(columns.quaternion);
   if (!complete(columns.position) || complete(columns.euler) == columns.quaternion_named) {
     return input_failure(file,
-                         "the header names joints, but not three columns of the root's "
-                         "position and four of its quaternion",
-                         "names such as root_x, root_qx are known");
+                         "the header names joints, but not the three columns of the root's position and the four of its quaternion",
+                         "use names such as root_x, root_qx");
   }
   TRY(check_joints(columns, robot, file, options));
   // the dialect has its units without saying so

@@ -19,7 +19,7 @@ Result<RawMotion> read_csv_motion(std::string_view text, const Robot& robot,
   for (const auto& [column, joint] : columns.joints) raw.joint_indices.push_back(joint);
   TRY(take_csv_rate(table, columns, file, options, raw));
   if (options.ignore_header && !table.header.empty()) {
-    raw.notes.push_back("columns by their number: the header is passed over");
+    raw.notes.push_back("columns by position: the header is ignored");
   }
   const bool euler = columns.euler[0] != kNoColumn && !columns.quaternion_named;
   if (columns.quaternion_named || euler) raw.order = QuaternionOrder::kXyzw;

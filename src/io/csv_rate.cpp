@@ -18,7 +18,7 @@ constexpr double kLongestStep = 1.0;
 
 // how a clock goes
 struct ClockSteps {
-  double step = 0.0;        // on the mean
+  double step = 0.0;        // on average
   double deviation = 0.0;   // of one value from an even clock, at most
   std::size_t where = 0;    // that row
   bool goes_up = true;      // in every row
@@ -115,7 +115,7 @@ class ClockReader {
       // whole numbers one apart are frames; whole numbers an even step apart may be either
       const bool even = steps_.whole && steps_.deviation < 1e-9;
       if (even && steps_.step > 1.5) {
-        return doubt("may be frame numbers or times: it goes up by " + number_text(steps_.step, 3) +
+        return doubt("may be frame numbers or times: it increases by " + number_text(steps_.step, 3) +
                      " a line");
       }
       counts = even || !steps_.goes_up ? CsvClock::kFrames : CsvClock::kTimes;
@@ -129,9 +129,9 @@ class ClockReader {
     const std::string message =
         "column " + std::to_string(columns_.clock + 1) + " (" + name() + ") " + what;
     if (!options_.rate) {
-      return input_failure(file_, message, "say the rate with " OPTION("source-fps"));
+      return input_failure(file_, message, "give the rate with " OPTION("source-fps"));
     }
-    motion_.warnings.push_back(message + "; it is passed over");
+    motion_.warnings.push_back(message + "; it is ignored");
     return {};
   }
 
@@ -147,37 +147,37 @@ class ClockReader {
     constexpr double kSomaRate = 120.0;
     if (columns_.soma && even && steps_.step > 1.0) {
       take_rate(frame_rate_from_fps(kSomaRate / steps_.step),
-                "frame numbers that go up by " + number_text(steps_.step, 0) + ", of 120 fps");
+                "frame numbers that increase by " + number_text(steps_.step, 0) + ", of 120 fps");
       return {};
     }
     if (columns_.soma && !even) {
-      return doubt("has frame numbers that do not go up evenly (frame " +
-                   std::to_string(steps_.where) + "): are there frames missing?");
+      return doubt("has frame numbers that do not increase evenly (frame " +
+                   std::to_string(steps_.where) + "): are frames missing?");
     }
     if (even) {
       motion_.notes.push_back(
-          "a column of frame numbers, passed over" +
-          (steps_.step > 1.0 ? ": they go up by " + number_text(steps_.step, 0) : std::string()));
+          "a column of frame numbers, ignored" +
+          (steps_.step > 1.0 ? ": they increase by " + number_text(steps_.step, 0) : std::string()));
     } else {
-      motion_.warnings.push_back("the frame numbers do not go up evenly (frame " +
+      motion_.warnings.push_back("the frame numbers do not increase evenly (frame " +
                                  std::to_string(steps_.where) +
-                                 "), and are passed over: are there frames missing?");
+                                 ") and are ignored: are frames missing?");
     }
     return {};
   }
 
   Result<void> take_times() {
-    if (!steps_.goes_up) return doubt("does not go up in every line, as times do");
+    if (!steps_.goes_up) return doubt("does not increase on every line, as times do");
     const double tick =
         columns_.seconds_per_tick > 0.0 ? columns_.seconds_per_tick : tick_by_magnitude(steps_);
     const double seconds = steps_.step * tick;
     if (!(seconds >= kShortestStep && seconds <= 1.0 / kSlowestFileRate)) {
-      return doubt("tells no rate: it goes up by " + number_text(steps_.step, 6) +
-                   " a line, in what unit is not known");
+      return doubt("gives no rate: it increases by " + number_text(steps_.step, 6) +
+                   " per line, in an unknown unit");
     }
     if (steps_.deviation > 0.5 * steps_.step) {
       return doubt("is not even: the time of frame " + std::to_string(steps_.where) + " is " +
-                   number_text(steps_.deviation * tick, 4) + " s away from an even rate");
+                   number_text(steps_.deviation * tick, 4) + " s off an even rate");
     }
     const char* unit = tick == 1.0 ? "s" : tick == 1e-3 ? "ms" : tick == 1e-6 ? "us" : "ns";
     const FrameRate rate = rate_of_times(table_, columns_.clock, steps_, tick);
@@ -188,8 +188,8 @@ class ClockReader {
   void take_rate(const FrameRate& rate, const std::string& found) {
     motion_.rate = rate;
     if (options_.rate && !same_rate(*options_.rate, rate)) {
-      motion_.warnings.push_back("the file has " + found + "; taken are the " +
-                                 to_text(*options_.rate) + " fps that were asked for");
+      motion_.warnings.push_back("the file has " + found + "; using the requested " +
+                                 to_text(*options_.rate) + " fps");
       return;
     }
     motion_.notes.push_back("a column of " + found);

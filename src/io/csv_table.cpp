@@ -28,7 +28,7 @@ class CsvTableReader {
 
   Result<CsvTable> read(std::string_view text) {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-      return input_failure(file_, "the file is text of two bytes a character (UTF-16)",
+      return input_failure(file_, "the file is UTF-16 text",
                            "save it as UTF-8");
     }
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -91,7 +91,7 @@ class CsvTableReader {
         return fault(cell.column, "expected a number, found \"" + found + "\"",
                      found.find(',') == std::string::npos
                          ? ""
-                         : "decimals follow a point: numbers with commas in them are not read");
+                         : "use a decimal point: numbers with commas are not read");
       }
       const bool first = &cell == &cells_.front();
       // written so that NaN is caught

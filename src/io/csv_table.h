@@ -28,7 +28,7 @@ struct CsvTable {
 };
 
 /// Reads lines of numbers: cells as split_cells parts them; empty lines and those that begin with #
-/// are passed over.
+/// are skipped.
 /// Errors (kInput) with line and column: no lines, lines of different length, what is no number,
 /// numbers beyond 1e6 (in a first column, which may be a time since 1970, beyond 1e20), UTF-16.
 [[nodiscard]] Result<CsvTable> read_csv_table(std::string_view text, const std::string& file);

@@ -37,7 +37,7 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
 
 std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format) {
   if (format == MotionFormat::kCsvSoma && !soma_csv_tells(motion.rate())) {
-    return {"csv-soma says no rate: its readers take 120 fps, this motion has " +
+    return {"csv-soma stores no rate: its readers assume 120 fps, this motion has " +
             to_text(motion.rate()) + "; " OPTION("fps") " 120 writes what they expect"};
   }
   if (format != MotionFormat::kPklPbhc) return {};
@@ -47,7 +47,7 @@ std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat for
   if (!lost) return {};
   const std::string& variant = (*robot)->variant().name;
   return {"pkl-pbhc has the joints of the variant " + variant + ": " + *lost +
-          "; " OPTION("dof") " " + variant + " does without them"};
+          "; " OPTION("dof") " " + variant + " leaves them out"};
 }
 
 }  // namespace retarget

@@ -120,16 +120,15 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
     return npz.file_failure(
         "it has " + std::to_string(arrays.joint_count) + " joints and " +
             std::to_string(arrays.body_count) + " bodies, which fits neither the robot " +
-            robot->name() + " nor one of its variants",
-        joints_fit ? OPTION("from") " npz-mjlab or npz-beyondmimic takes the joints alone"
-                   : "is it another robot's?");
+            robot->name() + " nor any of its variants",
+        joints_fit ? OPTION("from") " npz-mjlab or npz-beyondmimic reads only the joints"
+                   : "is it for another robot?");
   }
   if (!(best->distance <= kSamePlace) && !options.format) {
     return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +
                                 " m from where its joints put those of the robot " + robot->name() +
                                 ", in mjlab's order and in BeyondMimic's",
-                            "is it another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic says whose "
-                            "order it has");
+                            "is it for another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic sets the order");
   }
   return *best;
 }
@@ -144,7 +143,7 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
   for (const char* name : {"joint_pos", "body_pos_w", "body_quat_w"}) {
     if (npz.has(name)) continue;
     return npz.file_failure(
-        "it is no motion of a robot: there is no array \"" + std::string(name) + "\"",
+        "it is not a robot motion: there is no array \"" + std::string(name) + "\"",
         "it has " + list_names(npz.names(), 12));
   }
   TRY_ASSIGN(const auto arrays, read_arrays(npz));
@@ -170,7 +169,7 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
     TRY_ASSIGN(const auto fps, npz.read("fps"));
     const double value = fps.is_number() && fps.element_count() == 1 ? fps.numbers().front() : 0.0;
     if (!(value >= kSlowestFileRate && value <= kFastestFileRate))
-      return npz.array_failure("fps", "is no rate");
+      return npz.array_failure("fps", "is not a valid rate");
     raw.rate = frame_rate_from_fps(value);
   }
   return raw;

@@ -76,7 +76,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
   if (unpacked.size() > most) {
     return input_failure(file,
                          "unpacked, the file has more than " + std::to_string(most) +
-                             " bytes, and it has " + std::to_string(bytes.size()),
+                             " bytes, but it has only " + std::to_string(bytes.size()),
                          "no motion is as large or packed as tightly");
   }
   if (state != Z_STREAM_END) {
@@ -134,9 +134,9 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
   if (!bytes.starts_with('\x80')) {
     const bool old = is_old_pickle(bytes);
     return input_failure(file,
-                         old          ? "the pickle is of protocol 0 or 1, and 2 to 5 are read"
-                         : compressed ? "what the compressed file holds is no pickle"
-                                      : "the file is no pickle of protocol 2 or later",
+                         old          ? "the pickle has protocol 0 or 1; 2 to 5 are supported"
+                         : compressed ? "the compressed file does not hold a pickle"
+                                      : "the file is not a pickle of protocol 2 or later",
                          compressed && !old ? "unpack it and give what is inside"
                                             : "write it with Python 3's pickle.dump(motion, file)");
   }

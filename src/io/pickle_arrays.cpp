@@ -73,7 +73,7 @@ Result<void> PickleReader::call() {
   const PickleNode& arguments = node(arguments_node);
   const PickleNode& callee = node(callee_node);
   if (callee.kind != Kind::kObject || arguments.kind != Kind::kTuple) {
-    return fault("the pickle calls what is no function");
+    return fault("the pickle calls something that is not a function");
   }
   PickleNode made;
   made.kind = Kind::kObject;
@@ -97,7 +97,7 @@ Result<void> PickleReader::call() {
       return push(std::move(made));
     case Part::kOrderedDict:
       if (!arguments.items.empty()) {
-        return fault("the pickle fills an OrderedDict in a way that is not read");
+        return fault("the pickle fills an OrderedDict in an unsupported way");
       }
       made.kind = Kind::kDict;
       return push(std::move(made));
@@ -108,7 +108,7 @@ Result<void> PickleReader::call() {
     case Part::kFromBuffer:
       return array_from_buffer(arguments);
     default:
-      return fault("the pickle calls what is no function");
+      return fault("the pickle calls something that is not a function");
   }
 }
 
@@ -116,11 +116,11 @@ Result<void> PickleReader::call() {
 Result<void> PickleReader::encode(const PickleNode& arguments) {
   if (arguments.items.size() != 2 || node(arguments.items[0]).kind != Kind::kText ||
       (node(arguments.items[1]).text != "latin1" && node(arguments.items[1]).text != "latin-1")) {
-    return fault("the pickle encodes a text in a way that is not read");
+    return fault("the pickle encodes a string in an unsupported way");
   }
   const std::string_view text = node(arguments.items[0]).text;
   encoded_bytes_ += text.size();
-  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its texts without end");
+  if (encoded_bytes_ > bytes_.size()) return fault("the pickle repeats its strings without end");
   std::string bytes;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto first = static_cast<unsigned char>(text[i]);
@@ -130,7 +130,7 @@ Result<void> PickleReader::encode(const PickleNode& arguments) {
     }
     // U+0080 to U+00FF in UTF-8
     const bool two = (first == 0xC2 || first == 0xC3) && i + 1 < text.size();
-    if (!two) return fault("the pickle encodes a text that is no latin1");
+    if (!two) return fault("the pickle encodes a string that is not latin1");
     bytes += static_cast<char>(((first & 3) << 6) | (static_cast<unsigned char>(text[++i]) & 0x3F));
   }
   document_.texts_.push_back(std::move(bytes));
@@ -208,13 +208,13 @@ Result<void> PickleReader::build() {
   if (is_part(object, Part::kShell)) return fill_shell(target, node(state));
   if (is_part(object, Part::kWrapper)) return fill_wrapper(target, node(state));
   if (is_part(object, Part::kType)) return set_byte_order(target, node(state));
-  return fault("the pickle gives a state to what has none");
+  return fault("the pickle gives a state to an object that has none");
 }
 
 // (version, shape, dtype, is Fortran order, bytes)
 Result<void> PickleReader::fill_shell(Node shell, const PickleNode& state) {
   if (state.kind != Kind::kTuple || state.items.size() != 5) {
-    return fault("the pickle has an array whose state is not read");
+    return fault("the pickle has an array with an unsupported state");
   }
   if (node(state.items[4]).kind != Kind::kBytes) {
     return fault("the pickle has an array of Python objects, which is refused",
@@ -247,7 +247,7 @@ Result<void> PickleReader::set_byte_order(Node type, const PickleNode& state) {
   const bool sound = state.kind == Kind::kTuple && state.items.size() >= 2 &&
                      node(state.items[1]).kind == Kind::kText &&
                      node(state.items[1]).text.size() == 1;
-  if (!sound) return fault("the pickle has a dtype whose state is not read");
+  if (!sound) return fault("the pickle has a dtype with an unsupported state");
   const char order = node(state.items[1]).text.front();
   node(type).integer = order == '=' ? '<' : order;
   return {};

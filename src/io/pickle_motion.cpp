@@ -80,7 +80,7 @@ class PickledMotion {
     if (fps == nullptr) return {};
     const auto value = document_.number(*fps);
     if (!value || !(*value >= kSlowestFileRate && *value <= kFastestFileRate)) {
-      return input_failure(file_, "the pickle's fps is no rate",
+      return input_failure(file_, "the pickle's fps is not a valid rate",
                            "give it with " OPTION("source-fps"));
     }
     raw.rate = frame_rate_from_fps(*value);
@@ -99,7 +99,7 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& 
   TRY_ASSIGN(const auto document, read_pickle(bytes, file));
   const PickleNode& root = document.root();
   if (root.kind != PickleNode::Kind::kDict) {
-    return input_failure(file, "the pickle holds no dictionary of a motion");
+    return input_failure(file, "the pickle does not hold a motion dictionary");
   }
   if (document.find(root, kGmrKeys.position) != nullptr ||
       document.find(root, kGmrKeys.joints) != nullptr) {
@@ -117,9 +117,9 @@ Result<RawMotion> read_pickle_motion(std::string_view bytes, const std::string& 
     if (document.find(member, kPbhcKeys.position) != nullptr) motions.emplace_back(key.text);
   }
   if (motions.empty()) {
-    return input_failure(file, "the pickle holds no motion of a robot",
+    return input_failure(file, "the pickle does not hold a robot motion",
                          "GMR's dictionary (root_pos, root_rot, dof_pos) and PBHC's "
-                         "(root_trans_offset, root_rot, dof) are known");
+                         "(root_trans_offset, root_rot, dof) are supported");
   }
   std::string chosen = motions.front();
   if (!options.motion.empty()) {

@@ -179,7 +179,7 @@ Result<void> PickleReader::add_items(Kind kind, const std::vector<Node>& items) 
   stack_.push_back(target);
   PickleNode& container = node(target);
   if (container.kind != kind || (kind == Kind::kDict && items.size() % 2 != 0)) {
-    return fault("the pickle adds values to what cannot hold them");
+    return fault("the pickle adds values to an object that cannot hold them");
   }
   container.items.insert(container.items.end(), items.begin(), items.end());
   return {};
@@ -281,7 +281,7 @@ Result<bool> PickleReader::read_object(PickleOp op) {
       TRY_ASSIGN(const auto name, pop());
       TRY_ASSIGN(const auto module, pop());
       if (node(name).kind != Kind::kText || node(module).kind != Kind::kText) {
-        return fault("the pickle names a function by what is no text");
+        return fault("the pickle names a function by something that is not a string");
       }
       done = push_global(node(module).text, node(name).text);
       break;
@@ -310,8 +310,8 @@ Result<void> PickleReader::read() {
       // a frame only tells how much may be read ahead
       TRY_ASSIGN(const auto argument, take_size(op == PickleOp::kProto ? 1 : 8));
       if (op == PickleOp::kProto && (argument < 2 || argument > 5)) {
-        return fault("the pickle is of protocol " + std::to_string(argument) +
-                     ", and 2 to 5 are read");
+        return fault("the pickle has protocol " + std::to_string(argument) +
+                     "; 2 to 5 are supported");
       }
       continue;
     }

@@ -96,7 +96,7 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
   if (most > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * most) {
     guess.order = steadier;
     guess.reason = "the lowest foot slips by " + pair_text(1000.0 * slip[0], 1000.0 * slip[1], 2) +
-                   " mm a frame";
+                   " mm per frame";
     return guess;
   }
   // both stand still; a robot that turns its back all the time is the rarer one
@@ -104,7 +104,7 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
       up[static_cast<std::size_t>(other(usual))] > kStands) {
     guess.order = usual;
     guess.by_habit = true;
-    guess.reason = "both orders would do, and this is the usual one";
+    guess.reason = "both orders fit, and this is the usual one";
   }
   return guess;
 }

@@ -171,9 +171,9 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
     Eigen::Quaterniond turn(printed(from[3]), printed(from[4]), printed(from[5]), printed(from[6]));
     if (turn.norm() < kNoLength) {
       return run_failure("",
-                         "of the root's quaternion in frame " + std::to_string(frame) +
-                             " nothing is left with " + std::to_string(precision) + " digits",
-                         "print more: " OPTION("precision"));
+                         "the root's quaternion in frame " + std::to_string(frame) +
+                             " rounds to zero with " + std::to_string(precision) + " digits",
+                         "print more digits: " OPTION("precision"));
     }
     turn.normalize();
     if (frame > 0) align_sign(before.coeffs(), turn.coeffs());

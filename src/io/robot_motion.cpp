@@ -79,10 +79,10 @@ class MotionInterpreter {
     // written so that NaN is caught
     const auto sound = [](double value) { return std::abs(value) <= kLargest; };
     if (!std::ranges::all_of(raw_.position, sound) || !std::ranges::all_of(raw_.joints, sound)) {
-      return input_failure(file_, "the motion holds what is no finite number, or beyond 1e6");
+      return input_failure(file_, "the motion has a number that is not finite, or beyond 1e6");
     }
     if (!std::ranges::all_of(raw_.euler, sound)) {
-      return input_failure(file_, "the root's angles are no finite numbers, or beyond 1e6");
+      return input_failure(file_, "the root's angles are not finite, or beyond 1e6");
     }
     return {};
   }
@@ -129,7 +129,7 @@ class MotionInterpreter {
     const std::string note =
         std::to_string(missing.size()) + " of the robot's " +
         std::to_string(robot_->output_joints().size()) +
-        " joints are not in the file and stay as in its zero pose: " + list_names(missing, kShown);
+        " joints are not in the file and stay at its zero pose: " + list_names(missing, kShown);
     // a pickle has PBHC's joints by its format, and who names a variant knows
     (is_csv() && options_.variant.empty() ? raw_.warnings : raw_.notes).push_back(note);
   }
@@ -157,7 +157,7 @@ class MotionInterpreter {
   Result<QuaternionOrder> find_order(const RobotClip& clip) {
     if (raw_.order) {
       if (options_.quaternion && is_csv()) {
-        raw_.notes.emplace_back("the header tells the order of the quaternion: it is believed");
+        raw_.notes.emplace_back("the header gives the order of the quaternion");
       }
       return *raw_.order;
     }
@@ -166,9 +166,8 @@ class MotionInterpreter {
     if (!guess.order) {
       if (!is_csv()) return raw_.usual;
       return input_failure(file_,
-                           "the order of the root's quaternion cannot be told: as xyzw and "
-                           "as wxyz the robot moves equally well",
-                           "say which with " OPTION("source-quat"));
+                           "cannot infer the order of the root's quaternion: xyzw and wxyz are equally plausible",
+                           "choose with " OPTION("source-quat"));
     }
     if (is_csv() || *guess.order != raw_.usual) {
       raw_.notes.push_back(std::string("quaternion ") +
@@ -206,7 +205,7 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
   if (bytes.starts_with("PK")) {
     if (options.degrees || options.metres_per_unit) {
       return input_failure(
-          file, "an NPZ of a tracker is in radians and metres",
+          file, "a tracking NPZ is in radians and metres",
           OPTION("source-angles") " and " OPTION("source-unit") " are for CSVs and pickles");
     }
     return read_npz_motion(bytes, robot, file, options);
@@ -216,12 +215,12 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
       bytes.starts_with("\xFD"
                         "7zXZ") ||
       bytes.starts_with("\x04\x22\x4d\x18")) {
-    return input_failure(file, "the file is compressed by bzip2, xz or lz4, which is not read",
+    return input_failure(file, "the file is compressed with bzip2, xz or lz4, which is not supported",
                          "unpack it, or dump it with joblib's compress=3 (zlib)");
   }
   if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
-    return input_failure(file, "the file is a BVH, the motion of a human",
-                         "retarget " OPTION("bvh") " brings it to a robot");
+    return input_failure(file, "the file is a BVH, a human motion",
+                         "retarget " OPTION("bvh") " converts it to a robot motion");
   }
   return read_csv_motion(bytes, *robot, file, options);
 }
@@ -263,14 +262,13 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
     for (const RobotVariant& each : robot.profile().variants) known.push_back(each.name);
     return input_failure(
         file,
-        fmt::format("the motion has {} joints, and neither the robot {} nor one of "
-                    "its variants has as many",
+        fmt::format("the motion has {} joints, and neither the robot {} nor any of its variants has that many",
                     count, robot.name()),
         known.empty() ? "" : "its variants are " + list_names(known));
   }
   return input_failure(
       file, std::to_string(count) + " joints may be those of the variants " + list_names(fitting),
-      OPTION("source-dof") " says which");
+      OPTION("source-dof") " chooses one");
 }
 
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,

@@ -201,13 +201,13 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                          "a motion of " + std::to_string(clip.frame_count()) + " frames at " +
                              to_text(clip.rate()) + " fps is too long for " +
                              to_text(options.rate) + " fps",
-                         OPTION("source-fps") " gives the rate that a file does not say truly");
+                         OPTION("source-fps") " corrects a wrong rate in the file");
   }
   const Samples samples = sample(clip, options.rate);
   const std::size_t count = samples.qpos.size();
   if (count < kFewestSamples) {
     return input_failure("", "a tracking NPZ needs three frames at " + to_text(options.rate) +
-                                 " fps, and the motion has " + std::to_string(count));
+                                 " fps, but the motion has " + std::to_string(count));
   }
   TrackingMotion motion;
   motion.format = format;
@@ -230,7 +230,7 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
 Result<std::string> format_tracking_npz(const TrackingMotion& motion) {
   if (motion.rate.seconds != 1) {
     return run_failure(
-        "", "a tracking NPZ has a whole number of frames per second, not " + to_text(motion.rate));
+        "", "a tracking NPZ needs a whole number of frames per second, not " + to_text(motion.rate));
   }
   const std::size_t frames = motion.frames;
   const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();

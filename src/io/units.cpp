@@ -28,7 +28,7 @@ constexpr double kSunkReaches = 0.2;
 constexpr double kHighUprightReaches = 1.6;
 // as many of the upright frames count; the others may be a fall or the start
 constexpr double kMostFrames = 0.95;
-// m/s on the mean: no runner keeps it up
+// m/s on average: no runner keeps it up
 constexpr double kFastestMean = 10.0;
 
 // the widest that a hinge of the robot turns from 0
@@ -100,7 +100,7 @@ class UnitFinder {
           "the largest joint value is " + number_text(largest, 3) +
               ", which may be radians or degrees: the robot's joints turn up to " +
               number_text(widest, 2) + " rad, and the file names no unit",
-          "say which with " OPTION("source-angles") " rad or " OPTION("source-angles") " deg");
+          "choose with " OPTION("source-angles") " rad or " OPTION("source-angles") " deg");
     }
     doubt_radians();
     return {};
@@ -127,7 +127,7 @@ class UnitFinder {
                                " high, which may be metres, centimetres or millimetres: the "
                                "robot's limbs reach " +
                                number_text(reach, 2) + " m, and the file names no unit",
-                           "say which with " OPTION("source-unit") " m, cm or mm");
+                           "choose with " OPTION("source-unit") " m, cm or mm");
     }
     raw_.metres_per_unit = 1.0;
     return {};
@@ -166,7 +166,7 @@ class UnitFinder {
 
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
     raw_.warnings.push_back("by its format or header the file has " + what + " in " + own +
-                            "; taken are the " + taken + " that were asked for");
+                            "; using the requested " + taken);
   }
 
   [[nodiscard]] bool is_hinge(std::size_t column) const {
@@ -264,21 +264,21 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
     const double height = frames[std::min(most, frames.size() - 1)].height;
     const bool low = height < kLowUprightReaches * reach && has_sunk(clip, frames, reach);
     const std::string what = "the root is upright and only " + number_text(height, 4) +
-                             " m high, where the robot's legs reach " + number_text(reach, 2) +
+                             " m high, but the robot's legs reach " + number_text(reach, 2) +
                              " m";
     if (low && height < kLeastUprightReaches * reach) {
-      return input_failure(file, what + "; lengths may be in another unit than metres",
-                           "if that is meant, say so with " OPTION("source-unit") " m; else bring the "
-                           "positions to metres, centimetres or millimetres first");
+      return input_failure(file, what + "; lengths may not be in metres",
+                           "if that is intended, confirm with " OPTION("source-unit") " m; else convert the "
+"positions to metres, centimetres or millimetres first");
     }
-    if (low) doubt(what, "m says that it is meant");
+    if (low) doubt(what, "m confirms it");
   }
   const double lowest = lowest_height(clip);
   const double odd = upright ? kHighUprightReaches * reach : kOddReaches * reach_of(clip.robot());
   if (lowest > odd) {
     doubt("the root is never lower than " + number_text(lowest, 2) + " m", "cm takes centimetres");
   } else if (const double speed = mean_speed(clip); speed > kFastestMean) {
-    doubt("the root moves at " + number_text(speed, 1) + " m/s on the mean",
+    doubt("the root moves at " + number_text(speed, 1) + " m/s on average",
           "cm takes centimetres");
   }
   return {};

@@ -62,7 +62,7 @@ Result<FrameRange> frame_range_from_text(std::string_view text, int frame_count)
   if (!begin || !end) return bad_range(text);
   const std::string quoted = "the frame range \"" + std::string(text) + "\"";
   if (*begin >= frame_count) {
-    return usage_failure(quoted + " begins behind the clip, which has " + extent_text(frame_count));
+    return usage_failure(quoted + " begins after the end of the clip, which has " + extent_text(frame_count));
   }
   if (*begin >= *end) {
     return usage_failure(quoted + " holds no frames",
@@ -86,7 +86,7 @@ Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::op
     const std::string extent = frame_count == 0
                                    ? "has no frames"
                                    : "ends at " + seconds_text(rate.time_of(frame_count - 1));
-    return usage_failure("the start at " + seconds_text(*start) + " lies behind the clip, which " +
+    return usage_failure("the start at " + seconds_text(*start) + " is after the end of the clip, which " +
                          extent);
   }
   if (start && last < first) {
@@ -105,7 +105,7 @@ Result<FrameRange> chosen_range(std::string_view frames, std::optional<double> s
   if (frames.empty()) return frame_range_from_seconds(start, end, rate, frame_count);
   return usage_failure(
       OPTION("frames") " and " OPTION("start") "/" OPTION("end") " both choose a part of the clip",
-      "give one of them");
+      "give only one of them");
 }
 
 }  // namespace retarget

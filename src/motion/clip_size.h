@@ -9,7 +9,7 @@
 namespace retarget {
 
 /// What to do where a motion's file is larger than its part of the memory.
-inline constexpr const char* kLargeFileHint = OPTION("memory") " gives more; or split the motion";
+inline constexpr const char* kLargeFileHint = OPTION("memory") " allows more; or split the motion";
 
 /// Bytes that a frame of a clip of this skeleton takes in memory.
 [[nodiscard]] inline std::size_t frame_bytes(const Skeleton& skeleton) {

@@ -32,7 +32,7 @@ OptionTable term_table(FitOptions& o) {
           term("foot-height", o.foot_height, "Heel and toe follow the source's clearance"),
           term("contact", o.contact, "Planted heels and toes stay where they are, on the floor"),
           term("floor", o.floor, "Nothing goes below the floor"),
-          term("self-collision", o.self_collision, "Parts of the robot stay out of each other"),
+          term("self-collision", o.self_collision, "Parts of the robot do not penetrate each other"),
           term("smoothness", o.smoothness, "Velocities change slowly"),
           term("speed", o.speed, "Joints stay below speed_soft")};
 }
@@ -72,7 +72,7 @@ OptionTable foot_table(FitOptions& o) {
                  "Planted heel or toe to the floor, per metre"),
           number(kGroup, "sole_floor_weight", o.sole_floor_weight,
                  "Sole points below sole_margin, per metre"),
-          number(kGroup, "sole_margin", o.sole_margin, "Metres; of feet that are not planted", -1.0,
+          number(kGroup, "sole_margin", o.sole_margin, "Metres; for feet that are not planted", -1.0,
                  1.0),
           number(kGroup, "body_floor_weight", o.body_floor_weight,
                  "Other bodies below body_margin, per metre"),
@@ -99,7 +99,7 @@ OptionTable motion_table(FitOptions& o) {
       number(kGroup, "speed_most", o.speed_most,
              "rad/s; no joint is ever faster, whatever its own limit", kAbove0),
       number(kGroup, "largest_step", o.largest_step,
-             "rad; no joint ever moves farther from a frame to the next", kAbove0)};
+             "rad; no joint ever moves farther between two frames", kAbove0)};
 }
 
 OptionTable contact_table(FitOptions& o) {
@@ -107,15 +107,15 @@ OptionTable contact_table(FitOptions& o) {
   return {
       number(kGroup, "contact_speed", o.contact_speed, "m/s; a slower heel or toe may be planted"),
       number(kGroup, "contact_release_speed", o.contact_release_speed,
-             "m/s; a planted one stays so below"),
+             "m/s; a planted one stays planted below"),
       number(kGroup, "contact_height", o.contact_height, "Metres above its standing height"),
       number(kGroup, "contact_release_height", o.contact_release_height,
-             "Metres; a planted one stays so below"),
-      number(kGroup, "contact_time", o.contact_time, "Seconds; what is shorter is no contact"),
+             "Metres; a planted one stays planted below"),
+      number(kGroup, "contact_time", o.contact_time, "Seconds; anything shorter is not a contact"),
       number(kGroup, "support_time", o.support_time,
-             "Seconds that a foot above the floor is slow, at least, to stand on something"),
+             "Seconds; a raised foot that is slow for this long stands on something"),
       number(kGroup, "support_drift", o.support_drift,
-             "Metres that it moves in that time, at most")};
+             "Metres; how far it may move in that time")};
 }
 
 OptionTable solver_table(FitOptions& o) {

@@ -72,8 +72,7 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
 
 Option memory_row(double& memory_gb) {
   return option("memory", memory_gb, kInputGroup, "GB",
-                "Take no motion that would need more memory than this, GB (default: three quarters "
-                "of what there is)",
+                "Refuse motions that need more memory than this, GB (default: three quarters of what is available)",
                 {.least = 0.001, .most = 1e6, .decides = false});
 }
 
@@ -88,7 +87,7 @@ OptionTable source_table(SourceOptions& options) {
                  "of the same height)",
                  {.file = OptionFile::kContent}),
           option("lenient", options.lenient, kInputGroup, "",
-                 "Keep the complete frames of a damaged file, say what was dropped"),
+                 "Keep the complete frames of a damaged file and report what was dropped"),
           option("root", options.root, kInputGroup, "NAME",
                  "Which tree to read, when a file holds several ROOTs"),
           option("source-fps", options.source_fps, kInputGroup, "N",
@@ -100,7 +99,7 @@ OptionTable source_table(SourceOptions& options) {
 OptionTable human_table(HumanOptions& options) {
   return {
       option("map", options.map, kHumanGroup, "FILE",
-             "Which joint is which bone: a mapping file in place of recognition",
+             "Which joint is which bone: a mapping file instead of recognition",
              {.file = OptionFile::kContent}),
       option("partial", options.partial, kHumanGroup, "",
              "Accept a body without arms or without legs"),
@@ -119,7 +118,7 @@ OptionTable human_table(HumanOptions& options) {
       text_option("forward", options.forward, kHumanGroup, "AXIS",
                   "Where the source's rest pose faces", axis_text, axis_from_text),
       option("height", options.height, kHumanGroup, "M",
-             "Height of the body, metres; settles a unit that is unknown (default: estimated; 1.75 "
+             "Height of the body, metres; determines an unknown unit (default: estimated; 1.75 "
              "for LAFAN1)",
              {.least = 0.1, .most = 10.0})};
 }
@@ -131,11 +130,10 @@ OptionTable part_table(PartOptions& options) {
                  "End at this time of the source, seconds, inclusive",
                  {.least = 0.0, .most = kLongestTime}),
           option("frames", options.frames, kInputGroup, "A:B",
-                 "Source frames from A up to, not including, B; either may be left out"),
+                 "Source frames from A up to, not including, B; either may be omitted"),
           option("lead-in", options.lead_in, kInputGroup, "",
-                 "Frames in front that the motion jumps away from (a T-pose, a frame of zeros), "
-                 "where no " OPTION("start") " or " OPTION(
-                     "frames") " is given: auto drops them but for " OPTION("method") " gmr")};
+                 "Leading frames that the motion jumps away from (a T-pose, all zeros), unless " OPTION("start") " or " OPTION(
+                     "frames") " is given: auto drops them except with " OPTION("method") " gmr")};
 }
 
 OptionTable robot_table(RobotChoice& options) {
@@ -197,17 +195,16 @@ OptionTable time_table(TimeOptions& options) {
 OptionTable save_table(SaveOptions& options) {
   return {
       option("format", options.formats, kOutputGroup, "FORMAT,...",
-             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go "
-             "to files named after the output, each with an ending of its own",
+             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go to files named after the output, each with its own extension",
              {.basic = true}),
       option("precision", options.precision, kOutputGroup, "N",
              "CSV: digits after the decimal point, 0 to 17", {.least = 0.0, .most = 17.0}),
-      option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: between columns"),
+      option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: column separator"),
       option("csv-header", options.header, kOutputGroup, "",
-             "CSV: a first line that names the columns"),
+             "CSV: header line with the column names"),
       option("csv-quat", options.quaternion, kOutputGroup, "", "CSV: order of the root quaternion"),
       option("csv-frame-column", options.frame_column, kOutputGroup, "",
-             "CSV: a first column that counts frames from 0"),
+             "CSV: leading column with frame numbers from 0"),
       option("csv-degrees", options.degrees, kOutputGroup, "",
              "CSV: joints in degrees (default: radians)"),
       option("csv-centimetres", options.centimetres, kOutputGroup, "",

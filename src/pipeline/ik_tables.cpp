@@ -66,7 +66,7 @@ class MappingReader {
     const Json* value = find(key);
     if (value == nullptr) return {};
     if (value->is_string()) return value->get<std::string>();
-    faults_.add(fmt::format("\"{}\" must be a text, found {}", key, value->dump()));
+    faults_.add(fmt::format("\"{}\" must be a string, found {}", key, value->dump()));
     return {};
   }
 
@@ -128,7 +128,7 @@ class MappingReader {
     const double norm = wxyz->norm();
     if (std::abs(norm - 1.0) > kUnitTolerance) {
       faults_.add(
-          fmt::format("rotation offset in {} is no unit quaternion (w, x, y, z): its norm is {:f}",
+          fmt::format("rotation offset in {} is not a unit quaternion (w, x, y, z): its norm is {:f}",
                       what, norm));
       return row;
     }

@@ -33,7 +33,7 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
   for (const Bone bone : kMeasuredBones) {
     if (human.has(bone)) continue;
     return input_failure(
-        {}, fmt::format("limbs cannot be measured: no joint stands for {}", bone_name(bone)),
+        {}, fmt::format("limbs cannot be measured: no joint found for {}", bone_name(bone)),
         kOtherScaleHint);
   }
   HumanPose world_from_bone;

@@ -13,7 +13,7 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kOneOfThem = "give one of them";
+constexpr const char* kOneOfThem = "give only one of them";
 
 }  // namespace
 
@@ -25,7 +25,7 @@ Result<void> check_human_options(const HumanOptions& options) {
                          kOneOfThem);
   }
   if (!options.tpose_file.empty() && (has_frame || has_rest)) {
-    return usage_failure(OPTION("tpose-file") " and another rest pose exclude each other",
+    return usage_failure(OPTION("tpose-file") " and another rest pose cannot be combined",
                          kOneOfThem);
   }
   return {};

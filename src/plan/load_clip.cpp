@@ -62,7 +62,7 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   if (is_smpl) return load_smpl_clip(bytes.view(), name, options);
   if (!options.smpl_model.empty()) {
     return usage_failure(
-        OPTION("smpl-model") " is a body of SMPL motions, and \"" + name + "\" is none",
+        OPTION("smpl-model") " is for SMPL motions, and \"" + name + "\" is not one",
         "leave it out");
   }
   return load_bvh_clip(bytes.view(), name, options, skeleton_only);

@@ -36,7 +36,7 @@ Result<void> check_model_file(const std::string& path) {
 void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
   const bool may_have_profile = !choice.model.empty() && choice.profile.empty();
   const std::string remedy =
-      std::string("a profile tells them (docs/robots.md)") +
+      std::string("a profile defines them (docs/robots.md)") +
       (may_have_profile ? ": " OPTION("robot-profile") " FILE" : ", this robot's does not");
   auto completed = complete_bare_robot(*loaded.robot, loaded.model);
   if (!completed) {
@@ -51,7 +51,7 @@ void find_soles(const RobotChoice& choice, LoadedRobot& loaded) {
   if (completed->guessed) {
     loaded.warnings.push_back(
         {0, 0,
-         "nothing in the model tells where the soles are: they are guessed from the legs' lengths, "
+         "the model does not show where the soles are: they are guessed from the legs' lengths, "
          "and feet may float or sink by centimetres"});
   }
   if (const int parts = completed->shapeless; parts > 0) {

@@ -68,7 +68,7 @@ Result<void> leave_out_missing(Plan& plan) {
   TRY_ASSIGN(const int dropped, leave_out_bones(plan.mapping, missing));
   if (dropped == 0) return {};
   plan.mapping_notes.push_back(
-      {"partial", fmt::format("{} of the mapping left out, for there is no {}",
+      {"partial", fmt::format("{} of the mapping left out, as there is no {}",
                               count_text(dropped, "row"), list_names(names))});
   return {};
 }
@@ -80,7 +80,7 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
     plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
     const bool one = plan.lead_in_frames == 1;
     plan.clip_notes.push_back(
-        {"lead-in", fmt::format("{} in front left out, from which the motion jumps away; " OPTION(
+        {"lead-in", fmt::format("{} at the start left out, as the motion jumps away from there; " OPTION(
                                     "lead-in") " keep takes {}",
                                 count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
   }
@@ -139,7 +139,7 @@ std::vector<SummaryLine> Plan::robot_lines() const {
                                         count_text(robot.robot->output_joints().size(), "joint"),
                                         limits.name, mapping.file)});
   if (is_mapping_of_others) {
-    lines.push_back({"", "the derived mapping, for the source is not LAFAN1; " OPTION(
+    lines.push_back({"", "the derived mapping, as the source is not LAFAN1; " OPTION(
                              "ik-config") " published takes the published one"});
   }
   return lines;

@@ -24,7 +24,7 @@ Result<void> check_look(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::status_known(status)) return {};
-  return config_failure(path.string(), "cannot look at the file: " + error.message());
+  return config_failure(path.string(), "cannot access the file: " + error.message());
 }
 
 // a robot of the data folder, not one of that name that somebody made
@@ -60,7 +60,7 @@ Result<MappingFiles> find_mappings(const std::string& ik_config, Method method,
                               "\": no " + chosen.string(),
                           is_file(other) ? std::string(OPTION("ik-config") " ") +
                                                (ik_config == kPublished ? kDerived : kPublished) +
-                                               " takes the one that there is, " OPTION(
+                                               " takes the existing one, " OPTION(
                                                    "ik-config") " FILE one of your own"
                                          : kMappingHint);
   }

@@ -66,8 +66,8 @@ Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOpti
   };
   std::string hint =
       most == given
-          ? OPTION("memory") " gives more"
-          : "is the source's frame rate the true one? " OPTION("source-fps") " gives another";
+          ? OPTION("memory") " allows more"
+          : "is the source's frame rate correct? " OPTION("source-fps") " overrides it";
   if (need.is_solved) {
     hint += most == given ? "; or take parts of it with " OPTION("frames")
                           : "; " OPTION("frames") " takes a part";

@@ -66,7 +66,7 @@ Result<void> check_ending(const OutputItem& item) {
                            fs::path(item.path).extension().string() +
                            ", and " OPTION("format") " " + std::string(format_name(item.format)) +
                            " makes a " + std::string(format_ending(item.format)) + " file",
-                       "give a name that says what it is");
+                       "give a name that matches the format");
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ class Reader {
     try {
       value = found->get<Value>();
     } catch (const Json::exception&) {
-      fault(key, "is of another kind");
+      fault(key, "has the wrong type");
     }
   }
   // as many numbers as the vector has
@@ -117,7 +117,7 @@ class Reader {
     std::vector<double> values;
     take(key, values);
     if (values.size() != static_cast<std::size_t>(vector.size())) {
-      return fault(key, fmt::format("has not {} numbers", vector.size()));
+      return fault(key, fmt::format("does not have {} numbers", vector.size()));
     }
     std::ranges::copy(values, vector.data());
   }
@@ -125,13 +125,13 @@ class Reader {
     std::string text;
     take(key, text);
     const bool sound = text.size() == 2 && text[1] >= 'x' && text[1] <= 'z';
-    if (!sound) return fault(key, "is no axis");
+    if (!sound) return fault(key, "is not an axis");
     axis = {text[1] - 'x', text[0] == '-'};
   }
   void take(const char* key, Eigen::Matrix3d& matrix) { take_numbers(key, matrix); }
   void take_joint(const char* key, int joints, int& joint) {
     take(key, joint);
-    if (joint < -1 || joint >= joints) fault(key, "is no joint of the clip");
+    if (joint < -1 || joint >= joints) fault(key, "is not a joint of the clip");
   }
   void fault(const char* key, const std::string& what) {
     faults_.add(fmt::format("\"{}\" {}", key, what));
@@ -193,7 +193,7 @@ void read_limits(const Json& json, const Robot& robot, LimitSet& limits, Faults&
     const std::string& name = robot.joints()[i].name;
     const auto range = ranges.find(name);
     if (range == ranges.end() || !range->is_array() || range->size() != 2) {
-      faults.add("limits: no range of the joint \"" + name + "\"");
+      faults.add("limits: no range for the joint \"" + name + "\"");
       continue;
     }
     const auto bound = [&](const Json& value, double none) {
@@ -202,7 +202,7 @@ void read_limits(const Json& json, const Robot& robot, LimitSet& limits, Faults&
     limits.lower[i] = bound((*range)[0], -HUGE_VAL);
     limits.upper[i] = bound((*range)[1], HUGE_VAL);
     if (!(limits.lower[i] <= limits.upper[i])) {
-      faults.add("limits: the range of \"" + name + "\" is upside down");
+      faults.add("limits: the range of \"" + name + "\" is reversed");
     }
   }
 }
@@ -213,18 +213,18 @@ void read_decisions(const Json& json, Plan& plan, Faults& faults) {
   reader.take("part", part);
   plan.part = {part[0], part[1]};
   const bool inside = 0 <= part[0] && part[0] < part[1] && part[1] <= plan.clip->frame_count();
-  if (!inside) reader.fault("part", "is no part of the clip");
+  if (!inside) reader.fault("part", "is not a part of the clip");
   reader.take("lead_in_frames", plan.lead_in_frames);
   std::array<std::int64_t, 2> rate{};
   reader.take("rate", rate);
   plan.rate = {rate[0], rate[1]};
   const bool sound =
       rate[0] > 0 && rate[1] > 0 && plan.rate == frame_rate_from_fps(plan.rate.fps());
-  if (!sound) reader.fault("rate", "is no rate in lowest terms");
+  if (!sound) reader.fault("rate", "is not a rate in lowest terms");
   std::string scale;
   reader.take("scale", scale);
   const auto known = enum_from_name<HeightScale>(scale);
-  if (!known) return reader.fault("scale", "is none of table, height, limbs");
+  if (!known) return reader.fault("scale", "is not table, height or limbs");
   plan.scale = *known;
 }
 
@@ -258,7 +258,7 @@ std::string plan_json(const Plan& plan) {
 
 Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   TRY_ASSIGN(const Json json, load_json(file));
-  if (!json.is_object()) return config_failure(file, "the file is no plan");
+  if (!json.is_object()) return config_failure(file, "the file is not a plan");
   Plan plan;
   Run run;
   TRY(read_options(member(json, "run"), run_table(run), file, "the plan's run"));

@@ -27,7 +27,7 @@ Result<void> check_place(const Clip& clip, const Plan& plan) {
         clip.name(),
         "in frame " + std::to_string(frame) + " the body is more than " +
             number_text(most / 1000.0, 0) + " km away from the origin",
-        "bring the motion to the origin first; or " OPTION("unit") " says what its numbers are");
+        "move the motion to the origin first; or " OPTION("unit") " gives the unit of its numbers");
   }
   return {};
 }

@@ -68,7 +68,7 @@ std::string missed_text(const QualityReport& report) {
     text += report.file + ": " + gate.metric + " is " + text_of(*gate.value) + ", wanted " +
             bounds_of(gate) + "\n";
     if (gate.metric == "trunk_lean_error_deg" && report.trunk_lean) {
-      text += "  on the mean the robot leans by " + text_of(report.trunk_lean->robot) +
+      text += "  on average the robot leans by " + text_of(report.trunk_lean->robot) +
               " degrees, the human by " + text_of(report.trunk_lean->human) + "\n";
     }
     int shown = 0;

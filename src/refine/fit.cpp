@@ -151,7 +151,7 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
     report.notes.emplace_back("the source has no feet: no contacts, no floor height");
   } else if (!sides.left || !sides.right) {
     report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
-                              " foot: contacts of the other alone");
+                              " foot: only contacts of the other");
   }
 }
 

@@ -209,7 +209,7 @@ void Doctor::check_sides_of_mapping() {
       if (t == 0 && error && error_right &&
           std::max(std::abs(error->direction - error_right->direction),
                    std::abs(error->twist - error_right->twist)) > kOddOffset) {
-        note("the rotation offset of " + bone + " is no mirror image of that of " + other);
+        note("the rotation offset of " + bone + " is not the mirror image of that of " + other);
       }
     }
   }
@@ -234,7 +234,7 @@ void Doctor::check_sides_of_ranges() {
       odd.push_back(robot_.joints()[a].name + " / " + robot_.joints()[b].name);
     }
   }
-  if (!odd.empty()) note("ranges of left and right are no mirror images: " + list_names(odd, 6));
+  if (!odd.empty()) note("ranges of left and right are not mirror images: " + list_names(odd, 6));
 }
 
 void Doctor::check_limit_sets() {

@@ -147,7 +147,7 @@ std::string plain_text(const Json& json) {
   if (json["mapping_file"].is_null()) return text + "\nno mapping\n";
   text += "\nmapping  " + json["mapping_file"].get<std::string>() + "\n";
   if (json.contains("mapping_file_of_others")) {
-    text += "         of sources that are not LAFAN1: " +
+    text += "         for sources other than LAFAN1: " +
             json["mapping_file_of_others"].get<std::string>() + "\n";
   }
   text += padded("body", 32) + padded("bone", 16) + padded("scale", 8) +

@@ -47,10 +47,9 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   TRY_ASSIGN(auto loaded, load_model(path, changes));
   if (!loaded.closed.empty()) {
     return config_failure(path,
-                          "the model has a closed chain, which a tree of joints cannot follow: "
-                          "an equality ties " +
+                          "the model has a closed chain, which a kinematic tree cannot represent: an equality ties " +
                               loaded.closed.front(),
-                          "take the equality out if the rest of the tree moves without it");
+                          "remove the equality if the rest of the tree moves without it");
   }
   TRY(check_robot_joints(*loaded.model, path));
   TRY(check_names(*loaded.model, path));

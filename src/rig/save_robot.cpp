@@ -105,7 +105,7 @@ Result<void> write_files(const MadeRobot& robot, const fs::path& folder) {
 }
 
 Failure name_failure(const std::string& name) {
-  return usage_failure("\"" + name + "\" cannot be a robot's name: it becomes a folder's");
+  return usage_failure("\"" + name + "\" cannot be a robot's name: it is not a valid folder name");
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ Result<void> check_new_robot(const std::string& model_path, const std::string& n
   if (!is_below(model_path, into / name)) return {};
   return usage_failure(
       "\"" + model_path + "\" lies in the folder that would be replaced, \"" + name + "\"",
-      "take the model out of it first");
+      "move the model out of it first");
 }
 
 Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool force) {
@@ -127,17 +127,16 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
   const fs::path folder = into / robot.name;
   std::error_code error;
   if (!fs::is_directory(into, error)) {
-    return usage_failure("the folder \"" + into.string() + "\" is not there");
+    return usage_failure("the folder \"" + into.string() + "\" does not exist");
   }
   const bool is_there = fs::exists(fs::symlink_status(folder, error));
   if (is_there && !force) {
-    return usage_failure("\"" + folder.string() + "\" is there already",
+    return usage_failure("\"" + folder.string() + "\" already exists",
                          OPTION("force") " replaces it");
   }
   if (is_there && !is_made_robot(folder, robot.name)) {
     return usage_failure("\"" + folder.string() +
-                             "\" is not replaced: it is no folder that robots add made for a "
-                             "robot of this name",
+                             "\" is not replaced: it was not made by robots add for a robot of this name",
                          "give another name, or remove it yourself");
   }
   // written beside its place, then put there in one step

@@ -54,7 +54,7 @@ Result<RobotFiles> files_in(const fs::path& folder, const std::string& name) {
   const fs::path profile = folder / kProfileFile;
   std::error_code error;
   if (!fs::status_known(fs::status(profile, error))) {
-    return config_failure(profile.string(), "cannot look at the file: " + error.message());
+    return config_failure(profile.string(), "cannot access the file: " + error.message());
   }
   return RobotFiles{folder / kModelFile, is_file(profile) ? profile : fs::path(), name};
 }

@@ -140,7 +140,7 @@ Result<void> check_file(const std::string& path) {
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
   if (rest.empty()) return config_failure(path, "the file is empty: expected an MJCF model");
   if (!rest.starts_with('<')) {
-    return config_failure(path, "the file is no XML: expected an MJCF model");
+    return config_failure(path, "the file is not XML: expected an MJCF model");
   }
   return {};
 }
@@ -150,9 +150,9 @@ Result<void> check_version() {
   if (mj_version() == mjVERSION_HEADER) return {};
   const std::string built_with = mujoco_version_text(mjVERSION_HEADER);
   return run_failure("",
-                     "built with MuJoCo " + built_with + ", but the library that runs is " +
+                     "built with MuJoCo " + built_with + ", but the loaded library is " +
                          mujoco_version_text(mj_version()),
-                     "let the program find MuJoCo " + built_with + ", or build it anew");
+                     "let the program find MuJoCo " + built_with + ", or rebuild it");
 }
 
 std::string quoted_name(const mjModel& model, mjtObj kind, int index) {

@@ -63,7 +63,7 @@ class ProfileReader {
       faults_.add("\"name\" is missing or empty");
     } else if (!is_plain_name(name)) {
       // folders of outputs are called after it
-      faults_.add("\"name\" must be one that a folder can have, found " + quoted(name));
+      faults_.add("\"name\" must be a valid folder name, found " + quoted(name));
     }
     profile_.description = text(json_, "description", "");
     profile_.source = text(json_, "source", "");

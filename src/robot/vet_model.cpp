@@ -191,7 +191,7 @@ Result<double> ModelVetter::product(const XMLElement& element, const char* attri
   if (result <= most) return result;
   return fault(element, place,
                std::string(attribute) + " is " + text.substr(0, 40) + ": at most " +
-                   number_text(most, 0) + " is taken");
+                   number_text(most, 0) + " is allowed");
 }
 
 Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place) {
@@ -211,7 +211,7 @@ Result<void> ModelVetter::vet_size(const XMLElement& element, const Place& place
   const auto numbers = numbers_in(memory);
   if (numbers && numbers->size() == 1 && numbers->front() * unit <= kMostMemory) return {};
   return fault(element, place,
-               "memory is " + text_of(element, "memory").substr(0, 40) + ": at most 3G is taken");
+               "memory is " + text_of(element, "memory").substr(0, 40) + ": at most 3G is allowed");
 }
 
 // MuJoCo looks beside the model and beside the file that names the other
@@ -267,7 +267,7 @@ Result<void> ModelVetter::vet_mesh(const XMLElement& element, const Place& place
       if (!fs::is_regular_file(file, ignored) || fs::file_size(file, ignored) > kMostMeshBytes) {
         return fault(
             element, place,
-            "names \"" + named.substr(0, 200) + "\", which is no regular file of a mesh's size");
+            "names \"" + named.substr(0, 200) + "\", which is not a regular file of plausible size");
       }
     }
   }
@@ -279,8 +279,8 @@ Result<void> ModelVetter::vet_kind(const XMLElement& element, Place& place) {
     return name == word;
   };
   if (is("plugin")) {
-    return fault(element, place, "asks for a plugin of MuJoCo's, which is never loaded",
-                 "leave out the plugins: they play no part in kinematics");
+    return fault(element, place, "needs a MuJoCo plugin, which is never loaded",
+                 "remove the plugins: kinematics does not need them");
   }
   if (is("size")) return vet_size(element, place);
   if (is("include")) return vet_named_file(element, place);

@@ -37,7 +37,7 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
   observer.line("solved", count_text(frames, "frame") + " at " + to_text(motion->clip.rate()) +
                               " fps, " +
                               number_text(static_cast<double>(motion->ik_steps) / frames, 2) +
-                              " IK steps a frame");
+                              " IK steps per frame");
   if (observer.is_read()) observer.lines(limit_lines(*motion));
   return motion;
 }

@@ -143,7 +143,7 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
                      json.contains("options") && json.contains("inputs") &&
                      json["inputs"].is_array();
   if (!sound) {
-    return input_failure(file, "the file is no sidecar of a run",
+    return input_failure(file, "the file is not the sidecar of a run",
                          "a run writes one beside its output, such as walk.csv.json");
   }
   Sidecar sidecar;

@@ -127,7 +127,7 @@ Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::
     TRY(written.take(item.path));
     if (!sidecar) continue;
     if (item.path == "-") {
-      return usage_failure(OPTION("sidecar") " needs a file to stand beside",
+      return usage_failure(OPTION("sidecar") " needs an output file",
                            "name a file with " OPTION("output"));
     }
     TRY(written.take(item.path + ".json"));

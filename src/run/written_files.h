@@ -17,7 +17,7 @@ namespace retarget {
 /// redirected standard streams are seen through.
 class KnownFiles {
  public:
-  /// Empty names are passed over.
+  /// Empty names are skipped.
   /// @param stream  what `-` stands for: STDIN_FILENO, STDOUT_FILENO.
   void add(const std::string& path, int stream);
   /// The name under which the same file was added; null: it was not.
@@ -31,7 +31,7 @@ class KnownFiles {
 /// Holds what a command is about to write against what it reads.
 class WrittenFiles {
  public:
-  /// @param inputs  `-` is standard input; empty names are passed over.
+  /// @param inputs  `-` is standard input; empty names are skipped.
   explicit WrittenFiles(const std::vector<std::string>& inputs);
 
   /// Usage errors: the file is an input. Empty: no output.
@@ -54,7 +54,7 @@ class WrittenFiles {
 
 /// Checks the files that a motion goes to, before anything is read: folders are there, no file is
 /// also an input, no file is written twice.
-/// @param others  files that are written besides; empty names are passed over.
+/// @param others  files that are written besides; empty names are skipped.
 [[nodiscard]] Result<void> check_outputs(const Run& run, bool sidecar,
                                          const std::vector<std::string>& inputs,
                                          const std::vector<std::string>& others);

@@ -81,7 +81,7 @@ class MotionReader {
     const std::size_t rows = array.shape[0], used = *widths.begin();
     if (rows == 0) return file_.array_failure(name, "it has no frames");
     if (rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-      return file_.array_failure(name, "it has more frames than can be counted");
+      return file_.array_failure(name, "it has too many frames");
     }
     Table table{array.numbers(), rows, width, used};
     for (std::size_t row = 0; row < rows; ++row) {
@@ -150,10 +150,10 @@ class MotionReader {
   Failure no_motion() const {
     std::string hint;
     if (file_.has("v_template")) {
-      hint = "this is a body model: it goes with a motion, as " OPTION("smpl-model");
+      hint = "this is a body model, not a motion: give it as " OPTION("smpl-model");
     } else if (file_.has("betas")) {
       hint =
-          "AMASS keeps the body alone in shape.npz and *_stagei.npz; motions are *_poses.npz and "
+          "AMASS keeps only the body in shape.npz and *_stagei.npz; motions are *_poses.npz and "
           "*_stageii.npz";
     }
     return file_.file_failure(
@@ -176,7 +176,7 @@ class MotionReader {
       if (first != nullptr && !same_rate(rate, arrays_.rate)) {
         return file_.array_failure(
             name,
-            to_text(rate) + " frames a second, but " + first + " says " + to_text(arrays_.rate),
+            to_text(rate) + " frames per second, but " + first + " says " + to_text(arrays_.rate),
             std::string(kRateHint));
       }
       if (first != nullptr) continue;
@@ -231,7 +231,7 @@ class MotionReader {
     arrays_.betas.assign(values.begin(), values.begin() + width);
     for (auto row = values.begin(); row != values.end(); row += width) {
       if (std::equal(row, row + width, values.begin())) continue;
-      warn("betas change from frame to frame: those of the first one are taken");
+      warn("betas change from frame to frame: those of the first frame are used");
       break;
     }
     return {};

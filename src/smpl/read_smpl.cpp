@@ -49,7 +49,7 @@ SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
   if (other_family && !arrays.betas.empty()) {
     warn(std::string("the betas are those of ") +
          (arrays.family == SmplFamily::kSmplx ? "SMPL-X" : "SMPL or SMPL+H") +
-         ", the body model is another one: its average shape is taken");
+         ", the body model is a different one: its average shape is used");
     return smpl_rest_body(body, {});
   }
   const auto known = static_cast<std::ptrdiff_t>(
@@ -58,7 +58,7 @@ SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
                                 [](double beta) { return beta != 0.0; });
   if (lost) {
     warn("the body model has " + std::to_string(known) + " betas, the motion " +
-         std::to_string(arrays.betas.size()) + ": the further ones are left out");
+         std::to_string(arrays.betas.size()) + ": the extra ones are ignored");
   }
   return smpl_rest_body(body, arrays.betas);
 }
@@ -93,8 +93,8 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
     return file.file_failure(
         std::to_string(arrays.frame_count) + " frames take " +
             number_text(static_cast<double>(needed) / 1e6, 1) + " MB of memory, at most " +
-            number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are taken",
-        OPTION("memory") " gives more; or split the motion");
+            number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are allowed",
+        OPTION("memory") " allows more; or split the motion");
   }
   return SmplMotion{clip_of(arrays, body),     arrays.family,           std::move(arrays.gender),
                     std::move(arrays.betas),   options.body == nullptr, body.height,

@@ -103,7 +103,7 @@ class BodyReader {
         fmt::format("its joints are not those of SMPL, SMPL+H or SMPL-X (22 of the body and more, "
                     "found {})",
                     tree_.cols()),
-        "models of hands or heads alone (MANO, FLAME) and of animals do not serve");
+        "models of hands or heads alone (MANO, FLAME) and of animals are not supported");
   }
 
   Result<void> find_landmarks() {
@@ -113,7 +113,7 @@ class BodyReader {
     const double height = vertices_.col(1).maxCoeff() - lowest;
     if (height < kLowestBody || height > kHighestBody) {
       return file_.array_failure("v_template", "a body that is " + std::to_string(height) +
-                                                   " high along y is none in metres");
+                                                   " high along y is not in metres");
     }
     // toes are far forward, but the belly is too: a step up costs more than it gains
     constexpr double kCostOfHeight = 4.0;

@@ -79,7 +79,7 @@ struct Limb {
   std::vector<std::string_view> bones;
 };
 
-// bones from joint to joint; those that are missing are passed over
+// bones from joint to joint; those that are missing are skipped
 const std::array<Limb, 5>& limbs() {
   static const std::array<Limb, 5> kLimbs = {
       {{"", kMiddleColour, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},

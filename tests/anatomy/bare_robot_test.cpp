@@ -38,7 +38,7 @@ SoleExtent extent_of(const Robot& robot, const Sole& sole) {
   return extent;
 }
 
-TEST(BareRobot, SolesAreThoseOfTheProfile) {
+TEST(BareRobot, KeepsSolesOfTheProfile) {
   const auto bare = load_robot_files(g1_model());
   ASSERT_TRUE(bare) << describe(bare.error());
   ASSERT_TRUE((*bare)->profile().soles.empty());
@@ -59,7 +59,7 @@ TEST(BareRobot, SolesAreThoseOfTheProfile) {
   }
 }
 
-TEST(BareRobot, AllElseStays) {
+TEST(BareRobot, KeepsEverythingElse) {
   const auto bare = load_robot_files(g1_model());
   ASSERT_TRUE(bare);
   const auto completed = complete_bare_robot(**bare, g1_model());
@@ -76,7 +76,7 @@ TEST(BareRobot, AllElseStays) {
 
 // a model of masses alone, as one is whose meshes were taken out: soles must be guessed, and are
 // better than none; shapes would be judged by
-TEST(BareRobot, WhatNothingTellsIsSaid) {
+TEST(BareRobot, GuessesSolesWithoutShapes) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   for (std::size_t at = text.find("<geom"); at != std::string::npos; at = text.find("<geom", at)) {
@@ -97,7 +97,7 @@ TEST(BareRobot, WhatNothingTellsIsSaid) {
 }
 
 // what a motion is measured by is the model's: a capsule in a cylinder's place would be a guess
-TEST(BareRobot, ShapesOfTheModelAreKept) {
+TEST(BareRobot, KeepsShapesOfTheModel) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   const auto add_geom = [&](const std::string& body, const std::string& geom) {
@@ -120,7 +120,7 @@ TEST(BareRobot, ShapesOfTheModelAreKept) {
 }
 
 // feet are no rectangles: a corner beyond the spheres of a narrow heel would touch before they do
-TEST(BareRobot, SolesTouchWhereTheFootDoes) {
+TEST(BareRobot, SolesMatchTheFootContacts) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   const std::string box = "<geom type=\"box\" pos=\"0.03 0 -0.04\" size=\"0.08 0.03 0.01\"/>";
@@ -143,7 +143,7 @@ TEST(BareRobot, SolesTouchWhereTheFootDoes) {
   }
 }
 
-TEST(BareRobot, WhatIsNoHumanoidIsRefused) {
+TEST(BareRobot, RejectsNonHumanoids) {
   const auto arms = robot_from_text(kTwoArms);
   const auto completed = complete_bare_robot(*arms, "arms.xml");
   ASSERT_FALSE(completed);

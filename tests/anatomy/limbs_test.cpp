@@ -63,7 +63,7 @@ TEST(FindLimbs, FindsEveryPartOfAHumanoid) {
   }
 }
 
-TEST(FindLimbs, NamesPlayNoPart) {
+TEST(FindLimbs, IgnoresNames) {
   const auto named = robot_from_text(tiny_humanoid(true));
   const auto scrambled = robot_from_text(scramble_names(tiny_humanoid(true)));
   const auto expected = find_limbs(*named, "");
@@ -91,7 +91,7 @@ TEST(FindLimbs, BoneAxesAreTheCanonicalOnes) {
   EXPECT_NEAR((limbs->arms[1].lower.body_from_bone - right_arm).norm(), 0.0, 1e-9);
 }
 
-TEST(FindLimbs, TurnedRobotsFaceWhereTheirKneesSay) {
+TEST(FindLimbs, FacingOfTurnedRobotsFollowsTheirKnees) {
   // the same robot turned by 90 and 180 degrees about z in its own base frame
   for (const auto& [quat, forward] :
        {std::pair<std::string, Eigen::Vector3d>{"0.70710678118654757 0 0 0.70710678118654757",
@@ -117,7 +117,7 @@ std::string leg_text(const std::string& pos, const std::string& end) {
          end + "</body></body></body>";
 }
 
-TEST(FindLimbs, RefusesWhatIsNoHumanoid) {
+TEST(FindLimbs, RejectsNonHumanoids) {
   const std::string head =
       "<mujoco><compiler angle=\"radian\"/><worldbody><body pos=\"0 0 0.4\"><freejoint/>"
       "<geom size=\"0.1\"/>";

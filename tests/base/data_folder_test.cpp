@@ -28,7 +28,7 @@ class DataFolderTest : public ::testing::Test {
   fs::path root_ = temporary_.path();
 };
 
-TEST_F(DataFolderTest, FlagComesBeforeEnvironmentAndExecutable) {
+TEST_F(DataFolderTest, FlagTakesPrecedence) {
   DataFolderSearch search;
   search.flag = data_folder("by flag").string();
   search.environment = data_folder("by environment").string();
@@ -41,7 +41,7 @@ TEST_F(DataFolderTest, FlagComesBeforeEnvironmentAndExecutable) {
   EXPECT_EQ(find_data_folder(search).value(), root_ / "prefix/share/retarget");
 }
 
-TEST_F(DataFolderTest, ChosenFolderThatDoesNotServeIsAnErrorAndNotPassedOver) {
+TEST_F(DataFolderTest, UnusableChosenFolderIsAnError) {
   DataFolderSearch search;
   data_folder("prefix/share/retarget");
   search.executable = root_ / "prefix/bin/retarget";
@@ -59,7 +59,7 @@ TEST_F(DataFolderTest, ChosenFolderThatDoesNotServeIsAnErrorAndNotPassedOver) {
   EXPECT_THAT(by_flag.error().message, HasSubstr(OPTION("data-dir") " has no folder configs/"));
 }
 
-TEST_F(DataFolderTest, SourceTreeIsFoundAboveTheBuiltBinary) {
+TEST_F(DataFolderTest, FindsSourceTreeAboveTheBinary) {
   DataFolderSearch search;
   const fs::path source = data_folder("source");
   search.executable = source / "build/release/tools/retarget/retarget";
@@ -69,7 +69,7 @@ TEST_F(DataFolderTest, SourceTreeIsFoundAboveTheBuiltBinary) {
   EXPECT_EQ(find_data_folder(search).value(), source);
 }
 
-TEST_F(DataFolderTest, NothingFoundSaysHowToNameTheFolder) {
+TEST_F(DataFolderTest, NothingFoundExplainsHowToSetTheFolder) {
   DataFolderSearch search;
   search.executable = root_ / "bin/retarget";
   const auto found = find_data_folder(search);
@@ -81,7 +81,7 @@ TEST_F(DataFolderTest, NothingFoundSaysHowToNameTheFolder) {
   EXPECT_FALSE(find_data_folder(search).has_value());
 }
 
-TEST_F(DataFolderTest, ThisProcessReadsItsEnvironment) {
+TEST_F(DataFolderTest, ReadsTheEnvironment) {
   const fs::path folder = data_folder("by environment");
   ASSERT_EQ(::setenv("RETARGET_DATA_DIR", folder.c_str(), 1), 0);
   EXPECT_EQ(find_data_folder(std::nullopt).value(), folder);

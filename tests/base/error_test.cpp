@@ -7,7 +7,7 @@
 namespace retarget {
 namespace {
 
-TEST(Describe, PutsThePlaceInFront) {
+TEST(Describe, StartsWithTheLocation) {
   Error error{ErrorKind::kInput, {"walk.bvh", 12, 7}, "expected a number, found \"x\"", {}, ""};
   EXPECT_EQ(describe(error), "walk.bvh:12:7: error: expected a number, found \"x\"");
   error.location.column = 0;
@@ -16,7 +16,7 @@ TEST(Describe, PutsThePlaceInFront) {
   EXPECT_EQ(describe(error), "walk.bvh: error: expected a number, found \"x\"");
 }
 
-TEST(Describe, LeavesOutWhatIsNotKnown) {
+TEST(Describe, OmitsUnknownParts) {
   EXPECT_EQ(describe(Error{ErrorKind::kUsage, {"", 0, 0}, "what", {}, ""}), "error: what");
   EXPECT_EQ(describe(Error{ErrorKind::kInput, {"", 3, 4}, "what", {}, ""}),
             "line 3:4: error: what");
@@ -34,7 +34,7 @@ TEST(Describe, ListsDetails) {
   EXPECT_EQ(describe(error), "m.json: error: 2 faults\n  - one\n  - two\n  hint: mend them");
 }
 
-TEST(Describe, SpellsOptionsAsItsReadersKnowThem) {
+TEST(Describe, SpellsOptionsForTheAudience) {
   const Error error{ErrorKind::kInput,
                     {"a.bvh", 0, 0},
                     "no rate as " OPTION("fps") " asks",
@@ -49,13 +49,13 @@ TEST(Describe, SpellsOptionsAsItsReadersKnowThem) {
   EXPECT_EQ(spell_options("a\x0f b\x0e"), "a\x0f b\x0e");
 }
 
-TEST(Describe, Warnings) {
+TEST(Describe, FormatsWarnings) {
   EXPECT_EQ(describe(Warning{5, 2, "odd"}, "a.bvh"), "a.bvh:5:2: warning: odd");
   EXPECT_EQ(describe(Warning{0, 0, "odd"}, "a.bvh"), "a.bvh: warning: odd");
   EXPECT_EQ(describe(Warning{0, 0, "odd"}, ""), "warning: odd");
 }
 
-TEST(Failures, CarryKindFileAndWords) {
+TEST(Failures, HaveKindFileAndMessage) {
   const auto fail = [](Failure failure) { return Result<int>(std::move(failure)).error(); };
   EXPECT_EQ(fail(input_failure("f", "m", "h")).kind, ErrorKind::kInput);
   EXPECT_EQ(fail(config_failure("f", "m")).kind, ErrorKind::kConfig);

@@ -15,26 +15,26 @@ std::string message_of(const Faults& faults) {
   return full_message(faults.failure_in("file", "the file").value());
 }
 
-TEST(FaultsTest, AreListedUnderTheirNumber) {
+TEST(FaultsTest, ListsErrorsBelowTheirCount) {
   Faults faults;
   EXPECT_TRUE(faults.empty());
   faults.add("one");
   EXPECT_EQ(message_of(faults), "one");
   faults.add("two");
-  EXPECT_EQ(message_of(faults), "2 faults in the file\n  - one\n  - two");
+  EXPECT_EQ(message_of(faults), "2 errors in the file\n  - one\n  - two");
 }
 
 // nobody reads the messages of a file that is nothing but faults
-TEST(FaultsTest, AreListedAsFarAsSomebodyReads) {
+TEST(FaultsTest, LimitsTheListLength) {
   Faults faults;
   for (int i = 0; i < 100'000; ++i) faults.add("fault " + std::to_string(i));
   const std::string message = message_of(faults);
-  EXPECT_THAT(message, HasSubstr("100000 faults in the file"));
+  EXPECT_THAT(message, HasSubstr("100000 errors in the file"));
   EXPECT_THAT(message, HasSubstr("- fault 99\n  - and 99900 more"));
   EXPECT_LT(message.size(), 3000U);
 }
 
-TEST(FaultsTest, SuggestAsLongAsTheyAreListed) {
+TEST(FaultsTest, SuggestsOnlyForListedErrors) {
   const std::vector<std::string> names = {"left_knee"};
   Faults faults;
   for (int i = 0; i < 100; ++i) {
@@ -44,7 +44,7 @@ TEST(FaultsTest, SuggestAsLongAsTheyAreListed) {
   EXPECT_EQ(faults.suggestion("left_kneee", names), "");
 }
 
-TEST(FaultsTest, AreCutWhereTheyAreEndless) {
+TEST(FaultsTest, TruncatesLongTexts) {
   Faults faults;
   std::string name;
   for (int i = 0; i < 100'000; ++i) name += "\xC3\xA4";

@@ -95,7 +95,7 @@ TEST_F(FileTest, WritesAnEmptyFile) {
   EXPECT_EQ(read->view(), "");
 }
 
-TEST_F(FileTest, NothingIsSeenBeforeCommit) {
+TEST_F(FileTest, NothingIsVisibleBeforeCommit) {
   put("a", "old");
   auto file = OutputFile::create(path("a"));
   ASSERT_TRUE(file.has_value());
@@ -107,7 +107,7 @@ TEST_F(FileTest, NothingIsSeenBeforeCommit) {
   EXPECT_THAT(names(), ElementsAre("a"));
 }
 
-TEST_F(FileTest, WithoutCommitNothingRemains) {
+TEST_F(FileTest, NothingRemainsWithoutCommit) {
   {
     auto file = OutputFile::create(path("a"));
     ASSERT_TRUE(file.has_value());
@@ -118,7 +118,7 @@ TEST_F(FileTest, WithoutCommitNothingRemains) {
   EXPECT_THAT(names(), IsEmpty());
 }
 
-TEST_F(FileTest, SeveralOpenFilesDoNotMeet) {
+TEST_F(FileTest, SeveralOpenFilesDoNotInterfere) {
   auto a = OutputFile::create(path("a"));
   auto b = OutputFile::create(path("b"));
   auto again = OutputFile::create(path("a"));
@@ -130,7 +130,7 @@ TEST_F(FileTest, SeveralOpenFilesDoNotMeet) {
   EXPECT_THAT(names(), ElementsAre("a", "b"));
 }
 
-TEST_F(FileTest, NamesUpToTheLimitOfTheFolderWork) {
+TEST_F(FileTest, AcceptsTheLongestFileName) {
   const std::string name(255, 'n');
   ASSERT_TRUE(write_file(path(name), "x").has_value());
   EXPECT_THAT(names(), ElementsAre(name));
@@ -146,7 +146,7 @@ TEST_F(FileTest, FullDeviceIsARunError) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST_F(FileTest, FileSizeLimitLeavesTheOldFile) {
+TEST_F(FileTest, FileSizeLimitKeepsTheOldFile) {
   put("a", "old");
   const std::string bytes(100'000, 'x');
   {
@@ -172,7 +172,7 @@ TEST_F(FileTest, FailedWriteCannotBeCommitted) {
   EXPECT_THAT(names(), IsEmpty());
 }
 
-TEST_F(FileTest, LinkIsKeptAndItsTargetReplaced) {
+TEST_F(FileTest, KeepsTheLinkAndReplacesItsTarget) {
   fs::create_directory(folder_ / "deep");
   put("deep/target", "old");
   fs::create_symlink("deep/target", folder_ / "second");
@@ -184,14 +184,14 @@ TEST_F(FileTest, LinkIsKeptAndItsTargetReplaced) {
   EXPECT_EQ(content("deep/target"), "new");
 }
 
-TEST_F(FileTest, LinkToAFileNotYetThereMakesIt) {
+TEST_F(FileTest, CreatesTheMissingTargetOfALink) {
   fs::create_symlink("later", folder_ / "link");
   ASSERT_TRUE(write_file(path("link"), "new").has_value());
   EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
   EXPECT_EQ(content("later"), "new");
 }
 
-TEST_F(FileTest, LinkIntoAMissingFolderIsAUsageError) {
+TEST_F(FileTest, LinkToAMissingFolderIsAUsageError) {
   fs::create_symlink("nowhere/later", folder_ / "link");
   const auto written = write_file(path("link"), "new");
   ASSERT_FALSE(written.has_value());
@@ -199,7 +199,7 @@ TEST_F(FileTest, LinkIntoAMissingFolderIsAUsageError) {
   EXPECT_THAT(names(), ElementsAre("link"));
 }
 
-TEST_F(FileTest, LinkInACircleIsAnError) {
+TEST_F(FileTest, CircularLinkIsAnError) {
   fs::create_symlink("b", folder_ / "a");
   fs::create_symlink("a", folder_ / "b");
   EXPECT_FALSE(read_file(path("a")).has_value());
@@ -210,7 +210,7 @@ TEST_F(FileTest, LinkInACircleIsAnError) {
   EXPECT_TRUE(fs::is_symlink(folder_ / "a"));
 }
 
-TEST_F(FileTest, FolderIsNoOutput) {
+TEST_F(FileTest, FolderAsOutputIsAnError) {
   const auto written = write_file(folder_.string(), "text");
   ASSERT_FALSE(written.has_value());
   EXPECT_EQ(written.error().kind, ErrorKind::kUsage);
@@ -243,13 +243,13 @@ TEST_F(FileTest, EmptyNameIsAUsageError) {
   EXPECT_EQ(written.error().kind, ErrorKind::kUsage);
 }
 
-TEST_F(FileTest, CheckOutputFolderAcceptsTheHereAndTheStandardOutput) {
+TEST_F(FileTest, CheckOutputFolderAcceptsCurrentFolderAndStandardOutput) {
   EXPECT_TRUE(check_output_folder("a.csv").has_value());
   EXPECT_TRUE(check_output_folder("-").has_value());
   EXPECT_TRUE(check_output_folder(path("a.csv")).has_value());
 }
 
-TEST_F(FileTest, WritesIntoAPipe) {
+TEST_F(FileTest, WritesToAPipe) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   std::string received;
   std::thread reader([&] { received = read_file(path("pipe")).value().view(); });
@@ -261,7 +261,7 @@ TEST_F(FileTest, WritesIntoAPipe) {
   EXPECT_THAT(names(), ElementsAre("pipe"));
 }
 
-TEST_F(FileTest, WritesIntoADeviceAndThroughALinkToOne) {
+TEST_F(FileTest, WritesToADeviceAndThroughALinkToOne) {
   EXPECT_TRUE(write_file("/dev/null", "text").has_value());
   fs::create_symlink("/dev/null", folder_ / "link");
   EXPECT_TRUE(write_file(path("link"), "text").has_value());
@@ -269,7 +269,7 @@ TEST_F(FileTest, WritesIntoADeviceAndThroughALinkToOne) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST_F(FileTest, DashIsStandardOutputAndStaysOpen) {
+TEST_F(FileTest, DashWritesStandardOutputAndKeepsItOpen) {
   ::testing::internal::CaptureStdout();
   EXPECT_TRUE(write_file("-", "one ").has_value());
   EXPECT_TRUE(write_file("-", "two").has_value());

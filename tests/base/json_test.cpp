@@ -26,13 +26,13 @@ void expect_at(const std::string& text, std::size_t line, std::size_t column) {
   EXPECT_EQ(error.location.column, column) << text;
 }
 
-TEST(JsonTest, MembersKeepTheirOrder) {
+TEST(JsonTest, KeepsMemberOrder) {
   const auto json = parse_json(R"({"z": 1, "a": 2, "m": 3})", "file.json");
   ASSERT_TRUE(json.has_value());
   EXPECT_EQ(json->dump(), R"({"z":1,"a":2,"m":3})");
 }
 
-TEST(JsonTest, SyntaxErrorsStandAtTheFirstWrongByte) {
+TEST(JsonTest, SyntaxErrorsPointToTheFirstWrongByte) {
   expect_at("{\"a\": 1,}", 1, 9);
   expect_at("{\n  \"a\": 1\n  \"b\": 2\n}", 3, 5);  // the end of the string that was read
   expect_at("[1, 2", 1, 6);
@@ -46,7 +46,7 @@ TEST(JsonTest, MessageSaysWhatWasExpected) {
   EXPECT_THAT(error_of("<html>").message, HasSubstr("invalid literal"));
 }
 
-TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithAPlace) {
+TEST(JsonTest, NumbersBeyondDoubleAreErrorsWithLocation) {
   expect_at("[1,\n 1e999]", 2, 2);
 }
 
@@ -54,7 +54,7 @@ TEST(JsonTest, InvalidUtf8IsAnError) {
   error_of("[\"\xff\"]");
 }
 
-TEST(JsonTest, DeepNestingIsAnErrorAndNoOverflow) {
+TEST(JsonTest, DeepNestingIsAnErrorWithoutOverflow) {
   expect_at(std::string(1000000, '['), 1, 101);
   const std::string as_deep_as_allowed = std::string(100, '[') + std::string(100, ']');
   EXPECT_TRUE(parse_json(as_deep_as_allowed, "file.json").has_value());
@@ -69,30 +69,30 @@ std::string object_of(int count) {
   return text + "}";
 }
 
-TEST(JsonTest, MoreMembersThanAreSoughtInReasonableTimeAreAnError) {
+TEST(JsonTest, TooManyMembersAreAnError) {
   EXPECT_TRUE(parse_json(object_of(2000), "file.json").has_value());
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_THAT(error_of(object_of(200'000)).message,
               HasSubstr("an object of more than 2000 members"));
   std::string objects;
   for (int i = 0; i < 101; ++i) objects += (i > 0 ? "," : "[") + object_of(2000);
-  EXPECT_THAT(error_of(objects + "]").message, HasSubstr("more than 200000 members in all"));
+  EXPECT_THAT(error_of(objects + "]").message, HasSubstr("more than 200000 members in total"));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
   // colons in text are none of a member
   EXPECT_TRUE(parse_json("[\"" + std::string(5000, ':') + "\"]", "file.json").has_value());
 }
 
-TEST(JsonTest, TextsLargerThanAnyConfigurationAreAnError) {
+TEST(JsonTest, TooLargeTextsAreAnError) {
   const std::string blanks(std::size_t{17} << 20, ' ');
   EXPECT_THAT(error_of(blanks + "{}").message, HasSubstr("more than 16777216 bytes"));
 }
 
-TEST(JsonTest, LongTokensDoNotFillTheMessage) {
+TEST(JsonTest, TruncatesLongTokensInMessages) {
   EXPECT_LT(error_of("[" + std::string(100000, 'x')).message.size(), 300U);
   EXPECT_LT(error_of("[\"" + std::string(100000, 'x')).message.size(), 300U);
 }
 
-TEST(JsonTest, ShortTextCutsBetweenCharacters) {
+TEST(JsonTest, ShortTextCutsAtCharacterBoundaries) {
   EXPECT_EQ(short_text({1, 2}), "[1,2]");
   std::string umlauts;
   for (int i = 0; i < 100; ++i) umlauts += "\xc3\xa4";

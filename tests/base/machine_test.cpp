@@ -28,7 +28,7 @@ class ControlGroups : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(ControlGroups, OfVersion2LimitProcessorsAndMemory) {
+TEST_F(ControlGroups, Version2LimitsProcessorsAndMemory) {
   write("membership", "0::/system/job\n");
   write("system/job/cpu.max", "max 100000\n");
   write("system/job/memory.max", "max\n");
@@ -41,7 +41,7 @@ TEST_F(ControlGroups, OfVersion2LimitProcessorsAndMemory) {
   EXPECT_EQ(usable_memory(files()), 300'000'000U);
 }
 
-TEST_F(ControlGroups, OfVersion1LimitProcessorsAndMemory) {
+TEST_F(ControlGroups, Version1LimitsProcessorsAndMemory) {
   write("membership", "5:memory:/job\n4:cpu,cpuacct:/job\n");
   write("cpu/job/cpu.cfs_quota_us", "-1\n");
   write("cpu/job/cpu.cfs_period_us", "100000\n");

@@ -68,7 +68,7 @@ std::string reversed_items(std::string bytes, std::size_t size) {
   return bytes;
 }
 
-TEST(Npz, ListsTheArraysAndReadsEach) {
+TEST(Npz, ListsAndReadsArrays) {
   const std::string bytes = NpzBuilder()
                                 .add("trans", npy_doubles({2, 3}, {1, 2, 3, 4, 5, 6}))
                                 .add("fps", npy("<i8", "()", element_bytes<std::int64_t>({30})))
@@ -91,7 +91,7 @@ TEST(Npz, ListsTheArraysAndReadsEach) {
   EXPECT_EQ(*file->type_of("trans"), "<f8");
 }
 
-TEST(Npz, EveryWayToStoreAnEntryGivesTheSameArray) {
+TEST(Npz, EveryStorageMethodGivesTheSameArray) {
   const std::string array = npy_doubles({3}, {0.5, -2, 7});
   for (const bool compress : {false, true}) {
     for (const bool zip64_local : {false, true}) {
@@ -109,7 +109,7 @@ TEST(Npz, EveryWayToStoreAnEntryGivesTheSameArray) {
   }
 }
 
-TEST(Npz, FindsTheDirectoryBehindZip64RecordsAndComments) {
+TEST(Npz, FindsTheDirectoryWithZip64AndComments) {
   const NpzBuilder builder = NpzBuilder().add("a", npy_doubles({1}, {4}));
   for (const bool zip64 : {false, true}) {
     for (const std::string& comment :
@@ -121,7 +121,7 @@ TEST(Npz, FindsTheDirectoryBehindZip64RecordsAndComments) {
   }
 }
 
-TEST(Npz, NoArraysAreNoError) {
+TEST(Npz, AcceptsFilesWithoutArrays) {
   const std::string bytes = NpzBuilder().build();
   const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
   ASSERT_TRUE(file.has_value()) << describe(file.error());
@@ -187,7 +187,7 @@ TEST(Npz, ReadsText) {
   EXPECT_THAT(array_of(npy_text("neutral")).texts(), ElementsAre("neutral"));
 }
 
-TEST(Npz, PutsFortranOrderIntoCOrder) {
+TEST(Npz, ConvertsFortranOrder) {
   // element (i, j, k) is 100 i + 10 j + k; the first index is the fastest in the file
   std::vector<double> fortran, c_order;
   for (int k = 0; k < 4; ++k) {
@@ -207,7 +207,7 @@ TEST(Npz, PutsFortranOrderIntoCOrder) {
   EXPECT_THAT(array_of(npy("<f8", "(2, 0)", "", true)).numbers(), IsEmpty());
 }
 
-TEST(Npz, ReadsEmptyArraysOfAnyShape) {
+TEST(Npz, ReadsEmptyArrays) {
   EXPECT_THAT(array_of(npy("<f4", "(0,)", "")).shape, ElementsAre(0));
   EXPECT_THAT(array_of(npy("<f4", "(0, 3)", "")).numbers(), IsEmpty());
   EXPECT_EQ(array_of(npy("<f4", "(99999999999, 0)", "")).element_count(), 0U);
@@ -228,7 +228,7 @@ TEST(Npz, ReadsHeadersOfEveryVersionAndSpelling) {
   }
 }
 
-TEST(Npz, RefusesMalformedHeaders) {
+TEST(Npz, RejectsMalformedHeaders) {
   const std::string data = element_bytes<double>({1, 2});
   for (const std::string dictionary : {
            "",
@@ -254,12 +254,12 @@ TEST(Npz, RefusesMalformedHeaders) {
   EXPECT_THAT(array_error(npy("<f8", "(2,)", data, false, 4)),
               HasSubstr("expected NPY version 1, 2 or 3, found 4"));
   EXPECT_THAT(array_error("no array at all"), HasSubstr("expected an NPY array"));
-  EXPECT_THAT(array_error("\x93NUMPY"), HasSubstr("ends early"));
+  EXPECT_THAT(array_error("\x93NUMPY"), HasSubstr("is truncated"));
   EXPECT_THAT(array_error("\x93NUMPY\x02" + std::string(1, '\0') + "\xff\xff\xff\xff{"),
               HasSubstr("header claims 4294967295 bytes"));
 }
 
-TEST(Npz, RefusesPythonObjectsByName) {
+TEST(Npz, RejectsPythonObjects) {
   const std::string bytes = NpzBuilder().add("gender", npy("|O", "()", "\x80\x04\x4e.")).build();
   const Result<NpzFile> file = NpzFile::open(bytes, "a.npz");
   ASSERT_TRUE(file.has_value());
@@ -270,7 +270,7 @@ TEST(Npz, RefusesPythonObjectsByName) {
   EXPECT_EQ(array.error().kind, ErrorKind::kInput);
 }
 
-TEST(Npz, RefusesTypesThatItDoesNotKnow) {
+TEST(Npz, RejectsUnknownTypes) {
   for (const std::string type : {"<c8", "<f16", "<f1", "<i3", "<M8[ns]", "|V4", "<U0", "|S0", "f8",
                                  "", "<", "<f", "<f8x", "<U99999999999999999999", "|b2"}) {
     EXPECT_THAT(array_error(npy(type, "()", "12345678")),
@@ -282,20 +282,20 @@ TEST(Npz, RefusesTypesThatItDoesNotKnow) {
               HasSubstr("its type [...] is not supported"));
 }
 
-TEST(Npz, HoldsTheShapeAgainstTheBytes) {
+TEST(Npz, ChecksTheShapeAgainstTheData) {
   const std::string data = element_bytes<double>({1, 2});
   EXPECT_THAT(array_error(npy("<f8", "(3,)", data)),
               HasSubstr("its shape (3,) of <f8 needs 24 bytes, found 16"));
   EXPECT_THAT(array_error(npy("<f8", "(1,)", data)), HasSubstr("needs 8 bytes, found 16"));
   EXPECT_THAT(array_error(npy("<f8", "(4294967296, 4294967296)", data)),
-              HasSubstr("more elements than any memory"));
+              HasSubstr("more elements than fit in any memory"));
   EXPECT_THAT(array_error(npy("<f8", "(2305843009213693952,)", data)),
-              HasSubstr("more elements than any memory"));
+              HasSubstr("more elements than fit in any memory"));
   EXPECT_THAT(array_error(npy("<f8", "(1000000000000,)", data)),
               HasSubstr("needs 8000000000000 bytes, found 16"));
 }
 
-TEST(Npz, SizesThatAreNotTrueCostNoMemory) {
+TEST(Npz, FalseSizesAllocateNothing) {
   // header and directory agree on 2^40 bytes that are not there
   const std::string array = npy("<u1", "(1099511627776,)", "12345678");
   Style style;
@@ -308,19 +308,19 @@ TEST(Npz, SizesThatAreNotTrueCostNoMemory) {
   for (const bool compress : {false, true}) {
     style.compress = compress;
     const auto found = read_array(NpzBuilder().add("a", array, style).build(), "a", options);
-    EXPECT_THAT(error_of(found), HasSubstr(compress ? "it ends early: expected 1099511627776 bytes"
+    EXPECT_THAT(error_of(found), HasSubstr(compress ? "it is truncated: expected 1099511627776 bytes"
                                                     : "it is not compressed, but has"));
   }
 }
 
-TEST(Npz, InflatesNoMoreThanTheShapeExplains) {
+TEST(Npz, InflatesOnlyWhatTheShapeNeeds) {
   const std::string zeros(std::size_t{1} << 20, '\0');
   Style style;
   style.compress = true;
   // the shape explains eight bytes, and so does the directory; a megabyte follows
   const std::string array = npy("<u1", "(8,)", zeros);
   style.claimed_size = static_cast<std::int64_t>(array.size() - zeros.size() + 8);
-  EXPECT_THAT(array_error(array, style), HasSubstr("packed data do not end where it ends"));
+  EXPECT_THAT(array_error(array, style), HasSubstr("its compressed data have the wrong length"));
 
   // all is true, but more than is asked for
   style.claimed_size = -1;
@@ -329,12 +329,12 @@ TEST(Npz, InflatesNoMoreThanTheShapeExplains) {
   NpzReadOptions options;
   options.max_array_bytes = zeros.size() - 1;
   EXPECT_THAT(error_of(read_array(bytes, "a", options)),
-              HasSubstr("needs 1048576 bytes, at most 1048575 are read"));
+              HasSubstr("needs 1048576 bytes, at most 1048575 are allowed"));
   options.max_array_bytes = zeros.size();
   EXPECT_TRUE(read_array(bytes, "a", options).has_value());
 }
 
-TEST(Npz, NumbersCountAsTheDoublesThatTheyBecome) {
+TEST(Npz, MemoryLimitCountsDoubles) {
   // three megabytes of bytes are twenty-four of doubles
   const std::string zeros(std::size_t{3} << 20, '\0');
   const std::string array = npy("<u1", "(3145728,)", zeros);
@@ -342,15 +342,15 @@ TEST(Npz, NumbersCountAsTheDoublesThatTheyBecome) {
   style.compress = true;
   const std::string packed = NpzBuilder().add("a", array, style).build();
   EXPECT_THAT(error_of(read_array(packed, "a", {})),
-              HasSubstr("its 3145728 numbers need 25165824 bytes of memory, and the file has"));
+              HasSubstr("its 3145728 numbers need 25165824 bytes of memory, but the file has only"));
   EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", {}).has_value());
   NpzReadOptions options;
   options.max_number_bytes = (std::size_t{24} << 20) - 1;
   EXPECT_THAT(error_of(read_array(NpzBuilder().add("a", array).build(), "a", options)),
-              HasSubstr("at most 25165823 are taken"));
+              HasSubstr("at most 25165823 are allowed"));
 }
 
-TEST(Npz, RefusesWhatUnpacksToMuchMoreThanItIs) {
+TEST(Npz, RejectsDecompressionBombs) {
   const std::string zeros(std::size_t{1} << 20, '\0');
   Style style;
   style.compress = true;
@@ -360,7 +360,7 @@ TEST(Npz, RefusesWhatUnpacksToMuchMoreThanItIs) {
   const std::string one = NpzBuilder().add("a", array, style).build();
   EXPECT_THAT(error_of(read_array(one, "a", options)),
               ::testing::AllOf(HasSubstr("array \"a\": its shape (1048576,) of <u1 needs 1048576 "
-                                         "bytes, and the file has"),
+                                         "bytes, but the file has only"),
                                HasSubstr("packed as tightly")));
   // what is not packed may be as large
   EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", options).has_value());
@@ -381,17 +381,17 @@ TEST(Npz, RefusesWhatUnpacksToMuchMoreThanItIs) {
   EXPECT_THAT(error_of(read_array(claims.build(), "a0", {})), HasSubstr("its arrays would have"));
 }
 
-TEST(Npz, ChecksTheChecksum) {
+TEST(Npz, VerifiesTheChecksum) {
   for (const bool compress : {false, true}) {
     Style style;
     style.compress = compress;
     style.crc_error = 1;
     EXPECT_THAT(array_error(npy_doubles({1}, {3}), style),
-                HasSubstr("array \"a\": its bytes disagree with their checksum"));
+                HasSubstr("array \"a\": its checksum does not match"));
   }
 }
 
-TEST(Npz, RefusesWhatItCannotUnpack) {
+TEST(Npz, RejectsUnsupportedCompression) {
   Style style;
   style.flags = 1;
   EXPECT_THAT(array_error(npy_doubles({1}, {3}), style), HasSubstr("it is encrypted"));
@@ -403,7 +403,7 @@ TEST(Npz, RefusesWhatItCannotUnpack) {
   EXPECT_THAT(array_error(npy_doubles({1}, {3}), style), HasSubstr("array \"a\": "));
 }
 
-TEST(Npz, RefusesTwoArraysOfOneName) {
+TEST(Npz, RejectsDuplicateNames) {
   const std::string bytes = NpzBuilder()
                                 .add("a", npy_doubles({1}, {1}))
                                 .add_entry("a", npy_doubles({1}, {2}), {})
@@ -411,18 +411,18 @@ TEST(Npz, RefusesTwoArraysOfOneName) {
   EXPECT_THAT(error_of(NpzFile::open(bytes, "a.npz")), HasSubstr("there are two arrays \"a\""));
 }
 
-TEST(Npz, SaysWhichArraysThereAre) {
+TEST(Npz, ListsArraysIfOneIsMissing) {
   const std::string bytes =
       NpzBuilder().add("poses", npy_doubles({1}, {1})).add("trans", npy_doubles({1}, {1})).build();
   EXPECT_THAT(error_of(read_array(bytes, "Poses")),
               HasSubstr("no array \"Poses\" (did you mean \"poses\"?); found poses, trans"));
 }
 
-TEST(Npz, SaysWhatAFileIsInstead) {
+TEST(Npz, NamesOtherFileTypes) {
   const auto error = [](const std::string& bytes) {
     return error_of(NpzFile::open(bytes, "walk.npz"));
   };
-  EXPECT_THAT(error(""), HasSubstr("walk.npz: error: expected an NPZ file, found an empty one"));
+  EXPECT_THAT(error(""), HasSubstr("walk.npz: error: expected an NPZ file, found an empty file"));
   EXPECT_THAT(error(npy_doubles({1}, {1})), HasSubstr("a single NPY array"));
   EXPECT_THAT(error("\x80\x04\x95"), HasSubstr("a Python pickle"));
   EXPECT_THAT(error("HIERARCHY\n"), HasSubstr("a BVH file"));
@@ -469,7 +469,7 @@ std::vector<std::string> small_files() {
   return files;
 }
 
-TEST(NpzRobustness, EveryTruncationIsRefused) {
+TEST(NpzRobustness, RejectsEveryTruncation) {
   for (const std::string& bytes : small_files()) {
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       const ExactBytes exact(std::string_view(bytes).substr(0, size));
@@ -478,7 +478,7 @@ TEST(NpzRobustness, EveryTruncationIsRefused) {
   }
 }
 
-TEST(NpzRobustness, EveryChangedByteIsReadOrRefused) {
+TEST(NpzRobustness, ReadsOrRejectsEveryChangedByte) {
   for (const std::string& bytes : small_files()) {
     for (std::size_t at = 0; at < bytes.size(); ++at) {
       for (const int change : {0x01, 0x10, 0x80, 0xFF}) {

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(NpzWriterTest, WhatIsWrittenIsRead) {
+TEST(NpzWriterTest, RoundTrips) {
   const std::vector<double> values = {1.5, -2.0, 3.0, 0.1, 5.0, 6.0};
   const std::vector<std::int64_t> counts = {-1, 50};
   const std::vector<std::string> names = {"left", "a"};
@@ -35,7 +35,7 @@ TEST(NpzWriterTest, WhatIsWrittenIsRead) {
   EXPECT_TRUE(npz->read("one")->shape.empty());
 }
 
-TEST(NpzWriterTest, HeadersAreNumPys) {
+TEST(NpzWriterTest, HeadersMatchNumpy) {
   const std::vector<double> values = {1.0};
   const std::string npy = format_npy(float32_array(values, {1}));
   EXPECT_EQ(npy.size() % 64, 4U);

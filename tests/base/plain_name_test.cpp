@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(PlainName, OnePartAlone) {
+TEST(PlainName, AcceptsASinglePathComponent) {
   for (const char* name : {"walk", "a b", ".hidden", "...", "läuft", "-", "x..y"}) {
     EXPECT_TRUE(is_plain_name(name)) << name;
   }
@@ -23,7 +23,7 @@ TEST(PlainName, OnePartAlone) {
   EXPECT_FALSE(is_plain_name(std::string_view("..\0x", 4)));
 }
 
-TEST(PlainName, PathsBelowAFolder) {
+TEST(PlainName, AcceptsPathsInsideAFolder) {
   for (const char* path :
        {"walk.csv", "a/walk.csv", "a//b", "./a", "a..b/c", "new\nline", "...", "a b/c"}) {
     EXPECT_TRUE(is_plain_path(path)) << path;
@@ -35,7 +35,7 @@ TEST(PlainName, PathsBelowAFolder) {
   EXPECT_FALSE(is_plain_path(std::string_view("a\0b", 3)));
 }
 
-TEST(PlainName, LinksAreFollowed) {
+TEST(PlainName, FollowsLinks) {
   const TemporaryFolder folder;
   const fs::path inside = folder.path() / "out";
   fs::create_directories(inside / "sub");

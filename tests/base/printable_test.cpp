@@ -5,7 +5,7 @@
 namespace retarget {
 namespace {
 
-TEST(Printable, TextStaysAsItIs) {
+TEST(Printable, KeepsPlainText) {
   for (const char* text :
        {"", "walk.bvh", "läuft ünd\tmehr\n", "日本語", "\xF0\x9F\x99\x82", "no UTF-8: \xE9\xFF"}) {
     EXPECT_EQ(printable(text), text);
@@ -13,7 +13,7 @@ TEST(Printable, TextStaysAsItIs) {
   }
 }
 
-TEST(Printable, WhatCommandsATerminalIsReplaced) {
+TEST(Printable, ReplacesTerminalControlSequences) {
   EXPECT_EQ(printable("\x1b[2J\r\x07\x7f"), "?[2J???");
   // the one-byte and the Unicode form of ESC [
   EXPECT_EQ(printable("a\x9b"
@@ -28,7 +28,7 @@ TEST(Printable, WhatCommandsATerminalIsReplaced) {
   EXPECT_EQ(printable("\xE2\x81\xA6\xE2\x80\xA8\xD8\x9C\xE2\x80\x8F"), "????");
 }
 
-TEST(Printable, JsonKeepsItsContent) {
+TEST(Printable, KeepsJsonContent) {
   EXPECT_EQ(printable_json("{\"a\": \"\xC2\x9b\xE2\x80\xAE\x7f\"}"),
             "{\"a\": \"\\u009b\\u202e\\u007f\"}");
 }

@@ -11,26 +11,26 @@ namespace {
 
 const std::vector<std::string> kRobots = {"unitree_g1", "unitree_h1", "booster_t1", "fourier_n1"};
 
-TEST(NearestName, FindsSlipsOfTheKeyboard) {
+TEST(NearestName, FindsTypos) {
   EXPECT_EQ(nearest_name("unitre_g1", kRobots), "unitree_g1");
   EXPECT_EQ(nearest_name("untiree_g1", kRobots), "unitree_g1");
   EXPECT_EQ(nearest_name("Unitree_H1", kRobots), "unitree_h1");
 }
 
-TEST(NearestName, KeepsSilentWhenNothingIsNear) {
+TEST(NearestName, SuggestsNothingIfNothingIsNear) {
   EXPECT_EQ(nearest_name("atlas", kRobots), "");
   EXPECT_EQ(nearest_name("", kRobots), "");
   EXPECT_EQ(did_you_mean("atlas", kRobots), "");
 }
 
 // a file may hold a name of megabytes
-TEST(NearestName, IsNotLookedForForWhatNobodyTypes) {
+TEST(NearestName, SkipsVeryLongNames) {
   const std::vector<std::string> candidates = {std::string(100, 'a')};
   EXPECT_EQ(nearest_name(std::string(99, 'a'), candidates), candidates[0]);
   EXPECT_EQ(nearest_name(std::string(101, 'a'), candidates), "");
 }
 
-TEST(NearestName, IsTheNearestWhateverTheOrder) {
+TEST(NearestName, IsIndependentOfOrder) {
   const std::vector<std::string> names = {"left_hip", "left_hip_roll", "left_hip_yaw", "left_knee"};
   const std::vector<std::string> reversed(names.rbegin(), names.rend());
   for (const auto& [name, nearest] :
@@ -45,7 +45,7 @@ TEST(NearestName, IsTheNearestWhateverTheOrder) {
   }
 }
 
-TEST(ListNames, CountsTheRest) {
+TEST(ListNames, CountsOmittedNames) {
   EXPECT_EQ(list_names(kRobots, 2), "unitree_g1, unitree_h1 and 2 more");
   EXPECT_EQ(list_names({}, 2), "");
 }

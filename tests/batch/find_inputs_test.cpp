@@ -43,7 +43,7 @@ class FindInputsTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(FindInputsTest, FoldersAreMirroredWhateverTheNames) {
+TEST_F(FindInputsTest, KeepsFolderStructure) {
   for (const char* name :
        {"in/walk.bvh", "in/sub/a b/run.BVH", "in/sub/-dash.bvh", "in/l\xc3\xa4uft.bvh",
         "in/bad\xff utf.bvh", "in/new\nline.bvh", "in/motion.npz", "in/notes.txt", "in/.bvh",
@@ -60,7 +60,7 @@ TEST_F(FindInputsTest, FoldersAreMirroredWhateverTheNames) {
   EXPECT_GT(found->inputs.back().modified_ns, 0);
 }
 
-TEST_F(FindInputsTest, LinksAreFollowedOnceAndLoopsPassedOver) {
+TEST_F(FindInputsTest, FollowsLinksOnceAndSkipsLoops) {
   make("in/a/walk.bvh");
   make("elsewhere/run.bvh");
   fs::create_directory_symlink(at("in"), at("in/a/loop"));
@@ -74,7 +74,7 @@ TEST_F(FindInputsTest, LinksAreFollowedOnceAndLoopsPassedOver) {
   EXPECT_EQ(found->notes.size(), 2U);
 }
 
-TEST_F(FindInputsTest, PipesInFoldersArePassedOver) {
+TEST_F(FindInputsTest, SkipsPipesInFolders) {
   make("in/walk.bvh");
   ASSERT_EQ(::mkfifo(at("in/pipe.bvh").c_str(), 0600), 0);
   const auto found = find({at("in")});
@@ -83,7 +83,7 @@ TEST_F(FindInputsTest, PipesInFoldersArePassedOver) {
   EXPECT_FALSE(find({at("in/pipe.bvh")}));
 }
 
-TEST_F(FindInputsTest, PatternsKeepTheTreeBelowTheirFixedPart) {
+TEST_F(FindInputsTest, PatternsKeepPathsBelowTheirFixedPart) {
   make("in/a/walk1.bvh");
   make("in/b/walk2.bvh");
   make("in/b/run.bvh");
@@ -96,7 +96,7 @@ TEST_F(FindInputsTest, PatternsKeepTheTreeBelowTheirFixedPart) {
   EXPECT_THAT(relatives(find({at("in/[x].bvh")})), ElementsAre("[x].bvh"));
 }
 
-TEST_F(FindInputsTest, ListsOfFilesAndFolders) {
+TEST_F(FindInputsTest, ReadsListsOfFilesAndFolders) {
   make("in/a/walk.bvh");
   make("in/b/run.bvh");
   make("in/c.bvh");
@@ -114,13 +114,13 @@ TEST_F(FindInputsTest, ListsOfFilesAndFolders) {
   EXPECT_EQ(outside.error().kind, ErrorKind::kUsage);
 }
 
-TEST_F(FindInputsTest, ListsEndedByZeroBytes) {
+TEST_F(FindInputsTest, ReadsNulSeparatedLists) {
   make("in/new\nline.bvh");
   make("list", at("in/new\nline.bvh") + std::string(1, '\0'));
   EXPECT_THAT(relatives(find({"@" + at("list")})), ElementsAre("new\nline.bvh"));
 }
 
-TEST_F(FindInputsTest, ExcludedFilesAndTheOutputFolder) {
+TEST_F(FindInputsTest, SkipsExcludedFilesAndTheOutputFolder) {
   make("in/a/walk_stagei.npz");
   make("in/a/walk.npz");
   make("in/raw/walk.npz");
@@ -131,10 +131,10 @@ TEST_F(FindInputsTest, ExcludedFilesAndTheOutputFolder) {
   search.output_folder = at("in/out");
   const auto found = find_inputs(search);
   EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
-  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("outputs go there"), HasSubstr("left out 2")));
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("it is the output folder"), HasSubstr("left out 2")));
 }
 
-TEST_F(FindInputsTest, FoldersThatCannotBeReadAreClipsThatFail) {
+TEST_F(FindInputsTest, UnreadableFoldersCountAsFailedClips) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
   make("in/walk.bvh");
   make("in/closed/run.bvh");
@@ -145,7 +145,7 @@ TEST_F(FindInputsTest, FoldersThatCannotBeReadAreClipsThatFail) {
   EXPECT_THAT(found->notes, ElementsAre(HasSubstr("cannot read the folder")));
 }
 
-TEST_F(FindInputsTest, NothingToDoIsAnError) {
+TEST_F(FindInputsTest, NoInputsIsAnError) {
   fs::create_directory(at("empty"));
   for (const std::string& name : {at("empty"), at("missing"), "@" + at("missing")}) {
     const auto found = find({name});
@@ -154,19 +154,19 @@ TEST_F(FindInputsTest, NothingToDoIsAnError) {
   }
 }
 
-TEST_F(FindInputsTest, AFileNamedTwiceIsOneInput) {
+TEST_F(FindInputsTest, DeduplicatesFiles) {
   make("in/walk.bvh");
   EXPECT_THAT(relatives(find({at("in"), at("in/walk.bvh"), at("in/../in/walk.bvh")})),
               ElementsAre("walk.bvh"));
 }
 
-TEST(OutputStem, OnlyTheEndingGoes) {
+TEST(OutputStem, RemovesOnlyTheExtension) {
   EXPECT_EQ(output_stem("a.b/walk.x.BVH"), "a.b/walk.x");
   EXPECT_EQ(output_stem("walk"), "walk");
   EXPECT_EQ(output_stem("a/.bvh"), "a/.bvh");
 }
 
-TEST(DistinctOutputs, ClashesAreNamed) {
+TEST(DistinctOutputs, ReportsClashes) {
   const std::vector<BatchInput> fine = {{"x/a.bvh", "a.bvh"}, {"x/b.bvh", "b.bvh"}};
   EXPECT_TRUE(check_distinct_outputs(fine));
   const std::vector<BatchInput> clash = {{"x/a.bvh", "a.bvh"}, {"y/a.bvh", "a.bvh"}};

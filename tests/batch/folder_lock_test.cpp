@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using Kind = FolderLock::Kind;
 
-TEST(FolderLockTest, SecondIsRefusedAndToldWhoIsThere) {
+TEST(FolderLockTest, SecondLockIsRejectedWithTheHolder) {
   const TemporaryFolder folder;
   auto first = FolderLock::take(folder.path().string(), ".lock", Kind::kAlone);
   ASSERT_TRUE(first);
@@ -30,7 +30,7 @@ TEST(FolderLockTest, SecondIsRefusedAndToldWhoIsThere) {
   }
 }
 
-TEST(FolderLockTest, SharedOnesKeepOutOnlyOneThatWantsToBeAlone) {
+TEST(FolderLockTest, SharedLocksExcludeOnlyExclusiveOnes) {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
   {
@@ -47,7 +47,7 @@ TEST(FolderLockTest, SharedOnesKeepOutOnlyOneThatWantsToBeAlone) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(FolderLockTest, KilledHolderIsNoObstacle) {
+TEST(FolderLockTest, LockOfAKilledProcessIsReleased) {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
   int ready[2];
@@ -73,7 +73,7 @@ TEST(FolderLockTest, KilledHolderIsNoObstacle) {
   ::close(ready[1]);
 }
 
-TEST(FolderLockTest, FolderThatCannotBeWritten) {
+TEST(FolderLockTest, UnwritableFolderIsAnError) {
   const auto lock = FolderLock::take("/no/such/folder", ".lock", Kind::kAlone);
   ASSERT_FALSE(lock);
   EXPECT_EQ(lock.error().kind, ErrorKind::kRun);

@@ -34,7 +34,7 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(ManifestLine, EverythingComesBack) {
+TEST(ManifestLine, RoundTrips) {
   ManifestEntry entry = entry_of("a b/\"w\".bvh", "2026-01-31T12:00:00Z");
   entry.done = false;
   entry.options_hash = "0123";
@@ -72,7 +72,7 @@ TEST(ManifestLine, EverythingComesBack) {
   EXPECT_FALSE(read->done);
 }
 
-TEST(ManifestLine, NamesThatAreNoUtf8ComeBackAsTheirBytes) {
+TEST(ManifestLine, NonUtf8NamesRoundTrip) {
   ManifestEntry entry = entry_of("a\xff\xfe/b.bvh");
   entry.outputs = {{"a\xff\xfe/b.csv", 1, 1, ""}};
   const std::string line = manifest_line(entry);
@@ -83,7 +83,7 @@ TEST(ManifestLine, NamesThatAreNoUtf8ComeBackAsTheirBytes) {
   EXPECT_EQ(read->outputs.at(0).file, "a\xff\xfe/b.csv");
 }
 
-TEST(ManifestLine, UnknownMembersAndOddTypesAreSkipped) {
+TEST(ManifestLine, SkipsUnknownMembersAndWrongTypes) {
   const auto read = parse_manifest_line(
       R"({"later": [1], "relative": "a.bvh", "status": "done", "frames": "many", "input": 3,
           "outputs": {"x": 1}, "quality": [], "warnings": [1, "w"]})");
@@ -92,14 +92,14 @@ TEST(ManifestLine, UnknownMembersAndOddTypesAreSkipped) {
   EXPECT_THAT(read->warnings, ElementsAre("w"));
 }
 
-TEST(ManifestLine, WhatIsNoEntryIsNothing) {
+TEST(ManifestLine, RejectsLinesThatAreNotEntries) {
   for (const char* line : {"", "{", "[]", "3", R"({"relative": "a.bvh"})", R"({"status": "done"})",
                            R"({"relative": "a.bvh", "status": "do)", "\xff\xfe", "\0"}) {
     EXPECT_FALSE(parse_manifest_line(line)) << line;
   }
 }
 
-TEST(Manifest, EveryTornFileIsReadUpToItsTornLine) {
+TEST(Manifest, ReadsTruncatedFilesUpToTheLastWholeLine) {
   const TemporaryFolder folder;
   const std::string whole = manifest_line(entry_of("a.bvh")) + manifest_line(entry_of("b.bvh"));
   const std::size_t first = whole.find('\n') + 1;
@@ -114,13 +114,13 @@ TEST(Manifest, EveryTornFileIsReadUpToItsTornLine) {
   }
 }
 
-TEST(Manifest, OneThatIsNotThereIsEmpty) {
+TEST(Manifest, MissingFileIsEmpty) {
   const auto read = read_manifest("no/such/manifest");
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->entries.empty());
 }
 
-TEST(Manifest, LinesOfManyThreadsAreWhole) {
+TEST(Manifest, ConcurrentLinesAreWhole) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "m").string();
   const std::vector<ManifestEntry> kept = {entry_of("kept.bvh")};
@@ -145,14 +145,14 @@ TEST(Manifest, LinesOfManyThreadsAreWhole) {
   EXPECT_EQ(text_of(path).back(), '\n');
 }
 
-TEST(Manifest, BeginReplacesWhatIsThere) {
+TEST(Manifest, BeginReplacesAnExistingFile) {
   const TemporaryFolder folder;
   const std::string path = folder.write("m", "torn");
   ASSERT_TRUE(ManifestWriter::begin(path, {}));
   EXPECT_EQ(text_of(path), "");
 }
 
-TEST(ManifestLine, NumbersThatDoNotFitAreSkipped) {
+TEST(ManifestLine, SkipsNumbersOutOfRange) {
   for (const char* number : {"1e300", "-1e300", "99999999999999999999", "-9223372036854775809",
                              "4294967296", "-4294967297", "1.5"}) {
     const std::string text(number);
@@ -166,7 +166,7 @@ TEST(ManifestLine, NumbersThatDoNotFitAreSkipped) {
   }
 }
 
-TEST(Manifest, LinesThatNameWhatIsOutsideCountForNothing) {
+TEST(Manifest, IgnoresLinesThatNameOutsideFiles) {
   const TemporaryFolder folder;
   std::vector<ManifestEntry> entries(7, entry_of("a.bvh"));
   entries[1].outputs = {{"ok.csv", 1, 1, ""}, {"../victim.txt", 1, 1, ""}};
@@ -185,7 +185,7 @@ TEST(Manifest, LinesThatNameWhatIsOutsideCountForNothing) {
   EXPECT_EQ(content->unreadable, 0);
 }
 
-TEST(Manifest, AClockThatWasAheadDoesNotMakeAnEntryTheLast) {
+TEST(Manifest, ClockSkewDoesNotChangeTheLatestEntry) {
   constexpr std::int64_t kNow = 1'767'225'600'123;  // 2026-01-01T00:00:00.123Z
   EXPECT_EQ(finished_after(kNow, ""), "2026-01-01T00:00:00.123Z");
   EXPECT_EQ(finished_after(kNow, "2025-12-31T23:59:59.999Z"), "2026-01-01T00:00:00.123Z");
@@ -197,7 +197,7 @@ TEST(Manifest, AClockThatWasAheadDoesNotMakeAnEntryTheLast) {
   }
 }
 
-TEST(LatestEntries, TheLastOfEveryClipAndRobotInOrder) {
+TEST(LatestEntries, KeepTheLastOfEveryClipAndRobotInOrder) {
   ManifestEntry other = entry_of("a.bvh", "2026-01-01T00:00:05Z");
   other.robot = "booster_t1";
   ManifestEntry old = entry_of("b.bvh", "2026-01-01T00:00:01Z");

@@ -45,7 +45,7 @@ void sleep_ms(int ms) {
   std::this_thread::sleep_for(std::chrono::milliseconds(ms));
 }
 
-TEST(ProcessPool, EveryTaskOnceByAnyNumberOfWorkers) {
+TEST(ProcessPool, RunsEveryTaskOnceForAnyWorkerCount) {
   for (const int workers : {0, 1, 3, 16}) {
     ProcessPoolOptions options = with_exit();
     options.workers = workers;
@@ -62,11 +62,11 @@ TEST(ProcessPool, EveryTaskOnceByAnyNumberOfWorkers) {
   }
 }
 
-TEST(ProcessPool, NothingToDo) {
+TEST(ProcessPool, HandlesNoTasks) {
   EXPECT_TRUE(ends_of({}, {}, [](std::size_t) { return std::string(); }).empty());
 }
 
-TEST(ProcessPool, OneWorkerKeepsTheOrderAndItsProcess) {
+TEST(ProcessPool, OneWorkerKeepsOrderAndProcess) {
   std::vector<std::size_t> order;
   std::vector<std::string> processes;
   const std::vector<std::uint64_t> memory = {5, 1, 9, 2};
@@ -84,7 +84,7 @@ TEST(ProcessPool, OneWorkerKeepsTheOrderAndItsProcess) {
   EXPECT_NE(processes.front(), std::to_string(::getpid()));
 }
 
-TEST(ProcessPool, TasksTogetherStayBelowTheBound) {
+TEST(ProcessPool, RunningTasksStayBelowTheMemoryLimit) {
   // the first is larger than the bound and runs alone
   const std::vector<std::uint64_t> memory = {50, 8, 8, 8, 1, 1, 1, 8, 2, 7};
   ProcessPoolOptions options = with_exit();
@@ -113,7 +113,7 @@ TEST(ProcessPool, TasksTogetherStayBelowTheBound) {
   }
 }
 
-TEST(ProcessPool, ATaskThatEndsItsProcessIsToldOfAndTheOthersGoOn) {
+TEST(ProcessPool, ReportsACrashAndContinues) {
   ProcessPoolOptions options = with_exit();
   options.workers = 2;
   const auto ends = ends_of(std::vector<std::uint64_t>(12, 1), options, [](std::size_t task) {
@@ -131,7 +131,7 @@ TEST(ProcessPool, ATaskThatEndsItsProcessIsToldOfAndTheOthersGoOn) {
   }
 }
 
-TEST(ProcessPool, ATaskThatHangsIsEnded) {
+TEST(ProcessPool, KillsAHangingTask) {
   ProcessPoolOptions options = with_exit();
   options.workers = 2;
   options.timeout_s = 0.3;
@@ -148,7 +148,7 @@ TEST(ProcessPool, ATaskThatHangsIsEnded) {
   }
 }
 
-TEST(ProcessPool, ATaskThatTakesTooMuchMemoryIsRefusedIt) {
+TEST(ProcessPool, LimitsMemoryOfATask) {
   if (kUnderSanitizer) GTEST_SKIP() << "sanitizers take address space beyond any bound";
   ProcessPoolOptions options = with_exit();
   options.most_memory = std::uint64_t{256} << 20U;
@@ -164,7 +164,7 @@ TEST(ProcessPool, ATaskThatTakesTooMuchMemoryIsRefusedIt) {
   EXPECT_EQ(ends.at(1).answer, "xx");
 }
 
-TEST(ProcessPool, ProcessesHoldNoFilesOfTheirParent) {
+TEST(ProcessPool, WorkersCloseInheritedFiles) {
   const int descriptor = ::open("/dev/null", O_RDONLY);
   ASSERT_GT(descriptor, 2);
   ProcessPoolOptions options = with_exit();
@@ -180,7 +180,7 @@ TEST(ProcessPool, ProcessesHoldNoFilesOfTheirParent) {
 
 volatile std::sig_atomic_t told = 0;
 
-TEST(ProcessPool, NoFurtherTaskOnceStopped) {
+TEST(ProcessPool, StartsNoTaskAfterStop) {
   ProcessPoolOptions options = with_exit();
   options.workers = 2;
   options.begin_worker = [] { std::signal(SIGTERM, [](int) { told = 1; }); };

@@ -46,7 +46,7 @@ TEST_F(ResumeTest, UntouchedFilesNeedNoReading) {
   EXPECT_TRUE(clips_.still_holds(*find().entry, input_));
 }
 
-TEST_F(ResumeTest, TouchedFilesAreTheSameByTheirContent) {
+TEST_F(ResumeTest, TouchedFilesAreComparedByContent) {
   for (const std::string& path : {input_, output_}) {
     touch(path);
     const auto found = find();
@@ -55,7 +55,7 @@ TEST_F(ResumeTest, TouchedFilesAreTheSameByTheirContent) {
   }
 }
 
-TEST_F(ResumeTest, OtherContentOfTheSameSize) {
+TEST_F(ResumeTest, DetectsChangedContentOfTheSameSize) {
   for (const char* name : {"walk.bvh", "out/walk.csv"}) {
     const auto size = fs::file_size(folder_.path() / name);
     folder_.write(name, std::string(size, 'X'));
@@ -66,7 +66,7 @@ TEST_F(ResumeTest, OtherContentOfTheSameSize) {
   }
 }
 
-TEST_F(ResumeTest, WhatIsToBeDoneAgain) {
+TEST_F(ResumeTest, ListsWhatToRedo) {
   EXPECT_EQ(find("others").entry, nullptr);
   folder_.write("walk.bvh", "longer input");
   EXPECT_EQ(find().entry, nullptr);
@@ -84,7 +84,7 @@ TEST_F(ResumeTest, WhatIsToBeDoneAgain) {
   EXPECT_EQ(find().entry, nullptr);
 }
 
-TEST_F(ResumeTest, AnyOfSeveralEntriesServes) {
+TEST_F(ResumeTest, AcceptsAnyOfSeveralEntries) {
   ManifestEntry other = entry_;
   other.options_hash = "others";
   ManifestEntry stale = entry_;
@@ -94,12 +94,12 @@ TEST_F(ResumeTest, AnyOfSeveralEntriesServes) {
   EXPECT_EQ(clips_.find("walk.bvh", "h1", "options", input_).entry, nullptr);
 }
 
-TEST_F(ResumeTest, FilesThatCannotBeRecorded) {
+TEST_F(ResumeTest, HandlesFilesThatCannotBeRecorded) {
   EXPECT_FALSE(record_file((folder_.path() / "missing").string(), "x"));
   EXPECT_FALSE(record_file(folder_.path().string(), "x"));
 }
 
-TEST_F(ResumeTest, OnlyWhatIsAsRecordedMayBeRemoved) {
+TEST_F(ResumeTest, RemovesOnlyFilesThatMatchTheRecord) {
   const auto verified = [&] {
     const FinishedClips clips({entry_}, (folder_.path() / "out").string());
     return clips.verified_outputs_of("walk.bvh", "g1");

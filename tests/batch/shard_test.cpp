@@ -22,7 +22,7 @@ std::vector<BatchInput> hundred_inputs() {
   return inputs;
 }
 
-TEST(ShardText, WhatIsAShard) {
+TEST(ShardText, ParsesShards) {
   EXPECT_EQ(parse_shard("2/8")->index, 2);
   EXPECT_EQ(parse_shard("8/8")->count, 8);
   for (const char* text :
@@ -33,7 +33,7 @@ TEST(ShardText, WhatIsAShard) {
   }
 }
 
-TEST(Shards, EveryInputIsInOneAndAllHaveAboutTheSameToDo) {
+TEST(Shards, PartitionInputsEvenly) {
   for (const int count : {1, 3, 8, 200}) {
     std::set<std::string> seen;
     std::size_t all = 0;
@@ -53,7 +53,7 @@ TEST(Shards, EveryInputIsInOneAndAllHaveAboutTheSameToDo) {
   }
 }
 
-TEST(Shards, DoNotDependOnTheOrderOfTheInputs) {
+TEST(Shards, AreIndependentOfInputOrder) {
   auto inputs = hundred_inputs();
   const auto one = take_shard(inputs, {2, 3});
   std::ranges::reverse(inputs);
@@ -62,7 +62,7 @@ TEST(Shards, DoNotDependOnTheOrderOfTheInputs) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].path, other[i].path);
 }
 
-TEST(LongestFirst, EqualOnesByName) {
+TEST(LongestFirst, OrdersTiesByName) {
   std::vector<BatchInput> inputs = {{"b", "b", 1}, {"c", "c", 5}, {"a", "a", 1}};
   sort_longest_first(inputs);
   std::vector<std::string> names;

@@ -42,7 +42,7 @@ std::vector<std::string> second_cells(const std::string& text) {
   return cells;
 }
 
-TEST(Summary, WorstClipsFirst) {
+TEST(Summary, ListsWorstClipsFirst) {
   ManifestEntry failed = clip_with("z.bvh", {}, 0.0);
   failed.done = false;
   failed.quality.reset();
@@ -62,7 +62,7 @@ TEST(Summary, WorstClipsFirst) {
   EXPECT_EQ(summary_csv(entries), text);
 }
 
-TEST(Summary, HeaderNamesEveryMetric) {
+TEST(Summary, HeaderListsEveryMetric) {
   const std::string text = summary_csv({});
   EXPECT_THAT(text, StartsWith("status,clip,robot,"));
   for (const Metric& metric : quality_metrics()) {
@@ -70,7 +70,7 @@ TEST(Summary, HeaderNamesEveryMetric) {
   }
 }
 
-TEST(ClipQualityOf, MissedGatesAndTheWorst) {
+TEST(ClipQualityOf, ListsMissedGatesAndTheWorst) {
   QualityReport report;
   report.values = {{find_metric("jumps"), 3.0, {}}, {find_metric("self_1cm_pct"), 4.0, {}}};
   report.gates = {{"self_1cm_pct", {}, 1.0, 4.0, false},
@@ -86,7 +86,7 @@ TEST(ClipQualityOf, MissedGatesAndTheWorst) {
   EXPECT_EQ(clip_quality(report).worst_ratio, HUGE_VAL);
 }
 
-TEST(Summary, CellsAreNoFormulas) {
+TEST(Summary, CellsAreNotFormulas) {
   for (const char* name :
        {"=cmd|' /C calc'!A0.bvh", "+1.bvh", "-1.bvh", "@SUM(A1).bvh", "\t=1.bvh"}) {
     ManifestEntry entry;

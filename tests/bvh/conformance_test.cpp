@@ -39,7 +39,7 @@ void expect_good_rejection(const Error& error, const std::string& name) {
                                           std::to_string(error.location.column) + ": error: "));
 }
 
-TEST(Conformance, VerdictsAreTheTables) {
+TEST(Conformance, VerdictsMatchTheTable) {
   const auto rows = table_rows(conformance_folder() / "expected.tsv");
   EXPECT_EQ(rows.size(), 64U);
   for (const auto& row : rows) {
@@ -60,7 +60,7 @@ TEST(Conformance, VerdictsAreTheTables) {
   }
 }
 
-TEST(Conformance, SameNumbersDecodeToTheSameMotion) {
+TEST(Conformance, SameNumbersGiveTheSameMotion) {
   const Clip base = clip_of(conformance_file("base"));
   EXPECT_EQ(base.rate(), (FrameRate{30, 1}));
   for (const char* name :
@@ -77,9 +77,9 @@ TEST(Conformance, SameNumbersDecodeToTheSameMotion) {
   }
 }
 
-TEST(Conformance, RejectionsNameTheFaultAndItsPlace) {
+TEST(Conformance, RejectionsNameErrorAndPosition) {
   const std::map<std::string, std::pair<std::string, std::string>> expected = {
-      {"frames_too_many", {"21:1", "expected 3 rows, as Frames on line 17 says, found 2"}},
+      {"frames_too_many", {"21:1", "expected 3 rows, as declared by Frames on line 17, found 2"}},
       {"short_row", {"19:1", "expected rows of 9 values"}},
       {"long_row", {"19:1", "found 10 on this line"}},
       {"badtok", {"10:3", "found \"XEnd\" (did you mean \"End\"?)"}},
@@ -154,7 +154,7 @@ const std::set<std::string> kRejected = {"02", "05", "11", "13", "15", "16", "24
                                          "26", "27", "36", "38", "39", "40", "41", "42"};
 const std::set<std::string> kWarned = {"10", "14", "20", "28", "37"};
 
-TEST_F(Quirks, VerdictsAreTheTables) {
+TEST_F(Quirks, VerdictsMatchTheTable) {
   for (const auto& [name, quirk] : quirks_) {
     const std::string number = name.substr(0, 2);
     const Result<BvhFile> file = read_exactly(quirk.text);
@@ -173,7 +173,7 @@ TEST_F(Quirks, VerdictsAreTheTables) {
   }
 }
 
-TEST_F(Quirks, AcceptedFilesGiveTheReferenceMotion) {
+TEST_F(Quirks, AcceptedFilesMatchTheReferenceMotion) {
   const Clip reference = clip_of(text("00"));
   for (const char* number :
        {"01", "03", "04", "06", "07", "08", "09", "12", "14", "17", "18", "19",
@@ -183,10 +183,10 @@ TEST_F(Quirks, AcceptedFilesGiveTheReferenceMotion) {
   }
 }
 
-TEST_F(Quirks, RejectionsHelp) {
+TEST_F(Quirks, RejectionsHaveHints) {
   const std::map<std::string, std::pair<std::string, std::string>> expected = {
       {"02", {"UTF-16", "UTF-8"}},
-      {"05", {"found \"88.36-3.41\"", "a blank is missing before \"-3.41\""}},
+      {"05", {"found \"88.36-3.41\"", "a space is missing before \"-3.41\""}},
       {"13", {"decimal comma", ""}},
       {"16", {"57 values in row 2", OPTION("lenient")}},
       {"25", {"found \"nan\"", OPTION("lenient")}},
@@ -204,12 +204,12 @@ TEST_F(Quirks, RejectionsHelp) {
   }
 }
 
-TEST_F(Quirks, NamesAreKeptWhole) {
+TEST_F(Quirks, KeepsFullNames) {
   EXPECT_TRUE(clip_of(text("06")).skeleton().find("Bip01 Neck"));
   EXPECT_TRUE(clip_of(text("07")).skeleton().find("mixamorig:Hips.L-x"));
 }
 
-TEST_F(Quirks, OptionsOpenWhatTheyAreFor) {
+TEST_F(Quirks, OptionsAcceptTheirFiles) {
   const Clip reference = clip_of(text("00"));
   // the rate from outside
   BvhReadOptions rate;

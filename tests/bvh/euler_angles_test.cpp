@@ -39,7 +39,7 @@ const std::vector<std::vector<int>> kThreeTurnOrders = {
     {0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0},   // Tait-Bryan
     {0, 1, 0}, {0, 2, 0}, {1, 0, 1}, {1, 2, 1}, {2, 0, 2}, {2, 1, 2}};  // proper Euler
 
-TEST(EulerAngles, TurnsComposeLeftToRight) {
+TEST(EulerAngles, ComposesLeftToRight) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> degrees(-400.0, 400.0);
   for (const std::vector<int>& axes : kThreeTurnOrders) {
@@ -51,7 +51,7 @@ TEST(EulerAngles, TurnsComposeLeftToRight) {
   }
 }
 
-TEST(EulerAngles, ReachesEveryRotationInEveryOrder) {
+TEST(EulerAngles, RepresentsEveryRotationInEveryOrder) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   for (const std::vector<int>& axes : kThreeTurnOrders) {
@@ -67,7 +67,7 @@ TEST(EulerAngles, ReachesEveryRotationInEveryOrder) {
   }
 }
 
-TEST(EulerAngles, IsExactAtAndAroundGimbalLock) {
+TEST(EulerAngles, IsAccurateNearGimbalLock) {
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     const bool proper = axes[0] == axes[2];
     for (const double locked :
@@ -85,7 +85,7 @@ TEST(EulerAngles, IsExactAtAndAroundGimbalLock) {
   }
 }
 
-TEST(EulerAngles, FollowsAnglesThroughManyTurns) {
+TEST(EulerAngles, IsContinuousOverManyTurns) {
   // angles that wind up and pass through gimbal lock come back as they were
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     std::vector<double> before = {0.0, 45.0, 0.0};
@@ -103,7 +103,7 @@ TEST(EulerAngles, FollowsAnglesThroughManyTurns) {
   }
 }
 
-TEST(EulerAngles, DoesNotJumpWhereTheOuterTurnsShareALine) {
+TEST(EulerAngles, IsContinuousAtGimbalLock) {
   for (const std::vector<int>& axes : kThreeTurnOrders) {
     const double locked = axes[0] == axes[2] ? 180.0 : 90.0;
     std::vector<double> before = {20.0, locked, 0.0};
@@ -120,7 +120,7 @@ TEST(EulerAngles, DoesNotJumpWhereTheOuterTurnsShareALine) {
   }
 }
 
-TEST(EulerAngles, FewerOrMoreTurnsThanThree) {
+TEST(EulerAngles, HandlesFewerOrMoreThanThreeAngles) {
   const std::vector<std::vector<int>> lists = {
       {}, {1}, {0, 2}, {2, 0}, {1, 1}, {0, 0, 1}, {0, 1, 1}, {2, 2, 2}, {2, 0, 1, 2}, {1, 1, 0, 0}};
   std::mt19937 random(3);
@@ -136,7 +136,7 @@ TEST(EulerAngles, FewerOrMoreTurnsThanThree) {
   }
 }
 
-TEST(EulerAngles, SaysHowFarItStaysFromARotationItCannotReach) {
+TEST(EulerAngles, ReportsTheErrorOfUnreachableRotations) {
   Quaterniond rotation = Quaterniond::Identity();
   rotate_about(rotation, 0, 30.0);
   double miss = 0.0;

@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Readers, NumberLine, testing::Bool(),
                            return parameter.param ? "vector" : "portable";
                          });
 
-TEST_P(NumberLine, EveryWidthAndPlaceOfThePoint) {
+TEST_P(NumberLine, HandlesEveryWidthAndPointPosition) {
   std::vector<std::string> numbers;
   const std::string digits = "987654321234567";
   for (std::size_t length = 1; length <= digits.size(); ++length) {
@@ -88,7 +88,7 @@ TEST_P(NumberLine, EveryWidthAndPlaceOfThePoint) {
   }
 }
 
-TEST_P(NumberLine, EveryKindOfLineEndAndBlank) {
+TEST_P(NumberLine, HandlesAllLineEndingsAndBlanks) {
   for (const std::string end : {"\n", "\r\n", "\r", " \n", "\t\r", "  \t \n"}) {
     const std::string line = "1.5\t-2.25 \t 3";
     const Line read_line = read(reader_, line + end, 3);
@@ -96,7 +96,7 @@ TEST_P(NumberLine, EveryKindOfLineEndAndBlank) {
   }
 }
 
-TEST_P(NumberLine, AnotherCountOfNumbersIsDeclined) {
+TEST_P(NumberLine, DeclinesAWrongCount) {
   EXPECT_FALSE(read(reader_, "1 2 3\n4 5 6\n", 2).taken);
   EXPECT_FALSE(read(reader_, "1 2 3\n4 5 6\n", 4).taken);
   EXPECT_FALSE(read(reader_, std::string(300, '1') + "\n", 2).taken);
@@ -105,7 +105,7 @@ TEST_P(NumberLine, AnotherCountOfNumbersIsDeclined) {
   EXPECT_FALSE(read(reader_, many + "\n", 3).taken);
 }
 
-TEST_P(NumberLine, WhatIsNoNumberIsDeclined) {
+TEST_P(NumberLine, DeclinesTextThatIsNotANumber) {
   using namespace std::string_literals;
   for (const std::string& token : {"-"s,
                                    "."s,
@@ -140,7 +140,7 @@ TEST_P(NumberLine, WhatIsNoNumberIsDeclined) {
 }
 
 // rarer forms may be declined, but not be read as something else
-TEST_P(NumberLine, RarerFormsAreReadRightOrDeclined) {
+TEST_P(NumberLine, ReadsOrDeclinesRareForms) {
   for (const std::string token :
        {"1e5", "-1.5E-3", "+2", "5.", "123456789012345678", "1e-320", "0.1234567890123456789",
         "9007199254740993", "-0.0000000000000001"}) {
@@ -152,7 +152,7 @@ TEST_P(NumberLine, RarerFormsAreReadRightOrDeclined) {
   }
 }
 
-TEST_P(NumberLine, RandomNumbersAsProgramsWriteThem) {
+TEST_P(NumberLine, ReadsRandomNumbers) {
   std::mt19937_64 random(20);
   std::normal_distribution<double> normal(0.0, 90.0);
   for (int round = 0; round < 2000; ++round) {
@@ -195,7 +195,7 @@ TEST(NumberLineReaders, AgreeOnRandomBytes) {
 }
 
 // a text may end anywhere: nothing past it is read (the sanitizers see it), nothing is lost
-TEST_P(NumberLine, EndsOfTexts) {
+TEST_P(NumberLine, HandlesEndsOfTexts) {
   std::string line = std::string(16, ' ');
   for (int i = 0; i < 40; ++i) line += "1.25 ";
   for (std::size_t size = 16; size <= line.size(); ++size) {

@@ -45,7 +45,7 @@ std::string printed(const char* format, double value) {
   return text;
 }
 
-TEST(NumberParser, TakesEveryWayToWriteANumber) {
+TEST(NumberParser, AcceptsEveryNumberFormat) {
   for (const char* text : {"0",
                            "-0",
                            "+0",
@@ -75,14 +75,14 @@ TEST(NumberParser, TakesEveryWayToWriteANumber) {
   }
 }
 
-TEST(NumberParser, RefusesWhatIsNoNumber) {
+TEST(NumberParser, RejectsTextThatIsNotANumber) {
   for (const char* text : {"", "-", "+", ".", "-.", "e5", ".e5", "1e", "1e+", "nan", "NaN", "inf",
                            "-inf", "infinity", "x", "--1", "+-1", "-+1", "{"}) {
     EXPECT_EQ(parse(text).status, NumberStatus::kMalformed) << text;
   }
 }
 
-TEST(NumberParser, RefusesWhatDoubleCannotHold) {
+TEST(NumberParser, RejectsNumbersOutOfRange) {
   for (const char* text : {"1e309", "-1e309", "1.8e308", "1e99999999999999999999999"}) {
     EXPECT_EQ(parse(text).status, NumberStatus::kTooLarge) << text;
   }
@@ -91,7 +91,7 @@ TEST(NumberParser, RefusesWhatDoubleCannotHold) {
   expect_same_as_strtod("0." + std::string(400, '0') + "1e401");
 }
 
-TEST(NumberParser, StopsAtTheFirstByteThatDoesNotBelong) {
+TEST(NumberParser, StopsAtTheFirstOtherByte) {
   for (const char* text : {"2x0", "2 0", "2,5", "2-5", "2.5.5", "2e1e1", "0x10"}) {
     const std::string_view view = text;
     const ParsedNumber number = parse(view);
@@ -100,7 +100,7 @@ TEST(NumberParser, StopsAtTheFirstByteThatDoesNotBelong) {
   }
 }
 
-TEST(NumberParser, IsBitIdenticalToTheCLibraryOnRandomText) {
+TEST(NumberParser, MatchesStrtodBitForBitOnRandomText) {
   std::mt19937_64 random(20240611);
   std::uniform_real_distribution<double> degrees(-360.0, 360.0);
   for (int i = 0; i < 60000; ++i) {
@@ -129,7 +129,7 @@ TEST(NumberParser, IsBitIdenticalToTheCLibraryOnRandomText) {
   }
 }
 
-TEST(NumberParser, RoundsHalfWayCasesToEven) {
+TEST(NumberParser, RoundsTiesToEven) {
   // exactly half way between two doubles, and one digit beyond
   std::mt19937_64 random(7);
   for (int i = 0; i < 2000; ++i) {

@@ -55,7 +55,7 @@ long peak_kilobytes() {
   return usage.ru_maxrss;
 }
 
-TEST(BvhRobustness, EveryTruncationIsReadOrRefused) {
+TEST(BvhRobustness, ReadsOrRejectsEveryTruncation) {
   for (const char* name : {"base", "nine_ch", "comment", "crlf", "wrapped_row"}) {
     const std::string text = conformance_file(name);
     for (std::size_t size = 0; size <= text.size(); ++size) {
@@ -64,7 +64,7 @@ TEST(BvhRobustness, EveryTruncationIsReadOrRefused) {
   }
 }
 
-TEST(BvhRobustness, ATruncatedFileIsNeverTakenForAWholeOne) {
+TEST(BvhRobustness, NeverReadsATruncatedFileAsComplete) {
   const std::string text = conformance_file("base");
   // without its last value's last digit the file is whole to any reader
   for (std::size_t size = 0; size + 2 < text.size(); ++size) {
@@ -72,7 +72,7 @@ TEST(BvhRobustness, ATruncatedFileIsNeverTakenForAWholeOne) {
   }
 }
 
-TEST(BvhRobustness, RandomDamageIsReadOrRefused) {
+TEST(BvhRobustness, ReadsOrRejectsRandomDamage) {
   std::mt19937 random(4711);
   std::vector<std::string> texts;
   for (const char* name : {"base", "joint_pos", "two_roots", "comment", "end_channels",
@@ -121,7 +121,7 @@ TEST(BvhRobustness, RandomDamageIsReadOrRefused) {
   }
 }
 
-TEST(BvhRobustness, DeepNestingNeedsNoStack) {
+TEST(BvhRobustness, DeepNestingDoesNotOverflowTheStack) {
   const std::string text = conformance_file("deep");
   const Clip clip = clip_of(text);
   EXPECT_EQ(clip.skeleton().joint_count(), 3000);
@@ -132,7 +132,7 @@ TEST(BvhRobustness, DeepNestingNeedsNoStack) {
   EXPECT_FALSE(read_exactly(braces).has_value());
 }
 
-TEST(BvhRobustness, MemoryFollowsTheFileNotItsHeader) {
+TEST(BvhRobustness, MemoryDependsOnTheFileNotItsHeader) {
   const long before = peak_kilobytes();
   std::string text = conformance_file("huge_frames");
   BvhReadOptions lenient;
@@ -146,7 +146,7 @@ TEST(BvhRobustness, MemoryFollowsTheFileNotItsHeader) {
   EXPECT_LT(peak_kilobytes() - before, 20000);
 }
 
-TEST(BvhRobustness, JointsWithoutChannelsTakeNoMemoryOutOfProportion) {
+TEST(BvhRobustness, JointsWithoutChannelsDoNotExhaustMemory) {
   std::string text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation\n";
   for (int i = 0; i < 2000; ++i) text += "JOINT j" + std::to_string(i) + "{OFFSET 0 0 0}";
   text += "}\nMOTION\nFrames: 40000\nFrame Time: 0.01\n";
@@ -156,7 +156,7 @@ TEST(BvhRobustness, JointsWithoutChannelsTakeNoMemoryOutOfProportion) {
   const Result<BvhFile> file = read_exactly(text);
   ASSERT_FALSE(file.has_value());
   EXPECT_EQ(file.error().message,
-            "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are taken for a "
+            "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
             "file of this size");
   EXPECT_LT(peak_kilobytes() - before, 80'000);
   // what is not said is not taken either
@@ -166,7 +166,7 @@ TEST(BvhRobustness, JointsWithoutChannelsTakeNoMemoryOutOfProportion) {
   EXPECT_EQ(clip_of(head + "0\n", lenient).frame_count(), 1);
 }
 
-TEST(BvhRobustness, AClipTakesNoMoreThanIsGiven) {
+TEST(BvhRobustness, ClipStaysWithinTheMemoryLimit) {
   std::string text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation}\n";
   text += "MOTION\nFrames: 3\nFrame Time: 0.01\n0\n0\n0\n";
   BvhReadOptions options;
@@ -178,7 +178,7 @@ TEST(BvhRobustness, AClipTakesNoMoreThanIsGiven) {
   EXPECT_THAT(file.error().hint, ::testing::HasSubstr(OPTION("memory")));
 }
 
-TEST(BvhRobustness, WhatIsReadCanBeWritten) {
+TEST(BvhRobustness, WhatIsReadCanBeWrittenBack) {
   const std::filesystem::path folder =
       std::filesystem::path(RETARGET_SOURCE_DIR) / "tests/bvh/conformance";
   int written = 0;

@@ -116,7 +116,7 @@ std::string text_of(const Clip& clip, const BvhWriteOptions& options = {}) {
   return text.value_or("");
 }
 
-TEST(WriteBvh, WritesWhatPeopleExpectToSee) {
+TEST(WriteBvh, WritesTheUsualFormat) {
   std::vector<Joint> joints = {make_joint("Hips", -1, kPositions),
                                make_joint("Spine", 0, rotation_channels({2, 1, 0})),
                                make_joint("Tail", 0, {})};
@@ -158,13 +158,13 @@ TEST(WriteBvh, WritesWhatPeopleExpectToSee) {
             "1.0000 -2.2500 0.0000 90.0000 0.0000 0.0000 0.0000 1.0000\n");
 }
 
-TEST(WriteBvh, ReadingGivesTheSameClipInAllOrders) {
+TEST(WriteBvh, RoundTripsInAllOrders) {
   Clip clip(skeleton_of_all_orders(), FrameRate{120, 1}, 40);
   fill_at_random(clip, 5);
   expect_same_clip(clip_of(text_of(clip)), clip);
 }
 
-TEST(WriteBvh, ReadingGivesTheSameClipAtGimbalLock) {
+TEST(WriteBvh, RoundTripsAtGimbalLock) {
   const auto skeleton = skeleton_of_all_orders();
   Clip clip(skeleton, FrameRate{60, 1}, 60);
   std::mt19937 random(6);
@@ -187,7 +187,7 @@ TEST(WriteBvh, ReadingGivesTheSameClipAtGimbalLock) {
   expect_same_clip(clip_of(text_of(clip)), clip);
 }
 
-TEST(WriteBvh, RatesComeBackExactly) {
+TEST(WriteBvh, RatesRoundTripExactly) {
   for (const FrameRate rate : {FrameRate{30, 1}, FrameRate{120, 1}, FrameRate{2997, 125},
                                FrameRate{30000, 1001}, FrameRate{1, 2}, FrameRate{1000, 7}}) {
     const Clip clip(skeleton_of_all_orders(), rate, 2);
@@ -195,7 +195,7 @@ TEST(WriteBvh, RatesComeBackExactly) {
   }
 }
 
-TEST(WriteBvh, AnglesDoNotJump) {
+TEST(WriteBvh, AnglesAreContinuous) {
   const auto skeleton = std::make_shared<const Skeleton>(
       std::vector<Joint>{make_joint("Hips", -1, rotation_channels({2, 0, 1}))});
   Clip clip(skeleton, FrameRate{30, 1}, 400);
@@ -217,7 +217,7 @@ TEST(WriteBvh, AnglesDoNotJump) {
   }
 }
 
-TEST(WriteBvh, JointsThatStayAtZeroComeBackThere) {
+TEST(WriteBvh, JointsAtZeroRoundTrip) {
   // zeros in all position channels would mean: at the offset
   for (const std::optional<int> decimals : {std::optional<int>(), std::optional<int>(6)}) {
     std::vector<Joint> joints = {make_joint("Hips", -1, kPositions),
@@ -232,7 +232,7 @@ TEST(WriteBvh, JointsThatStayAtZeroComeBackThere) {
   }
 }
 
-TEST(WriteBvh, NeverWritesWhatCannotBeReadOrIsWrong) {
+TEST(WriteBvh, RejectsClipsThatCannotBeReadBack) {
   const auto hinge = std::make_shared<const Skeleton>(
       std::vector<Joint>{make_joint("Knee", -1, {Channel::kYPosition, Channel::kXRotation})});
   Clip bent(hinge, FrameRate{30, 1}, 2);
@@ -283,7 +283,7 @@ class CommaPunctuation : public std::numpunct<char> {
   std::string do_grouping() const override { return "\3"; }
 };
 
-TEST(WriteBvh, DoesNotDependOnTheLocale) {
+TEST(WriteBvh, IsIndependentOfTheLocale) {
   Clip clip(skeleton_of_all_orders(), FrameRate{2997, 125}, 1200);
   fill_at_random(clip, 8);
   const std::string plain = text_of(clip);
@@ -321,7 +321,7 @@ TEST(WriteBvh, SavesAndLoads) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(WriteBvh, RealFilesComeBack) {
+TEST(WriteBvh, RealFilesRoundTrip) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   int count = 0;

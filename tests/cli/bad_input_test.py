@@ -98,7 +98,7 @@ class BadInput(ToolTest):
         self.assert_refused(with_model("<mujoco><worldbody><body name='pelvis'>" + body), 4,
                             "no free joint")
         free = "<mujoco><worldbody><body name='pelvis'><freejoint/>" + body
-        self.assert_refused(with_model(free), 4, "left_knee_link", "faults")
+        self.assert_refused(with_model(free), 4, "left_knee_link", "errors")
         door = ("</body><body name='door'><joint name='hinge'/><geom size='.1'/></body>"
                 "</worldbody></mujoco>")
         self.assert_refused(with_model(free.replace("</body></worldbody></mujoco>", door)), 4,
@@ -117,7 +117,7 @@ class BadInput(ToolTest):
         # what is wrong in itself and what does not fit the robot are told together
         wrong = wrong.replace("[0.5, 0.5, 0.5, 0.5]", "[2, 0, 0, 0]", 1)
         self.assert_refused(self.retarget("--ik-config", self.write("map.json", wrong)), 4,
-                            "no unit quaternion", "left_kne_link")
+                            "not a unit quaternion", "left_kne_link")
         heavy = text.replace('["Hips", 100, 5', '["Hips", 1e300, 5')
         self.assert_refused(self.retarget("--ik-config", self.write("map.json", heavy)), 4,
                             "map.json", "not finite")

@@ -437,7 +437,7 @@ class Isolation(BatchTest):
         # a sanitizer would make an exit of the signal
         plain = {**os.environ,
                  "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
-        for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "want of memory")):
+        for number, word in ((signal.SIGSEGV, "signal 11"), (signal.SIGKILL, "memory ran out")):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             with subprocess.Popen([TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1",
                                    "--jobs", "1", *FAST], cwd=self.folder, text=True, env=plain,
@@ -498,7 +498,7 @@ class Shards(BatchTest):
         self.assertEqual(len(self.manifest()), 8)
         self.assertEqual([f for f in self.files() if "-of-" in f], [])
         result = self.batch("--shard", "2/3", "--resume")
-        self.assertIn("are done and have not changed", result.stderr)
+        self.assertIn("are done and unchanged", result.stderr)
 
     def test_array_tasks_of_slurm_do_all_parts(self):
         for i in range(5):
@@ -517,7 +517,7 @@ class Shards(BatchTest):
                 told = task("in", "--robot", "unitree_g1", *FAST, SLURM_ARRAY_TASK_ID=number,
                             SLURM_ARRAY_TASK_MIN="11", SLURM_ARRAY_TASK_COUNT="3",
                             SLURM_CPUS_PER_TASK="2")
-                self.assertEqual("have not changed" in told, again)
+                self.assertEqual("done and unchanged" in told, again)
         self.assertIn("5 clips, 0 failed", task("--merge"))
         self.assertEqual(len(self.outputs()), 5)
 
@@ -594,7 +594,7 @@ class NothingIsLost(BatchTest):
             self.assertEqual(victim.read_text(), "precious", name)
             self.assertTrue((self.folder / "out/link.txt").is_symlink())
             if not name.startswith(("up", "link")):
-                self.assertIn(f'not inside the output folder, as "{name}"', result.stderr)
+                self.assertIn(f'not inside the output folder, such as "{name}"', result.stderr)
 
     def test_a_body_model_is_for_smpl_motions(self):
         self.clips("a.bvh")

@@ -6,7 +6,7 @@ import unittest
 
 from tool import SAMPLES, ToolTest, sample
 
-# glibc's names; those that a processor or a version lacks are passed over
+# glibc's names; those that a processor or a version lacks are skipped
 OLD_PROCESSOR = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX,-AVX2,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
 
 

@@ -207,7 +207,7 @@ class TwoAtOnce(Disturbed):
             both = [self.start(stderr=subprocess.PIPE) for _ in range(2)]
             texts = [batch.communicate(timeout=300)[1] for batch in both]
             # one is refused, or comes after the other and finds it all done
-            told = sum("another batch is writing" in text or "are done and have not changed" in text
+            told = sum("another batch is writing" in text or "are done and unchanged" in text
                        for text in texts)
             self.assertEqual(told, 1, texts)
             self.assertEqual([batch.returncode for batch in both], [1, 1])

@@ -157,7 +157,7 @@ class Edit(ToolTest):
                           ("loop", "--end", "3", "--force")):
             with self.subTest(edit=arguments):
                 words = self.said(arguments[0], zeros, *arguments[1:], "-o", "one.bvh")
-                self.assertRegex(words, r"lead-in +1 frame in front left out.*--start 0 takes it")
+                self.assertRegex(words, r"lead-in +1 frame at the start left out.*--start 0 takes it")
                 # times are the file's, which begins a frame earlier
                 plain = ["2.96667" if word == "3" else word for word in arguments]
                 self.said(plain[0], up, *plain[1:], "-o", "other.bvh")
@@ -169,9 +169,9 @@ class Edit(ToolTest):
         self.assertNotIn("warning", self.said("path", rare, "--to", "circle", "-o", "x.bvh"))
         several = self.with_zeros_in_front(walk, "several.bvh", held=20)
         self.assertRegex(self.said("ground", several, "-o", "x.bvh"),
-                         r"lead-in +20 frames in front left out.*--start 0 takes them")
+                         r"lead-in +20 frames at the start left out.*--start 0 takes them")
         words = self.said("concat", several, several, "-o", "x.bvh")
-        self.assertEqual(words.count("20 frames in front left out"), 2)
+        self.assertEqual(words.count("20 frames at the start left out"), 2)
         self.assertNotIn("--start", words)
         # who says where to begin means it, and what changes every frame alike takes all of them
         count = len(self.frames(zeros))
@@ -250,7 +250,7 @@ class Edit(ToolTest):
         for name, part in (("a", ":150"), ("b", "150:")):
             self.assert_done(
                 self.run_tool("edit", "trim", walk, "--frames", part, "-o", name + ".bvh"))
-        self.assertIn("goes on", self.said("concat", "a.bvh", "b.bvh", "-o", "ab.bvh"))
+        self.assertIn("continues", self.said("concat", "a.bvh", "b.bvh", "-o", "ab.bvh"))
         self.assertIsNone(difference([row[:3] for row in self.frames(self.folder / "ab.bvh")],
                                      [row[:3] for row in self.frames(walk)], 1e-6))
 

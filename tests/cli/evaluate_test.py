@@ -276,7 +276,7 @@ class EvaluateCommand(ToolTest):
         self.assert_fails(self.evaluate(), 2, "motions")
         self.assert_fails(self.evaluate(self.good, "--start", "1"), 2, "--start needs the source")
         self.assert_fails(self.evaluate(self.good, "--fps", "source"), 2, "needs the source")
-        self.assert_fails(self.evaluate("-", "-"), 2, "once only")
+        self.assert_fails(self.evaluate("-", "-"), 2, "only once")
         self.assert_fails(self.evaluate(self.good, "--json", "no/r.json"), 2, "no")
         self.assert_fails(self.retarget("--report", "-"), 2, "--report needs a file")
         self.assert_fails(self.evaluate(self.good, "--bvh", "a.bvh", "--smpl", "a.npz"), 2,

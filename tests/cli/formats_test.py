@@ -557,13 +557,13 @@ class Provenance(FormatsTest):
         lines[first] = " ".join(row) + "\n"
         self.write("in.bvh", "".join(lines))
         result = self.verify()
-        self.assert_fails(result, 1, "other bytes come out", "the motion in.bvh has changed")
+        self.assert_fails(result, 1, "the output differs", "the motion in.bvh has changed")
         self.write("in.bvh", bvh)
         self.assert_done(self.verify())
         csv = (self.folder / "out.csv").read_text()
         self.write("out.csv", csv + csv.splitlines()[-1] + "\n")
-        self.assert_fails(self.verify(), 1, "not the one that the sidecar tells of")
-        self.assert_fails(self.verify("in.bvh"), 3, "no sidecar")
+        self.assert_fails(self.verify(), 1, "changed since the sidecar was written")
+        self.assert_fails(self.verify("in.bvh"), 3, "not the sidecar of a run")
 
     def test_an_output_beside_the_sidecar_alone(self):
         self.assert_done(self.retarget("--method", "gmr", "--frames", "0:2", "--sidecar",
@@ -581,7 +581,7 @@ class Provenance(FormatsTest):
         self.assert_fails(self.verify("many.json"), 3, "an object of more than 2000 members")
 
     def test_standard_output_has_no_sidecar(self):
-        self.assert_fails(self.retarget("--sidecar", output="-"), 2, "--sidecar needs a file")
+        self.assert_fails(self.retarget("--sidecar", output="-"), 2, "--sidecar needs an output file")
 
 
 if __name__ == "__main__":

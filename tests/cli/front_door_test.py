@@ -35,7 +35,7 @@ class Records(ToolTest):
         self.batch("--fps", "1000", "--clip-timeout", "0.001")
         for name in ("manifest.jsonl", "summary.csv"):
             text = (self.folder / "out" / name).read_text()
-            self.assertIn("--clip-timeout gives it more", text)
+            self.assertIn("--clip-timeout allows more time", text)
             self.assertNotIn("\\u000e", text)
             self.assertNotIn("\x0e", text)
 

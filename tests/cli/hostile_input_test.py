@@ -116,12 +116,12 @@ class HostileInput(ToolTest):
         clip = self.write("in/clip.bvh", text)
         result = self.run_measured("inspect", clip, "--memory", "0.1")
         self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertIn("at most 25 MB are taken", " ".join(result.stderr.split()))
+        self.assertIn("at most 25 MB are allowed", " ".join(result.stderr.split()))
         self.assertEqual(self.run_measured("inspect", clip, "--memory", "1").returncode, 0)
         result = self.run_measured("batch", "in", "-o", "out", "--robot", "unitree_g1",
                                    "--memory", "0.1")
         self.assertNotEqual(result.returncode, 0)
-        self.assertIn("at most 25 MB are taken",
+        self.assertIn("at most 25 MB are allowed",
                       (self.folder / "out" / "manifest.jsonl").read_text())
 
     def test_json_of_many_keys(self):

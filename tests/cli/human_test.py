@@ -113,8 +113,8 @@ class WhatIsUnderstood(ToolTest):
                           "MOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n")
         report = self.inspect(file)
         self.assertIsNone(report["dialect"])
-        self.assertIn("no human skeleton", report["not_understood"])
-        self.assert_fails(self.retarget(bvh=file), 3, "no human skeleton")
+        self.assertIn("not a human skeleton", report["not_understood"])
+        self.assert_fails(self.retarget(bvh=file), 3, "not a human skeleton")
         self.assertEqual(self.files(), ["chain.bvh"])
 
     def test_a_mapping_is_written_edited_and_used(self):

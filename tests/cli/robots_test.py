@@ -43,7 +43,7 @@ class Robots(ToolTest):
         self.assert_done(result)
         self.assertEqual(self.files(), ["mine.xml", "mine/decisions.md", "mine/ik.json",
                                         "mine/model.xml", "mine/robot.json"])
-        self.assertIn("0 faults", self.output_of("check", "mine"))
+        self.assertIn("0 errors", self.output_of("check", "mine"))
         rows = self.retarget("--frames", ":30", robot="mine", bvh=sample("walk"), output="-")
         self.assert_done(rows)
         self.assertEqual(len(read_rows(rows.stdout)[0]), 7 + 22)
@@ -91,7 +91,7 @@ class Robots(ToolTest):
             path.unlink(missing_ok=True)
             path.symlink_to(name)  # points to itself
             result = self.retarget(robot="mine")
-            self.assert_fails(result, 4, f"mine/{name}", "cannot look at the file")
+            self.assert_fails(result, 4, f"mine/{name}", "cannot access the file")
             path.unlink()
             if content is not None:
                 path.write_bytes(content)
@@ -100,7 +100,7 @@ class Robots(ToolTest):
         self.write("mine.xml", K1.read_bytes())
         kept = self.write("mine/thesis.txt", "years")
         add = ("robots", "add", "mine", "--model", "mine.xml", "--force")
-        self.assert_fails(self.run_tool(*add), 2, "mine", "no folder that robots add made")
+        self.assert_fails(self.run_tool(*add), 2, "mine", "not made by robots add")
         self.assertEqual(kept.read_text(), "years")
         for _ in range(2):
             self.assert_done(self.run_tool("robots", "add", "new", "--model", "mine.xml",

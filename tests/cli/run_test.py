@@ -180,16 +180,16 @@ class Output(ToolTest):
         words = ("--bvh", sample("wave"), "--ik-config", mapping, "-o", "out.csv")
         result = self.run_tool(*words, "--robot-xml", bare)
         self.assert_done(result)
-        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
+        self.assertIn("warning: the model does not show where the soles are", result.stderr)
         # a profile without soles is no better than none
         profile = self.write("robot.json", '{"name": "mine"}')
         result = self.run_tool(*words, "--robot-xml", bare, "--robot-profile", profile)
-        self.assertIn("warning: nothing in the model tells where the soles are", result.stderr)
+        self.assertIn("warning: the model does not show where the soles are", result.stderr)
 
     def test_summary_says_what_was_done(self):
         summary = self.retarget().stderr
         for words in ("22 joints", "30 fps", "centimetres, Y up", "unitree_g1, 29 joints",
-                      "limits official", "contact phases", "IK steps a frame", "comes nearest",
+                      "limits official", "contact phases", "IK steps per frame", "comes nearest",
                       "wrote"):
             self.assertIn(words, summary)
         self.assertNotIn("costs", summary)

@@ -59,7 +59,7 @@ class Words(ToolTest):
         self.assert_fails(self.run_tool("walk.bvh", "g1", "--robot", "t1", "-o", "x.csv"), 2,
                           "two robots", "g1", "t1")
         self.assert_fails(self.run_tool("frobnicate", "walk.bvh", "-o", "x.csv"), 2,
-                          '"frobnicate" is no command, no motion file and no robot')
+                          '"frobnicate" is not a command, a motion file or a robot')
 
 
 class Mistakes(ToolTest):
@@ -219,7 +219,7 @@ class Mistakes(ToolTest):
         # who lies for a second and a third meets nobody who walks
         self.write("lying.bvh", short_clip("get_up", 40))
         refused = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "-o", "x.bvh")
-        self.assert_fails(refused, 1, "does not fit to lying.bvh anywhere", "--force")
+        self.assert_fails(refused, 1, "does not fit lying.bvh anywhere", "--force")
         self.assertNotIn("--search", refused.stderr)
         near = self.run_tool("edit", "concat", "lying.bvh", sample("wave"), "--search", "0.2", "-o",
                              "x.bvh")

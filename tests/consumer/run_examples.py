@@ -34,7 +34,7 @@ def main():
 
         report = run(folder, PROGRAMS / "03_stages_by_hand", wave, "unitree_g1", "part.csv")
         assert "jumps" in report, report
-        # two seconds at 60 frames a second
+        # two seconds at 60 frames per second
         assert len((folder / "part.csv").read_text().splitlines()) == 121
 
         for clip in ("a.bvh", "more/b.bvh"):

@@ -104,7 +104,7 @@ double largest_distance(const Clip& a, const Clip& b) {
   return largest;
 }
 
-TEST(ChangeRest, KeepsEveryJointInItsPlace) {
+TEST(ChangeRest, KeepsJointPositions) {
   for (int round = 0; round < 50; ++round) {
     const Clip clip = body();
     const auto target = reordered(*with_other_rest(clip.skeleton(), true));
@@ -119,7 +119,7 @@ TEST(ChangeRest, KeepsEveryJointInItsPlace) {
   }
 }
 
-TEST(ChangeRest, ToItselfChangesNothing) {
+TEST(ChangeRest, SameSkeletonIsIdentity) {
   const Clip clip = body();
   const auto changed = change_rest(clip, clip.shared_skeleton(), "a.bvh", "a.bvh").value();
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -131,7 +131,7 @@ TEST(ChangeRest, ToItselfChangesNothing) {
   }
 }
 
-TEST(ChangeRest, SaysHowFarOffItIsWhereRestsDoNotFit) {
+TEST(ChangeRest, ReportsTheLargestDistance) {
   const Clip clip = body();
   const auto target = with_other_rest(clip.skeleton(), false);
   const auto changed = change_rest(clip, target, "a.bvh", "t.bvh").value();
@@ -140,7 +140,7 @@ TEST(ChangeRest, SaysHowFarOffItIsWhereRestsDoNotFit) {
               std::max(changed.largest_distance, largest_distance(clip, changed.clip)), 1e-12);
 }
 
-TEST(ChangeRest, OtherTreesAreRefused) {
+TEST(ChangeRest, RejectsDifferentTrees) {
   const Clip clip = body();
   std::vector<Joint> joints = clip.skeleton().joints();
   joints[3].name = "l_elbw";

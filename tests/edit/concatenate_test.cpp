@@ -21,7 +21,7 @@ struct CutCase {
 };
 
 // cut in two: with a window in common, and with one frame (times that are both included)
-TEST(Concatenation, FindsWhereAClipWasCut) {
+TEST(Concatenation, FindsTheCutOfAClip) {
   for (const CutCase& cut_case :
        {CutCase{"walk", 130, 140}, CutCase{"walk", 150, 151}, CutCase{"get_up", 100, 110},
         CutCase{"get_up", 120, 121}, CutCase{"squat", 60, 61}}) {
@@ -47,7 +47,7 @@ TEST(Concatenation, FindsWhereAClipWasCut) {
 }
 
 // the parts of a clip share no frame when they are cut with `:150` and `150:`
-TEST(Concatenation, PartsThatShareNoFrameArePutTogether) {
+TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
   for (const char* name : {"walk", "get_up", "squat"}) {
     const EditSample& sample = data_sample(name);
     const Clip& whole = sample.clip;
@@ -66,7 +66,7 @@ TEST(Concatenation, PartsThatShareNoFrameArePutTogether) {
 }
 
 // a hand that jerks in the recording is no fault of where it was cut
-TEST(Concatenation, AJoltOfTheRecordingIsNotThatOfTheParts) {
+TEST(Concatenation, IgnoresJoltsOfTheRecordingItself) {
   const EditSample& walk = data_sample("walk");
   Clip whole = walk.clip;
   const int arm = walk.map.joint(Bone::kLeftForeArm);
@@ -83,7 +83,7 @@ TEST(Concatenation, AJoltOfTheRecordingIsNotThatOfTheParts) {
 }
 
 // wherever recorded clips are cut, with and without frames in common
-TEST(Concatenation, RecordedClipsAreFoundWhereTheyWereCut) {
+TEST(Concatenation, FindsTheCutOfRecordedClips) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   for (const char* name : {"walk4_subject1", "dance1_subject2", "ground1_subject1"}) {
@@ -154,7 +154,7 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   }
 }
 
-TEST(Concatenation, MostOfBothIsKept) {
+TEST(Concatenation, KeepsMostOfBothClips) {
   // a clip fits to itself best where nothing is left of it
   const EditSample& walk = data_sample("walk");
   ConcatenateOptions options;
@@ -165,7 +165,7 @@ TEST(Concatenation, MostOfBothIsKept) {
   EXPECT_GT(twice->clip.frame_count(), 400);
 }
 
-TEST(Concatenation, FramesAreCounted) {
+TEST(Concatenation, FrameCountIsCorrect) {
   const EditSample &walk = data_sample("walk"), &wave = data_sample("wave");
   const auto joined = concatenate(walk.clip, wave.clip, walk.mapping, {}, "walk", "wave");
   ASSERT_TRUE(joined) << describe(joined.error());
@@ -205,7 +205,7 @@ TEST(Concatenation, InertialSeamsAreSmooth) {
             1.2 * largest_bend(walk.human(), 1, 300));
 }
 
-TEST(Concatenation, SaysWhatDoesNotFit) {
+TEST(Concatenation, ReportsMisfits) {
   // from walking to lying on the floor
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   ConcatenateOptions options;
@@ -218,8 +218,8 @@ TEST(Concatenation, SaysWhatDoesNotFit) {
   EXPECT_TRUE(format_bvh(joined->clip));
 }
 
-// what nothing goes on to at the beginning is passed over: more is searched while no seam is good
-TEST(Concatenation, LooksFartherForAGoodSeam) {
+// what nothing goes on to at the beginning is skipped: more is searched while no seam is good
+TEST(Concatenation, WidensTheSearchForAGoodSeam) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   const ConcatenateOptions options;
   const auto joined = concatenate(walk.clip, up.clip, walk.mapping, options, "walk.bvh", "up.bvh");
@@ -236,7 +236,7 @@ Clip raised(const EditSample& sample, Clip clip, double height) {
   return clip;
 }
 
-TEST(Concatenation, ClipsAreBroughtToOneFloor) {
+TEST(Concatenation, AlignsFloors) {
   const EditSample& sample = data_sample("walk");
   const Clip a = cut(sample.clip, 0, 160);
   const Clip b = raised(sample, cut(sample.clip, 150, 301), 0.9);
@@ -251,7 +251,7 @@ TEST(Concatenation, ClipsAreBroughtToOneFloor) {
 }
 
 // a clip that goes up is not brought down again where it is cut
-TEST(Concatenation, AClipThatClimbsStaysAsItWas) {
+TEST(Concatenation, CutStairClipIsRejoinedUnchanged) {
   const EditSample& sample = data_sample("walk");
   Clip climbing = sample.clip;
   const auto mover = BodyMover::of(climbing, sample.mapping).value();
@@ -267,7 +267,7 @@ TEST(Concatenation, AClipThatClimbsStaysAsItWas) {
 }
 
 // floors that are nearly one, and feet that stand differently: height and tilt go over steadily
-TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
+TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
   const EditSample& sample = data_sample("walk");
   const Clip a = cut(sample.clip, 0, 160);
   const Clip b = raised(sample, cut(sample.clip, 150, 301), 0.015);
@@ -300,7 +300,7 @@ TEST(Concatenation, AFootThatStandsInBothDoesNotJump) {
 }
 
 // an arm that is elsewhere from one frame to the next: no faster than arms swing, but at once
-TEST(Concatenation, JoltsAreSaid) {
+TEST(Concatenation, ReportsJolts) {
   const EditSample& sample = data_sample("walk");
   Clip b = cut(sample.clip, 150, 301);
   const int arm = sample.map.joint(Bone::kLeftArm);
@@ -323,7 +323,7 @@ TEST(Concatenation, JoltsAreSaid) {
   EXPECT_THAT(jolted->check.faults, testing::ElementsAre(testing::HasSubstr("accelerates")));
 }
 
-TEST(Concatenation, OddClips) {
+TEST(Concatenation, HandlesOddClips) {
   const EditSample& walk = data_sample("walk");
   const Clip none = cut(walk.clip, 0, 0), one = cut(walk.clip, 0, 1);
   EXPECT_FALSE(concatenate(none, walk.clip, walk.mapping, {}, "a", "b"));

@@ -16,7 +16,7 @@ Subject subject_of(const EditSample& sample) {
   return {sample.clip, sample.map, sample.mapping};
 }
 
-TEST(Parts, AreTimesOrFrames) {
+TEST(Parts, AreGivenByTimesOrFrames) {
   const Clip& walk = data_sample("walk").clip;
   EXPECT_EQ(trim(walk, {}).value().frame_count(), walk.frame_count());
   EXPECT_EQ(trim(walk, {.start = 2.0, .end = 4.0}).value().frame_count(), 61);
@@ -25,7 +25,7 @@ TEST(Parts, AreTimesOrFrames) {
   EXPECT_EQ(trim(walk, {.start = 1000.0}).error().kind, ErrorKind::kUsage);
 }
 
-TEST(Parts, LeaveOutWhatTheMotionJumpsAwayFrom) {
+TEST(Parts, DropLeadInFrames) {
   const Clip& walk = data_sample("walk").clip;
   EXPECT_TRUE(cut_lead_in(walk).notes.empty());
   // the T-pose of all rotations zero, then the walk
@@ -39,14 +39,14 @@ TEST(Parts, LeaveOutWhatTheMotionJumpsAwayFrom) {
   EXPECT_THAT(cut_lead_in(led, false).notes[0].text, Not(HasSubstr(OPTION("start"))));
 }
 
-TEST(Places, AreReadFromText) {
+TEST(Places, ParseFromText) {
   EXPECT_EQ(way_from_text("-1.5,0.25").value(), Eigen::Vector2d(-1.5, 0.25));
   for (const char* wrong : {"", "1", "1,", "1,2,3", "1e300,0", "a,b"}) {
     EXPECT_EQ(way_from_text(wrong).error().kind, ErrorKind::kUsage) << wrong;
   }
 }
 
-TEST(Seams, AreSearchedAsIsSaid) {
+TEST(Seams, AreSearchedAsRequested) {
   ConcatenateOptions options;
   ASSERT_TRUE(options.search(""));
   EXPECT_EQ(options.seam.band, 2.0);
@@ -59,7 +59,7 @@ TEST(Seams, AreSearchedAsIsSaid) {
   EXPECT_FALSE(options.search("-1"));
 }
 
-TEST(Seams, ThatAreNotGoodSayWhy) {
+TEST(Seams, ReportWhyTheyAreNotGood) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   const Loop loop = make_loop(up.clip, up.mapping, {}).value();
   ASSERT_TRUE(loop.misfit);
@@ -71,13 +71,13 @@ TEST(Seams, ThatAreNotGoodSayWhy) {
   const auto joined = concatenate(walk.clip, up.clip, walk.mapping, strict, "walk", "up").value();
   ASSERT_TRUE(joined.misfit);
   EXPECT_EQ(joined.misfit->location.file, "up");
-  EXPECT_THAT(joined.misfit->message, HasSubstr("does not fit to walk"));
+  EXPECT_THAT(joined.misfit->message, HasSubstr("does not fit walk"));
   const auto good =
       concatenate(cut(walk.clip, 0, 160), cut(walk.clip, 150, 301), walk.mapping, {}, "a", "b");
   EXPECT_FALSE(good.value().misfit);
 }
 
-TEST(Seams, NeedOneSkeletonAndRate) {
+TEST(Seams, RequireOneSkeletonAndRate) {
   const EditSample &walk = data_sample("walk"), &squat = data_sample("squat");
   EXPECT_TRUE(like_first(subject_of(squat), subject_of(walk)).value().notes.empty());
   const EditSample fast(change_timing(squat.clip, {.rate = FrameRate{60, 1}}).value());
@@ -87,7 +87,7 @@ TEST(Seams, NeedOneSkeletonAndRate) {
   EXPECT_THAT(slowed.notes[0].text, HasSubstr("60 to 30"));
 }
 
-TEST(Transfers, TellWhatStands) {
+TEST(Transfers, ReportPlantedFeet) {
   const EditSample &walk = data_sample("walk"), &squat = data_sample("squat");
   const Transferred moved = transfer(subject_of(walk), subject_of(squat));
   EXPECT_TRUE(moved.left_out.empty());
@@ -96,7 +96,7 @@ TEST(Transfers, TellWhatStands) {
   EXPECT_THAT(moved.notes.back().text, HasSubstr("to stand"));
 }
 
-TEST(Paths, ChangeAsIsSaid) {
+TEST(Paths, ChangeAsRequested) {
   const GroundPath own = line_path({}, 4.0);
   EXPECT_FALSE(PathChange().any());
   EXPECT_NEAR(change_path(own, {.scale = 2.0}).value().length(), 8.0, 1e-9);

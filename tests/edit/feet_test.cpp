@@ -78,7 +78,7 @@ GroundPath own_path(const EditSample& sample) {
   return fit_path(sample.clip, sample.mapping).value().path;
 }
 
-TEST(FeetOnPaths, ToesStandWhileTheHeelIsUp) {
+TEST(FeetOnPaths, ToesStayPlantedWhileTheHeelIsUp) {
   const EditSample& sample = data_sample("walk");
   const GroundPath own = own_path(sample);
   const GroundPose start = own.at(0.0);
@@ -104,7 +104,7 @@ TEST(FeetOnPaths, KneesDoNotPopNearFullStretch) {
   }
 }
 
-TEST(FeetOnPaths, RecordedKneesAndToes) {
+TEST(FeetOnPaths, HandlesRecordedKneesAndToes) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   struct Walk {
@@ -145,7 +145,7 @@ Clip with_other_legs(const Clip& clip) {
   return result;
 }
 
-TEST(FeetAfterATransfer, StandAsTheSources) {
+TEST(FeetAfterATransfer, ContactsMatchTheSource) {
   const EditSample& sample = data_sample("walk");
   const Clip legs = with_other_legs(sample.clip);
   const auto found = recognise_skeleton(legs, all_dialects());

@@ -18,7 +18,7 @@ Clip sample(const std::string& name) {
 }
 
 // written and read as LAFAN1, the human is the same
-TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
+TEST(Lafan1Clip, RoundTripsTheHuman) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
     const HumanMapping mapping = lafan1_mapping(clip.skeleton());
@@ -37,7 +37,7 @@ TEST(Lafan1Clip, OfAHumanGivesThatHumanBack) {
   }
 }
 
-TEST(Lafan1Clip, BringsBodiesToOneSize) {
+TEST(Lafan1Clip, ScalesBodiesToOneSize) {
   const Clip clip = sample("walk");
   HumanMapping mapping = lafan1_mapping(clip.skeleton());
   const Clip expected = lafan1_clip(clip, mapping).value();
@@ -53,7 +53,7 @@ TEST(Lafan1Clip, BringsBodiesToOneSize) {
   EXPECT_LT((child.translation(10, 0) - expected.translation(10, 0)).norm(), 1e-9);
 }
 
-TEST(Lafan1Clip, FillsWhatIsMissingButLimbs) {
+TEST(Lafan1Clip, FillsMissingBonesExceptLimbs) {
   const Clip clip = sample("walk");
   HumanMapping mapping = lafan1_mapping(clip.skeleton());
   mapping.bones[Bone::kNeck] = {};

@@ -22,7 +22,7 @@ Bone mate_of_bone(Bone bone) {
   return bone;
 }
 
-TEST(Mirror, TwiceIsTheSame) {
+TEST(Mirror, TwiceIsIdentity) {
   for (const char* name : {"walk", "get_up", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
     const Clip once = mirror(sample.clip, sample.mapping).value();
@@ -58,7 +58,7 @@ TEST(Mirror, BonesAreMirrorImages) {
   }
 }
 
-TEST(Mirror, NamesPlayNoPart) {
+TEST(Mirror, IgnoresNames) {
   const EditSample& sample = data_sample("walk");
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) joints[i].name = "j" + std::to_string(i);
@@ -67,7 +67,7 @@ TEST(Mirror, NamesPlayNoPart) {
             body_mirror(sample.clip.skeleton(), sample.mapping).value().mates);
 }
 
-TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
+TEST(Mirror, PairsOtherJointsByShape) {
   const EditSample& sample = data_sample("walk");
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   const auto add = [&joints](int parent, const char* name, const Eigen::Vector3d& offset) {
@@ -95,7 +95,7 @@ TEST(Mirror, JointsThatAreNoBonesArePairedByShape) {
 }
 
 // real skeletons of other makes, with fingers and helper joints
-TEST(Mirror, TwiceIsTheSameOnEveryDialect) {
+TEST(Mirror, TwiceIsIdentityForEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
@@ -115,7 +115,7 @@ TEST(Mirror, TwiceIsTheSameOnEveryDialect) {
 }
 
 // what is guessed of the T-pose is no part of the mirror: the file that was written mirrors back
-TEST(Mirror, TwiceIsTheSameFromFileToFile) {
+TEST(Mirror, TwiceIsIdentityThroughFiles) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   int tried = 0;

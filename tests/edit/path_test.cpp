@@ -34,7 +34,7 @@ double angle_between(double a, double b) {
   return std::abs(std::remainder(a - b, 2.0 * kPi));
 }
 
-TEST(GroundPaths, AreGoneByTheirLength) {
+TEST(GroundPaths, AreParametrisedByArcLength) {
   const GroundPath path({{0, 0}, {1, 2}, {3, -2}, {4, 1}, {5, 4}, {2, 5}, {2, 5}});
   for (double along = 0.01; along < path.length(); along += 0.01) {
     const Eigen::Vector2d step = path.at(along).position - path.at(along - 0.01).position;
@@ -51,7 +51,7 @@ TEST(GroundPaths, AreGoneByTheirLength) {
             1e-3);
 }
 
-TEST(GroundPaths, ShapesAreWhatTheyAreCalled) {
+TEST(GroundPaths, BuildLinesCirclesAndFigureEights) {
   const GroundPose start{{1.0, -2.0}, 0.6};
   const GroundPath circle = circle_path(start, 3.0, 2.5 * kPi * 3.0);
   EXPECT_NEAR(circle.length(), 7.5 * kPi, 1e-4);
@@ -68,7 +68,7 @@ TEST(GroundPaths, ShapesAreWhatTheyAreCalled) {
   EXPECT_NEAR(line_path(start, 4.0).length(), 4.0, 1e-12);
 }
 
-TEST(GroundPaths, CoincidentPointsMakeNoTrouble) {
+TEST(GroundPaths, HandleCoincidentPoints) {
   // handles of no length, a segment of no length, all of it one point
   for (const GroundPath& path :
        {GroundPath({{0, 0}, {0, 0}, {2, 0}, {2, 0}}),
@@ -87,7 +87,7 @@ TEST(GroundPaths, CoincidentPointsMakeNoTrouble) {
   EXPECT_EQ(path_through({{2, 3}}).at(1.0).position.y(), 3.0);
 }
 
-TEST(GroundPaths, GoThroughJsonUnchanged) {
+TEST(GroundPaths, RoundTripThroughJson) {
   const GroundPath path = path_of(data_sample("walk")).path;
   EXPECT_EQ(parse_path(format_path(path), "p.json").value().control_points(),
             path.control_points());
@@ -121,7 +121,7 @@ TEST(FittedPaths, FollowTheTrackWithoutCorners) {
   EXPECT_EQ(walk.still.back().end, 301);
 }
 
-TEST(Rethreading, AlongTheOwnPathChangesNothing) {
+TEST(Rethreading, OwnPathIsIdentity) {
   for (const char* name : {"walk", "turn_in_place", "get_up", "squat"}) {
     const EditSample& sample = data_sample(name);
     const GroundPath path = parse_path(format_path(path_of(sample).path), "p").value();
@@ -135,7 +135,7 @@ TEST(Rethreading, AlongTheOwnPathChangesNothing) {
       1e-6);
 }
 
-TEST(Rethreading, ARigidlyMovedPathMovesTheMotionRigidly) {
+TEST(Rethreading, RigidPathMoveMovesTheMotionRigidly) {
   const GroundPose move{{2.0, -1.0}, 2.2};
   for (const char* name : {"walk", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
@@ -172,7 +172,7 @@ StepFacts steps_of(const HumanClip& human, const ContactPlan& contacts) {
   return {mean(strides), mean(speeds)};
 }
 
-TEST(Rethreading, AStraightWalkAlongACircle) {
+TEST(Rethreading, WalksAlongACircle) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath circle = circle_path(own.path.at(0.0), 3.0, own.path.length());
@@ -204,7 +204,7 @@ TEST(Rethreading, AStraightWalkAlongACircle) {
 }
 
 // the same feet without the cleaning slide: it is what keeps them
-TEST(Rethreading, PlantingHoldsTheFeet) {
+TEST(Rethreading, PlantingPreventsSlip) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
@@ -220,7 +220,7 @@ TEST(Rethreading, PlantingHoldsTheFeet) {
   EXPECT_GT(steps_of(sample.human_of(slid), contacts).slip, 0.05);
 }
 
-TEST(Rethreading, TimeSpeedAndStride) {
+TEST(Rethreading, KeepsTimeSpeedOrStride) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath longer = own.path.scaled(1.25);
@@ -241,7 +241,7 @@ TEST(Rethreading, TimeSpeedAndStride) {
 }
 
 // slower motion has its feet planted as it is played, not as it was before
-TEST(Rethreading, FeetStandAtAKeptSpeed) {
+TEST(Rethreading, FeetStayPlantedAtConstantSpeed) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath longer = circle_path(own.path.at(0.0), 1.5, 1.6 * own.path.length());
@@ -280,7 +280,7 @@ Clip walk_without_toe_joints() {
 }
 
 // toes are where the End Site of a foot is: a foot on them turns about them, not about its ankle
-TEST(Rethreading, FeetWithoutToeJointsRiseOnTheirToes) {
+TEST(Rethreading, FeetWithoutToeJointsPivotOnTheirToes) {
   const EditSample &walk = data_sample("walk"), bare(walk_without_toe_joints());
   const PlantSummary with = follow(walk, path_of(walk).path.scaled(1.6)).feet,
                      without = follow(bare, path_of(bare).path.scaled(1.6)).feet;
@@ -289,7 +289,7 @@ TEST(Rethreading, FeetWithoutToeJointsRiseOnTheirToes) {
   EXPECT_NEAR(without.largest_drop, with.largest_drop, 0.01);
 }
 
-TEST(Rethreading, AUTurnDoesNotSpin) {
+TEST(Rethreading, UTurnDoesNotSpin) {
   // a walk out and back by a hairpin, then all of it straight on
   const EditSample& sample = data_sample("walk");
   const GroundPose start = path_of(sample).path.at(0.0);
@@ -360,7 +360,7 @@ TEST(Rethreading, KneesBendForwards) {
   }
 }
 
-TEST(Rethreading, CornersAreTurnedAsABodyTurns) {
+TEST(Rethreading, CornersAreTurnedAtALimitedRate) {
   const EditSample& sample = data_sample("walk");
   const GroundPose start = path_of(sample).path.at(0.0);
   const auto at = [&](double x, double y) { return start * Eigen::Vector2d(x, y); };
@@ -376,7 +376,7 @@ TEST(Rethreading, CornersAreTurnedAsABodyTurns) {
   }
 }
 
-TEST(Rethreading, WhileStandingTheHeadingFollowsTheBody) {
+TEST(Rethreading, HeadingFollowsTheBodyWhileStanding) {
   // the path comes back on itself at a corner, where the body stands and turns left
   const GroundPath path({{0, 0}, {1, 0}, {2, 0}, {2, 0}, {2, 0}, {1, 0}, {0, 0}});
   std::vector<double> along;
@@ -392,7 +392,7 @@ TEST(Rethreading, WhileStandingTheHeadingFollowsTheBody) {
   }
 }
 
-TEST(Rethreading, OddClipsAndPaths) {
+TEST(Rethreading, HandlesOddClipsAndPaths) {
   const EditSample& walk = data_sample("walk");
   const auto try_it = [&](const Clip& clip, const GroundPath& path, PathKeep keep) {
     RethreadOptions options;
@@ -425,7 +425,7 @@ TEST(Rethreading, OddClipsAndPaths) {
   EXPECT_FALSE(fit_path(cut(walk.clip, 0, 0), walk.mapping));
 }
 
-TEST(PathPictures, AreSvg) {
+TEST(PathPictures, AreValidSvg) {
   const EditSample& sample = data_sample("walk");
   const GroundPath path = path_of(sample).path;
   const std::string svg = draw_paths(sample.mapping, {{&sample.clip, &path}});

@@ -33,7 +33,7 @@ TEST(GroundPoses, FormAGroup) {
       1e-14);
 }
 
-TEST(BodyMoves, AreRigidAndChangeTheRootAlone) {
+TEST(BodyMoves, AreRigidAndChangeOnlyTheRoot) {
   const EditSample& sample = data_sample("walk");
   const GroundPose move{{1.5, -0.5}, 0.8};
   const Clip clip = moved(sample, move);
@@ -55,7 +55,7 @@ TEST(BodyMoves, AreRigidAndChangeTheRootAlone) {
   EXPECT_LT(largest_distance(through_bvh(clip), clip, 0.01), 1e-7);
 }
 
-TEST(BodyMoves, HeadingsGoOnThroughWholeTurns) {
+TEST(BodyMoves, HeadingIsContinuousOverFullTurns) {
   const EditSample& sample = data_sample("turn_in_place");
   const auto places = hips_over_ground(sample.human());
   for (std::size_t i = 1; i < places.size(); ++i) {
@@ -63,7 +63,7 @@ TEST(BodyMoves, HeadingsGoOnThroughWholeTurns) {
   }
 }
 
-TEST(BodyMoves, NeedAJointThatMovesTheBody) {
+TEST(BodyMoves, RequireAJointThatMovesTheBody) {
   const EditSample& sample = data_sample("walk");
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   std::erase_if(joints[0].channels, is_position);
@@ -74,7 +74,7 @@ TEST(BodyMoves, NeedAJointThatMovesTheBody) {
   EXPECT_THAT(mover.error().message, testing::HasSubstr("no joint moves the body"));
 }
 
-TEST(Floor, IsWhereTheFeetStand) {
+TEST(Floor, IsAtThePlantedFeet) {
   const EditSample& sample = data_sample("walk");
   Clip raised = sample.clip;
   const auto mover = BodyMover::of(raised, sample.mapping).value();
@@ -85,7 +85,7 @@ TEST(Floor, IsWhereTheFeetStand) {
   EXPECT_NEAR(floor_height(grounded, sample.mapping).value(), 0.0, 1e-9);
 }
 
-TEST(Floor, OfAFlyingBodyIsAsked) {
+TEST(Floor, FlyingBodyIsAnError) {
   const EditSample& sample = data_sample("walk");
   Clip flying = cut(sample.clip, 0, 60);
   const auto mover = BodyMover::of(flying, sample.mapping).value();
@@ -96,14 +96,14 @@ TEST(Floor, OfAFlyingBodyIsAsked) {
   EXPECT_THAT(floor.error().hint, testing::HasSubstr(OPTION("floor")));
 }
 
-TEST(Floor, OfASingleFrameIsUnderItsLowerFoot) {
+TEST(Floor, SingleFrameUsesTheLowerFoot) {
   const EditSample& sample = data_sample("walk");
   const double floor = floor_height(cut(sample.clip, 0, 1), sample.mapping).value();
   EXPECT_NEAR(floor, floor_height(sample.clip, sample.mapping).value(), 0.01);
 }
 
 // frames 100.. of the walk are periodic strides
-TEST(Loops, AWalkHasNoSeam) {
+TEST(Loops, WalkLoopsWithoutASeam) {
   const EditSample& sample = data_sample("walk");
   const Clip strides = cut(sample.clip, 100, 220);
   LoopOptions options;
@@ -132,7 +132,7 @@ TEST(Loops, AWalkHasNoSeam) {
 }
 
 // end and beginning that are not alike: feet stay where they stand, and what is not a cycle is said
-TEST(Loops, FeetStandAndBadSeamsAreSaid) {
+TEST(Loops, FeetStayPlantedAndBadSeamsAreReported) {
   const EditSample& sample = data_sample("walk");
   LoopOptions options;
   options.shortest = 2.4;
@@ -165,7 +165,7 @@ TEST(Loops, FeetStandAndBadSeamsAreSaid) {
   EXPECT_FALSE(bad.check.faults.empty());
 }
 
-TEST(Loops, InPlaceTheBodyComesBack) {
+TEST(Loops, InPlaceReturnsToTheStart) {
   const EditSample& sample = data_sample("walk");
   LoopOptions options;
   options.shortest = 0.6;
@@ -181,7 +181,7 @@ TEST(Loops, InPlaceTheBodyComesBack) {
   }
 }
 
-TEST(Loops, OddClips) {
+TEST(Loops, HandleOddClips) {
   const EditSample& sample = data_sample("walk");
   EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.mapping, {}));
   EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.mapping, {}));

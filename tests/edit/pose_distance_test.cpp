@@ -70,7 +70,7 @@ TEST(PoseDistance, AlignmentIsTheNumericOptimum) {
   }
 }
 
-TEST(PoseDistance, NoiseFreeCloudsAreFoundExactly) {
+TEST(PoseDistance, NoiseFreeAlignmentIsExact) {
   const Cloud b = {{0, 0, 0}, {1, 0, 1}, {0.3, 2, 0.5}, {-1, 0.4, 2}};
   const GroundPose move{{3.0, -0.4}, 2.8};
   Cloud a;
@@ -81,7 +81,7 @@ TEST(PoseDistance, NoiseFreeCloudsAreFoundExactly) {
   EXPECT_LT((found.a_from_b.position - move.position).norm(), 1e-14);
 }
 
-TEST(PoseDistance, TheMapHoldsEachWindowsDistance) {
+TEST(PoseDistance, MapHasTheDistanceOfEachWindow) {
   const HumanClip a = data_sample("walk").human(), b = data_sample("turn_in_place").human();
   const std::vector<Bone> bones = common_bones(a, b);
   const PoseClouds in_a(a, bones), in_b(b, bones);

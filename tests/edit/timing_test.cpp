@@ -40,7 +40,7 @@ double turned(const Clip& clip, int frame) {
 }
 
 // both positions and rotations of a 3 Hz swing, of unit amplitude
-TEST(Timing, ASineFrom24To30IsKeptBelow7PerMille) {
+TEST(Timing, SineErrorFrom24To30IsBelow7PerMille) {
   const Clip fast = resample(swinging({24, 1}, 97, 3.0), {30, 1}).value();
   for (int i = 5; i + 5 < fast.frame_count(); ++i) {
     const double wanted = std::sin(2.0 * kPi * 3.0 * i / 30.0);
@@ -49,7 +49,7 @@ TEST(Timing, ASineFrom24To30IsKeptBelow7PerMille) {
   }
 }
 
-TEST(Timing, From120To30WhatIsAbove20HzIsGone) {
+TEST(Timing, RemovesFrequenciesAbove20HzFrom120To30) {
   for (const double hertz : {20.0, 23.0, 40.0}) {
     const Clip slow = resample(swinging({120, 1}, 481, hertz), {30, 1}).value();
     for (int i = 10; i + 10 < slow.frame_count(); ++i) {
@@ -71,12 +71,12 @@ TEST(Timing, SpeedIsExactInTime) {
   EXPECT_FALSE(change_speed(slower, std::nan("")));
 }
 
-TEST(Timing, SpeedOneChangesNothing) {
+TEST(Timing, SpeedOneIsIdentity) {
   const Clip walk = data_clip("walk");
   EXPECT_EQ(largest_distance(change_speed(walk, 1.0).value(), walk, 0.01), 0.0);
 }
 
-TEST(Timing, AnyTimeCanBeAskedFor) {
+TEST(Timing, CanSampleAnyTime) {
   const Clip swing = swinging({30, 1}, 61, 1.0);
   const ClipSampler sampler(swing);
   std::vector<Eigen::Quaterniond> rotations(1);
@@ -87,7 +87,7 @@ TEST(Timing, AnyTimeCanBeAskedFor) {
   EXPECT_EQ(translations[0], swing.translations(60)[0]);
 }
 
-TEST(Timing, ClipsOfOneFrameAndNone) {
+TEST(Timing, HandlesClipsOfOneOrNoFrame) {
   EXPECT_EQ(change_speed(swinging({30, 1}, 1, 1.0), 0.5).value().frame_count(), 1);
   EXPECT_EQ(change_speed(swinging({30, 1}, 0, 1.0), 0.5).value().frame_count(), 0);
 }

@@ -38,7 +38,7 @@ Clip sample(const std::string& name) {
   return load_bvh(source_folder() + "/data/" + name + ".bvh").value().clip;
 }
 
-TEST(Transfer, ToItselfChangesNothing) {
+TEST(Transfer, SameSkeletonIsIdentity) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
     const TransferTarget target = understood(clip);
@@ -126,7 +126,7 @@ Clip walk_with_more_joints() {
   return clip;
 }
 
-TEST(Transfer, JointsThatBothHaveAreCarried) {
+TEST(Transfer, CopiesSharedJoints) {
   const Clip clip = walk_with_more_joints();
   const TransferTarget same = understood(clip);
   EXPECT_LT(edit_test::largest_distance(transfer(clip, same.mapping, same), clip, 0.01), 1e-9);
@@ -155,7 +155,7 @@ TEST(Transfer, JointsThatBothHaveAreCarried) {
 }
 
 // a bone is turned by the last of the helpers in its joint's place, on one side or the other
-TEST(Transfer, HelpersInAJointsPlaceTurnItsBone) {
+TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
   const Clip helped = walk_with_more_joints(), plain = sample("walk");
   const TransferTarget with = understood(helped), without = understood(plain);
   const auto is_same = [](const HumanClip& a, const HumanClip& b) {
@@ -174,7 +174,7 @@ TEST(Transfer, HelpersInAJointsPlaceTurnItsBone) {
 
 // on a skeleton that hangs from the head, the trunk's joints turn other parts than their own; the
 // pelvis between Hips and Spine, which is of no bone there, stays at rest
-TEST(Transfer, TrunksThatHangFromTheHeadAreTurned) {
+TEST(Transfer, HandlesTrunksRootedAtTheHead) {
   const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
   const TransferTarget source = understood(walk), target = understood(hanging);
   const HumanClip was = human_of(walk, source),
@@ -188,7 +188,7 @@ TEST(Transfer, TrunksThatHangFromTheHeadAreTurned) {
   }
 }
 
-TEST(Transfer, WhatIsNotCarriedIsNamed) {
+TEST(Transfer, ReportsJointsThatAreNotCopied) {
   const Clip more = walk_with_more_joints(), plain = sample("walk");
   const TransferTarget with_more = understood(more), without = understood(plain);
   const std::vector<std::string> names{"Bag", "Neck2", "LeftIndex1", "LeftIndex2"};
@@ -201,7 +201,7 @@ TEST(Transfer, WhatIsNotCarriedIsNamed) {
 }
 
 // real skeletons of other makes: what arrives is recognised as the same human
-TEST(Transfer, TheHumanSurvivesEveryDialect) {
+TEST(Transfer, HumanIsPreservedThroughEveryDialect) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   const Clip walk = sample("walk");

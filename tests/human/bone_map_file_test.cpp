@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(BoneMapFile, WhatIsWrittenIsReadAgain) {
+TEST(BoneMapFile, RoundTrips) {
   const Skeleton skeleton = tiny_skeleton(replaced(kBody, "Spine1", "Chest"));
   const BoneMap map = recognise_skeleton(skeleton, {}).value();
   const TemporaryFolder folder;
@@ -25,7 +25,7 @@ TEST(BoneMapFile, WhatIsWrittenIsReadAgain) {
   EXPECT_FALSE(read->partial);
 }
 
-TEST(BoneMapFile, BonesWithoutAJointAreNull) {
+TEST(BoneMapFile, WritesNullForBonesWithoutAJoint) {
   const Skeleton skeleton = tiny_skeleton("Hips 0 0 0\n  Spine 0 1 0\n");
   BoneMap map;
   map.joint_of_bone[Bone::kHips] = 0;
@@ -38,7 +38,7 @@ TEST(BoneMapFile, BonesWithoutAJointAreNull) {
   EXPECT_TRUE(read->partial);
 }
 
-TEST(BoneMapFile, FaultsAreNamedTogether) {
+TEST(BoneMapFile, ReportsAllErrorsTogether) {
   const Skeleton skeleton = tiny_skeleton(replaced(kBody, "RightToeBase", "LeftToeBase"));
   const auto read = parse_bone_map(R"({
     "Hips": "Hipz", "LeftUpleg": "LeftUpLeg", "Spine": "Spine", "Spine1": "Spine",
@@ -49,24 +49,24 @@ TEST(BoneMapFile, FaultsAreNamedTogether) {
   EXPECT_EQ(read.error().kind, ErrorKind::kConfig);
   for (const char* part :
        {"no joint \"Hipz\" (did you mean \"Hips\"?)", "no bone \"LeftUpleg\" (did you mean",
-        "\"Spine\" stands for two bones", "2 joints are called \"LeftToeBase\"",
+        "\"Spine\" is given for two bones", "2 joints are called \"LeftToeBase\"",
         "\"Head\" must be the name of a joint or null"}) {
     EXPECT_THAT(full_message(read.error()), HasSubstr(part));
   }
 }
 
-TEST(BoneMapFile, BonesOutOfLineAreRefused) {
+TEST(BoneMapFile, RejectsBonesOutOfLine) {
   const Skeleton skeleton = tiny_skeleton(kBody);
   const auto read = parse_bone_map(
       R"({"Hips": "Hips", "LeftUpLeg": "LeftUpLeg", "LeftLeg": "LeftFoot", "LeftFoot": "LeftLeg"})",
       "map.json", skeleton);
   ASSERT_FALSE(read);
-  EXPECT_THAT(read.error().message, HasSubstr("\"LeftLeg\" as \"LeftFoot\" does not hang"));
+  EXPECT_THAT(read.error().message, HasSubstr("\"LeftLeg\" as \"LeftFoot\" is not below the bones"));
   EXPECT_THAT(parse_bone_map("{}", "map.json", skeleton).error().message,
               HasSubstr("\"Hips\" has no joint"));
 }
 
-TEST(BoneMap, JointsAboveTheHipsAreTurnedFromBeyond) {
+TEST(BoneMap, RotationJointAboveTheHipsIsNextTowardsTheRoot) {
   const Skeleton skeleton = tiny_skeleton(R"(
 HMD 0 0 0
   Neck 0 -10 0

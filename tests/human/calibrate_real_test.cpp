@@ -56,7 +56,7 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
   }
 }
 
-TEST(CalibrateReal, Lafan1StaysAsItIs) {
+TEST(CalibrateReal, Lafan1IsUnchanged) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   for (const char* file : {"dance1_subject2.bvh", "ground1_subject1.bvh"}) {
     const Clip clip = load("lafan1", file);
@@ -72,7 +72,7 @@ TEST(CalibrateReal, Lafan1StaysAsItIs) {
 
 // The axes are known here: those of LAFAN1's joints themselves, which are not looked at.
 // parts in which people lie seem to stand along the floor, for what trunk and legs say
-TEST(CalibrateReal, WhoLiesKeepsTheUpAxisOfTheirKind) {
+TEST(CalibrateReal, LyingBodyKeepsTheUpAxisOfItsSkeletonKind) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   const auto dialects = load_dialects(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   for (const char* file : {"ground1_subject1.bvh", "fallAndGetUp2_subject2.bvh"}) {
@@ -119,7 +119,7 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
   EXPECT_LT(sum / count, 5.0);
 }
 
-TEST(CalibrateReal, LimbsOfEveryDialectLieWhereTheirBonesClaim) {
+TEST(CalibrateReal, LimbsOfEveryDialectMatchTheirBoneAxes) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   for (const DialectFile& dialect : dialect_files()) {
     SCOPED_TRACE(dialect.file);

@@ -38,7 +38,7 @@ HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
   return to_human(clip, calibrated(clip, options).mapping);
 }
 
-TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
+TEST(Calibrate, KeepsLafan1BitForBit) {
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
     const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value();
@@ -66,7 +66,7 @@ TEST(Calibrate, TakesLafan1AsItIsToTheBit) {
   }
 }
 
-TEST(Calibrate, Lafan1InOtherUnitsAndAxesIsTheSameHuman) {
+TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
@@ -86,7 +86,7 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesIsTheSameHuman) {
 }
 
 // A zero pose in T: the general way must find LAFAN1's axes, which the twin no longer has.
-TEST(Calibrate, FindsLafan1AxesInSkeletonsWhoseZeroPoseIsAT) {
+TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
     HumanClip expected = fixed_human(clip);
@@ -100,7 +100,7 @@ TEST(Calibrate, FindsLafan1AxesInSkeletonsWhoseZeroPoseIsAT) {
   }
 }
 
-TEST(Calibrate, RaisesTheArmsOfAAndIPoses) {
+TEST(Calibrate, RaisesArmsOfAPosesAndIPoses) {
   const Clip clip = sample("wave");
   const HumanClip expected = human_of(with_t_pose_as_zero(clip));
   for (const double lowered : {0.6, 0.8, 1.0, M_PI / 2}) {
@@ -112,7 +112,7 @@ TEST(Calibrate, RaisesTheArmsOfAAndIPoses) {
 }
 
 // A headset as the root: the trunk runs downwards, and its joints turn other parts than their own.
-TEST(Calibrate, SeesTheTreeFromTheHips) {
+TEST(Calibrate, RerootsTheTreeAtTheHips) {
   for (const std::string& name : kSamples) {
     const Clip clip = with_t_pose_as_zero(sample(name));
     const Clip twin = rooted_at_head(clip);
@@ -134,7 +134,7 @@ TEST(Calibrate, SeesTheTreeFromTheHips) {
   }
 }
 
-TEST(Calibrate, FactsOfTheDialectCountWhereTheClipDoesNotSpeakAgainstThem) {
+TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   // legs of 86 units: centimetres by themselves, and half an inch is 1.09 m
@@ -161,7 +161,7 @@ TEST(Calibrate, FactsOfTheDialectCountWhereTheClipDoesNotSpeakAgainstThem) {
   EXPECT_EQ(to_text(found->up), "+y");
 }
 
-TEST(Calibrate, DoubtsABodyOfUnusualHeight) {
+TEST(Calibrate, WarnsAboutUnusualHeight) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   EXPECT_TRUE(calibrated(clip).mapping.doubts.empty());
   const Clip small = scaled_and_turned(clip, 0.6, Eigen::Quaterniond::Identity());
@@ -186,7 +186,7 @@ std::vector<Eigen::Quaterniond> random_turns(const Clip& clip) {
   return turns;
 }
 
-TEST(Calibrate, TheSameMovementStoredOtherwiseGivesTheSameHuman) {
+TEST(Calibrate, SameMovementInAnotherRepresentationGivesTheSameHuman) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   const Eigen::Quaterniond y_up = Eigen::Quaterniond::Identity();
   for (const std::string& name : kSamples) {
@@ -206,7 +206,7 @@ TEST(Calibrate, TheSameMovementStoredOtherwiseGivesTheSameHuman) {
       for (int frame = 0; frame < half.frame_count; ++frame) {
         picked.world_from_bone.push_back(expected.frame(2 * frame));
       }
-      // at 30 and 15 frames a second the movement is looked at every third frame and every other
+      // at 30 and 15 frames per second the movement is looked at every third frame and every other
       if (has_rest) {
         EXPECT_LT(largest_difference(half, picked), 1e-9);
       }
@@ -231,7 +231,7 @@ TEST(Calibrate, DoesNotDependOnTheFrameRateEvenWithoutARestPose) {
   }
 }
 
-TEST(Calibrate, ReadsTheSameFromOtherChannelOrders) {
+TEST(Calibrate, IsIndependentOfChannelOrder) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   std::vector<Joint> joints = clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -249,7 +249,7 @@ TEST(Calibrate, ReadsTheSameFromOtherChannelOrders) {
             1e-8);
 }
 
-TEST(Calibrate, LearnsAxesFromTheMovementNearToTheRealOnes) {
+TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
   // hips, torso and legs of the synthetic person; its elbows bend straight about -Z, unlike those
   // of people, whose mean of 13 degrees is taken off
   const Clip clip = sample("walk");
@@ -268,7 +268,7 @@ TEST(Calibrate, LearnsAxesFromTheMovementNearToTheRealOnes) {
   }
 }
 
-TEST(Calibrate, HasEveryUpAxisWithoutAMirror) {
+TEST(Calibrate, HandlesEveryUpAxisWithoutMirroring) {
   const Clip clip = with_t_pose_as_zero(sample("wave"));
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   for (int axis = 0; axis < 3; ++axis) {
@@ -288,7 +288,7 @@ TEST(Calibrate, HasEveryUpAxisWithoutAMirror) {
   }
 }
 
-TEST(Calibrate, KnowsUpOfABodyThatLies) {
+TEST(Calibrate, FindsUpAxisOfALyingBody) {
   // the start of getting up, most of it on the floor
   const Clip clip = with_t_pose_as_zero(cut(sample("get_up"), 0, 60));
   EXPECT_EQ(calibrated(clip).up, SignedAxis{});
@@ -298,7 +298,7 @@ TEST(Calibrate, KnowsUpOfABodyThatLies) {
   EXPECT_EQ(found->rest_pose, "lafan1");
 }
 
-TEST(Calibrate, FollowsWhatItIsTold) {
+TEST(Calibrate, UsesGivenOptions) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   CalibrationOptions options;
   options.metres_per_unit = 0.02;
@@ -315,7 +315,7 @@ TEST(Calibrate, FollowsWhatItIsTold) {
   EXPECT_EQ(calibrate(clip, map, options).error().kind, ErrorKind::kUsage);
 }
 
-TEST(Calibrate, TakesTheTPoseOfAnotherFile) {
+TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
   const Clip clip = sample("squat");
   // the T-pose, in the axes that the clip's joints have
   Clip tpose(clip.shared_skeleton(), clip.rate(), 1);
@@ -361,7 +361,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   EXPECT_LT(human.frame(5)[Bone::kLeftFootMod].rotation.angularDistance(expected), 1e-6);
 }
 
-TEST(Calibrate, RefusesWhatIsNotSafe) {
+TEST(Calibrate, RejectsInvalidInput) {
   const Clip clip = sample("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   const auto unit = calibrate(scaled_and_turned(clip, 30, Eigen::Quaterniond::Identity()), map, {});
@@ -380,7 +380,7 @@ TEST(Calibrate, RefusesWhatIsNotSafe) {
   EXPECT_FALSE(calibrate(clip, none, {}));
 }
 
-TEST(Calibrate, DoubtsSwappedSides) {
+TEST(Calibrate, WarnsAboutSwappedSides) {
   const Clip clip = sample("walk");
   BoneMap map = lafan1_map(clip.skeleton(), "test");
   for (const Bone bone : kMappedBones) {
@@ -393,7 +393,7 @@ TEST(Calibrate, DoubtsSwappedSides) {
   EXPECT_THAT(found->mapping.doubts.back().message, testing::HasSubstr("swapped"));
 }
 
-TEST(Calibrate, WorksOnAClipWithoutFrames) {
+TEST(Calibrate, HandlesAClipWithoutFrames) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
   const Clip none(clip.shared_skeleton(), clip.rate(), 0);
   EXPECT_EQ(calibrated(none).rest_pose, "zero pose");

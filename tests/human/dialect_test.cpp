@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Dialect, ReadsWhatAFileSays) {
+TEST(Dialect, ReadsEveryKey) {
   const auto dialect = parse_dialect(R"({
     "description": "a kind",
     "joints": {"Hips": "Pelvis", "LeftToe": ["LToe", "LBall"]},
@@ -32,7 +32,7 @@ TEST(Dialect, ReadsWhatAFileSays) {
   EXPECT_EQ(dialect->facts.rest, RestPose::kZero);
 }
 
-TEST(Dialect, NamesEveryFault) {
+TEST(Dialect, ReportsEveryError) {
   const auto dialect = parse_dialect(R"({
     "joints": {"LeftUpleg": "Thigh", "Hips": 3}, "requird": [], "height_m": -1,
     "up": [0, 0, 0], "rest_pose": "zerro"
@@ -49,7 +49,7 @@ TEST(Dialect, NamesEveryFault) {
   EXPECT_THAT(parse_dialect("{}", "kind", "kind.json").error().message, HasSubstr("\"joints\""));
 }
 
-TEST(Dialect, FoldersMustHoldSome) {
+TEST(Dialect, RejectsEmptyFolders) {
   const TemporaryFolder folder;
   EXPECT_FALSE(load_dialects(folder.path()));
   EXPECT_FALSE(load_dialects(folder.path() / "none"));
@@ -71,7 +71,7 @@ Skeleton body_of(const Dialect& dialect) {
     Joint joint = body.joint(i);
     const auto& names = dialect.names[bone_from_name(joint.name).value()];
     int parent = joint.parent;
-    // a bone that the kind has not is passed over
+    // a bone that the kind has not is skipped
     while (parent >= 0 && new_index[parent] < 0) {
       joint.offset += body.joint(parent).offset;
       parent = body.joint(parent).parent;
@@ -93,7 +93,7 @@ Skeleton body_of(const Dialect& dialect) {
 }
 
 // every shipped file must be found again by its own names, or be one that maps to the same joints
-TEST(Dialect, ShippedOnesRecogniseTheirOwnNames) {
+TEST(Dialect, IncludedDialectsRecogniseTheirOwnNames) {
   for (const Dialect& dialect : shipped_dialects()) {
     SCOPED_TRACE(dialect.name);
     EXPECT_FALSE(dialect.description.empty());
@@ -130,7 +130,7 @@ Skeleton without_bones(const Skeleton& skeleton, const Dialect& dialect,
   return Skeleton(std::move(joints));
 }
 
-TEST(Dialect, BodiesOfAllKindsMayLackLegs) {
+TEST(Dialect, EveryDialectAcceptsBodiesWithoutLegs) {
   for (const Dialect& dialect : shipped_dialects()) {
     SCOPED_TRACE(dialect.name);
     // one has no arms; the other's required joints stand beside the legs here
@@ -151,7 +151,7 @@ TEST(Dialect, BodiesOfAllKindsMayLackLegs) {
   }
 }
 
-TEST(Dialect, JointsThatAreMarkedAsTheMiddleOnesAreFound) {
+TEST(Dialect, IgnoresMiddleMarks) {
   const Skeleton body = tiny_skeleton(kBody);
   std::vector<Joint> joints = body.joints();
   const auto rename = [&](const std::string& from, const std::string& to) {

@@ -122,28 +122,28 @@ void expect_same(const Clip& clip, Way way) {
   }
 }
 
-TEST(HelperJoints, InABonesPlaceTurnItByNames) {
+TEST(HelperJoints, RotateTheirBoneByNames) {
   for (const char* name : {"walk", "squat"}) {
     expect_same(with_t_pose_as_zero(sample(name)), Way::kNames);
   }
 }
 
-TEST(HelperJoints, InABonesPlaceTurnItByMapFile) {
+TEST(HelperJoints, RotateTheirBoneByMapFile) {
   expect_same(with_t_pose_as_zero(sample("walk")), Way::kMapFile);
 }
 
 // LAFAN1's own axes, which are kept
-TEST(HelperJoints, InABonesPlaceTurnItByDialect) {
+TEST(HelperJoints, RotateTheirBoneByDialect) {
   expect_same(sample("walk"), Way::kDialect);
 }
 
-TEST(HelperJoints, InABonesPlaceTurnItByShape) {
+TEST(HelperJoints, RotateTheirBoneByShape) {
   expect_same(with_t_pose_as_zero(sample("walk")), Way::kShape);
 }
 
 // each step costs the same however long the chain is: where it looks at all joints, this runs into
 // the time limit of any test
-TEST(HelperJoints, ChainsOfAnyLengthAreFollowed) {
+TEST(HelperJoints, FollowChainsOfAnyLength) {
   constexpr int kCount = 300000;
   std::vector<Joint> joints(kCount + 3);
   for (int i = 0; i < kCount + 3; ++i) joints[i].parent = i - 1;

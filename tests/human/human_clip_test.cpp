@@ -29,7 +29,7 @@ Clip leg_clip(const std::string& toe) {
   return clip;
 }
 
-TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
+TEST(Lafan1Mapping, ConvertsYUpCentimetresToZUpMetres) {
   const Clip clip = leg_clip("LeftToe");
   const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
   EXPECT_EQ(human.frame_count, 2);
@@ -42,7 +42,7 @@ TEST(Lafan1Mapping, TurnsYUpCentimetresIntoZUpMetres) {
   EXPECT_LT((foot.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(), 1e-15);
 }
 
-TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
+TEST(Lafan1Mapping, SyntheticFootHasAnklePositionAndToeRotation) {
   for (const char* toe : {"LeftToe", "LeftToeBase"}) {
     const Clip clip = leg_clip(toe);
     const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
@@ -55,7 +55,7 @@ TEST(Lafan1Mapping, SyntheticFootStandsAtTheAnkleAndTurnsWithTheToe) {
   }
 }
 
-TEST(Lafan1Mapping, LeavesOutBonesThatAreNotThere) {
+TEST(Lafan1Mapping, OmitsMissingBones) {
   const Clip clip = leg_clip("Ball");
   const HumanClip human = to_human(clip, lafan1_mapping(clip.skeleton()));
   EXPECT_TRUE(human.has(Bone::kLeftFoot));
@@ -65,7 +65,7 @@ TEST(Lafan1Mapping, LeavesOutBonesThatAreNotThere) {
   EXPECT_FALSE(human.has(Bone::kRightArm));
 }
 
-TEST(Bone, IsFoundByItsName) {
+TEST(Bone, FindsByName) {
   ASSERT_EQ(bone_names().size(), kBoneCount);
   for (const Bone bone : kAllBones) {
     EXPECT_EQ(bone_names()[static_cast<std::size_t>(bone)], bone_name(bone));
@@ -77,7 +77,7 @@ TEST(Bone, IsFoundByItsName) {
   EXPECT_FALSE(bone_from_name("hips"));
 }
 
-TEST(Bone, SidesAreThoseOfTheNames) {
+TEST(Bone, SidesMatchNames) {
   for (const Bone bone : kAllBones) {
     const std::string name(bone_name(bone));
     const Side side = name.starts_with("Left")    ? Side::kLeft

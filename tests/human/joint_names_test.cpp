@@ -11,7 +11,7 @@ JointName normalised(const std::string& name) {
   return normalise_joint_names({name})[0];
 }
 
-TEST(JointNames, SidesAreFoundWhereverTheyStand) {
+TEST(JointNames, FindsSidesAnywhereInTheName) {
   const JointName thigh{Side::kLeft, "thigh"};
   for (const char* name : {"LeftThigh", "left_thigh", "thigh_l", "L_Thigh", "Thigh.L", "lThigh",
                            "Bip01 L Thigh", "Left Thigh", "ValveBiped.Bip01_L_Thigh", "lthigh",
@@ -23,13 +23,13 @@ TEST(JointNames, SidesAreFoundWhereverTheyStand) {
   EXPECT_EQ(normalised("\xE5\xB7\xA6\xE8\xB6\xB3"), (JointName{Side::kLeft, "\xE8\xB6\xB3"}));
 }
 
-TEST(JointNames, WordsThatBeginLikeASideHaveNone) {
+TEST(JointNames, IgnoresWordsThatStartLikeASide) {
   for (const char* name : {"root", "lowerback", "L5", "Reference", "LowerNeck", "ribs"}) {
     EXPECT_EQ(normalised(name).side, Side::kNone) << name;
   }
 }
 
-TEST(JointNames, TheMiddleIsNoPartOfAName) {
+TEST(JointNames, DropsMiddleMarks) {
   for (const char* name :
        {"J_Bip_C_Head", "C_Head", "Head_C", "head.c", "Center Head", "HeadCtr", "Bip01 C Head"}) {
     EXPECT_EQ(normalised(name), (JointName{Side::kNone, "head"})) << name;
@@ -38,13 +38,13 @@ TEST(JointNames, TheMiddleIsNoPartOfAName) {
   EXPECT_EQ(normalised("C7").base, "c7");
 }
 
-TEST(JointNames, NumbersAndSeparatorsAreSpelledAlike) {
+TEST(JointNames, NormalisesNumbersAndSeparators) {
   for (const char* name : {"Spine1", "spine_01", "Spine-1", "SPINE 1", "mixamorig1:Spine1"}) {
     EXPECT_EQ(normalised(name), (JointName{Side::kNone, "spine1"})) << name;
   }
 }
 
-TEST(JointNames, WordsThatNearlyAllNamesShareAreDropped) {
+TEST(JointNames, DropsCommonWords) {
   const auto names =
       normalise_joint_names({"Actor_Hips.L-x", "Actor_Spine.L-x", "Actor_LeftArm.L-x",
                              "Actor_RightArm.L-x", "Actor_Head.L-x", "Actor_Neck.L-x"});
@@ -54,13 +54,13 @@ TEST(JointNames, WordsThatNearlyAllNamesShareAreDropped) {
   EXPECT_EQ(normalise_joint_names({"Actor_Hips", "Actor_Head"})[0].base, "actorhips");
 }
 
-TEST(BodyWords, AmbiguousWordsMeanBothParts) {
+TEST(BodyWords, AmbiguousWordsMatchBothParts) {
   EXPECT_EQ(meanings_of(normalised("LeftShoulder")).size(), 2U);
   EXPECT_EQ(meanings_of(normalised("LeftLeg")).size(), 2U);
   EXPECT_EQ(meanings_of(normalised("LeftUpLeg")).size(), 1U);
 }
 
-TEST(BodyWords, FingersTwistsAndEndsMeanNothing) {
+TEST(BodyWords, IgnoresFingersTwistsAndEnds) {
   for (const char* name : {"LeftHandIndex1", "LeftInHandIndex", "RightlnHandMiddle", "LHipJoint",
                            "LeftForeArmRoll", "upperarm_twist_01_l", "HeadTop_End", "LeftToe_End",
                            "LeftFingerBase", "LeftEye", "lButtock"}) {
@@ -68,7 +68,7 @@ TEST(BodyWords, FingersTwistsAndEndsMeanNothing) {
   }
 }
 
-TEST(BodyWords, CanonicalNamesMeanTheirBones) {
+TEST(BodyWords, CanonicalNamesMatchTheirBones) {
   EXPECT_TRUE(may_mean(normalised("lShin"), Bone::kLeftLeg));
   EXPECT_FALSE(may_mean(normalised("rShin"), Bone::kLeftLeg));
   EXPECT_FALSE(may_mean(normalised("LeftThigh"), Bone::kLeftLeg));

@@ -26,7 +26,7 @@ std::string with_lines(const std::string& body, const Change& change) {
   return result;
 }
 
-TEST(LimbSearch, TwinsOfABoneThatABodyNeedsAreRefused) {
+TEST(LimbSearch, RejectsDuplicatesOfRequiredBones) {
   // a second forearm with a hand of its own
   const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n",
                                     "            LeftElbow 29 0 0\n              LeftWrist 25 0 0\n"
@@ -38,7 +38,7 @@ TEST(LimbSearch, TwinsOfABoneThatABodyNeedsAreRefused) {
 }
 
 // a hand and a wrist in one place, two joints of the toes side by side, a head and a skull
-TEST(LimbSearch, TwinsOfABoneThatABodyDoesWithoutAreChosenFrom) {
+TEST(LimbSearch, ChoosesAmongDuplicatesOfOptionalBones) {
   const std::string body = with_lines(kBody, [](const std::string& line) {
     std::string twin = line;
     for (const auto& [from, to] :
@@ -62,7 +62,7 @@ TEST(LimbSearch, TwinsOfABoneThatABodyDoesWithoutAreChosenFrom) {
             joint_name(*map, skeleton, "RightToe").substr(5));
 }
 
-TEST(LimbSearch, OfAllToesTheMiddleOneIsTheFoots) {
+TEST(LimbSearch, UsesTheMiddleToe) {
   const std::string body = with_lines(kBody, [](const std::string& line) {
     if (line.find("ToeBase") == std::string::npos) return line + "\n";
     std::string toes;
@@ -81,7 +81,7 @@ TEST(LimbSearch, OfAllToesTheMiddleOneIsTheFoots) {
   EXPECT_EQ(joint_name(*map, tiny_skeleton(body), "RightToe"), "RightToe3");
 }
 
-TEST(LimbSearch, AToeWhoseNameTwoJointsHaveIsLeftOut) {
+TEST(LimbSearch, OmitsAToeWithADuplicateName) {
   const std::string body = with_lines(kBody, [](const std::string& line) {
     return line.find("LeftToeBase") == std::string::npos ? line + "\n" : line + "\n" + line + "\n";
   });
@@ -136,7 +136,7 @@ root 0 9 0
          "                  head 0 0.4 0\n";
 }
 
-TEST(LimbSearch, OfASegmentInTwoJointsTheUpperOneIsTheBone) {
+TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
   const Skeleton skeleton = tiny_skeleton(makehuman_body());
   for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
     const auto map = recognise_skeleton(skeleton, dialects);
@@ -196,7 +196,7 @@ void expect_no_arm(const std::string& body, const std::string& missing, const st
   }
 }
 
-TEST(LimbSearch, AClavicleAndAnUpperArmAreNoArm) {
+TEST(LimbSearch, ClavicleAndUpperArmAreNotAnArm) {
   for (const char* body : {kBody, kLafan1}) {
     const std::string without_left = without_forearm(body, "Left");
     expect_no_arm(without_left, "left arm", "Left");
@@ -205,7 +205,7 @@ TEST(LimbSearch, AClavicleAndAnUpperArmAreNoArm) {
   }
 }
 
-TEST(LimbSearch, TheShapeDoesNotShiftWhatNamesSayPlainly) {
+TEST(LimbSearch, ShapeDoesNotOverrideClearNames) {
   // pads beyond the upper arms make chains of three joints of them
   std::string body = without_forearm(without_forearm(kBody, "Left"), "Right");
   body = replaced(body, "LeftArm 12 0 0\n", "LeftArm 12 0 0\n            Pad 12 0 0\n");
@@ -213,7 +213,7 @@ TEST(LimbSearch, TheShapeDoesNotShiftWhatNamesSayPlainly) {
   expect_no_arm(body, "arms", "Left");
 }
 
-TEST(LimbSearch, AWordMeansOneBoneOnBothSides) {
+TEST(LimbSearch, WordsMeanTheSameBoneOnBothSides) {
   // the left hand hangs from the upper arm
   const std::string body = replaced(kBody, "            LeftForeArm 29 0 0\n", "");
   expect_no_arm(replaced(replaced(body, "              LeftHand 25", "            LeftHand 54"),
@@ -221,7 +221,7 @@ TEST(LimbSearch, AWordMeansOneBoneOnBothSides) {
                 "left arm", "Left");
 }
 
-TEST(LimbSearch, AForearmOfNoNameIsNotTheUpperArm) {
+TEST(LimbSearch, UnnamedForearmIsNotTheUpperArm) {
   const std::string body = replaced(replaced(kBody, "LeftForeArm", "Kq1"), "RightForeArm", "Zw7");
   const auto map = by_names(body);
   ASSERT_TRUE(map) << describe(map.error());
@@ -232,7 +232,7 @@ TEST(LimbSearch, AForearmOfNoNameIsNotTheUpperArm) {
   EXPECT_EQ(joint_name(*map, skeleton, "RightForeArm"), "Zw7");
 }
 
-TEST(LimbSearch, ShoulderArmAndHandAreAWholeArm) {
+TEST(LimbSearch, ShoulderArmAndHandFormAnArm) {
   std::string body = replaced(replaced(kBody, "Shoulder", "Base"), "Arm ", "Shoulder ");
   body = replaced(body, "ForeShoulder", "Arm");
   const auto map = by_names(body);

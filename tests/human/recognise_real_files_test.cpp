@@ -73,7 +73,7 @@ class RealFiles : public ::testing::Test {
   std::optional<std::filesystem::path> folder_;
 };
 
-TEST_F(RealFiles, AreRecognisedAsWhatTheyAre) {
+TEST_F(RealFiles, AreRecognisedWithTheRightDialect) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
@@ -129,7 +129,7 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
   }
 }
 
-TEST_F(RealFiles, AHeadsetWithoutArmsNeedsConsent) {
+TEST_F(RealFiles, HeadsetWithoutArmsNeedsPartial) {
   const Clip clip = load("dialects/slimevr_hmd_root.bvh");
   const auto refused = recognise_skeleton(clip, shipped_dialects());
   ASSERT_FALSE(refused);
@@ -157,7 +157,7 @@ TEST_F(RealFiles, AHeadsetWithoutArmsNeedsConsent) {
   EXPECT_EQ(turned_by("LeftLeg"), "Left-Knee");
 }
 
-TEST_F(RealFiles, ThatAreNoHumansAreRefusedInOneSentence) {
+TEST_F(RealFiles, RejectsFilesThatAreNotHuman) {
   for (const char* file : {"dialects/nonhuman_dog.bvh", "dialects/full_precision_frame_time.bvh",
                            "dialects/rotation_first_root.bvh"}) {
     SCOPED_TRACE(file);
@@ -172,14 +172,14 @@ TEST_F(RealFiles, ThatAreNoHumansAreRefusedInOneSentence) {
   }
 }
 
-TEST_F(RealFiles, ANameOnTwoJointsIsRefused) {
+TEST_F(RealFiles, RejectsDuplicateJointNames) {
   const Clip clip = load("quirks/28_duplicate_names.bvh");
   const auto map = recognise_skeleton(clip, shipped_dialects());
   ASSERT_FALSE(map);
   EXPECT_NE(map.error().message.find("\"LeftUpArm\""), std::string::npos) << map.error().message;
 }
 
-TEST_F(RealFiles, OfTheReadersConformanceSetAreNoHumans) {
+TEST_F(RealFiles, ConformanceFilesAreNotHuman) {
   for (const auto& entry : std::filesystem::directory_iterator(*folder_ / "bvh_conformance")) {
     if (entry.path().extension() != ".bvh") continue;
     const auto file = load_bvh(entry.path().string());

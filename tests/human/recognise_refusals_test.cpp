@@ -11,7 +11,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-TEST(RecogniseRefuses, BodiesWithoutLegsOrArmsNeedConsent) {
+TEST(RecogniseRefuses, BodiesWithoutLegsOrArmsUnlessPartial) {
   const Skeleton upper = tiny_skeleton(R"(
 Hips 0 90 0
   Spine 0 20 0
@@ -35,17 +35,17 @@ Hips 0 90 0
   EXPECT_EQ(joint_name(*map, upper, "Spine2"), "Spine");
 }
 
-TEST(RecogniseRefuses, WhatIsNoBodyIsRefusedEvenInPart) {
+TEST(RecogniseRefuses, NonBodiesEvenIfPartial) {
   const Skeleton toy =
       tiny_skeleton("Hips 0 0 0\n  Spine 0 10 0\n    Head 0 8 0\n  LeftLeg 2 -8 0\n");
   for (const bool partial : {false, true}) {
     const auto map = recognise(toy, partial);
     ASSERT_FALSE(map);
-    EXPECT_EQ(map.error().message, "no human skeleton: no legs and arms found in its 4 joints");
+    EXPECT_EQ(map.error().message, "not a human skeleton: no legs and arms found in its 4 joints");
   }
 }
 
-TEST(RecogniseRefuses, OfTwoJointsOfOneNameNoneIsChosen) {
+TEST(RecogniseRefuses, DuplicateNames) {
   const auto map = recognise(tiny_skeleton(replaced(kBody, "RightArm", "LeftArm")));
   ASSERT_FALSE(map);
   EXPECT_EQ(map.error().kind, ErrorKind::kInput);
@@ -56,17 +56,17 @@ TEST(RecogniseRefuses, OfTwoJointsOfOneNameNoneIsChosen) {
                              "                Finger 5 0 1\n                Finger 5 0 -1\n"))));
 }
 
-TEST(RecogniseRefuses, NonHumanBodiesWithHumanNamesAreRefused) {
+TEST(RecogniseRefuses, NonHumanBodiesWithHumanNames) {
   std::string dog = kBody;
   for (const char* length : {"-42 0.5", "-41 -0.5"}) dog = replaced(dog, length, "-17 0");
   dog += "  Tail 0 0 -10\n";
   const auto map = recognise(tiny_skeleton(dog));
   ASSERT_FALSE(map);
   EXPECT_THAT(map.error().message,
-              HasSubstr("the skeleton is not a human's: the legs are shorter"));
+              HasSubstr("the skeleton is not human: the legs are shorter"));
 }
 
-TEST(RecogniseRefuses, SidesThatNothingTellsAreRefused) {
+TEST(RecogniseRefuses, UndecidableSides) {
   // LAFAN1's zero pose is no pose of a human: without names it does not tell left from right
   const Skeleton skeleton = tiny_skeleton(kLafan1);
   const auto map = recognise(with_names(skeleton, meaningless_names(skeleton)));
@@ -74,7 +74,7 @@ TEST(RecogniseRefuses, SidesThatNothingTellsAreRefused) {
   EXPECT_THAT(map.error().message, HasSubstr("left side"));
 }
 
-TEST(RecogniseRefuses, VeryDeepTreesAreRefused) {
+TEST(RecogniseRefuses, VeryDeepTrees) {
   std::vector<Joint> joints(3000);
   for (int i = 0; i < 3000; ++i) {
     joints[i].name = "j" + std::to_string(i);

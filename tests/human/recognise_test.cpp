@@ -39,7 +39,7 @@ std::string renamed(const std::vector<std::pair<const char*, const char*>>& word
   return body;
 }
 
-TEST(Recognise, LegIsTheShinBelowAnUpLeg) {
+TEST(Recognise, LegBelowUpLegIsTheShin) {
   expect_bones(kBody, {{"LeftUpLeg", "LeftUpLeg"},
                        {"LeftLeg", "LeftLeg"},
                        {"LeftFoot", "LeftFoot"},
@@ -48,7 +48,7 @@ TEST(Recognise, LegIsTheShinBelowAnUpLeg) {
                        {"LeftForeArm", "LeftForeArm"}});
 }
 
-TEST(Recognise, LegIsTheThighAboveAShin) {
+TEST(Recognise, LegAboveShinIsTheThigh) {
   const std::string body = renamed({{"LeftLeg", "LeftShin"},
                                     {"RightLeg", "RightShin"},
                                     {"UpLeg", "Leg"},
@@ -58,7 +58,7 @@ TEST(Recognise, LegIsTheThighAboveAShin) {
   expect_bones(body, {{"LeftUpLeg", "LeftLeg"}, {"LeftLeg", "LeftShin"}, {"Spine2", "Chest"}});
 }
 
-TEST(Recognise, ShoulderIsTheUpperArmBelowACollar) {
+TEST(Recognise, ShoulderBelowCollarIsTheUpperArm) {
   const std::string body = renamed({{"Shoulder", "Collar"},
                                     {"LeftArm", "LeftShoulder"},
                                     {"RightArm", "RightShoulder"},
@@ -77,7 +77,7 @@ TEST(Recognise, ShoulderIsTheUpperArmBelowACollar) {
                       {"LeftToe", "LeftToe"}});
 }
 
-TEST(Recognise, ShoulderIsTheUpperArmWhereThereIsNoOther) {
+TEST(Recognise, ShoulderIsTheUpperArmIfThereIsNoOther) {
   const Skeleton skeleton = tiny_skeleton(R"(
 Hips 0 90 0
   LeftHip 10 -2 0
@@ -106,7 +106,7 @@ Hips 0 90 0
                                  "LeftShoulder, RightShoulder")));
 }
 
-TEST(Recognise, HelperJointsWithoutLengthAreNotLimbs) {
+TEST(Recognise, ZeroLengthHelpersAreNotLimbs) {
   const std::string body = R"(
 Hips 0 0 0
   LHipJoint 0 0 0
@@ -153,7 +153,7 @@ Hips 0 0 0
                       {"LeftHand", "LeftHand"}});
 }
 
-TEST(Recognise, FingersAreNoHands) {
+TEST(Recognise, FingersAreNotHands) {
   std::string body = kBody;
   for (const std::string side : {"Left", "Right"}) {
     const std::string x = side == "Left" ? "15" : "-15";
@@ -165,14 +165,14 @@ TEST(Recognise, FingersAreNoHands) {
   expect_bones(body, {{"LeftHand", "LeftHand"}, {"RightHand", "RightHand"}});
 }
 
-TEST(Recognise, HipsAreWhereTheLegsHangBelowARoot) {
+TEST(Recognise, HipsAreTheParentOfTheLegsBelowARoot) {
   std::string body = "\nRoot 0 0 0";
   std::istringstream lines(kBody);
   for (std::string line; std::getline(lines, line);) body += "  " + line + "\n";
   expect_bones(body, {{"Hips", "Hips"}, {"Spine", "Spine"}});
 }
 
-TEST(Recognise, OfTwoNecksTheLowerOneCounts) {
+TEST(Recognise, UsesTheLowerOfTwoNecks) {
   const std::string body = R"(
 Hips 0 90 0
   LeftUpLeg 10 -2 0
@@ -196,7 +196,7 @@ Hips 0 90 0
   expect_bones(body, {{"Neck", "Neck"}, {"Head", "Head"}, {"Spine2", "Spine1"}});
 }
 
-TEST(Recognise, PrefixesAreNoPartOfAName) {
+TEST(Recognise, IgnoresPrefixes) {
   for (const std::string prefix :
        {"mixamorig:", "mixamorig1:", "Character1_", "Take 001:", "Skeleton 001_", "Actor_Body_"}) {
     SCOPED_TRACE(prefix);
@@ -216,7 +216,7 @@ TEST(Recognise, PrefixesAreNoPartOfAName) {
   }
 }
 
-TEST(Recognise, SidesAreSpelledInManyWays) {
+TEST(Recognise, RecognisesManySideSpellings) {
   struct Spelling {
     const char *left_before, *left_after, *right_before, *right_after;
   };
@@ -242,7 +242,7 @@ TEST(Recognise, SidesAreSpelledInManyWays) {
   }
 }
 
-TEST(Recognise, NamesOfSegmentsWithNumbersHaveNoSide) {
+TEST(Recognise, NumberedSegmentsHaveNoSide) {
   const std::string body = renamed({{"Hips", "Pelvis"},
                                     {"Spine2", "T8"},
                                     {"Spine1", "L3"},
@@ -257,7 +257,7 @@ TEST(Recognise, NamesOfSegmentsWithNumbersHaveNoSide) {
   EXPECT_EQ(recognise(tiny_skeleton(body))->dialect, "xsens_mvn");
 }
 
-TEST(Recognise, TheShapeTellsWhatMeaninglessNamesDoNot) {
+TEST(Recognise, UsesShapeIfNamesAreMeaningless) {
   const Skeleton body = tiny_skeleton(kBody);
   const auto map = recognise(with_names(body, meaningless_names(body)));
   ASSERT_TRUE(map) << describe(map.error());
@@ -265,7 +265,7 @@ TEST(Recognise, TheShapeTellsWhatMeaninglessNamesDoNot) {
   EXPECT_EQ(map->joint_of_bone, recognise(body)->joint_of_bone);
 }
 
-TEST(Recognise, TheShapeStandsAgainstNamesThatWereMixedUp) {
+TEST(Recognise, ShapeOverridesMixedUpNames) {
   const Skeleton body = tiny_skeleton(kBody);
   const auto expected = recognise(body)->joint_of_bone;
   std::mt19937 random(7);
@@ -278,7 +278,7 @@ TEST(Recognise, TheShapeStandsAgainstNamesThatWereMixedUp) {
   }
 }
 
-TEST(Recognise, TheOrderOfChildrenDoesNotMatter) {
+TEST(Recognise, IsIndependentOfChildOrder) {
   const std::string body = R"(
 Hips 0 90 0
   Spine 0 8 0
@@ -312,7 +312,7 @@ Hips 0 90 0
   EXPECT_EQ(joint_name(*map, skeleton, "RightArm"), "RightArm");
 }
 
-TEST(Recognise, TwistJointsInLimbsAreLeftOut) {
+TEST(Recognise, SkipsTwistJoints) {
   std::string body = R"(
 pelvis 0 90 0
   thigh_l 10 -2 0
@@ -355,7 +355,7 @@ pelvis 0 90 0
   EXPECT_EQ(joint_name(*map, skeleton, "LeftForeArm"), "lowerarm_l");
 }
 
-TEST(Recognise, PropsArePartOfNoBody) {
+TEST(Recognise, IgnoresProps) {
   std::string body =
       replaced(kBody, "                end -15 0 0\n", R"(                Sword -5 0 10
                   SwordTip 0 0 95
@@ -387,7 +387,7 @@ std::string body_with_spine(int count) {
   return body.substr(0, from) + spine + upper;
 }
 
-TEST(Recognise, SpinesOfAnyLengthEndInTheTorso) {
+TEST(Recognise, HandlesSpinesOfAnyLength) {
   struct Case {
     int count;
     const char *spine, *spine1, *torso;
@@ -406,7 +406,7 @@ TEST(Recognise, SpinesOfAnyLengthEndInTheTorso) {
                                                     "\"Spine4\", \"Spine5\"")));
 }
 
-TEST(Recognise, ArmsThatHangFromTheNeckHaveTheirTorsoBelowIt) {
+TEST(Recognise, TorsoIsBelowTheNeckIfArmsHangFromIt) {
   const std::string body = R"(
 Bip01 Pelvis 0 90 0
   Bip01 Spine 0 8 0
@@ -437,7 +437,7 @@ Bip01 Pelvis 0 90 0
                       {"LeftUpLeg", "Bip01 L Thigh"}});
 }
 
-TEST(Recognise, HipsAreWhereTheLegsHangEvenInTheSpine) {
+TEST(Recognise, HipsAreTheParentOfTheLegsEvenInTheSpine) {
   const Skeleton skeleton = tiny_skeleton(R"(
 Bip01 0 90 0
   Bip01 Pelvis 0 0 0
@@ -464,7 +464,7 @@ Bip01 0 90 0
   EXPECT_EQ(joint_name(*map, skeleton, "Spine2"), "Bip01 Spine1");
 }
 
-TEST(Recognise, ClipsWhoseToesPointBackwardsAreDoubted) {
+TEST(Recognise, WarnsAboutBackwardToes) {
   const auto clip_of = [](const std::string& body) {
     return Clip(std::make_shared<const Skeleton>(tiny_skeleton(body)), FrameRate{30, 1}, 2);
   };
@@ -474,11 +474,11 @@ TEST(Recognise, ClipsWhoseToesPointBackwardsAreDoubted) {
       shipped_dialects());
   ASSERT_TRUE(sane && odd);
   EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("exchanged"))));
-  EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be exchanged")));
+  EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be swapped")));
   EXPECT_LT(odd->confidence, sane->confidence);
 }
 
-TEST(Recognise, ShippedSamplesAreLafan1) {
+TEST(Recognise, IncludedSamplesAreLafan1) {
   for (const char* name : {"walk", "squat", "wave", "get_up", "turn_in_place"}) {
     SCOPED_TRACE(name);
     const auto path = std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name;
@@ -494,7 +494,7 @@ TEST(Recognise, ShippedSamplesAreLafan1) {
   }
 }
 
-TEST(Recognise, MissingToesCollarsNeckAndHandsAreTold) {
+TEST(Recognise, NotesMissingToesCollarsNeckAndHands) {
   const Skeleton skeleton = tiny_skeleton(R"(
 Hips 0 90 0
   LeftUpLeg 10 -2 0
@@ -517,7 +517,7 @@ Hips 0 90 0
                                    "LeftShoulder, LeftHand, RightShoulder, RightHand"));
 }
 
-TEST(Recognise, Lafan1GivesTheJointsOfThePublishedMethod) {
+TEST(Recognise, Lafan1MatchesThePublishedMethod) {
   const std::string further = replaced(
       std::string("Reference 0 0 0\n  Prop 5 5 5\n") +
           replaced(replaced(std::string(kLafan1).substr(1), "\n", "\n  "), "Hips", "  Hips"),

@@ -43,7 +43,7 @@ RestCandidate zero_of(const Body& body) {
   return candidate;
 }
 
-TEST(RestPose, SeesHowFarAPoseIsFromATPose) {
+TEST(RestPose, MeasuresDeviationFromTheTPose) {
   const Skeleton t = person({0.3, 0, 0}, {0.25, 0, 0});
   const Body t_body(t, lafan1_map(t, "test"));
   EXPECT_LT(deviation_from_t(t_body, zero_of(t_body)).mean, 1e-9);
@@ -56,7 +56,7 @@ TEST(RestPose, SeesHowFarAPoseIsFromATPose) {
   EXPECT_TRUE(is_well_formed(a_body, zero_of(a_body)));
 }
 
-TEST(RestPose, DistrustsArmsThatNobodyBuilds) {
+TEST(RestPose, RejectsImplausibleArms) {
   const Eigen::Vector3d left(0.3, 0, 0), up(0, 0.3, 0), ahead(0, 0, 0.3);
   for (const auto& [upper, lower] :
        {std::pair(up, up), std::pair(ahead, ahead), std::pair(left, ahead)}) {
@@ -81,7 +81,7 @@ TEST(RestPose, RaisesArmsAboutTheForwardAxis) {
   }
 }
 
-TEST(LeastRotation, TakesOneDirectionToTheOther) {
+TEST(LeastRotation, MapsOneDirectionToTheOther) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d oblique = Eigen::Vector3d(1, -2, 3).normalized();
   for (const Eigen::Vector3d& target : {x, y, oblique, Eigen::Vector3d(-x)}) {

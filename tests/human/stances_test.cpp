@@ -54,7 +54,7 @@ Stances stances_of(const HumanClip& human, const ContactPhase& phase) {
   return {{phases_on_sole(feet, 0, {phase}, shortest), phases_on_sole(feet, 1, {phase}, shortest)}};
 }
 
-TEST(Stances, AreTheContactsOfFeetThatStand) {
+TEST(Stances, MatchContactsOfStandingFeet) {
   const HumanClip human =
       human_with_left_foot(30, Eigen::Vector3d::UnitY(), [](int) { return 40.0; });
   const Stances found = stances_of(human, planted(3, 20));
@@ -62,7 +62,7 @@ TEST(Stances, AreTheContactsOfFeetThatStand) {
   EXPECT_THAT(found.phases[1], ElementsAre(ContactPhase{3, 20}));
 }
 
-TEST(Stances, AreNoneOfFeetOnTheInstepOrTheEdge) {
+TEST(Stances, ExcludeFeetOnTheInstepOrEdge) {
   for (const Eigen::Vector3d& axis :
        {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0)}) {
     for (const double angle : {45.0, 90.0, 170.0}) {
@@ -78,7 +78,7 @@ TEST(Stances, AreNoneOfFeetOnTheInstepOrTheEdge) {
   EXPECT_THAT(stances_of(turned, planted(3, 20)).phases[0], ElementsAre(ContactPhase{3, 20}));
 }
 
-TEST(Stances, ArePartsOfContactsUnlessTheyAreTooShort) {
+TEST(Stances, ArePartsOfContactsUnlessTooShort) {
   // on its edge in frames 8 and 18; 2 frames are left after the second
   const HumanClip human = human_with_left_foot(30, Eigen::Vector3d::UnitX(), [](int frame) {
     return frame == 8 || frame == 18 ? 80.0 : 0.0;

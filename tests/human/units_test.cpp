@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(GuessUnit, KnowsThePersonsHipHeightInEachUnit) {
+TEST(GuessUnit, FindsUnitFromHipHeight) {
   for (const double metres : {0.76, 0.9, 1.1}) {
     EXPECT_EQ(guess_unit(metres)->name, "m");
     EXPECT_EQ(guess_unit(metres * 10)->name, "dm");
@@ -27,7 +27,7 @@ TEST(GuessUnit, KnowsThePersonsHipHeightInEachUnit) {
 }
 
 // a child of 0.9 to 1.05 m has its hips at 0.47 to 0.55 m
-TEST(GuessUnit, KnowsChildren) {
+TEST(GuessUnit, HandlesChildren) {
   for (const double metres : {0.47, 0.5, 0.515, 0.53, 0.55}) {
     EXPECT_EQ(guess_unit(metres)->name, "m") << metres;
     EXPECT_EQ(guess_unit(metres * 10)->name, "dm") << metres;
@@ -36,20 +36,20 @@ TEST(GuessUnit, KnowsChildren) {
   }
 }
 
-TEST(GuessUnit, KnowsNothingInBetween) {
+TEST(GuessUnit, RejectsImplausibleHeights) {
   for (const double height : {0.0, 0.3, 3.0, 200.0, 5000.0, -90.0}) {
     EXPECT_FALSE(guess_unit(height)) << height;
   }
 }
 
-TEST(UnitOfBody, IsThatOfItsKindWhereThatIsAPersons) {
+TEST(UnitOfBody, UsesSkeletonUnitIfPlausible) {
   EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0127, {}})->metres, 0.0127);
   EXPECT_EQ(unit_of_body({90.0, 170.0, 0.0254, {}})->name, "cm");
   EXPECT_FALSE(unit_of_body({191.9, 360.0, 0.01, {}}));
 }
 
 // a character of 0.78 m in centimetres would be a tall adult in inches
-TEST(UnitOfBody, IsThatOfItsKindForSmallChildren) {
+TEST(UnitOfBody, UsesSkeletonUnitForSmallChildren) {
   EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, {}})->name, "cm");
   EXPECT_EQ(unit_of_body({37.4, 71.0, 0.01, {}})->name, "cm");
   // an adult of 1.75 m in inches
@@ -59,7 +59,7 @@ TEST(UnitOfBody, IsThatOfItsKindForSmallChildren) {
   EXPECT_EQ(unit_of_body({41.7, 78.0, 0.01, 1.95})->name, "inch");
 }
 
-TEST(UnitOfBody, IsSettledByAToldHeight) {
+TEST(UnitOfBody, IsDeterminedByAGivenHeight) {
   // a character at double scale
   const auto doubled = unit_of_body({191.9, 360.0, 0.01, 1.8});
   ASSERT_TRUE(doubled);
@@ -87,7 +87,7 @@ Result<Calibration> calibrated(const Clip& clip, bool with_lafan1_axes,
                    options);
 }
 
-TEST(CalibrateSize, ABodyOfNoKnownUnitIsRefusedUnlessItsHeightIsTold) {
+TEST(CalibrateSize, RejectsUnknownUnitUnlessHeightIsGiven) {
   for (const bool lafan1 : {false, true}) {
     SCOPED_TRACE(lafan1);
     const Clip twice = sample_in(2.0, lafan1);
@@ -106,7 +106,7 @@ TEST(CalibrateSize, ABodyOfNoKnownUnitIsRefusedUnlessItsHeightIsTold) {
   }
 }
 
-TEST(CalibrateSize, WhatNeedsNoUnitTakesAnAveragePersons) {
+TEST(CalibrateSize, OptionalUnitAssumesAnAverageBody) {
   for (const bool lafan1 : {false, true}) {
     CalibrationOptions any;
     any.unit_optional = true;
@@ -121,7 +121,7 @@ TEST(CalibrateSize, WhatNeedsNoUnitTakesAnAveragePersons) {
   }
 }
 
-TEST(CalibrateSize, ASmallCharacterOfMixamosNamesIsInCentimetres) {
+TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
   const Clip small = sample_in(0.45, false);
   std::vector<Joint> joints = small.skeleton().joints();
   for (Joint& joint : joints) {
@@ -145,7 +145,7 @@ TEST(CalibrateSize, ASmallCharacterOfMixamosNamesIsInCentimetres) {
   EXPECT_THAT(found->mapping.doubts.back().message, HasSubstr("height"));
 }
 
-TEST(CalibrateSize, AChildWithLafan1sNamesAndAxesHasItsOwnHeight) {
+TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
   const auto adult = calibrated(sample_in(1.0, true), true, {}).value();
   for (const double scale : {0.6, 0.8, 0.9, 1.1}) {
     const Clip clip = sample_in(scale, true);

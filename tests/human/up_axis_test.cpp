@@ -45,7 +45,7 @@ Calibration calibrated(const Clip& clip) {
   return calibrate(clip, lafan1_map(clip.skeleton(), "test"), {}).value();
 }
 
-TEST(UpAxis, OfBodiesThatTumbleIsThatOfTheZeroPose) {
+TEST(UpAxis, UsesTheZeroPoseOfTumblingBodies) {
   for (const char* name : {"wave", "turn_in_place", "squat", "walk", "get_up"}) {
     for (const double turns : {1.0, 1.5, 3.0}) {
       for (const bool on_floor : {false, true}) {
@@ -57,14 +57,14 @@ TEST(UpAxis, OfBodiesThatTumbleIsThatOfTheZeroPose) {
   }
 }
 
-TEST(UpAxis, OfBodiesThatHardlyStandIsDoubted) {
+TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
   const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).mapping.doubts;
   ASSERT_FALSE(doubts.empty());
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("+y was taken as the up axis"));
 }
 
 // a zero pose along y in a world with z up: whoever plainly stands is believed
-TEST(UpAxis, OfBodiesThatStandIsThatOfTheMovement) {
+TEST(UpAxis, UsesTheMovementOfStandingBodies) {
   const Eigen::Quaterniond z_up(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   for (const char* name : {"wave", "turn_in_place", "squat", "walk"}) {
     const Clip clip = scaled_and_turned(with_t_pose_as_zero(sample(name)), 1.0, z_up);
@@ -72,7 +72,7 @@ TEST(UpAxis, OfBodiesThatStandIsThatOfTheMovement) {
   }
 }
 
-TEST(ChooseUp, TakesTheKindsAxisOrTheZeroPosesWithoutPoses) {
+TEST(ChooseUp, WithoutPosesUsesSkeletonFactsOrZeroPose) {
   const Clip clip = sample("walk");
   const Body body(clip.skeleton(), lafan1_map(clip.skeleton(), "test"));
   EXPECT_EQ(choose_up(body, {}, {}).axis, SignedAxis{});

@@ -46,7 +46,7 @@ Eigen::VectorXd minimise_slowly(const Problem& problem) {
   return x;
 }
 
-TEST(BoxQp, MeetsTheOptimalityConditionsOnRandomProblems) {
+TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
   std::mt19937 engine(3);
   int most_active = 0;
   for (int repeat = 0; repeat < 2000; ++repeat) {
@@ -77,7 +77,7 @@ TEST(BoxQp, AgreesWithProjectedGradients) {
   }
 }
 
-TEST(BoxQp, ReadsTheLowerTriangleAlone) {
+TEST(BoxQp, ReadsOnlyTheLowerTriangle) {
   std::mt19937 engine(9);
   Problem problem = random_problem(engine, 8, 0.1);
   BoxQp qp(8);
@@ -89,7 +89,7 @@ TEST(BoxQp, ReadsTheLowerTriangleAlone) {
   EXPECT_EQ(x, again);
 }
 
-TEST(BoxQp, HoldsVariablesWithoutRoom) {
+TEST(BoxQp, HandlesFixedVariables) {
   const Eigen::MatrixXd H = 2.0 * Eigen::MatrixXd::Identity(3, 3);
   const Eigen::VectorXd g = Eigen::Vector3d(-2.0, -2.0, 2.0);
   const Eigen::VectorXd lower = Eigen::Vector3d(0.25, -1.0, -0.5);
@@ -101,7 +101,7 @@ TEST(BoxQp, HoldsVariablesWithoutRoom) {
   EXPECT_EQ(stats.active, 3);
 }
 
-TEST(BoxQp, TakesStartsOutsideTheRange) {
+TEST(BoxQp, AcceptsInfeasibleStarts) {
   // a joint beyond its limit must come back: both bounds on one side of zero
   const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(2, 2);
   const Eigen::VectorXd g = Eigen::Vector2d(0.0, 0.0);
@@ -113,7 +113,7 @@ TEST(BoxQp, TakesStartsOutsideTheRange) {
   EXPECT_EQ(x, Eigen::VectorXd(Eigen::Vector2d(0.3, -1.0)));
 }
 
-TEST(BoxQp, SaysWhenValuesAreNotFinite) {
+TEST(BoxQp, ReportsNonFiniteValues) {
   BoxQp qp(2);
   Eigen::VectorXd x(2);
   const Eigen::VectorXd bound = Eigen::Vector2d(1.0, 1.0);

@@ -36,7 +36,7 @@ double engines_differ(const IkCase& ik_case, const IkOptions& options, int pass)
   return difference(expected, found);
 }
 
-TEST(FastSolver, TakesTheSameStepsAsTheReferenceOnRandomProblems) {
+TEST(FastSolver, MatchesReferenceStepsOnRandomProblems) {
   for (const auto& robot : {load_g1(), robot_from_text(kTwoArms)}) {
     ASSERT_NE(robot, nullptr);
     for (unsigned seed = 0; seed < 60; ++seed) {
@@ -49,7 +49,7 @@ TEST(FastSolver, TakesTheSameStepsAsTheReferenceOnRandomProblems) {
   }
 }
 
-TEST(FastSolver, BringsBackJointsThatStartOutsideTheirLimits) {
+TEST(FastSolver, ReturnsJointsThatStartOutsideTheirLimits) {
   const auto robot = robot_from_text(kTwoArms);
   IkCase ik_case = random_case(robot, 1, 4);
   // one task at the base: no joint is pulled, all start outside
@@ -58,7 +58,7 @@ TEST(FastSolver, BringsBackJointsThatStartOutsideTheirLimits) {
   EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-12);
 }
 
-TEST(FastSolver, TasksOnBodiesThatDoNotMoveCountInTheErrorAlone) {
+TEST(FastSolver, TasksOnFixedBodiesOnlyAddToTheError) {
   const auto robot = robot_from_text(R"(
 <mujoco><worldbody>
   <body name="post" pos="1 0 0"><geom size="0.1"/></body>
@@ -71,7 +71,7 @@ TEST(FastSolver, TasksOnBodiesThatDoNotMoveCountInTheErrorAlone) {
   EXPECT_LT(engines_differ(ik_case, {}, 0), 1e-9);
 }
 
-TEST(FrameError, HoldsTheErrorAndTheJacobianOfTheReference) {
+TEST(FrameError, MatchesReferenceErrorAndJacobian) {
   std::mt19937 engine(2);
   std::normal_distribution<double> normal;
   for (const double angle : {1e-7, 0.9e-5, 1e-3, 0.1, 1.0, 2.5, 3.1}) {

@@ -51,7 +51,7 @@ Eigen::VectorXd numeric_gradient(const Robot& robot, const IkPass& tasks,
   return gradient;
 }
 
-TEST(ReferenceSolver, LinearTermIsTheGradientOfTheWeightedError) {
+TEST(ReferenceSolver, LinearTermIsTheGradient) {
   const auto robot = robot_from_text(kTwoArms);
   ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
@@ -77,7 +77,7 @@ TEST(ReferenceSolver, LinearTermIsTheGradientOfTheWeightedError) {
   EXPECT_LT((linear - expected).norm(), 1e-6 * (1.0 + expected.norm()));
 }
 
-TEST(ReferenceSolver, ReachesTargetsThatCanBeReached) {
+TEST(ReferenceSolver, ReachesReachableTargets) {
   const auto robot = load_g1();
   ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);
@@ -147,7 +147,7 @@ TEST(ReferenceSolver, StopsWhenTheErrorStopsFalling) {
   for (int k = 1; k < far.steps; ++k) EXPECT_GT(far.errors[k - 1] - far.errors[k], 1e-3);
 }
 
-TEST(ReferenceSolver, SaysWhenATargetIsNotFinite) {
+TEST(ReferenceSolver, ReportsNonFiniteTargets) {
   const auto robot = robot_from_text(kTwoArms);
   ASSERT_NE(robot, nullptr);
   auto problem = make_problem(robot);

@@ -59,7 +59,7 @@ class CsvMotion : public ::testing::Test {
   std::shared_ptr<const Robot> robot_ = robot_from_text(kTwoArms);
 };
 
-TEST_F(CsvMotion, TakesManyLayouts) {
+TEST_F(CsvMotion, ReadsManyLayouts) {
   for (const std::string& text :
        {std::string(kRow), "\xEF\xBB\xBF" + std::string(kRow),
         "# made by hand\n\n" + std::string(kRow),
@@ -73,7 +73,7 @@ TEST_F(CsvMotion, TakesManyLayouts) {
   }
 }
 
-TEST_F(CsvMotion, HeadersAreUnderstoodInManyWays) {
+TEST_F(CsvMotion, ReadsManyHeaderStyles) {
   const std::string names = std::string(kRoot) + kJoints;
   expect_pose(names + "\n" + kRow);
   expect_pose("\xEF\xBB\xBF" + names + "\r\n" + kRow);
@@ -116,7 +116,7 @@ TEST_F(CsvMotion, HeadersAreUnderstoodInManyWays) {
       ".5,.04,.3,.2,.1,1,0,0,0,3,2,1\n");
 }
 
-TEST_F(CsvMotion, HeadersThatAreNotUnderstoodAreFaults) {
+TEST_F(CsvMotion, RejectsUnknownHeaders) {
   const std::string letters = "a,b,c,d,e,f,g,h,i,j,k,l\n" + std::string(kRow);
   expect_fault(letters, AllOf(HasSubstr("the header is not understood: \"a\", \"b\""),
                               HasSubstr("ignore_header")));
@@ -137,17 +137,17 @@ TEST_F(CsvMotion, HeadersThatAreNotUnderstoodAreFaults) {
   expect_fault(std::string(kRoot) + kJoints + "\n1,2,3\n", HasSubstr("the header has 12 columns"));
   expect_fault("1,5;2;3;0;0;0;1;.1;.2;.3;.4;.5\n",
                AllOf(HasSubstr("m.csv:1:1: error: expected a number, found \"1,5\""),
-                     HasSubstr("decimals follow a point")));
+                     HasSubstr("use a decimal point")));
   expect_fault(std::string("\xFF\xFEx\0,\0", 6), HasSubstr("UTF-16"));
 }
 
-TEST_F(CsvMotion, JointsThatAHeaderLeavesOutAreFaults) {
+TEST_F(CsvMotion, RejectsHeadersWithMissingJoints) {
   expect_fault("x,y,z,qx,qy,qz,qw,left_shoulder,right_shoulder\n1,2,3,0,0,0,1,.1,.5\n",
                AllOf(HasSubstr("the header names 2 joints"),
                      HasSubstr("left_elbow, left_twist, right_slide")));
 }
 
-TEST_F(CsvMotion, JointsThatAVariantLacksMayBeLeftOut) {
+TEST_F(CsvMotion, AcceptsHeadersWithoutVariantJoints) {
   const auto g1 = load_g1();
   const auto few = robot_variant(g1, "23-pbhc");
   ASSERT_TRUE(few);
@@ -168,7 +168,7 @@ TEST_F(CsvMotion, JointsThatAVariantLacksMayBeLeftOut) {
   EXPECT_THAT(told->warnings, IsEmpty());
 }
 
-TEST_F(CsvMotion, TimesGiveTheRate) {
+TEST_F(CsvMotion, ReadsRateFromTimes) {
   const auto rate_of = [&](const std::vector<std::string>& times, const std::string& name = {}) {
     const auto motion = read(timed(times, name));
     EXPECT_TRUE(motion) << describe(motion.error());
@@ -192,12 +192,12 @@ TEST_F(CsvMotion, TimesGiveTheRate) {
   EXPECT_EQ(rate_of({"0", "1", "2"}, "frame"), "none");
 }
 
-TEST_F(CsvMotion, TimesThatDoNotTellAreFaultsUnlessTheRateIsGiven) {
+TEST_F(CsvMotion, RejectsAmbiguousTimesUnlessTheRateIsGiven) {
   const ReadMotionOptions at_60 = with([](auto& o) { o.rate = FrameRate{60, 1}; });
   for (const auto& [text, words] :
-       {std::pair(timed({"0", "1", "2"}, "time"), "tells no rate"),
+       {std::pair(timed({"0", "1", "2"}, "time"), "gives no rate"),
         {timed({"0", "4", "8"}), "frame numbers or times"},
-        {timed({"0", ".02", ".02", ".04"}, "time"), "does not go up"},
+        {timed({"0", ".02", ".02", ".04"}, "time"), "does not increase"},
         {timed({"0", ".02", ".04", ".5", ".52"}, "time"), "is not even"}}) {
     expect_fault(text, AllOf(HasSubstr(words), HasSubstr("source_fps")));
     const auto given = read(text, at_60);
@@ -209,13 +209,13 @@ TEST_F(CsvMotion, TimesThatDoNotTellAreFaultsUnlessTheRateIsGiven) {
   const auto against = read(timed({"0", ".02", ".04"}, "time"), at_60);
   ASSERT_TRUE(against);
   EXPECT_THAT(against->warnings,
-              Contains(AllOf(HasSubstr("50 a second"), HasSubstr("60 fps that were asked for"))));
+              Contains(AllOf(HasSubstr("50 a second"), HasSubstr("using the requested 60 fps"))));
   const auto gaps = read(timed({"0", "1", "5", "6"}, "frame"));
   ASSERT_TRUE(gaps);
   EXPECT_THAT(gaps->warnings, Contains(HasSubstr("frames missing")));
 }
 
-TEST_F(CsvMotion, SomasRateIsInItsFrameNumbers) {
+TEST_F(CsvMotion, ReadsSomaRateFromFrameNumbers) {
   RobotClip clip(robot_, {30, 1}, 4);
   for (int frame = 0; frame < 4; ++frame) {
     clip.qpos(frame)[2] = 1.0;
@@ -238,7 +238,7 @@ TEST_F(CsvMotion, SomasRateIsInItsFrameNumbers) {
   EXPECT_EQ(rate_of({30, 1}, with([](auto& o) { o.default_rate = FrameRate{50, 1}; })), "30");
 }
 
-TEST_F(CsvMotion, SomasFramesThatAreMissingAreAFault) {
+TEST_F(CsvMotion, RejectsMissingSomaFrames) {
   RobotClip clip(robot_, {30, 1}, 4);
   std::string text = format_robot_csv(clip, soma_csv_options({30, 1}));
   const std::size_t second = text.find("\n4,");
@@ -248,7 +248,7 @@ TEST_F(CsvMotion, SomasFramesThatAreMissingAreAFault) {
   EXPECT_THAT(describe(gap.error()), AllOf(HasSubstr("frames missing"), HasSubstr("source_fps")));
 }
 
-TEST_F(CsvMotion, UnitsHoldForAnglesOfTheRootAsForJoints) {
+TEST_F(CsvMotion, AngleUnitAppliesToRootAndJoints) {
   const std::string header =
       "Frame,root_translateX,root_translateY,root_translateZ,root_rotateX,root_rotateY,"
       "root_rotateZ,left_shoulder_dof,left_elbow_dof,left_twist_dof,right_slide_dof,"
@@ -267,10 +267,10 @@ TEST_F(CsvMotion, UnitsHoldForAnglesOfTheRootAsForJoints) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a->clip.qpos(0)[i], b->clip.qpos(0)[i], 1e-15);
   EXPECT_NEAR(a->clip.qpos(0)[6], std::sqrt(0.5), 1e-15);
   EXPECT_NEAR(a->clip.qpos(0)[2], 0.01, 1e-15);
-  EXPECT_THAT(b->warnings, Contains(HasSubstr("angles in degrees; taken are the radians")));
+  EXPECT_THAT(b->warnings, Contains(HasSubstr("angles in degrees; using the requested radians")));
 }
 
-TEST_F(CsvMotion, FaultsHaveLineAndColumn) {
+TEST_F(CsvMotion, ErrorsHaveLineAndColumn) {
   expect_fault("", HasSubstr("no frames"));
   expect_fault("# nothing\n", HasSubstr("no frames"));
   expect_fault("1,2,3\n", HasSubstr("m.csv:1:1: error: this line has 3 columns"));
@@ -288,7 +288,7 @@ TEST_F(CsvMotion, FaultsHaveLineAndColumn) {
                HasSubstr("this line has 13 columns"));
 }
 
-TEST_F(CsvMotion, HostileBytesGiveFaults) {
+TEST_F(CsvMotion, RejectsHostileBytes) {
   for (const std::string& bytes :
        {std::string(100000, ','), std::string(100000, '9'), std::string(5000, '\xff'),
         std::string(kRow) + std::string(20, '\0'), std::string("1e999,") + kRow,

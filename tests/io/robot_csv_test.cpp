@@ -49,7 +49,7 @@ TEST(RobotCsv, WritesOtherDialects) {
             "2 -2 0 0 0 0 0 0 0 0 0 0\n0 1 2 3 4 5 6 7 8 9 10 11\n");
 }
 
-TEST(RobotCsv, KeepsEveryDigitWhenAsked) {
+TEST(RobotCsv, KeepsEveryDigitIfRequested) {
   RobotCsvOptions options;
   options.precision = 17;
   RobotClip clip = two_frames();
@@ -77,7 +77,7 @@ TEST(RobotCsv, IsTheSameInEveryLocale) {
   std::setlocale(LC_NUMERIC, kept.c_str());
 }
 
-TEST(RobotCsv, DigitsBeyondAllAreTheMost) {
+TEST(RobotCsv, ClampsPrecision) {
   RobotCsvOptions options;
   options.precision = 2'000'000'000;
   RobotCsvOptions most;
@@ -89,7 +89,7 @@ TEST(RobotCsv, DigitsBeyondAllAreTheMost) {
   EXPECT_EQ(format_robot_csv(two_frames(), options).substr(0, 5), "2,-2,");
 }
 
-TEST(RobotCsv, SomaCountsFramesOf120ASecond) {
+TEST(RobotCsv, SomaFrameNumbersCountAt120Fps) {
   const auto frame_numbers = [](const FrameRate& rate) {
     RobotClip clip(robot_from_text(kTwoArms), rate, 3);
     const std::string text = format_robot_csv(clip, soma_csv_options(rate));
@@ -109,7 +109,7 @@ TEST(RobotCsv, SomaCountsFramesOf120ASecond) {
   }
 }
 
-TEST(RobotCsv, PrintedClipIsWhatAReaderHas) {
+TEST(RobotCsv, PrintedClipMatchesWhatIsReadBack) {
   RobotClip clip = two_frames();
   const auto printed = printed_clip(clip, 3);
   ASSERT_TRUE(printed) << describe(printed.error());
@@ -124,10 +124,10 @@ TEST(RobotCsv, PrintedClipIsWhatAReaderHas) {
   EXPECT_LT(printed->qpos(1)[3], 0.0);
   const auto nothing = printed_clip(clip, 0);
   ASSERT_FALSE(nothing);
-  EXPECT_NE(nothing.error().message.find("nothing is left with 0 digits"), std::string::npos);
+  EXPECT_NE(nothing.error().message.find("rounds to zero with 0 digits"), std::string::npos);
 }
 
-TEST(RobotCsv, EmptyClipIsAnEmptyFile) {
+TEST(RobotCsv, EmptyClipGivesAnEmptyFile) {
   EXPECT_EQ(format_robot_csv(RobotClip(robot_from_text(kTwoArms), {30, 1}, 0)), "");
 }
 

@@ -81,7 +81,7 @@ class RobotMotionTest : public ::testing::Test {
   std::shared_ptr<const Robot> robot_ = load_g1();
 };
 
-TEST_F(RobotMotionTest, EveryFormatComesBack) {
+TEST_F(RobotMotionTest, EveryFormatRoundTrips) {
   const RobotClip clip = walk(1.2);
   for (const MotionFormat format : kAllFormats) {
     WriteMotionOptions write;
@@ -109,7 +109,7 @@ TEST_F(RobotMotionTest, EveryFormatComesBack) {
   }
 }
 
-TEST_F(RobotMotionTest, QuaternionOrdersAreFoundAtEveryHeading) {
+TEST_F(RobotMotionTest, FindsQuaternionOrderAtEveryHeading) {
   for (const double heading : {-3.0, -1.6, -0.4, 0.0, 0.3, 1.0, 2.0, 3.1}) {
     const RobotClip clip = walk(heading);
     for (const QuaternionOrder order : {QuaternionOrder::kXyzw, QuaternionOrder::kWxyz}) {
@@ -125,7 +125,7 @@ TEST_F(RobotMotionTest, QuaternionOrdersAreFoundAtEveryHeading) {
   }
 }
 
-TEST_F(RobotMotionTest, HeadersOfOthersAreUnderstood) {
+TEST_F(RobotMotionTest, ReadsHeadersOfOtherTools) {
   const RobotClip clip = walk(0.5, 5);
   const std::string rows =
       format_robot_csv(clip, {.precision = 9, .quaternion_order = QuaternionOrder::kWxyz});
@@ -142,7 +142,7 @@ TEST_F(RobotMotionTest, HeadersOfOthersAreUnderstood) {
   EXPECT_THAT(describe(wrong.error()), HasSubstr("did you mean \"left_knee_joint\""));
 }
 
-TEST_F(RobotMotionTest, HeldJointsStayWhereTheyAreHeld) {
+TEST_F(RobotMotionTest, HeldJointsStayAtTheirPosition) {
   const RobotClip clip = walk(0.5, 5);
   const auto held = robot_variant(robot_, "23-pbhc");
   ASSERT_TRUE(held);
@@ -156,7 +156,7 @@ TEST_F(RobotMotionTest, HeldJointsStayWhereTheyAreHeld) {
   EXPECT_LT(distance(with_robot(few, robot_), with_robot(with_robot(clip, *held), robot_)), 1e-12);
 }
 
-TEST_F(RobotMotionTest, FaultsAreNamed) {
+TEST_F(RobotMotionTest, ReportsErrors) {
   const auto expect = [&](const std::string& text, const std::string& words) {
     const auto motion = read(text);
     ASSERT_FALSE(motion) << text.substr(0, 60);
@@ -170,13 +170,13 @@ TEST_F(RobotMotionTest, FaultsAreNamed) {
   expect("1,2,nan\n", "out of range");
   expect("HIERARCHY\nROOT Hips\n", "BVH");
   expect("BZh91AY", "bzip2");
-  expect("\x80\x04}.", "no motion of a robot");
+  expect("\x80\x04}.", "not hold a robot motion");
   std::string row = "0,0,0.8,0,0,0,0";
   for (int i = 0; i < 29; ++i) row += ",0";
   expect(row + "\n", "length 0 and should have 1");
 }
 
-TEST_F(RobotMotionTest, OtherRatesGiveTheSameMotion) {
+TEST_F(RobotMotionTest, ResamplingKeepsTheMotion) {
   const RobotClip clip = walk(0.5, 61);
   const auto up = resample_robot(clip, {120, 1});
   ASSERT_TRUE(up);
@@ -192,7 +192,7 @@ TEST_F(RobotMotionTest, OtherRatesGiveTheSameMotion) {
   }
 }
 
-TEST_F(RobotMotionTest, DifferencesAreCounted) {
+TEST_F(RobotMotionTest, CountsDifferences) {
   const RobotClip a = walk(0.5);
   RobotClip b = a;
   b.qpos(7)[10] += 0.01;

@@ -34,7 +34,7 @@ RobotClip moving_clip(const std::shared_ptr<const Robot>& robot, int frames, dou
   return clip;
 }
 
-TEST(TrackingMotionTest, VelocitiesAreThoseOfTheBodies) {
+TEST(TrackingMotionTest, VelocitiesMatchTheBodies) {
   const auto robot = robot_from_text(kTwoArms);
   // so dense that differences of positions are velocities
   const RobotClip clip = moving_clip(robot, 400, 1000.0);
@@ -66,7 +66,7 @@ TEST(TrackingMotionTest, VelocitiesAreThoseOfTheBodies) {
   }
 }
 
-TEST(TrackingMotionTest, OrdersOfJointsAndBodies) {
+TEST(TrackingMotionTest, HasTheRightJointAndBodyOrder) {
   const auto robot = robot_from_text(kTwoArms);
   const RobotClip clip = moving_clip(robot, 30, 30.0);
   const auto deep = make_tracking_motion(clip, MotionFormat::kNpzMjlab);
@@ -83,7 +83,7 @@ TEST(TrackingMotionTest, OrdersOfJointsAndBodies) {
   EXPECT_EQ(broad->joint_pos[1], deep->joint_pos[3]);
 }
 
-TEST(TrackingMotionTest, TheEndIsLeftOutAndShortMotionsRefused) {
+TEST(TrackingMotionTest, ExcludesTheEndAndRejectsShortMotions) {
   const auto robot = robot_from_text(kTwoArms);
   // the last of 31 frames is at 1 s: samples 0 to 0.98 s
   EXPECT_EQ(make_tracking_motion(moving_clip(robot, 31, 30.0), MotionFormat::kNpzMjlab)->frames,
@@ -96,7 +96,7 @@ TEST(TrackingMotionTest, TheEndIsLeftOutAndShortMotionsRefused) {
   }
 }
 
-TEST(TrackingMotionTest, CentresOfMassMoveWithWhatIsFixedToABody) {
+TEST(TrackingMotionTest, CentreOfMassIncludesFixedBodies) {
   const auto robot = robot_from_text(R"(
 <mujoco><worldbody><body name="base" pos="0 0 1"><freejoint/>
   <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
@@ -118,7 +118,7 @@ TEST(TrackingMotionTest, CentresOfMassMoveWithWhatIsFixedToABody) {
               0.0, 1e-9);
 }
 
-TEST(TrackingMotionTest, TheFileHoldsTheArrays) {
+TEST(TrackingMotionTest, FileContainsTheArrays) {
   const auto robot = robot_from_text(kTwoArms);
   const auto motion =
       make_tracking_motion(moving_clip(robot, 30, 30.0), MotionFormat::kNpzBeyondMimic);

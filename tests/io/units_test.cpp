@@ -79,7 +79,7 @@ TEST_F(UnitsTest, OurOwnFileIsInMetresAndRadians) {
 }
 
 // these were metres without a word: a hundredth and a tenth of a walk's heights
-TEST_F(UnitsTest, WhoStandsIsNoFootHigh) {
+TEST_F(UnitsTest, RejectsStandingRobotsThatAreTooLow) {
   for (const double scale : {0.001, 0.01, 0.1, 0.0}) {
     expect_refused(csv({.scale = scale}), OPTION("source-unit") " m");
     const auto motion = read(csv({.scale = scale}), metres(1.0));
@@ -91,7 +91,7 @@ TEST_F(UnitsTest, WhoStandsIsNoFootHigh) {
   }
 }
 
-TEST_F(UnitsTest, WhoStandsLowOrHighIsDoubted) {
+TEST_F(UnitsTest, WarnsAboutLowOrHighStanding) {
   // as a kneeling robot that leans back on its heels, and as one in feet or on a roof
   for (const double height : {0.2, 1.4, 2.2}) {
     expect_doubted(csv({.height = height}), OPTION("source-unit"));
@@ -103,7 +103,7 @@ TEST_F(UnitsTest, WhoStandsLowOrHighIsDoubted) {
 }
 
 // falls and get-ups: most upright frames are high, or few are upright
-TEST_F(UnitsTest, WhoGetsUpIsNotDoubted) {
+TEST_F(UnitsTest, GettingUpIsPlausible) {
   for (const int upright_from : {10, 54}) {
     RobotClip clip(robot_, {30, 1}, 60);
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -120,7 +120,7 @@ TEST_F(UnitsTest, WhoGetsUpIsNotDoubted) {
   }
 }
 
-TEST_F(UnitsTest, WhoSitsUprightIsNotDoubted) {
+TEST_F(UnitsTest, SittingUprightIsPlausible) {
   RobotClip clip(robot_, {30, 1}, 60);
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto qpos = clip.qpos(frame);
@@ -147,7 +147,7 @@ TEST_F(UnitsTest, HighPlacesAreNotCentimetres) {
   }
 }
 
-TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
+TEST_F(UnitsTest, CentimetresAndMillimetresMustBeGiven) {
   for (const double scale : {100.0, 1000.0}) {
     expect_refused(csv({.scale = scale}), OPTION("source-unit"));
     const auto motion = read(csv({.scale = scale}), metres(1.0 / scale));
@@ -156,13 +156,13 @@ TEST_F(UnitsTest, CentimetresAndMillimetresMustBeSaid) {
   }
 }
 
-TEST_F(UnitsTest, LowCentimetresAreDoubted) {
+TEST_F(UnitsTest, WarnsAboutLowCentimetres) {
   // on the back at 3 cm, and with heights counted from the first frame's
   expect_doubted(csv({.height = 0.03, .scale = 100.0, .lying = true}), OPTION("source-unit"));
   expect_doubted(csv({.height = 0.0, .scale = 100.0, .lying = true}), OPTION("source-unit"));
 }
 
-TEST_F(UnitsTest, DegreesMustBeSaid) {
+TEST_F(UnitsTest, DegreesMustBeGiven) {
   const double degrees = 180.0 / 3.14159265358979323846;
   expect_refused(csv({.angles = degrees}), OPTION("source-angles"));
   ReadMotionOptions in_degrees;
@@ -176,7 +176,7 @@ TEST_F(UnitsTest, DegreesMustBeSaid) {
 }
 
 // a robot whose zero configuration is folded stands no lower for it
-TEST_F(UnitsTest, AFoldedZeroPoseIsNoDwarf) {
+TEST_F(UnitsTest, FoldedZeroPoseIsNotSmall) {
   robot_ = robot_from_text(R"(<mujoco><worldbody><body name="pelvis"><freejoint/>
     <geom size=".1"/>
     <body name="thigh"><joint name="hip" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>

@@ -53,7 +53,7 @@ TEST(AntiAliasTaps, ResponseFrom120To30) {
   }
 }
 
-TEST(AntiAliasTaps, ResponseIsTheSameInRelationToTheOutputRate) {
+TEST(AntiAliasTaps, ResponseScalesWithTheOutputRate) {
   for (const double ratio : {1.25, 1.998, 2.0, 3.996, 250.0 / 30.0, 100.0}) {
     const auto taps = anti_alias_taps(ratio);
     const auto at = [&](double of_output_rate) { return gain(taps, of_output_rate / ratio); };
@@ -65,7 +65,7 @@ TEST(AntiAliasTaps, ResponseIsTheSameInRelationToTheOutputRate) {
   }
 }
 
-TEST(AntiAliasTaps, WorkIsBoundedForAbsurdRates) {
+TEST(AntiAliasTaps, TapCountIsBoundedForExtremeRates) {
   EXPECT_LE(anti_alias_taps(1e9).size(), 2049U);
 }
 
@@ -75,7 +75,7 @@ std::vector<Vector3d> ramp(int count) {
   return points;
 }
 
-TEST(LowPass, ConstantsAndRampsStayUpToTheEnds) {
+TEST(LowPass, PreservesConstantsAndRamps) {
   const auto taps = anti_alias_taps(4.0);
   for (const int count : {1, 2, 3, 10, 24, 25, 49, 200}) {
     const auto points = ramp(count);
@@ -89,7 +89,7 @@ TEST(LowPass, ConstantsAndRampsStayUpToTheEnds) {
   EXPECT_TRUE(low_pass(std::span<const Quaterniond>(), taps).empty());
 }
 
-TEST(LowPass, ScalesATone) {
+TEST(LowPass, AttenuatesASineAsDesigned) {
   const auto taps = anti_alias_taps(4.0);
   for (const double frequency : {3.0, 8.0, 12.0, 20.0, 25.0}) {
     std::vector<Vector3d> points;
@@ -104,7 +104,7 @@ TEST(LowPass, ScalesATone) {
   }
 }
 
-TEST(LowPass, FirstAndLastSampleStay) {
+TEST(LowPass, PreservesFirstAndLastSample) {
   std::vector<Vector3d> points;
   for (int i = 0; i < 100; ++i) points.emplace_back(std::cos(0.3 * i), i * i, std::sin(2.0 * i));
   const auto filtered = low_pass(points, anti_alias_taps(4.0));
@@ -112,7 +112,7 @@ TEST(LowPass, FirstAndLastSampleStay) {
   EXPECT_LE((filtered.back() - points.back()).norm(), 1e-10);
 }
 
-TEST(LowPassRotations, ConstantVelocityStaysHoweverFast) {
+TEST(LowPassRotations, PreservesConstantVelocity) {
   const auto taps = anti_alias_taps(4.0);
   for (const double rate : {0.0, 0.01, 0.3, 0.9}) {  // up to 17 turns a second at 120 Hz
     for (const int count : {1, 2, 5, 30, 120}) {
@@ -126,7 +126,7 @@ TEST(LowPassRotations, ConstantVelocityStaysHoweverFast) {
   }
 }
 
-TEST(LowPassRotations, ScalesASmallToneLikeItsAngle) {
+TEST(LowPassRotations, AttenuatesASmallSineLikeItsAngle) {
   const auto taps = anti_alias_taps(4.0);
   for (const double frequency : {3.0, 8.0, 12.0, 20.0}) {
     std::vector<Quaterniond> rotations;
@@ -141,7 +141,7 @@ TEST(LowPassRotations, ScalesASmallToneLikeItsAngle) {
 }
 
 // the figure of the header: components against the filter of the angle itself
-TEST(LowPassRotations, ComponentsAreNearTheAngleForLargeSwings) {
+TEST(LowPassRotations, IsAccurateForLargeSwings) {
   const auto taps = anti_alias_taps(4.0);
   std::vector<Vector3d> angles;
   std::vector<Quaterniond> rotations;
@@ -157,7 +157,7 @@ TEST(LowPassRotations, ComponentsAreNearTheAngleForLargeSwings) {
 }
 
 // only signs that jump, against the precondition, make the sum vanish this simply
-TEST(LowPassRotations, SampleStaysWhereTheSumVanishes) {
+TEST(LowPassRotations, KeepsSampleIfTheSumVanishes) {
   std::vector<Quaterniond> rotations(9, Quaterniond(1, 0, 0, 0));
   for (std::size_t i = 1; i < rotations.size(); i += 2) rotations[i] = Quaterniond(-1, 0, 0, 0);
   const auto filtered = low_pass(rotations, std::vector<double>{0.25, 0.5, 0.25});

@@ -32,7 +32,7 @@ Eigen::Matrix4d hat(const Vector6d& twist) {
   return matrix;
 }
 
-TEST(ExpSe3, IsTheMatrixExponential) {
+TEST(ExpSe3, MatchesTheMatrixExponential) {
   RandomTwists twists;
   for (const double angle : {1e-9, 1e-6, 1e-3, 0.3, 1.5, 3.0}) {
     const Vector6d twist = twists.next(angle);
@@ -74,7 +74,7 @@ Matrix6d numeric_left_jacobian_inverse(const Vector6d& x) {
   return jacobian;
 }
 
-TEST(LeftJacobianInverse, AgreesWithFiniteDifferences) {
+TEST(LeftJacobianInverse, MatchesFiniteDifferences) {
   RandomTwists twists;
   for (const double angle : {1e-3, 1e-2, 0.1, 0.7, 1.5, 2.5, 3.0}) {
     const Vector6d x = twists.next(angle);

@@ -22,7 +22,7 @@ void expect_near(const Vector3d& actual, const Vector3d& expected, double relati
       << actual.transpose() << " in place of " << expected.transpose();
 }
 
-TEST(ExpSo3, IsTheTurnAboutAnAxis) {
+TEST(ExpSo3, MatchesAxisAngleRotation) {
   for (const double angle : {0.3, 1.0, 2.0, 3.0, kPi, 5.0}) {
     const Quaterniond expected(AngleAxisd(angle, kAxis));
     EXPECT_LE((exp_so3(angle * kAxis).coeffs() - expected.coeffs()).norm(), 1e-15) << angle;
@@ -30,7 +30,7 @@ TEST(ExpSo3, IsTheTurnAboutAnAxis) {
   EXPECT_EQ(exp_so3(Vector3d::Zero()).coeffs(), Quaterniond::Identity().coeffs());
 }
 
-TEST(ExpSo3, KeepsAllDigitsOfSmallAngles) {
+TEST(ExpSo3, IsAccurateForSmallAngles) {
   // on both sides of the switch to the series, against the first terms in higher precision
   for (const double angle : {1e-300, 1e-20, 1e-8, 1e-5, 9.999e-5, 1.0001e-4, 1e-3}) {
     const long double half = 0.5L * angle;
@@ -48,7 +48,7 @@ TEST(LogSo3, InvertsExp) {
   EXPECT_EQ(log_so3(Quaterniond::Identity()), Vector3d::Zero());
 }
 
-TEST(LogSo3, TakesTheShorterWayAndForgetsTheSign) {
+TEST(LogSo3, UsesTheShorterRotationForBothSigns) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 1000; ++i) {
@@ -95,7 +95,7 @@ TEST(LeftJacobianInverse, IsTheDerivativeOfTheLog) {
   }
 }
 
-TEST(AngleBetween, HoldsForAllLengthsAndNearTheEnds) {
+TEST(AngleBetween, IsAccurateForAllLengthsAndNear0AndPi) {
   const Vector3d side = kAxis.unitOrthogonal();
   for (const double angle : {0.0, 1e-9, 0.5, 2.0, 3.141592}) {
     const Vector3d turned = exp_so3(angle * kAxis) * side;

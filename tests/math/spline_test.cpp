@@ -39,7 +39,7 @@ Quaterniond spline_at(const std::vector<Quaterniond>& rotations, double place) {
                            place - i);
 }
 
-TEST(Spline, KeepsCubicsIncludingTheEnds) {
+TEST(Spline, ReproducesCubics) {
   const auto cubic = [](double t) { return 0.1 * t * t * t - t * t + 3.0 * t - 2.0; };
   for (const int count : {4, 5, 6, 20}) {
     const auto points = points_of(cubic, count);
@@ -49,7 +49,7 @@ TEST(Spline, KeepsCubicsIncludingTheEnds) {
   }
 }
 
-TEST(Spline, ShortTracks) {
+TEST(Spline, HandlesShortTracks) {
   EXPECT_EQ(spline_velocities({}).size(), 1U);
   EXPECT_EQ(spline_velocities({}).front(), Vector3d::Zero());
   const auto line = points_of([](double t) { return 1.0 + t; }, 2);
@@ -77,7 +77,7 @@ TEST(Spline, HasContinuousVelocityAndAcceleration) {
 }
 
 // the figures of the header, over all phases
-TEST(Spline, ErrorOnASineFrom24To30) {
+TEST(Spline, ErrorIsSmallForASineFrom24To30) {
   double inside = 0.0;
   double at_ends = 0.0;
   double linear = 0.0;
@@ -140,7 +140,7 @@ TEST(RotationSpline, HasContinuousAngularVelocity) {
   }
 }
 
-TEST(RotationSpline, ConstantVelocityIsExactOverManyTurns) {
+TEST(RotationSpline, IsExactForConstantVelocity) {
   constexpr double kRate = 2.5;  // rad per sample, 16 turns in all
   std::vector<Quaterniond> rotations;
   for (int i = 0; i < 41; ++i) rotations.push_back(exp_so3(i * kRate * kAxis));
@@ -153,7 +153,7 @@ TEST(RotationSpline, ConstantVelocityIsExactOverManyTurns) {
   }
 }
 
-TEST(RotationSpline, IsTheSplineOfTheAngleAboutAFixedAxis) {
+TEST(RotationSpline, MatchesTheAngleSplineAboutAFixedAxis) {
   const auto angle = [](double t) { return std::sin(0.7 * t) + 0.2 * t; };
   const auto angles = points_of(angle, 12);
   std::vector<Quaterniond> rotations;
@@ -185,7 +185,7 @@ TEST(RotationSpline, FollowsChangingAxes) {
   EXPECT_GT(worst_linear, 10.0 * worst);
 }
 
-TEST(RotationSpline, SignsOfTheSamplesDoNotMatter) {
+TEST(RotationSpline, IgnoresQuaternionSigns) {
   const Quaterniond q0 = exp_so3({0.1, 0.2, 0.3});
   const Quaterniond q1 = exp_so3({0.4, -0.2, 0.5});
   const Quaterniond q1_flipped(-q1.coeffs());

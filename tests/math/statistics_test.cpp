@@ -16,7 +16,7 @@ TEST(Statistics, PercentilesInterpolateBetweenRanks) {
   EXPECT_DOUBLE_EQ(percentile({7}, 99), 7);
 }
 
-TEST(Statistics, TheMedianIsTheMiddle) {
+TEST(Statistics, MedianIsTheMiddleValue) {
   EXPECT_DOUBLE_EQ(median({3, 1, 2}), 2);
   EXPECT_DOUBLE_EQ(median({4, 1, 2, 3}), 2.5);
   EXPECT_DOUBLE_EQ(median({9}), 9);

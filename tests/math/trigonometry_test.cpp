@@ -18,7 +18,7 @@ double ulps(double found, long double exact) {
   return static_cast<double>(std::abs(static_cast<long double>(found) - exact)) / unit;
 }
 
-TEST(SinCos, StaysWithinUnitsInTheLastPlace) {
+TEST(SinCos, IsWithinAFewUlps) {
   std::mt19937_64 random(1);
   for (const double range : {1e-8, 0.1, 1.0, 4.0, 100.0, 9e5}) {
     const double most = range > 100.0 ? 3.0 : 2.0;
@@ -32,7 +32,7 @@ TEST(SinCos, StaysWithinUnitsInTheLastPlace) {
   }
 }
 
-TEST(SinCos, ExactWhereItCanBe) {
+TEST(SinCos, IsExactAtSpecialAngles) {
   EXPECT_EQ(sin_cos(0.0).sine, 0.0);
   EXPECT_EQ(sin_cos(0.0).cosine, 1.0);
   EXPECT_EQ(sin_cos(std::numbers::pi / 2.0).sine, 1.0);
@@ -51,7 +51,7 @@ TEST(SinCos, ExactWhereItCanBe) {
   }
 }
 
-TEST(SinCos, GivesSomethingForAnyAngle) {
+TEST(SinCos, HandlesAnyAngle) {
   for (const double angle : {1.0000001e6, -3e7, 1e15, 1e300}) {
     const auto [sine, cosine] = sin_cos(angle);
     EXPECT_NEAR(sine * sine + cosine * cosine, 1.0, 1e-15);
@@ -62,7 +62,7 @@ TEST(SinCos, GivesSomethingForAnyAngle) {
   EXPECT_TRUE(std::isnan(sin_cos(std::nan("")).cosine));
 }
 
-TEST(SinCosOfHalfDegrees, StaysWithinTwoUnitsInTheLastPlace) {
+TEST(SinCosOfHalfDegrees, IsWithinTwoUlps) {
   std::mt19937_64 random(2);
   for (const double range : {1e-6, 1.0, 90.0, 180.0, 720.0, 1e6}) {
     std::uniform_real_distribution<double> angles(-range, range);
@@ -93,7 +93,7 @@ TEST(SinCosOfHalfDegrees, WholeTurnsAreExact) {
   }
 }
 
-TEST(Atan2, StaysWithinTwoUnitsInTheLastPlace) {
+TEST(Atan2, IsWithinTwoUlps) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> exponents(-30.0, 30.0);
@@ -107,7 +107,7 @@ TEST(Atan2, StaysWithinTwoUnitsInTheLastPlace) {
   }
 }
 
-TEST(Atan2, AsTheLibraryHasItAtItsCorners) {
+TEST(Atan2, MatchesStdAtan2AtSpecialValues) {
   const double least = std::numeric_limits<double>::denorm_min();
   const double small = std::numeric_limits<double>::min();
   const double most = std::numeric_limits<double>::max();

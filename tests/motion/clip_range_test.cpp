@@ -19,18 +19,18 @@ TEST(FrameRangeFromText, IsHalfOpenAndCountsFromZero) {
   EXPECT_EQ(frame_range_from_text("99:100", 100).value(), (FrameRange{99, 100}));
 }
 
-TEST(FrameRangeFromText, BoundsLeftOutAreTheClipsOwn) {
+TEST(FrameRangeFromText, MissingBoundsDefaultToTheClip) {
   EXPECT_EQ(frame_range_from_text(":", 100).value(), (FrameRange{0, 100}));
   EXPECT_EQ(frame_range_from_text("7:", 100).value(), (FrameRange{7, 100}));
   EXPECT_EQ(frame_range_from_text(":7", 100).value(), (FrameRange{0, 7}));
 }
 
-TEST(FrameRangeFromText, EndsAtTheEndOfTheClip) {
+TEST(FrameRangeFromText, ClampsToTheEndOfTheClip) {
   EXPECT_EQ(frame_range_from_text("0:300", 100).value(), (FrameRange{0, 100}));
   EXPECT_EQ(frame_range_from_text("0:99999999999999999999", 100).value(), (FrameRange{0, 100}));
 }
 
-TEST(FrameRangeFromText, OtherTextIsAUsageError) {
+TEST(FrameRangeFromText, InvalidTextIsAUsageError) {
   for (const std::string text :
        {"", "5", "a:b", "-1:5", "1:-5", "+1:5", " 1:5", "1:5 ", "1:2:3", "1.5:3", "0x1:5", "1,5"}) {
     const auto range = frame_range_from_text(text, 100);
@@ -49,12 +49,12 @@ TEST(FrameRangeFromText, RangesWithoutFramesAreUsageErrors) {
   for (const std::string text : {"100:200", "100:", "99999999999999999999:"}) {
     const auto range = frame_range_from_text(text, 100);
     ASSERT_FALSE(range.has_value()) << text;
-    EXPECT_THAT(range.error().message, HasSubstr("behind the clip, which has frames 0 to 99"));
+    EXPECT_THAT(range.error().message, HasSubstr("after the end of the clip, which has frames 0 to 99"));
   }
   EXPECT_FALSE(frame_range_from_text(":", 0).has_value());
 }
 
-TEST(FrameRangeFromSeconds, TakesTheFramesWithinBothIncluded) {
+TEST(FrameRangeFromSeconds, BothEndsAreInclusive) {
   EXPECT_EQ(frame_range_from_seconds(1.0, 2.0, k30, 301).value(), (FrameRange{30, 61}));
   EXPECT_EQ(frame_range_from_seconds(1.01, 1.99, k30, 301).value(), (FrameRange{31, 60}));
   EXPECT_EQ(frame_range_from_seconds(0.5, 0.5, k30, 301).value(), (FrameRange{15, 16}));
@@ -62,7 +62,7 @@ TEST(FrameRangeFromSeconds, TakesTheFramesWithinBothIncluded) {
 }
 
 // 0.1 * 30 is a little more than 3 in doubles, 0.3 * 30 is 9 exactly, 0.7 / 30 not at all
-TEST(FrameRangeFromSeconds, DecimalTimesOfFramesMeanTheFrames) {
+TEST(FrameRangeFromSeconds, DecimalTimesSnapToFrames) {
   for (int frame = 0; frame <= 3000; ++frame) {
     const double time = frame / 30.0;
     EXPECT_EQ(frame_range_from_seconds(time, time, k30, 3001).value(),
@@ -73,7 +73,7 @@ TEST(FrameRangeFromSeconds, DecimalTimesOfFramesMeanTheFrames) {
   }
 }
 
-TEST(FrameRangeFromSeconds, TimesLeftOutAreTheClipsOwn) {
+TEST(FrameRangeFromSeconds, MissingTimesDefaultToTheClip) {
   EXPECT_EQ(frame_range_from_seconds({}, {}, k30, 301).value(), (FrameRange{0, 301}));
   EXPECT_EQ(frame_range_from_seconds({}, {}, k30, 0).value(), (FrameRange{0, 0}));
   EXPECT_EQ(frame_range_from_seconds(9.9, {}, k30, 301).value(), (FrameRange{297, 301}));
@@ -104,11 +104,11 @@ TEST(FrameRangeFromSeconds, RangesWithoutFramesAreUsageErrors) {
   EXPECT_EQ(message(2.0, 1.0, 301), "error: the end at 1 s comes before the start at 2 s");
   EXPECT_EQ(message(0.101, 0.102, 301), "error: no frame lies between 0.101 s and 0.102 s");
   EXPECT_EQ(message(10.1, {}, 301),
-            "error: the start at 10.1 s lies behind the clip, which ends at 10 s");
+            "error: the start at 10.1 s is after the end of the clip, which ends at 10 s");
   EXPECT_EQ(message(1e300, {}, 301),
-            "error: the start at 1e+300 s lies behind the clip, which ends at 10 s");
+            "error: the start at 1e+300 s is after the end of the clip, which ends at 10 s");
   EXPECT_EQ(message(0.0, {}, 0),
-            "error: the start at 0 s lies behind the clip, which has no frames");
+            "error: the start at 0 s is after the end of the clip, which has no frames");
 }
 
 }  // namespace

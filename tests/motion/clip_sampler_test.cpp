@@ -37,7 +37,7 @@ Clip sample_at(const Sampled& sampled, double time) {
   return pose;
 }
 
-TEST(ClipSampler, GivesFramesBitForBit) {
+TEST(ClipSampler, ReturnsFramesBitForBit) {
   for (const FrameRate rate : {k24, FrameRate{2997, 125}, FrameRate{120, 1}, FrameRate{1, 3}}) {
     const Clip clip = make_clip(rate, 100, wave);
     for (const auto interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
@@ -59,7 +59,7 @@ TEST(ClipSampler, FollowsASmoothMotionBetweenFrames) {
   }
 }
 
-TEST(ClipSampler, StandsStillOutsideTheClip) {
+TEST(ClipSampler, ClampsOutsideTheClip) {
   const Sampled sampler(make_clip(k24, 25, wave));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double time : {-1.0, -1e-12, -kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
@@ -70,7 +70,7 @@ TEST(ClipSampler, StandsStillOutsideTheClip) {
   }
 }
 
-TEST(ClipSampler, OneFrameIsConstantTwoMakeALine) {
+TEST(ClipSampler, OneFrameIsConstantAndTwoAreLinear) {
   for (const auto interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
     const Sampled one(make_clip(k24, 1, wave), interpolation);
     EXPECT_TRUE(same_bits(sample_at(one, 0.5), one.clip));

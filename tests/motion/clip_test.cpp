@@ -76,7 +76,7 @@ TEST(MakeSignContinuous, UndoesFlipsAndKeepsTheFirstFrame) {
   }
 }
 
-TEST(MakeSignContinuous, TakesEmptyAndSingleFrames) {
+TEST(MakeSignContinuous, HandlesEmptyAndSingleFrames) {
   for (const int count : {0, 1}) {
     Clip clip(make_tree(), FrameRate{30, 1}, count);
     make_sign_continuous(clip);

@@ -32,7 +32,7 @@ Matrix4d world_matrix(const Clip& clip, int frame, int joint) {
   return matrix;
 }
 
-TEST(ForwardKinematics, AgreesWithTheProductOfMatrices) {
+TEST(ForwardKinematics, MatchesTheProductOfMatrices) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   Clip clip(make_tree(), FrameRate{30, 1}, 20);
@@ -62,7 +62,7 @@ TEST(ForwardKinematics, RestPoseAddsOffsets) {
   EXPECT_LE((world_from_joint[4].translation - Vector3d(0.3, 0.4, -0.1)).norm(), 1e-15);
 }
 
-TEST(ForwardKinematics, ChildrenTurnWithTheirParents) {
+TEST(ForwardKinematics, ChildrenRotateWithTheirParents) {
   Clip clip(make_tree(), FrameRate{30, 1}, 1);
   // a quarter turn about z carries the spine's offset from y to -x
   clip.rotations(0)[0] = exp_so3({0.0, 0.0, 0.5 * std::numbers::pi});

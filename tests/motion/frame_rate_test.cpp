@@ -13,13 +13,13 @@ TEST(FrameRate, SnapsFrameTimesToWholeRates) {
   EXPECT_EQ(frame_rate_from_frame_time(1.0), (FrameRate{1, 1}));
 }
 
-TEST(FrameRate, KeepsFilmRatesApartFromWholeOnes) {
+TEST(FrameRate, DistinguishesFilmRatesFromWholeRates) {
   EXPECT_EQ(frame_rate_from_frame_time(0.0417083750417), (FrameRate{2997, 125}));
   EXPECT_EQ(frame_rate_from_fps(23.976), (FrameRate{2997, 125}));
   EXPECT_EQ(frame_rate_from_fps(0.5), (FrameRate{1, 2}));
 }
 
-TEST(FrameRate, SurvivesAbsurdValues) {
+TEST(FrameRate, HandlesExtremeValues) {
   for (const double value : {1e-300, 1e-12, 3e8, 1e300}) {
     const FrameRate rate = frame_rate_from_fps(value);
     EXPECT_GT(rate.frames, 0) << value;
@@ -28,12 +28,12 @@ TEST(FrameRate, SurvivesAbsurdValues) {
   }
 }
 
-TEST(FrameRate, TimesDoNotDrift) {
+TEST(FrameRate, FrameTimesDoNotDrift) {
   const FrameRate rate = frame_rate_from_frame_time(0.033333);
   EXPECT_DOUBLE_EQ(rate.time_of(31779), 31779 / 30.0);
 }
 
-TEST(FrameRate, Text) {
+TEST(FrameRate, FormatsAsText) {
   EXPECT_EQ(to_text(FrameRate{30, 1}), "30");
   EXPECT_EQ(to_text(FrameRate{2997, 125}), "23.976");
 }

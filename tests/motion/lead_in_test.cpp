@@ -29,7 +29,7 @@ Clip with_frames_in_front(const Clip& clip, int count, double angle) {
   return longer;
 }
 
-TEST(LeadIn, MotionsHaveNone) {
+TEST(LeadIn, PlainMotionsHaveNone) {
   for (const double fps : {24.0, 30.0, 120.0})
     EXPECT_EQ(count_lead_in_frames(swinging(fps, 90)), 0);
   EXPECT_EQ(count_lead_in_frames(swinging(30, 0)), 0);
@@ -37,24 +37,24 @@ TEST(LeadIn, MotionsHaveNone) {
   EXPECT_EQ(count_lead_in_frames(swinging(30, 3)), 0);
 }
 
-TEST(LeadIn, AFrameThatTheMotionJumpsAwayFrom) {
+TEST(LeadIn, FindsAFrameThatTheMotionJumpsAwayFrom) {
   for (const double fps : {24.0, 30.0, 120.0}) {
     EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(fps, 90), 1, 2.0)), 1) << fps;
   }
 }
 
-TEST(LeadIn, AFrameOfZerosBeforeAnythingElse) {
+TEST(LeadIn, FindsALeadingZeroFrame) {
   // too short to know what its motion is like
   const Clip clip = make_clip({30, 1}, 2, [](double) { return 1.5; });
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.0)), 1);
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(clip, 1, 0.2)), 0);
 }
 
-TEST(LeadIn, APoseThatIsHeldAndThenLeft) {
+TEST(LeadIn, FindsAHeldPose) {
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(swinging(30, 90), 12, 2.0)), 12);
 }
 
-TEST(LeadIn, AHeldPoseMayShiver) {
+TEST(LeadIn, ToleratesNoiseInAHeldPose) {
   Clip clip = with_frames_in_front(swinging(120, 360), 240, 2.0);
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 0.005);
@@ -66,7 +66,7 @@ TEST(LeadIn, AHeldPoseMayShiver) {
   EXPECT_EQ(count_lead_in_frames(clip), 240);
 }
 
-TEST(LeadIn, StandingBeforeAFaultIsMotion) {
+TEST(LeadIn, StandingBeforeAGlitchIsMotion) {
   // stands, sways a little, and one frame in between is garbage
   Clip clip = make_clip({30, 1}, 240, [](double t) { return 0.005 * std::sin(2.0 * t); });
   for (auto& rotation : clip.rotations(100)) rotation = exp_so3(2.0 * kTestAxis);
@@ -79,19 +79,19 @@ TEST(LeadIn, StandingBeforeAFaultIsMotion) {
   EXPECT_EQ(count_lead_in_frames(moved), 0);
 }
 
-TEST(LeadIn, SeveralPoses) {
+TEST(LeadIn, FindsSeveralPoses) {
   const Clip posed = with_frames_in_front(swinging(30, 90), 5, 2.0);
   EXPECT_EQ(count_lead_in_frames(with_frames_in_front(posed, 1, -1.0)), 6);
 }
 
-TEST(LeadIn, AStillPoseFromWhichTheMotionBeginsIsPartOfIt) {
+TEST(LeadIn, StillPoseWithoutAJumpIsPartOfTheMotion) {
   const Clip clip = make_clip({30, 1}, 120, [](double t) {
     return t < 1.0 ? 0.0 : 0.5 * (1.0 - std::cos(2.0 * M_PI * (t - 1.0)));
   });
   EXPECT_EQ(count_lead_in_frames(clip), 0);
 }
 
-TEST(LeadIn, WhatMovesBeforeTheJumpIsMotion) {
+TEST(LeadIn, MovementBeforeTheJumpIsMotion) {
   Clip clip = swinging(30, 90);
   for (int frame = 20; frame < clip.frame_count(); ++frame) {
     for (auto& rotation : clip.rotations(frame)) rotation = exp_so3(2.0 * kTestAxis) * rotation;
@@ -99,7 +99,7 @@ TEST(LeadIn, WhatMovesBeforeTheJumpIsMotion) {
   EXPECT_EQ(count_lead_in_frames(clip), 0);
 }
 
-TEST(LeadIn, AMotionThatJumpsAllTheTimeHasNone) {
+TEST(LeadIn, MotionThatAlwaysJumpsHasNone) {
   Clip clip = swinging(30, 90);
   for (int frame = 0; frame < clip.frame_count(); frame += 3) {
     for (auto& rotation : clip.rotations(frame)) rotation = exp_so3(1.0 * kTestAxis) * rotation;

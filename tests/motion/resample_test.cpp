@@ -31,7 +31,7 @@ Clip resampled(const Clip& clip, const FrameRate& rate, const ResampleOptions& o
   return *std::move(result);
 }
 
-TEST(Resample, SparseClipsDoNotFillTheMemory) {
+TEST(Resample, SparseClipsDoNotExhaustMemory) {
   // 40,000 frames of 5 joints: 8 MB, and half a gigabyte at 30 fps
   const Clip sparse(make_tree(), {1, 1}, 40'000);
   const auto result = resample(sparse, k30);
@@ -71,7 +71,7 @@ TEST(ResampledFrameCount, IsExactForLongClips) {
             std::numeric_limits<std::int64_t>::max());
 }
 
-TEST(ResampledFrameCount, ForgivesABillionthOfASample) {
+TEST(ResampledFrameCount, ToleratesRoundingOfTheDuration) {
   constexpr FrameRate kOne{1, 1};
   EXPECT_EQ(resampled_frame_count(2, FrameRate{1'000'000'000, 999'999'999}, kOne), 2);
   EXPECT_EQ(resampled_frame_count(2, FrameRate{1'000'000'000, 999'999'998}, kOne), 1);
@@ -92,7 +92,7 @@ TEST(Resample, EqualRatesCopyBitForBit) {
   EXPECT_EQ(snapped.rate(), k30);
 }
 
-TEST(Resample, WholeFractionsWithoutFilterPickFrames) {
+TEST(Resample, IntegerRatiosWithoutFilterPickFrames) {
   const Clip clip = make_clip(k120, 404, [](double t) { return 5.0 * t + std::cos(40.0 * t); });
   for (const auto interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
     const Clip picked = resampled(clip, k30, {interpolation, false});
@@ -101,7 +101,7 @@ TEST(Resample, WholeFractionsWithoutFilterPickFrames) {
   }
 }
 
-TEST(Resample, SineFrom24To30) {
+TEST(Resample, AccurateForASineFrom24To30) {
   const Clip clip = make_clip(k24, 241, tone(3.0));
   const Clip cubic = resampled(clip, k30);
   const Clip linear = resampled(clip, k30, kLinearOptions);
@@ -115,7 +115,7 @@ TEST(Resample, SineFrom24To30) {
   EXPECT_NEAR(rotation_error(linear, tone(3.0), 0, 301), 0.068, 0.005);
 }
 
-TEST(Resample, TremorIsDampedBeforeDecimating) {
+TEST(Resample, DampsTremorBeforeDecimating) {
   for (const double frequency : {20.0, 25.0}) {
     const Clip clip = make_clip(k120, 481, tone(frequency, 0.1));
     const auto still = [](double) { return 0.0; };
@@ -129,7 +129,7 @@ TEST(Resample, TremorIsDampedBeforeDecimating) {
   }
 }
 
-TEST(Resample, MotionIsKeptWhenDecimating) {
+TEST(Resample, PreservesMotionWhenDecimating) {
   for (const double frequency : {0.5, 3.0, 8.0}) {
     const auto motion = tone(frequency, 0.1);
     const Clip clip = make_clip(k120, 481, motion);
@@ -140,7 +140,7 @@ TEST(Resample, MotionIsKeptWhenDecimating) {
   }
 }
 
-TEST(Resample, RampsStayWhereTheyAreInTime) {
+TEST(Resample, DoesNotDelayRamps) {
   const auto ramp = [](double t) { return 0.4 + 7.0 * t; };  // several turns as a rotation
   for (const double fps : {23.976, 24.0, 25.0, 50.0, 59.94, 60.0, 100.0, 119.88, 120.0, 250.0}) {
     const FrameRate rate = frame_rate_from_fps(fps);
@@ -165,7 +165,7 @@ TEST(Resample, LongClipsDoNotDrift) {
   EXPECT_LT(translation_error(output, ramp, 0, output.frame_count()), 1e-10);
 }
 
-TEST(Resample, FlipsOfTheInputDoNotMatter) {
+TEST(Resample, IgnoresQuaternionSignFlips) {
   const Clip clip = make_clip(k120, 241, [](double t) { return 6.0 * t + std::sin(9.0 * t); });
   Clip flipped = clip;
   for (int frame = 1; frame < 241; ++frame) {
@@ -181,7 +181,7 @@ TEST(Resample, FlipsOfTheInputDoNotMatter) {
   }
 }
 
-TEST(Resample, ThereAndBack) {
+TEST(Resample, RoundTripIsAccurate) {
   const auto motion = tone(1.0);
   const Clip clip = make_clip(k30, 121, motion);
   // every fourth sample of the way up is a frame of the source
@@ -199,7 +199,7 @@ TEST(Resample, ThereAndBack) {
   EXPECT_LT(rotation_error(there, motion, 0, 97), 1e-4);
 }
 
-TEST(Resample, ShortClips) {
+TEST(Resample, HandlesShortClips) {
   for (const FrameRate rate : {FrameRate{10, 1}, k24, k60, k120, FrameRate{100'000'000, 1}}) {
     for (const auto& options : {ResampleOptions{}, kLinearOptions, kPlainOptions}) {
       const Clip none = resampled(Clip(make_tree(), rate, 0), k30, options);
@@ -219,7 +219,7 @@ TEST(Resample, ShortClips) {
   }
 }
 
-TEST(Resample, IsDeterministicAndLeavesTheSourceAlone) {
+TEST(Resample, IsDeterministicAndKeepsTheSource) {
   const Clip clip = make_clip(k60, 100, tone(2.0));
   const Clip kept = clip;
   EXPECT_TRUE(same_bits(resampled(clip, k24), resampled(clip, k24)));
@@ -234,7 +234,7 @@ TEST(Resample, QuaternionsStayUnit) {
   }
 }
 
-TEST(Resample, AbsurdRatesAreRefused) {
+TEST(Resample, RejectsExtremeRates) {
   const Clip stretched = make_clip(FrameRate{1, 1'000'000}, 3, tone(1.0));
   const auto result = resample(stretched, k30);
   ASSERT_FALSE(result.has_value());

@@ -29,7 +29,7 @@ std::vector<std::string> names_of(const Skeleton& skeleton) {
   return names;
 }
 
-TEST(SkeletonPoints, EndSitesFollowTheirJointAndShareNoName) {
+TEST(SkeletonPoints, EndSitesFollowTheirJointWithUniqueNames) {
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   const Skeleton skeleton({joint("Hand", -1, zero, {zero, zero, zero}), joint("Hand_end2", 0, zero),
                            joint("Tip", 0, zero, {zero})});
@@ -37,7 +37,7 @@ TEST(SkeletonPoints, EndSitesFollowTheirJointAndShareNoName) {
                                               "Hand_end2", "Tip", "Tip_end"));
 }
 
-TEST(SkeletonPoints, ManyJointsWithEndSitesTakeNoTimeOfTheirSquare) {
+TEST(SkeletonPoints, ManyEndSitesAreHandledInLinearTime) {
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   std::vector<Joint> joints;
   for (int i = 0; i < 100'000; ++i) {
@@ -50,7 +50,7 @@ TEST(SkeletonPoints, ManyJointsWithEndSitesTakeNoTimeOfTheirSquare) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
 }
 
-TEST(Extents, HoldJointsAndEndSitesOfAllFrames) {
+TEST(Extents, CoverJointsAndEndSitesOfAllFrames) {
   auto skeleton = std::make_shared<const Skeleton>(std::vector<Joint>{
       joint("Root", -1, {1, 0, 0}), joint("Tip", 0, {0, 2, 0}, {Eigen::Vector3d(0, 0, 3)})});
   Clip clip(skeleton, {30, 1}, 2);

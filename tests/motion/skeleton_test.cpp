@@ -38,7 +38,7 @@ TEST(Skeleton, CountsChannelsAndTranslations) {
   EXPECT_EQ(tree->translation_slot(4), -1);
 }
 
-TEST(Skeleton, OnePositionChannelMakesATranslation) {
+TEST(Skeleton, OnePositionChannelGivesATranslation) {
   const Skeleton lift({make_joint("Root", -1, {0, 0, 0}, {}),
                        make_joint("Lift", 0, {0, 1, 0}, {Channel::kYPosition}),
                        make_joint("Scaled", 1, {0, 1, 0}, {Channel::kXScale})});
@@ -47,7 +47,7 @@ TEST(Skeleton, OnePositionChannelMakesATranslation) {
   EXPECT_EQ(lift.translation_slot(2), -1);
 }
 
-TEST(Skeleton, FindsTheFirstJointOfAName) {
+TEST(Skeleton, FindsTheFirstJointWithAName) {
   const Skeleton skeleton({make_joint("Root", -1, {0, 0, 0}), make_joint("Twin", 0, {1, 0, 0}),
                            make_joint("Twin", 0, {2, 0, 0})});
   EXPECT_EQ(skeleton.find("Twin"), 1);

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(FitOptions, AreReadByName) {
+TEST(FitOptions, ReadsByName) {
   const auto options = parse_fit_options(
       R"({"floor": false, "hand_rotation": 20, "contact_time": 0.2, "iterations": 3})", "a.json");
   ASSERT_TRUE(options.has_value());
@@ -22,7 +22,7 @@ TEST(FitOptions, AreReadByName) {
   EXPECT_EQ(options->weights.hips_rotation, FitOptions{}.weights.hips_rotation);
 }
 
-TEST(FitOptions, AllFaultsAreNamed) {
+TEST(FitOptions, ReportsAllErrors) {
   const auto options = parse_fit_options(
       R"({"hand_rotaton": 1, "floor": 1, "window": -2, "iterations": 1.5, "speed_soft": "x"})",
       "a.json");
@@ -36,7 +36,7 @@ TEST(FitOptions, AllFaultsAreNamed) {
   EXPECT_FALSE(parse_fit_options("{", "a.json").has_value());
 }
 
-TEST(FitOptions, TermsAreLeftOutByName) {
+TEST(FitOptions, DisablesTermsByName) {
   FitOptions options;
   ASSERT_TRUE(leave_out_terms(options, std::vector<std::string>{"self-collision", "speed"}));
   EXPECT_FALSE(options.self_collision);

@@ -32,7 +32,7 @@ struct Extended {
   }
 };
 
-TEST(OptionTable, ARowAloneIsWrittenAndRead) {
+TEST(OptionTable, SingleRowRoundTrips) {
   Extended options;
   EXPECT_EQ(options_json(options.table)["new-depth"], 1.5);
   ASSERT_TRUE(read_options(Json{{"new-depth", 2.5}, {"precision", 9}}, options.table, "a", "it"));
@@ -40,7 +40,7 @@ TEST(OptionTable, ARowAloneIsWrittenAndRead) {
   EXPECT_EQ(options.run.options.save.precision, 9);
 }
 
-TEST(OptionTable, ARowAloneIsSuggestedAndChecked) {
+TEST(OptionTable, SingleRowSuggestsAndValidates) {
   Extended options;
   const auto wrong = read_options(Json{{"new-dept", 1}}, options.table, "a.json", "it");
   ASSERT_FALSE(wrong);
@@ -51,7 +51,7 @@ TEST(OptionTable, ARowAloneIsSuggestedAndChecked) {
   EXPECT_EQ(options.depth, 1.5);
 }
 
-TEST(OptionTable, RunsComeBackAsTheyWere) {
+TEST(OptionTable, RunsRoundTrip) {
   retarget::Run run;
   run.motion = "a \xff.bvh";  // bytes that are no UTF-8
   run.robot.name = "unitree_g1";
@@ -71,13 +71,13 @@ TEST(OptionTable, RunsComeBackAsTheyWere) {
   EXPECT_EQ(options_json(run_table(back)), json);
 }
 
-TEST(OptionTable, DefaultsComeBackThoughTheyAreOutOfRange) {
+TEST(OptionTable, OutOfRangeDefaultsRoundTrip) {
   retarget::Run run;
   retarget::Run back;
   EXPECT_TRUE(read_options(options_json(run_table(run)), run_table(back), "a", "the options"));
 }
 
-TEST(OptionTable, EveryFaultIsNamed) {
+TEST(OptionTable, ReportsEveryError) {
   retarget::Run run;
   const auto read = read_options(Json{{"method", "fitt"},
                                       {"precision", 18},
@@ -99,7 +99,7 @@ TEST(OptionTable, EveryFaultIsNamed) {
   EXPECT_EQ(read.error().details.size(), 8U);
 }
 
-TEST(OptionTable, ValuesAreReadFromText) {
+TEST(OptionTable, ReadsValuesFromText) {
   retarget::Run run;
   const OptionTable table = run_table(run);
   const auto value = [&](const char* name, const char* text) {
@@ -130,7 +130,7 @@ TEST(OptionTable, NamesAreUnique) {
   EXPECT_EQ(std::set<std::string>(of_fit.begin(), of_fit.end()).size(), of_fit.size());
 }
 
-TEST(OptionTable, EveryRowSaysWhatItIs) {
+TEST(OptionTable, EveryRowHasHelp) {
   retarget::Run run;
   FitOptions fit;
   OptionTable table = run_table(run);

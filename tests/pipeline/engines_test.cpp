@@ -64,7 +64,7 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   LimitSet limits_;  // of the published method
 };
 
-TEST_P(Engines, MappingIsThePublishedOne) {
+TEST_P(Engines, UseThePublishedMapping) {
   const auto published = load_ik_tables((shared_ / "reference" / GetParam().published).string());
   ASSERT_TRUE(published) << describe(published.error());
   EXPECT_EQ(tables_.robot_root, published->robot_root);
@@ -89,7 +89,7 @@ TEST_P(Engines, MappingIsThePublishedOne) {
   }
 }
 
-TEST_P(Engines, AgreeInEveryFrameFromTheSamePose) {
+TEST_P(Engines, AgreeInEveryFrameFromTheSameStart) {
   for (const char* clip : {"walk4_subject1", "dance1_subject2"}) {
     const HumanClip source = human(clip, 400);
     const TargetBuilder targets(mapping_, source.height);
@@ -120,7 +120,7 @@ TEST_P(Engines, AgreeInEveryFrameFromTheSamePose) {
   }
 }
 
-TEST_P(Engines, AgreeWithTheReferenceTrajectories) {
+TEST_P(Engines, MatchReferenceTrajectories) {
   int files = 0;
   for (const char* clip : {"walk4_subject1", "dance1_subject2"}) {
     const fs::path csv =

@@ -91,7 +91,7 @@ TEST(IkTables, MissingFileIsAConfigurationError) {
   EXPECT_EQ(tables.error().kind, ErrorKind::kConfig);
 }
 
-TEST(IkTables, NamesWrongTypesAndMissingKeysAllAtOnce) {
+TEST(IkTables, ReportsWrongTypesAndMissingKeysTogether) {
   Json json = good_mapping();
   json.erase("robot_root_name");
   json["human_height_assumption"] = -1;
@@ -100,13 +100,13 @@ TEST(IkTables, NamesWrongTypesAndMissingKeysAllAtOnce) {
   json["ik_match_table2"]["base"] = {"Hips", 1, 2};
   json["use_ik_match_table2"] = "yes";
   EXPECT_THAT(fault_of(json),
-              AllOf(HasSubstr("6 faults"), HasSubstr("\"robot_root_name\" is missing"),
+              AllOf(HasSubstr("6 errors"), HasSubstr("\"robot_root_name\" is missing"),
                     HasSubstr("must be more than 0"), HasSubstr("\"heavy\""),
-                    HasSubstr("no unit quaternion"), HasSubstr("[bone, position weight"),
+                    HasSubstr("not a unit quaternion"), HasSubstr("[bone, position weight"),
                     HasSubstr("must be true or false")));
 }
 
-TEST(IkTables, NamesUnknownBodiesAndBonesAllAtOnce) {
+TEST(IkTables, ReportsUnknownBodiesAndBonesTogether) {
   Json json = good_mapping();
   json["robot_root_name"] = "bsae";
   json["human_root_name"] = "hips";
@@ -120,7 +120,7 @@ TEST(IkTables, NamesUnknownBodiesAndBonesAllAtOnce) {
                     HasSubstr("\"LeftFoot\" has no entry in \"human_scale_table\"")));
 }
 
-TEST(IkTables, RefusesTwoBodiesOnOneBone) {
+TEST(IkTables, RejectsTwoBodiesOnOneBone) {
   Json json = good_mapping();
   json["ik_match_table2"]["right_upper"] = {"LeftArm", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("\"LeftArm\" drives two bodies, \"left_upper\" and "
@@ -130,7 +130,7 @@ TEST(IkTables, RefusesTwoBodiesOnOneBone) {
   EXPECT_EQ(fault_of(json), "no fault");
 }
 
-TEST(IkTables, DoesNotLookAtATableThatIsSwitchedOff) {
+TEST(IkTables, IgnoresDisabledTables) {
   Json json = good_mapping();
   json["ik_match_table2"]["no_such_body"] = {"NoSuchBone", 1, 1, {0, 0, 0}, {1, 0, 0, 0}};
   EXPECT_THAT(fault_of(json), HasSubstr("no_such_body"));
@@ -140,7 +140,7 @@ TEST(IkTables, DoesNotLookAtATableThatIsSwitchedOff) {
   EXPECT_THAT(fault_of(json), HasSubstr("nothing would move"));
 }
 
-TEST(ResolvedMapping, HasIndicesInPlaceOfNames) {
+TEST(ResolvedMapping, ResolvesNamesToIndices) {
   const auto robot = robot_from_text(kTwoArms);
   const auto mapping = resolve_mapping(parse(good_mapping()).value(), *robot).value();
   EXPECT_EQ(mapping.root_body, *robot->find_body("base"));
@@ -164,7 +164,7 @@ TEST(ResolvedMapping, FindsTheFirstTaskOfABoneThatHasAWeight) {
   EXPECT_EQ(mapping.find_task(Bone::kRightArm), nullptr);
 }
 
-TEST(ResolvedMapping, BonesCanBeLeftOutAsLongAsSomethingIsLeft) {
+TEST(ResolvedMapping, CanRemoveBonesUnlessNothingIsLeft) {
   auto mapping = resolve_mapping(parse(good_mapping()).value(), *robot_from_text(kTwoArms)).value();
   EXPECT_EQ(leave_out_bones(mapping, std::array{Bone::kLeftArm, Bone::kHead}).value(), 2);
   EXPECT_EQ(mapping.find_task(Bone::kLeftArm), nullptr);

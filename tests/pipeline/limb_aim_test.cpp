@@ -39,7 +39,7 @@ double between(const Quaterniond& a, const Quaterniond& b) {
 
 const Quaterniond kUpper = exp_so3(Vector3d(0.4, -1.1, 0.7));
 
-TEST(LimbAim, OfAHingeIsWhatItsBonesSay) {
+TEST(LimbAim, PureHingeKeepsBoneRotations) {
   for (const double bend : {0.0, 0.1, 0.8, 2.0}) {
     const Arm arm = arm_with(kUpper, bend, 0.0);
     const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
@@ -49,7 +49,7 @@ TEST(LimbAim, OfAHingeIsWhatItsBonesSay) {
   }
 }
 
-TEST(LimbAim, PointsWhereTheBonesPointHoweverTheyAreTurned) {
+TEST(LimbAim, DirectionIgnoresBoneTwist) {
   // the upper bone turned about itself by 30 degrees, the forearm by 50: no robot's elbow does that
   const Arm plain = arm_with(kUpper, 1.2, 0.0);
   Arm arm = plain;
@@ -67,7 +67,7 @@ TEST(LimbAim, PointsWhereTheBonesPointHoweverTheyAreTurned) {
   EXPECT_GT(between(arm.upper.rotation, plain.upper.rotation), 29.0 * kDegree);
 }
 
-TEST(LimbAim, OfAStraightLimbIsTheUpperBonesOwn) {
+TEST(LimbAim, StraightLimbUsesTheUpperBoneAxis) {
   Arm arm = arm_with(kUpper, 0.0, 0.9);
   const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
   ASSERT_TRUE(aimed);
@@ -75,7 +75,7 @@ TEST(LimbAim, OfAStraightLimbIsTheUpperBonesOwn) {
   EXPECT_LT(between(aimed->lower, kUpper), 1e-9);
 }
 
-TEST(LimbAim, ALimbThatIsBentTheWrongWayIsStraightAsFarAsItsHingeGoes) {
+TEST(LimbAim, LimbBentTheWrongWayIsStraightened) {
   for (const double bend : {-0.05, -0.1, -0.15, -0.3}) {
     Arm arm = arm_with(kUpper, bend, 0.0);
     const auto aimed = aim_limb(arm.upper, arm.lower, arm.end);
@@ -102,7 +102,7 @@ TEST(LimbAim, KneesBendAsElbowsDo) {
   EXPECT_LT(between(aimed->lower, lower.rotation), 1e-9);
 }
 
-TEST(LimbAim, IsNoneOfALimbWithoutLength) {
+TEST(LimbAim, RejectsZeroLengthLimb) {
   EXPECT_FALSE(aim_limb({}, {}, {}));
 }
 

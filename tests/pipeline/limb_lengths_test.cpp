@@ -51,7 +51,7 @@ constexpr const char* kLimbed = R"(
 </mujoco>)";
 
 // a target that stands on what lay in memory makes the same input give other bytes
-TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {
+TEST(RobotLimbs, AreZeroIfNotMeasured) {
   alignas(RobotLimbs) std::array<unsigned char, sizeof(RobotLimbs)> memory;
   memory.fill(0xff);  // as doubles: no numbers
   const auto* limbs = new (memory.data()) RobotLimbs;
@@ -60,7 +60,7 @@ TEST(RobotLimbs, AreZeroWhereNothingWasMeasured) {
   }
 }
 
-TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
+TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
   const auto robot = robot_from_text(kLimbed);
   const auto limbs = robot_limbs(*robot, resolved(limbed_tables(), *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
@@ -78,7 +78,7 @@ TEST(RobotLimbs, AreMeasuredWhereAxesMeet) {
   EXPECT_EQ(limbs->ankle_height, std::nullopt);
 }
 
-TEST(RobotLegLength, NeedsNoArms) {
+TEST(RobotLegLength, DoesNotNeedArms) {
   const auto robot = robot_from_text(kLimbed);
   IkTables tables = limbed_tables();
   EXPECT_EQ(robot_leg_length(*robot, resolved(tables, *robot)).value(),
@@ -94,7 +94,7 @@ TEST(RobotLegLength, NeedsNoArms) {
   EXPECT_FALSE(robot_leg_length(*robot, resolved(tables, *robot)));
 }
 
-TEST(RobotLimbs, EndAtTheElbowsWhereNothingFollowsTheHands) {
+TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
   const auto robot = robot_from_text(kLimbed);
   IkTables tables = limbed_tables();
   std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
@@ -114,7 +114,7 @@ TEST(RobotLimbs, EndAtTheElbowsWhereNothingFollowsTheHands) {
   EXPECT_NEAR(human_limb_lengths(bones).arm, 0.5, 1e-12);
 }
 
-TEST(RobotLimbs, OfTheG1) {
+TEST(RobotLimbs, MatchTheG1) {
   const auto robot = load_g1();
   const auto tables =
       load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
@@ -149,7 +149,7 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
 
 // a human whose limbs are the robot's, each stretched: the targets must be the robot's own bodies,
 // whatever pose both are in
-TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
+TEST(TargetBuilder, LimbScalingReproducesTheRobotPose) {
   const auto robot = robot_from_text(kLimbed);
   const IkTables tables = limbed_tables();
   const auto limbs = robot_limbs(*robot, resolved(tables, *robot)).value();
@@ -201,7 +201,7 @@ TEST(TargetBuilder, LimbByLimbGivesTheRobotsOwnPoseBack) {
   }
 }
 
-TEST(HumanLimbLengths, AreSumsOfTheWay) {
+TEST(HumanLimbLengths, AreSumsOfBoneLengths) {
   HumanPose bones;
   const auto put = [&](const std::string& bone, double x, double y, double z) {
     bones[bone_from_name(bone).value()].translation = {x, y, z};

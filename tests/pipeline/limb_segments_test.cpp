@@ -210,7 +210,7 @@ class LimbSegments : public ::testing::Test {
   std::shared_ptr<const Robot> robot_;
 };
 
-TEST_F(LimbSegments, OfEveryDialectLieAsOfLafan1) {
+TEST_F(LimbSegments, EveryDialectMatchesLafan1) {
   const std::set<std::string> others = {"nonhuman_dog", "full_precision_frame_time",
                                         "rotation_first_root", "slimevr_hmd_root"};
   std::vector<fs::path> files;
@@ -223,7 +223,7 @@ TEST_F(LimbSegments, OfEveryDialectLieAsOfLafan1) {
   expect_near_lafan1(files);
 }
 
-TEST_F(LimbSegments, OfSmplLieAsOfLafan1) {
+TEST_F(LimbSegments, SmplMatchesLafan1) {
   expect_near_lafan1({data_ / "smpl" / "smpl_walk.npz", data_ / "smpl" / "smpl_jump_forward.npz"});
 }
 

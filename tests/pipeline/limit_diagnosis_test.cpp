@@ -91,7 +91,7 @@ Scene stiff_arm(std::vector<IkRow> rows, int frames) {
   return scene;
 }
 
-TEST(JointsAtLimits, NamesTheTaskThatPushesAndHowFarItIsShort) {
+TEST(JointsAtLimits, ReportsThePushingTaskAndItsShortfall) {
   Scene scene = stiff_arm({task_row("base", "Hips", 100, 100), task_row("upper", "LeftArm", 0, 10),
                            task_row("lower", "LeftForeArm", 1, 0)},
                           10);
@@ -119,7 +119,7 @@ TEST(JointsAtLimits, NamesTheTaskThatPushesAndHowFarItIsShort) {
   EXPECT_NEAR(found[0].push->strength, 75.0, 1e-9);
 }
 
-TEST(JointsAtLimits, PositionsAreShortInMetresAlsoOfASlide) {
+TEST(JointsAtLimits, PositionShortfallIsInMetres) {
   Scene scene = stiff_arm({task_row("lower", "LeftForeArm", 10, 0)}, 2);
   for (const int frame : {0, 1}) set_joint(scene, frame, "slide", 0.1);
   std::vector<Pose> poses(scene.robot->bodies().size());
@@ -135,7 +135,7 @@ TEST(JointsAtLimits, PositionsAreShortInMetresAlsoOfASlide) {
   EXPECT_NEAR(found[0].push->strength, 100 * 0.3, 1e-9);
 }
 
-TEST(JointsAtLimits, NothingPushesAJointThatOnlyRestsThere) {
+TEST(JointsAtLimits, RestingJointHasNoPushingTask) {
   // the target lies inside of the limit, and no task hangs on the slide, which does not count
   Scene scene = stiff_arm({task_row("upper", "LeftArm", 0, 10)}, 1);
   set_joint(scene, 0, "shoulder", 0.25);
@@ -146,7 +146,7 @@ TEST(JointsAtLimits, NothingPushesAJointThatOnlyRestsThere) {
   EXPECT_FALSE(found[0].push.has_value());
 }
 
-TEST(JointsAtLimits, AnEarlierPassCountsWhereTheLastMovesNothing) {
+TEST(JointsAtLimits, UsesAnEarlierPassIfTheLastDoesNotMoveTheJoint) {
   Scene scene = stiff_arm({task_row("base", "Hips", 10, 10)}, 1);
   scene.tables.tables[0].rows = {task_row("upper", "LeftArm", 0, 10)};
   set_joint(scene, 0, "shoulder", 0.25);
@@ -158,7 +158,7 @@ TEST(JointsAtLimits, AnEarlierPassCountsWhereTheLastMovesNothing) {
   EXPECT_EQ(found[0].push->bone, Bone::kLeftArm);
 }
 
-TEST(JointsAtLimits, WorstFirstAndRareOnesLeftOut) {
+TEST(JointsAtLimits, SortsByFramesAndDropsRareOnes) {
   Scene scene = stiff_arm({task_row("lower", "LeftArm", 10, 10)}, 10);
   for (int frame = 0; frame < 10; ++frame) {
     if (frame < 3) set_joint(scene, frame, "shoulder", 0.25);
@@ -179,7 +179,7 @@ TEST(JointsAtLimits, WorstFirstAndRareOnesLeftOut) {
   EXPECT_THAT(shares(0.0), IsEmpty());
 }
 
-TEST(JointsAtLimits, SayWhichLimitSetIsWiderAtThatSide) {
+TEST(JointsAtLimits, ReportsTheWiderLimitSet) {
   const auto g1 = load_g1();
   Scene scene;
   scene.robot = g1;
@@ -198,7 +198,7 @@ TEST(JointsAtLimits, SayWhichLimitSetIsWiderAtThatSide) {
   EXPECT_EQ(found[1].wider_set, "");
 }
 
-TEST(JointsAtLimits, JointsThatAreHeldDoNotCount) {
+TEST(JointsAtLimits, IgnoresHeldJoints) {
   Scene scene = stiff_arm({}, 1);
   LimitSet limits = scene.robot->model_limits();
   limits.lower[0] = limits.upper[0] = 0.0;
@@ -257,7 +257,7 @@ double numeric_fall(const RandomTask& task, int address, bool upper) {
 }
 
 // each joint as if it stood at its upper limit, then at its lower one
-TEST(JointsAtLimits, PushesAreDerivativesOfTheObjective) {
+TEST(JointsAtLimits, PushIsTheDerivativeOfTheObjective) {
   std::mt19937 random(5);
   int pushed = 0;
   for (int trial = 0; trial < 60; ++trial) {

@@ -63,7 +63,7 @@ std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, 
 class Samples : public ::testing::TestWithParam<const char*> {};
 
 // figures of an independent implementation (Python, another QP solver) on the same clips
-TEST_P(Samples, AgreeWithTheOracleInEveryFrame) {
+TEST_P(Samples, MatchTheOracleInEveryFrame) {
   const auto expected =
       read_csv(kSource / "tests" / "golden" / "oracle" / (std::string(GetParam()) + ".csv"));
   for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
@@ -75,7 +75,7 @@ TEST_P(Samples, AgreeWithTheOracleInEveryFrame) {
   }
 }
 
-TEST_P(Samples, LeaveNoQpUnsolved) {
+TEST_P(Samples, SolveEveryQp) {
   const auto robot = load_g1();
   const HumanClip human = load_human(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
   const ResolvedMapping tables = g1_tables(*robot);
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(All, Samples,
                          ::testing::Values("walk", "turn_in_place", "squat", "wave", "get_up"),
                          [](const auto& sample) { return std::string(sample.param); });
 
-TEST(Reference, TwelveClipsAgreeInEveryFrame) {
+TEST(Reference, TwelveClipsMatchInEveryFrame) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   int clips = 0;
@@ -138,7 +138,7 @@ double angle_between(const Eigen::Quaterniond& a, const Json& json) {
   return log_so3(a.conjugate() * b).norm();
 }
 
-TEST(Reference, EveryStageAgrees) {
+TEST(Reference, EveryStageMatches) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   std::ifstream file(*shared / "reference/gmr_output/unitree_g1/walk4_subject1_stages.json");

@@ -28,7 +28,7 @@ RobotClip robot_motion(const Clip& clip) {
   return std::move(result->clip);
 }
 
-TEST(RestTwins, OfAAndIPosesMoveTheRobotAlike) {
+TEST(RestTwins, APoseAndIPoseGiveTheSameMotion) {
   for (const char* name : {"walk.bvh", "wave.bvh"}) {
     const std::filesystem::path data(RETARGET_SOURCE_DIR "/data");
     const Clip clip = load_bvh((data / name).string()).value().clip;

@@ -51,7 +51,7 @@ double way(const RobotClip& clip) {
 }
 
 // frames may still change for two seconds, and are told when they do not any more
-TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
+TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
   const auto robot = load_g1();
   const auto tables = load_mapping((kRoot / "robots/unitree_g1/ik.json").string(), *robot);
   const Clip whole = load_bvh((kRoot / "data/wave.bvh").string())->clip;
@@ -82,7 +82,7 @@ TEST(SettledRun, TellsEveryFrameOnceInOrderAndAsItIs) {
   }
 }
 
-TEST(SettledFirstFrame, HoldsNothingOfTheWayThere) {
+TEST(SettledFirstFrame, FirstFrameHasConverged) {
   const auto robot = load_g1();
   const Clip clip = first_frame(kRoot / "data" / "get_up.bvh", 20);
   const double published = way(solved(clip, "unitree_g1", robot, false));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-TEST(StrayedArms, AreSeenFromSixtyDegreesOnAndLessOftenWhereNothingHelps) {
+TEST(StrayedArms, AreDetectedFromSixtyDegreesWithBackoff) {
   const auto robot = load_g1();
   const ResolvedMapping tables =
       load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *robot).value();

@@ -35,7 +35,7 @@ void expect_frames(TargetStream& stream, int count, std::chrono::microseconds pa
   }
 }
 
-TEST(TargetStream, GivesEveryFrameInOrder) {
+TEST(TargetStream, YieldsEveryFrameInOrder) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
   for (const bool ahead : {false, true}) {
     for (const int count : {0, 1, 31, 32, 33, 255, 256, 257, 5000}) {
@@ -45,7 +45,7 @@ TEST(TargetStream, GivesEveryFrameInOrder) {
   }
 }
 
-TEST(TargetStream, WaitsForWhoeverIsSlower) {
+TEST(TargetStream, SynchronisesProducerAndConsumer) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
   const auto slow = [](int frame, HumanPose& world_from_bone) {
     if (frame % 50 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
@@ -57,7 +57,7 @@ TEST(TargetStream, WaitsForWhoeverIsSlower) {
   expect_frames(slow_reader, 2000, std::chrono::microseconds(500));
 }
 
-TEST(TargetStream, DoesNotRunAheadWithoutBound) {
+TEST(TargetStream, RunAheadIsBounded) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
   std::atomic<int> latest = 0;
   const auto source = [&](int frame, HumanPose& world_from_bone) {
@@ -71,7 +71,7 @@ TEST(TargetStream, DoesNotRunAheadWithoutBound) {
 }
 
 // a run that is interrupted leaves frames unread
-TEST(TargetStream, EndsWhereverItIsLeft) {
+TEST(TargetStream, CanBeAbandonedAnywhere) {
   const TargetBuilder targets(one_bone_tables(), 1.0);
   for (const int read : {0, 1, 32, 33, 300}) {
     TargetStream stream(100'000, stand_at_frame, targets, true);
@@ -80,7 +80,7 @@ TEST(TargetStream, EndsWhereverItIsLeft) {
 }
 
 // whole clips: with and without the second thread, and from poses made beforehand
-TEST(Retarget, SameConfigurationsHoweverTheTargetsAreMade) {
+TEST(Retarget, TargetStreamDoesNotChangeTheResult) {
   const std::filesystem::path source(RETARGET_SOURCE_DIR);
   const auto clip = load_bvh((source / "data" / "walk.bvh").string()).value().clip;
   const HumanMapping mapping = lafan1_mapping(clip.skeleton());

@@ -39,7 +39,7 @@ IkTables small_tables() {
   return tables;
 }
 
-TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
+TEST(TargetBuilder, ScalesAboutTheRootAndAppliesOffsets) {
   const auto robot = robot_from_text(kTwoArms);
   const TargetBuilder builder(resolve_mapping(small_tables(), *robot).value(), 1.0);
   HumanPose bones;
@@ -66,7 +66,7 @@ TEST(TargetBuilder, ScalesAboutTheRootAndOffsetsInTheTurnedFrame) {
             1e-15);
 }
 
-TEST(MakeProblem, LeavesOutTablesThatAreNotUsedAndRowsWithoutWeight) {
+TEST(MakeProblem, OmitsUnusedTablesAndRowsWithoutWeight) {
   const auto robot = robot_from_text(kTwoArms);
   ResolvedMapping tables = resolve_mapping(small_tables(), *robot).value();
   MappedTask& first = tables.tables[0].tasks[0];

@@ -79,7 +79,7 @@ class TrunkOf : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(ShippedRobots, TrunkOf, ::testing::ValuesIn(robot_names()),
                          [](const auto& named) { return named.param; });
 
-TEST_P(TrunkOf, StandsStraightWhenTheHumanDoes) {
+TEST_P(TrunkOf, IsUprightIfTheHumanIs) {
   const AimedRobot of = aimed_robot(GetParam());
   std::vector<Pose> world_from_body(of.robot->bodies().size());
   forward_kinematics(*of.robot, of.robot->zero_configuration(), world_from_body);
@@ -100,7 +100,7 @@ TEST_P(TrunkOf, StandsStraightWhenTheHumanDoes) {
             1e-6);
 }
 
-TEST_P(TrunkOf, LeansAsTheHumanWhateverItsWaistCanDo) {
+TEST_P(TrunkOf, LeansAsTheHumanForAnyWaist) {
   const AimedRobot of = aimed_robot(GetParam());
   const auto upright = of.aim.aim(human(kStill, kStill));
   for (const Vector3d& bend : {Vector3d(0, 0.5, 0), Vector3d(0.3, 0, 0), Vector3d(0.1, 0.8, 0.1)}) {
@@ -150,14 +150,14 @@ WaistPose waist_pose(const TrunkAim::Aimed& aimed) {
           {std::atan2(-r(0, 1), r(1, 1)), std::asin(r(2, 1)), std::atan2(-r(2, 0), r(2, 2))}};
 }
 
-TEST(TrunkAim, SaysWhereTheRobotsOwnKinematicsHaveTheShoulders) {
+TEST(TrunkAim, ShouldersMatchForwardKinematics) {
   const AimedRobot of = aimed_robot("unitree_g1");
   const auto aimed = of.aim.aim(human(exp_so3({0.1, 0.2, 0.5}), exp_so3({-0.1, 0.6, 0.9})));
   ASSERT_TRUE(aimed);
   EXPECT_LT((lines_of(of, waist_pose(*aimed)).chord - aimed->chord).norm(), 1e-9);
 }
 
-TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
+TEST(TrunkAim, IsOptimalForTheWaist) {
   const AimedRobot of = aimed_robot("unitree_g1");
   const TrunkLines zero = {of.limbs.shoulder_centre - of.limbs.hip_centre, of.limbs.shoulder_line};
   std::mt19937 random(5);
@@ -195,7 +195,7 @@ TEST(TrunkAim, IsTheBestThatTheWaistCanDo) {
   EXPECT_GT(at_limit, 3);
 }
 
-TEST(RobotTrunk, TurnsAsFarAsTheRunsLimitsLetIt) {
+TEST(RobotTrunk, RespectsTheLimitSet) {
   const AimedRobot of = aimed_robot("unitree_g1");
   const ResolvedMapping tables =
       load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
@@ -224,7 +224,7 @@ TEST(RobotTrunk, TurnsAsFarAsTheRunsLimitsLetIt) {
   EXPECT_NEAR(waist_pose(*aimed).yaw_roll_pitch.z(), 0.28, 1e-9);
 }
 
-TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
+TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
   const AimedRobot of = aimed_robot("unitree_g1");
   const ResolvedMapping tables =
       load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
@@ -255,7 +255,7 @@ TEST(TrunkAim, PutsLegsBelowTheRobotsHips) {
   EXPECT_GT(of.limbs.hip_line.norm(), 0.18 * of.limbs.lengths.leg / 0.9 + 0.07);
 }
 
-TEST(TrunkAim, IsNoneWithoutATrunk) {
+TEST(TrunkAim, RequiresATrunk) {
   const AimedRobot of = aimed_robot("unitree_g1");
   EXPECT_FALSE(of.aim.aim(HumanPose()));
 }

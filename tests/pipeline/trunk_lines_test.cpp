@@ -63,13 +63,13 @@ TrunkLines standing(const HumanClipInfo& info, const HumanPose& bones) {
 const std::array<Quaterniond, 4> kStraight = {Quaterniond::Identity(), Quaterniond::Identity(),
                                               Quaterniond::Identity(), Quaterniond::Identity()};
 
-TEST(TrunkLines, RunFromTheHipsToTheShoulders) {
+TEST(TrunkLines, ConnectHipsAndShoulders) {
   const TrunkLines lines = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
   EXPECT_LT((lines.chord - Vector3d(-0.06, 0.0, 0.51)).norm(), 1e-12);
   EXPECT_LT((lines.across - Vector3d(0.0, 0.34, 0.0)).norm(), 1e-12);
 }
 
-TEST(TrunkLines, OfAStandingHumanAreTheTPosesWhateverTheFrame) {
+TEST(TrunkLines, StandingHumanMatchesTheTPose) {
   const auto expected = trunk_lines(trunk(kStraight, Quaterniond::Identity()));
   // bent to the side, turned and shrugged, but not forward
   const std::array<Quaterniond, 4> posed = {exp_so3({0.3, 0.2, 1.9}), exp_so3({0.2, 0.0, 0.3}),
@@ -79,7 +79,7 @@ TEST(TrunkLines, OfAStandingHumanAreTheTPosesWhateverTheFrame) {
   EXPECT_LT((lines.across - expected.across).norm(), 1e-12);
 }
 
-TEST(TrunkLines, OfASpineThatIsBentAsPeoplesAreStandUpright) {
+TEST(TrunkLines, NaturallyBentSpineIsUpright) {
   const auto bent = [](double degrees) {
     const Quaterniond part = exp_so3({0.0, degrees * kDegree / 3.0, 0.0});
     return trunk({Quaterniond::Identity(), part, part, part}, Quaterniond::Identity());
@@ -98,7 +98,7 @@ TEST(TrunkLines, OfASpineThatIsBentAsPeoplesAreStandUpright) {
   EXPECT_NEAR(lean(-20.0), back, 1e-12);
 }
 
-TEST(TrunkLines, AreLearnedFromFramesInWhichPeopleStand) {
+TEST(TrunkLines, AreLearnedFromStandingFrames) {
   // bent over in three frames of four: how the spine is bent then says nothing
   const Quaterniond part = exp_so3({0.0, 20 * kDegree, 0.0});
   const auto bent = trunk({exp_so3({0.0, 1.0, 0.0}), part, part, part}, Quaterniond::Identity());
@@ -110,7 +110,7 @@ TEST(TrunkLines, AreLearnedFromFramesInWhichPeopleStand) {
   EXPECT_LT((lines.chord - trunk_lines(upright).chord).norm(), 1e-12);
 }
 
-TEST(TrunkLines, DoWithoutClaviclesAndSpine) {
+TEST(TrunkLines, DoNotNeedClaviclesAndSpine) {
   HumanClipInfo info = whole_body(2);
   for (const char* bone : {"LeftShoulder", "RightShoulder", "Spine", "Spine1", "Spine2"}) {
     info.sources[bone_from_name(bone).value()].clear();
@@ -121,7 +121,7 @@ TEST(TrunkLines, DoWithoutClaviclesAndSpine) {
   EXPECT_LT((standing(info, bones).chord - expected.chord).norm(), 1e-12);
 }
 
-TEST(TrunkFrame, IsARotationAndNoneOfLinesAlongEachOther) {
+TEST(TrunkFrame, IsARotationUnlessLinesAreParallel) {
   const auto frame = trunk_frame({{0.1, 0.0, 0.5}, {0.05, 0.3, 0.1}});
   ASSERT_TRUE(frame);
   EXPECT_LT((*frame * frame->transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);

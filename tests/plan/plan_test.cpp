@@ -47,7 +47,7 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-TEST(FrontDoor, AClipBecomesAFile) {
+TEST(FrontDoor, RetargetsAClipToAFile) {
   const TemporaryFolder folder;
   const auto robot = g1();
   ASSERT_TRUE(robot) << describe(robot.error());
@@ -71,7 +71,7 @@ TEST(FrontDoor, AClipBecomesAFile) {
   EXPECT_NE(report->find("limb_angle_deg"), nullptr);
 }
 
-TEST(FrontDoor, TheGoldenComesOutOfIt) {
+TEST(FrontDoor, ReproducesTheGoldenFile) {
   const auto robot = g1();
   ASSERT_TRUE(robot) << describe(robot.error());
   Options options;
@@ -109,7 +109,7 @@ TEST(FrontDoor, DecisionsCanBeReplaced) {
   EXPECT_NE(format_robot_csv(motion->clip), format_robot_csv(other->clip));
 }
 
-TEST(FrontDoor, PlansAreWrittenAndReadAgain) {
+TEST(FrontDoor, PlansRoundTrip) {
   const TemporaryFolder folder;
   const auto robot = g1();
   ASSERT_TRUE(robot);
@@ -156,10 +156,10 @@ TEST(FrontDoor, PlansAreUtf8WhateverNamesTheClipHas) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kConfig);
   EXPECT_GT(refused.error().location.line, 1U);
-  EXPECT_THAT(refused.error().message, HasSubstr("no valid JSON"));
+  EXPECT_THAT(refused.error().message, HasSubstr("invalid JSON"));
 }
 
-TEST(FrontDoor, AChangedPlanIsSolvedAsItStands) {
+TEST(FrontDoor, SolvesAnEditedPlan) {
   const TemporaryFolder folder;
   const auto robot = g1();
   ASSERT_TRUE(robot);
@@ -178,16 +178,16 @@ TEST(FrontDoor, AChangedPlanIsSolvedAsItStands) {
   std::ofstream(file) << json.dump();
   const auto wrong = load_plan(file, {kSource, {}});
   ASSERT_FALSE(wrong);
-  EXPECT_THAT(describe(wrong.error()), HasSubstr("is no joint of the clip"));
+  EXPECT_THAT(describe(wrong.error()), HasSubstr("is not a joint of the clip"));
   json["human"]["bones"]["Hips"]["position_joint"] = 0;
   std::ofstream(file) << json.dump();
   const auto odd = load_plan(file, {kSource, {}});
   ASSERT_FALSE(odd);
-  EXPECT_THAT(describe(odd.error()), HasSubstr("\"part\" is no part of the clip"));
-  EXPECT_THAT(describe(odd.error()), HasSubstr("\"scale\" is none of"));
+  EXPECT_THAT(describe(odd.error()), HasSubstr("\"part\" is not a part of the clip"));
+  EXPECT_THAT(describe(odd.error()), HasSubstr("\"scale\" is not table"));
 }
 
-TEST(FrontDoor, SolvingCanBeFollowedAndStopped) {
+TEST(FrontDoor, SolvingReportsProgressAndCanBeStopped) {
   const auto robot = g1();
   ASSERT_TRUE(robot);
   auto clip = load_clip(sample("walk"));
@@ -205,7 +205,7 @@ TEST(FrontDoor, SolvingCanBeFollowedAndStopped) {
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }
 
-TEST(FrontDoor, ErrorsSpeakOfFields) {
+TEST(FrontDoor, ErrorsNameOptionFields) {
   const auto robot = load_robot(named("unitree_g2"), {kSource, {}});
   ASSERT_FALSE(robot);
   EXPECT_EQ(robot.error().kind, ErrorKind::kConfig);

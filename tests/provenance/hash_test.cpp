@@ -17,13 +17,13 @@ constexpr const char* kAbc =
 constexpr const char* kMillionA =
     "sha256:cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
 
-TEST(HashTest, GivesTheStandardsExamples) {
+TEST(HashTest, MatchesStandardTestVectors) {
   EXPECT_EQ(hash_bytes("").value(), kNothing);
   EXPECT_EQ(hash_bytes("abc").value(), kAbc);
   EXPECT_EQ(hash_bytes(std::string(1000000, 'a')).value(), kMillionA);
 }
 
-TEST(HashTest, PiecesGiveTheHashOfTheWhole) {
+TEST(HashTest, IncrementalHashMatchesWhole) {
   auto hasher = ContentHasher::create();
   ASSERT_TRUE(hasher.has_value());
   hasher->update("a");
@@ -33,14 +33,14 @@ TEST(HashTest, PiecesGiveTheHashOfTheWhole) {
   EXPECT_FALSE(hasher->finish().has_value());
 }
 
-TEST(HashTest, FilesOfManyPieces) {
+TEST(HashTest, HashesLargeFiles) {
   const TemporaryFolder folder;
   EXPECT_EQ(hash_file(folder.write("abc", "abc")).value(), kAbc);
   EXPECT_EQ(hash_file(folder.write("empty", "")).value(), kNothing);
   EXPECT_EQ(hash_file(folder.write("many", std::string(1000000, 'a'))).value(), kMillionA);
 }
 
-TEST(HashTest, WhatIsNoFileIsNamed) {
+TEST(HashTest, ReportsMissingFiles) {
   const TemporaryFolder folder;
   const auto missing = hash_file((folder.path() / "missing").string(), ErrorKind::kConfig);
   ASSERT_FALSE(missing.has_value());

@@ -49,14 +49,14 @@ double figure(const QualityReport& report, std::string_view key) {
   return found == nullptr ? -1.0 : found->value;
 }
 
-TEST(AtLimit, IsNoneOfARobotThatStands) {
+TEST(AtLimit, StandingRobotHasNone) {
   const QualityReport report = measure(10, [](int, auto qpos) { qpos[kWheel] = 100.0; });
   EXPECT_EQ(figure(report, "at_limit_pct"), 0.0);
   EXPECT_EQ(figure(report, "joint_at_limit_pct"), 0.0);
   EXPECT_FALSE(report.at_limit);
 }
 
-TEST(AtLimit, CountsFramesOfAnyJointAndOfTheWorst) {
+TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
   // the waist in frames 0-3, 6 and 7, the ankle in 2-4
   const QualityReport report = measure(10, [](int frame, auto qpos) {
     qpos[kWaist] = frame < 4 || frame == 6 || frame == 7 ? 0.995 : 0.98;
@@ -80,7 +80,7 @@ TEST(AtLimit, CountsFramesOfAnyJointAndOfTheWorst) {
   EXPECT_EQ(faults[1].where, "ankle");
 }
 
-TEST(AtLimit, IsNearByAHundredthOfANarrowRange) {
+TEST(AtLimit, ToleranceIsOnePercentOfNarrowRanges) {
   // 0.004 rad of 0.4, and not 0.01
   const auto at = [](double ankle) {
     return figure(measure(4, [&](int, auto qpos) { qpos[kAnkle] = ankle; }), "at_limit_pct");
@@ -95,12 +95,12 @@ TEST(AtLimit, IsNearByAHundredthOfANarrowRange) {
   EXPECT_EQ(lifted(0.0985), 100.0);
 }
 
-TEST(AtLimit, LeavesOutHeads) {
+TEST(AtLimit, ExcludesHeadJoints) {
   const QualityReport report = measure(4, [](int, auto qpos) { qpos[kHead] = 1.0; });
   EXPECT_EQ(figure(report, "at_limit_pct"), 0.0);
 }
 
-TEST(AtLimit, TakesAStraightKneeForNoFaultAndABentOneForOne) {
+TEST(AtLimit, IgnoresStraightKneeButNotBentKnee) {
   const auto at = [](double knee) {
     return figure(measure(4, [&](int, auto qpos) { qpos[kKnee] = knee; }), "joint_at_limit_pct");
   };

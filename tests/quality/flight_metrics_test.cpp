@@ -49,7 +49,7 @@ double thrown(int frame) {
   return frame < 30 || frame > 42 ? 0.0 : 0.5 * kGravity * t * (flight - t);
 }
 
-TEST(Flights, AreFoundWithTheirPeaks) {
+TEST(Flights, FindsFlightsAndPeaks) {
   const HumanClip human = raised_human(90, thrown, thrown);
   const auto flights = find_flights(human, find_contacts(human), 90);
   ASSERT_EQ(flights.size(), 1U);
@@ -58,13 +58,13 @@ TEST(Flights, AreFoundWithTheirPeaks) {
   EXPECT_NEAR(flights[0].peak, thrown(36), 1e-12);
 }
 
-TEST(Flights, FeetThatAreLiftedWhileSeatedAreNone) {
+TEST(Flights, FeetLiftedWhileSeatedAreNotFlights) {
   const HumanClip human = raised_human(
       90, [](int) { return -0.3; }, thrown);
   EXPECT_TRUE(find_flights(human, find_contacts(human), 90).empty());
 }
 
-TEST(Flights, ThePeaksOfTheSolesAreHeldAgainstTheScaledOnes) {
+TEST(Flights, ComparesSolePeaksWithScaledPeaks) {
   const auto robot = load_g1();
   const auto& sole = robot->profile().soles.front();
   RobotClip clip(robot, {30, 1}, 90);

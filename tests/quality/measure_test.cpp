@@ -129,7 +129,7 @@ HumanClip standing_human(int frames) {
   return human;
 }
 
-TEST_F(MeasureQuality, ARobotThatStandsStillHasNoFaults) {
+TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
   const HumanClip human = standing_human(30);
   const QualityReport report = measure(
       30, [](int, auto) {}, &human);
@@ -150,7 +150,7 @@ TEST_F(MeasureQuality, ARobotThatStandsStillHasNoFaults) {
   EXPECT_THAT(report.faults, IsEmpty());
 }
 
-TEST_F(MeasureQuality, AFootThatSlidesWithATenthOfAMetrePerSecondReadsIt) {
+TEST_F(MeasureQuality, MeasuresSlipOfASlidingFoot) {
   const HumanClip human = standing_human(31);
   const QualityReport report = measure(
       31, [](int frame, auto qpos) { qpos[kX] = 0.1 * frame / 30.0; }, &human);
@@ -174,7 +174,7 @@ void turn_feet(HumanClip& human, double angle) {
   }
 }
 
-TEST_F(MeasureQuality, SolesAreJudgedWhereTheFootIsOnItsSole) {
+TEST_F(MeasureQuality, StanceRequiresTheFootOnItsSole) {
   HumanClip human = standing_human(30);
   const auto slide_in_the_air = [](int frame, auto qpos) {
     qpos[kX] = 0.1 * frame / 30.0;
@@ -196,7 +196,7 @@ TEST_F(MeasureQuality, SolesAreJudgedWhereTheFootIsOnItsSole) {
   }
 }
 
-TEST_F(MeasureQuality, AFootThatHoversFloats) {
+TEST_F(MeasureQuality, HoveringFootFloats) {
   const HumanClip human = standing_human(30);
   const QualityReport report = measure(
       30, [](int frame, auto qpos) { qpos[kZ] = frame < 6 ? 0.53 : 0.5; }, &human);
@@ -210,7 +210,7 @@ TEST_F(MeasureQuality, AFootThatHoversFloats) {
   EXPECT_NEAR(faults[0].amount, 0.03, 1e-12);
 }
 
-TEST_F(MeasureQuality, SoleAndBodyInTheFloor) {
+TEST_F(MeasureQuality, MeasuresFloorPenetration) {
   // soles 1.5 cm deep in frame 3 alone
   const QualityReport deep =
       measure(10, [](int frame, auto qpos) { qpos[kZ] = frame == 3 ? 0.485 : 0.5; });
@@ -228,7 +228,7 @@ TEST_F(MeasureQuality, SoleAndBodyInTheFloor) {
   EXPECT_NEAR(figure(turned, "body_pen_max_cm"), 1.2, 1e-9);
 }
 
-TEST_F(MeasureQuality, StepsSpeedsAndLimits) {
+TEST_F(MeasureQuality, MeasuresStepsSpeedsAndLimits) {
   // the right joint goes 0.6 rad in one step and back in the next
   const QualityReport report =
       measure(11, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0.0; });
@@ -250,7 +250,7 @@ TEST_F(MeasureQuality, StepsSpeedsAndLimits) {
   EXPECT_EQ(faults[0].end, 6);
 }
 
-TEST_F(MeasureQuality, SpeedsCountPerSecondWhateverTheRate) {
+TEST_F(MeasureQuality, SpeedsArePerSecondAtEveryRate) {
   RobotClip clip(robot_, {120, 1}, 121);
   for (int frame = 0; frame <= 120; ++frame) clip.qpos(frame)[kLeft] = 10.0 * frame / 120.0 - 5.0;
   const QualityReport report = measure_quality(clip, robot_->model_limits());
@@ -259,7 +259,7 @@ TEST_F(MeasureQuality, SpeedsCountPerSecondWhateverTheRate) {
   EXPECT_DOUBLE_EQ(figure(report, "speed_limit_pct"), 0.0);
 }
 
-TEST_F(MeasureQuality, EveryLimitSetIsReported) {
+TEST_F(MeasureQuality, ReportsEveryLimitSet) {
   const QualityReport report = measure(10, [](int frame, auto qpos) {
     qpos[kLeft] = frame < 4 ? 0.5 : 0.1 + 5e-7;
     qpos[kRight] = frame == 9 ? -1.25 : 0.0;
@@ -274,7 +274,7 @@ TEST_F(MeasureQuality, EveryLimitSetIsReported) {
   EXPECT_DOUBLE_EQ(report.limit_sets[1].worst_excess, 0.4);
 }
 
-TEST_F(MeasureQuality, SelfCollisionIsDeepAndSampled) {
+TEST_F(MeasureQuality, MeasuresSelfCollision) {
   // the hand's ball comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5
   const QualityReport report =
       measure(10, [](int frame, auto qpos) { qpos[kArm] = frame == 4 || frame == 5 ? 0.12 : 0.0; });
@@ -288,7 +288,7 @@ TEST_F(MeasureQuality, SelfCollisionIsDeepAndSampled) {
   EXPECT_EQ(faults[0].where, "hand in knob");
 }
 
-TEST_F(MeasureQuality, RootsThatJump) {
+TEST_F(MeasureQuality, CountsRootJumps) {
   // a step of 0.3 m at 30 fps is 9 m/s, one of 0.4 m is 12
   EXPECT_EQ(figure(measure(20, [](int frame, auto qpos) { qpos[kX] = frame < 10 ? 0.0 : 0.3; }),
                    "root_jumps"),
@@ -317,7 +317,7 @@ TEST_F(MeasureQuality, RootsThatJump) {
   EXPECT_NEAR(faults[0].amount, 30.0 * M_PI, 1e-9);
 }
 
-TEST_F(MeasureQuality, RootJerk) {
+TEST_F(MeasureQuality, MeasuresRootJerk) {
   // x = t^3 has the jerk 6
   const QualityReport report =
       measure(20, [](int frame, auto qpos) { qpos[kX] = std::pow(frame / 30.0, 3); });
@@ -325,7 +325,7 @@ TEST_F(MeasureQuality, RootJerk) {
   EXPECT_NEAR(figure(report, "root_jerk_p99"), 6.0, 1e-9);
 }
 
-TEST_F(MeasureQuality, FaultsAreTheWorstFirstAndFew) {
+TEST_F(MeasureQuality, ListsAFewFaultsWorstFirst) {
   // 20 runs of one frame, ever farther beyond the limit of 1
   const QualityReport report = measure(40, [](int frame, auto qpos) {
     qpos[kRight] = frame % 2 == 1 ? 1.0 + 0.001 * (frame + 1) : 0.0;
@@ -338,7 +338,7 @@ TEST_F(MeasureQuality, FaultsAreTheWorstFirstAndFew) {
   EXPECT_EQ(faults[1].worst_frame, 37);
 }
 
-TEST_F(MeasureQuality, VeryShortMotions) {
+TEST_F(MeasureQuality, HandlesVeryShortMotions) {
   for (const int frames : {1, 2, 3}) {
     const HumanClip human = standing_human(frames);
     const QualityReport report = measure(
@@ -353,7 +353,7 @@ TEST_F(MeasureQuality, VeryShortMotions) {
   }
 }
 
-TEST_F(MeasureQuality, ASourceThatIsShorterOrLonger) {
+TEST_F(MeasureQuality, HandlesShorterOrLongerSources) {
   for (const int frames : {12, 40}) {
     const HumanClip human = standing_human(frames);
     const QualityReport report = measure(
@@ -363,7 +363,7 @@ TEST_F(MeasureQuality, ASourceThatIsShorterOrLonger) {
   }
 }
 
-TEST_F(MeasureQuality, JsonHasEveryFigureAndItsDefinition) {
+TEST_F(MeasureQuality, JsonHasAllFiguresAndDefinitions) {
   const HumanClip human = standing_human(30);
   QualityReport report = measure(
       30, [](int, auto) {}, &human);
@@ -378,7 +378,7 @@ TEST_F(MeasureQuality, JsonHasEveryFigureAndItsDefinition) {
   }
 }
 
-TEST_F(MeasureQuality, TextHasAColumnPerMotionAndNamesWhatMissed) {
+TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
   std::vector<QualityReport> reports;
   reports.push_back(measure(10, [](int, auto) {}));
   reports.push_back(measure(10, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0; }));
@@ -393,7 +393,7 @@ TEST_F(MeasureQuality, TextHasAColumnPerMotionAndNamesWhatMissed) {
   EXPECT_THAT(text, HasSubstr("jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
 }
 
-TEST_F(MeasureQuality, TextTellsBothLeansWhereTheirGateIsMissed) {
+TEST_F(MeasureQuality, TextShowsBothLeansIfTheirGateIsMissed) {
   QualityReport report;
   report.values = {{find_metric("trunk_lean_error_deg"), 22.0, 30.0}};
   report.trunk_lean = TrunkLean{.human = 25.5, .robot = 3.5};
@@ -404,10 +404,10 @@ TEST_F(MeasureQuality, TextTellsBothLeansWhereTheirGateIsMissed) {
   gates.set({"trunk_lean_error_deg", std::nullopt, 10.0});
   gates.judge(report);
   EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("on the mean the robot leans by 3.5 degrees, the human by 25.5"));
+              HasSubstr("on average the robot leans by 3.5 degrees, the human by 25.5"));
 }
 
-TEST(Metrics, KeysAreDistinctAndFound) {
+TEST(Metrics, KeysAreUniqueAndFound) {
   for (const Metric& metric : quality_metrics()) {
     EXPECT_EQ(find_metric(metric.key), &metric);
     EXPECT_FALSE(metric.unit.empty() || metric.definition.empty() || metric.source.empty());
@@ -415,7 +415,7 @@ TEST(Metrics, KeysAreDistinctAndFound) {
   EXPECT_EQ(find_metric("no_metric"), nullptr);
 }
 
-TEST(Metrics, AreDefinedInTheDocumentationInTheSameWords) {
+TEST(Metrics, DefinitionsMatchTheDocumentation) {
   const auto page = read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md");
   ASSERT_TRUE(page) << describe(page.error());
   for (const Metric& metric : quality_metrics()) {
@@ -426,7 +426,7 @@ TEST(Metrics, AreDefinedInTheDocumentationInTheSameWords) {
   }
 }
 
-TEST(GatesTest, AreReadReplacedAndRemoved) {
+TEST(GatesTest, ReadsReplacesAndRemovesGates) {
   Gates gates;
   ASSERT_TRUE(gates.add_json(
       R"({"gates": {"jumps": 0, "limit_pct": {"max": 1}, "contact_height_p50_cm": {"min": -1, "max": 1}}})",
@@ -455,7 +455,7 @@ TEST(GatesTest, JudgeByInclusiveBounds) {
   EXPECT_FALSE(report.gates[1].passed);
 }
 
-TEST(GatesTest, BoundsGrowWithTheLegsThatTheyAreFor) {
+TEST(GatesTest, BoundsScaleWithLegLength) {
   Gates gates;
   ASSERT_TRUE(gates.add_json(
       R"({"gates": {"stance_slip_mean": {"max": 0.002, "leg_m": 0.6}, "jumps": 2,
@@ -487,7 +487,7 @@ TEST(GatesTest, BoundsGrowWithTheLegsThatTheyAreFor) {
   EXPECT_EQ(bounds(std::nullopt), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
 }
 
-TEST(GatesTest, LegsMustHaveALength) {
+TEST(GatesTest, RejectsInvalidLegLength) {
   Gates gates;
   for (const char* gate :
        {R"({"max": 1, "leg_m": 0})", R"({"max": 1, "leg_m": "long"})", R"({"leg_m": 0.6})"}) {
@@ -498,14 +498,14 @@ TEST(GatesTest, LegsMustHaveALength) {
   EXPECT_TRUE(gates.all().empty());
 }
 
-TEST(GatesTest, FaultsAreNamedAllAtOnce) {
+TEST(GatesTest, ReportsAllErrorsTogether) {
   Gates gates;
   const auto done = gates.add_json(
       R"({"gates": {"jmps": 0, "acc_p99": "low", "limit_pct": {"most": 1}, "self_max_cm": {}}})",
       "g.json");
   ASSERT_FALSE(done);
   const std::string text = describe(done.error());
-  EXPECT_THAT(text, HasSubstr("4 faults in the gates"));
+  EXPECT_THAT(text, HasSubstr("4 errors in the gates"));
   EXPECT_THAT(text, HasSubstr("did you mean \"jumps\"?"));
   EXPECT_EQ(done.error().kind, ErrorKind::kConfig);
   EXPECT_TRUE(gates.all().empty());
@@ -513,7 +513,7 @@ TEST(GatesTest, FaultsAreNamedAllAtOnce) {
   EXPECT_FALSE(gates.add_json("[", "g.json"));
 }
 
-TEST(GatesTest, TheDefaultsAreGates) {
+TEST(GatesTest, DefaultFileIsValid) {
   Gates gates;
   const auto done =
       gates.add_file(std::string(RETARGET_SOURCE_DIR) + "/configs/quality/default.json");

@@ -139,7 +139,7 @@ const MetricValue& error_of(const QualityReport& report) {
   return found == nullptr ? kNone : *found;
 }
 
-TEST_F(TrunkLeanTest, BodiesThatStandDoNotLeanWhateverTheirLines) {
+TEST_F(TrunkLeanTest, StandingBodiesDoNotLean) {
   const QualityReport report = measure(standing(), Quaterniond::Identity());
   EXPECT_NEAR(error_of(report).value, 0.0, 1e-9);
   ASSERT_TRUE(report.trunk_lean);
@@ -154,7 +154,7 @@ TEST_F(TrunkLeanTest, BodiesThatStandDoNotLeanWhateverTheirLines) {
   EXPECT_NEAR(report.trunk_lean->robot_standing, robot_line, 1e-9);
 }
 
-TEST_F(TrunkLeanTest, IsThatOfTheBendInEveryDirection) {
+TEST_F(TrunkLeanTest, MatchesTheBendInEveryDirection) {
   for (const Vector3d& axis : {Vector3d(0, 1, 0), Vector3d(0, -1, 0), Vector3d(1, 0, 0),
                                Vector3d(-1, 0, 0), Vector3d(0.6, 0.8, 0)}) {
     const QualityReport report = measure(bent(about(axis, 25.0)), about(axis, 40.0));
@@ -166,7 +166,7 @@ TEST_F(TrunkLeanTest, IsThatOfTheBendInEveryDirection) {
   }
 }
 
-TEST_F(TrunkLeanTest, AddsUpOverPelvisAndWaist) {
+TEST_F(TrunkLeanTest, SumsPelvisAndWaist) {
   // 10 degrees by the pelvis and 20 by the waist are the 30 of the human
   const QualityReport report =
       measure(bent(about(Vector3d::UnitY(), 30.0)), about(Vector3d::UnitY(), 10.0), 20.0);
@@ -175,7 +175,7 @@ TEST_F(TrunkLeanTest, AddsUpOverPelvisAndWaist) {
   EXPECT_NEAR(error_of(report).value, 0.0, 1e-9);
 }
 
-TEST_F(TrunkLeanTest, DoesNotCareWhereTheBodyFaces) {
+TEST_F(TrunkLeanTest, IsIndependentOfFacing) {
   const Quaterniond human_yaw = about(Vector3d::UnitZ(), 130.0);
   const HumanClip human = human_in(
       10, [&](int) { return human_yaw; }, [](int) { return about(Vector3d::UnitY(), 35.0); });
@@ -184,7 +184,7 @@ TEST_F(TrunkLeanTest, DoesNotCareWhereTheBodyFaces) {
   EXPECT_NEAR(error_of(report).value, 5.0, 1e-9);
 }
 
-TEST_F(TrunkLeanTest, IsAMeanOverFramesAndNamesThoseThatAreFarOff) {
+TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
   // the human bows by 0, 4, ... 36 degrees, the robot stands
   const HumanClip human = human_in(
       10, [](int) { return Quaterniond::Identity(); },
@@ -200,7 +200,7 @@ TEST_F(TrunkLeanTest, IsAMeanOverFramesAndNamesThoseThatAreFarOff) {
   EXPECT_NEAR(fault->amount, 36.0, 1e-9);
 }
 
-TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
+TEST_F(TrunkLeanTest, DoesNotNeedMappedHands) {
   ResolvedMapping tables = tables_;
   EXPECT_EQ(leave_out_bones(tables, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
   const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
@@ -211,7 +211,7 @@ TEST_F(TrunkLeanTest, IsThatOfBodiesWhoseHandsNothingFollowsToo) {
   EXPECT_NEAR(report.leg.value_or(0.0), 0.6, 1e-9);
 }
 
-TEST_F(TrunkLeanTest, IsLeftOutOfBodiesWithoutShoulders) {
+TEST_F(TrunkLeanTest, IsOmittedWithoutShoulders) {
   HumanClip human = standing();
   human.sources[Bone::kLeftArm].clear();
   const QualityReport report = measure(human, Quaterniond::Identity());

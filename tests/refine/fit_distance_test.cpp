@@ -49,14 +49,14 @@ Pose moved(const Vector3d& by) {
   return {Eigen::Quaterniond::Identity(), by};
 }
 
-TEST(FitDistance, OfBalls) {
+TEST(FitDistance, SphereSphere) {
   const auto found =
       fit_distance(shape({}, 0.1), moved({0, 0, 0}), shape({}, 0.2), moved({1, 0, 0}));
   EXPECT_NEAR(found.distance, 0.7, 1e-15);
   EXPECT_TRUE(found.normal.isApprox(Vector3d(-1, 0, 0)));
 }
 
-TEST(FitDistance, OfCrossedCapsules) {
+TEST(FitDistance, CrossedCapsules) {
   const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0.3, 0, 0}),
                                   shape({{0, 1, 0}}, 0.2), moved({0, 0.4, -0.25}));
   EXPECT_NEAR(found.distance, -0.05, 1e-15);
@@ -64,20 +64,20 @@ TEST(FitDistance, OfCrossedCapsules) {
   EXPECT_TRUE(found.normal.isApprox(Vector3d(0, 0, 1)));
 }
 
-TEST(FitDistance, OfACapsuleEndAndAPlate) {
+TEST(FitDistance, CapsuleEndPlate) {
   const auto found = fit_distance(shape({{0, 0, 0.5}}, 0.1), moved({0.2, 0.1, 1.0}),
                                   shape({{0.4, 0, 0}, {0, 0.3, 0}}, 0.05), moved({0, 0, 0}));
   EXPECT_NEAR(found.distance, 0.5 - 0.15, 1e-12);
 }
 
-TEST(FitDistance, LinesThatCrossPartSquareToBoth) {
+TEST(FitDistance, CrossingLinesSeparatePerpendicularly) {
   const auto found = fit_distance(shape({{1, 0, 0}}, 0.1), moved({0, 0.5, 0}),
                                   shape({{0, 1, 0}}, 0.2), moved({0, 0, 0}));
   EXPECT_NEAR(found.distance, -0.3, 1e-9);
   EXPECT_NEAR(std::abs(found.normal.z()), 1.0, 1e-12);
 }
 
-TEST(FitDistance, ABoxInABoxGoesOutTheShortestWay) {
+TEST(FitDistance, BoxInsideBoxUsesTheShortestSeparation) {
   // 0.3 of two metres along x lie in each other, more along y and z
   const auto found =
       fit_distance(shape({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05), moved({1.7, 0.2, 0}),
@@ -98,7 +98,7 @@ double move_of_points(const RoundedShape& a, const RoundedShape& b, const Vector
   return std::max((one.on_a - other.on_a).norm(), (one.on_b - other.on_b).norm());
 }
 
-TEST(FitDistance, TheLastBitsOfShapesAlongsideDoNotChooseThePoints) {
+TEST(FitDistance, NearParallelShapesAreStableToRounding) {
   // two feet in each other, one 2 cm ahead
   const RoundedShape foot = shape({{0.1, 0, 0}, {0, 0.04, 0}, {0, 0, 0.02}}, 0.008);
   const Vector3d bits(1e-9, 1.5e-9, 2e-9);
@@ -112,7 +112,7 @@ TEST(FitDistance, TheLastBitsOfShapesAlongsideDoNotChooseThePoints) {
 }
 
 // boxes in each other: as the exact distance has it, and its change as the normal and point say
-TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
+TEST(FitDistance, OverlappingBoxesHaveExactDepth) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
@@ -148,7 +148,7 @@ TEST(FitDistance, OfBoxesInEachOtherIsTheExactDepth) {
   EXPECT_GT(seen, 100);
 }
 
-TEST(FitDistance, NoPairOfPointsIsNearer) {
+TEST(FitDistance, NearestPointsAreTheNearest) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };

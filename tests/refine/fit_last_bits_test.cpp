@@ -62,13 +62,13 @@ Clip sample(const std::string& name, int begin, int end) {
   return cut(clip->clip, begin, end);
 }
 
-TEST(FitLastBits, OfASourceDoNotDecideWhatStandsOnTheFloor) {
+TEST(FitLastBits, FloorContactsAreStableToRounding) {
   // starts are lifted until their lowest point is on the floor exactly
   EXPECT_LT(apart(load_g1(), "lafan1_to_unitree_g1.json", sample("get_up.bvh", 50, 100)),
             kSameMotion);
 }
 
-TEST(FitLastBits, OfASourceDoNotDecideWhereFeetSideBySideTouch) {
+TEST(FitLastBits, FootContactsAreStableToRounding) {
   // boxes with parallel faces: Talos' feet stand in each other where the source's do not
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/pal_talos/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/pal_talos/robot.json");

@@ -102,7 +102,7 @@ class FitTest : public testing::Test {
 };
 std::shared_ptr<const Robot> FitTest::robot_;
 
-TEST_F(FitTest, AWalkStandsOnTheFloorAndDoesNotSlide) {
+TEST_F(FitTest, WalkStandsOnTheFloorWithoutSliding) {
   const FitResult result = fitted(cut(sample("walk.bvh"), 60, 120));
   expect_guarantees(result.clip);
   EXPECT_TRUE(result.report.floor_found);
@@ -119,7 +119,7 @@ TEST_F(FitTest, AWalkStandsOnTheFloorAndDoesNotSlide) {
   EXPECT_LT(contact->after, contact->before);
 }
 
-TEST_F(FitTest, FeetStandOnWhatIsAboveTheFloor) {
+TEST_F(FitTest, FeetStandOnRaisedSupports) {
   // everything is lifted by 0.3 m in a third of a second, as if by a platform
   Clip clip = cut(sample("wave.bvh"), 0, 70);
   constexpr int kFirst = 30, kLast = 40;
@@ -148,7 +148,7 @@ TEST_F(FitTest, FeetStandOnWhatIsAboveTheFloor) {
   }
 }
 
-TEST_F(FitTest, ThePlacesOfContactsSettle) {
+TEST_F(FitTest, ContactPositionsConverge) {
   // one more step that moves them hardly changes the motion
   const Clip clip = cut(sample("walk.bvh"), 60, 120);
   FitOptions options;
@@ -165,7 +165,7 @@ TEST_F(FitTest, ThePlacesOfContactsSettle) {
   EXPECT_LT(most, 0.002);
 }
 
-TEST_F(FitTest, SamplesKeepTheGuarantees) {
+TEST_F(FitTest, SamplesSatisfyTheGuarantees) {
   for (const char* name : {"get_up.bvh", "squat.bvh", "turn_in_place.bvh", "wave.bvh"}) {
     SCOPED_TRACE(name);
     FitOptions options;
@@ -174,7 +174,7 @@ TEST_F(FitTest, SamplesKeepTheGuarantees) {
   }
 }
 
-TEST_F(FitTest, NarrowLimitsHoldAndAreSaid) {
+TEST_F(FitTest, NarrowLimitsHoldAndAreReported) {
   // no joint may turn faster than a quarter of a turn in a second
   FitOptions options;
   options.speed_most = 0.6;
@@ -191,7 +191,7 @@ TEST_F(FitTest, NarrowLimitsHoldAndAreSaid) {
   }
 }
 
-TEST_F(FitTest, BoundsHoldForSourcesThatNobodyCouldFollow) {
+TEST_F(FitTest, BoundsHoldForImpossibleSources) {
   // every joint anywhere in every frame, the root metres away from where it was
   const Clip walk = sample("walk.bvh");
   for (const unsigned seed : {1U}) {
@@ -219,7 +219,7 @@ TEST_F(FitTest, BoundsHoldForSourcesThatNobodyCouldFollow) {
   }
 }
 
-TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
+TEST_F(FitTest, OverlappingFeetAreSeparated) {
   // the T1 is small and its feet are not: a source whose feet stand side by side
   const auto robot = load_robot_files(RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/model.xml",
                                       RETARGET_SOURCE_DIR "/robots/booster_t1_29dof/robot.json");
@@ -240,7 +240,7 @@ TEST_F(FitTest, FeetThatWouldStandInEachOtherAreSetApart) {
             std::pow(options.self_collision_weight * options.self_collision_margin, 2));
 }
 
-TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
+TEST_F(FitTest, HandlesClipsOfOneAndTwoFrames) {
   const Clip whole = sample("walk.bvh");
   for (const int frames : {1, 2, 3}) {
     const FitResult result = fitted(cut(whole, 10, 10 + frames));
@@ -249,7 +249,7 @@ TEST_F(FitTest, ClipsOfOneAndTwoFrames) {
   }
 }
 
-TEST_F(FitTest, ThreadsDoNotChangeABit) {
+TEST_F(FitTest, ThreadCountDoesNotChangeTheResult) {
   // 13 windows and their seams, and those in front are solved before the last have their start
   FitOptions options;
   options.window = 0.8;
@@ -271,7 +271,7 @@ TEST_F(FitTest, ThreadsDoNotChangeABit) {
   }
 }
 
-TEST_F(FitTest, WindowsAgreeWithTheWholeClip) {
+TEST_F(FitTest, WindowsMatchTheWholeClip) {
   const Clip clip = cut(sample("walk.bvh"), 40, 110);
   FitOptions options;
   options.iterations = 8;
@@ -294,7 +294,7 @@ TEST_F(FitTest, WindowsAgreeWithTheWholeClip) {
   EXPECT_LT(most, 0.1);
 }
 
-TEST_F(FitTest, TheFrameRateDoesNotMatter) {
+TEST_F(FitTest, IsIndependentOfTheFrameRate) {
   const Clip clip = cut(sample("walk.bvh"), 60, 90);
   const auto faster = resample(clip, frame_rate_from_fps(60.0), {});
   ASSERT_TRUE(faster.has_value());
@@ -312,7 +312,7 @@ TEST_F(FitTest, TheFrameRateDoesNotMatter) {
   EXPECT_LT(sum / (36.0 * at_30.frame_count()), 0.01);
 }
 
-TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
+TEST_F(FitTest, HandlesRobotWithoutSolesAndShapes) {
   const auto bare = load_robot_files(RETARGET_SOURCE_DIR "/robots/unitree_g1/model.xml");
   ASSERT_TRUE(bare.has_value());
   const Clip clip = cut(sample("walk.bvh"), 0, 10);
@@ -325,7 +325,7 @@ TEST_F(FitTest, ARobotWithoutSolesAndShapesGoesWithoutThem) {
   EXPECT_THAT(result->report.notes.front(), HasSubstr("no soles"));
 }
 
-TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
+TEST_F(FitTest, UnusablePositionsAreAnErrorWithTheFrame) {
   Clip clip = cut(sample("walk.bvh"), 0, 20);
   const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   for (const double x : {1e150, std::numeric_limits<double>::quiet_NaN()}) {
@@ -337,7 +337,7 @@ TEST_F(FitTest, PositionsThatCannotBeComputedWithAreAnErrorWithTheirFrame) {
   }
 }
 
-TEST_F(FitTest, CanBeStopped) {
+TEST_F(FitTest, CanBeInterrupted) {
   const Clip clip = cut(sample("walk.bvh"), 0, 20);
   const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   FitRun run;
@@ -347,7 +347,7 @@ TEST_F(FitTest, CanBeStopped) {
   EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
 }
 
-TEST_F(FitTest, CanBeStoppedWhileTheFirstStageRuns) {
+TEST_F(FitTest, CanBeInterruptedDuringTheFirstStage) {
   const Clip clip = cut(sample("walk.bvh"), 0, 100);
   const HumanMapping mapping = lafan1_mapping(clip.skeleton());
   FitOptions options;

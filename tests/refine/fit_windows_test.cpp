@@ -14,7 +14,7 @@ FitClip clip_of(int frames, std::vector<PlantedPhase> phases) {
   return clip;
 }
 
-TEST(FitWindows, CoverEveryFrameOnceAndSeamsLieOverTheirBorders) {
+TEST(FitWindows, CoverEveryFrameOnceWithSeamsOverBorders) {
   const FitWindows plan = plan_windows(clip_of(4918, {}), FitOptions{});
   ASSERT_EQ(plan.windows.size(), 8U);
   ASSERT_EQ(plan.seams.size(), 7U);
@@ -38,7 +38,7 @@ TEST(FitWindows, CoverEveryFrameOnceAndSeamsLieOverTheirBorders) {
   }
 }
 
-TEST(FitWindows, WaitForTheContactsThatTheyCut) {
+TEST(FitWindows, WaitForContactsAcrossTheirBorders) {
   // one end of a foot or another stands all the time: contacts of 1 s follow each other
   std::vector<PlantedPhase> phases;
   for (int begin = 0; begin + 60 <= 1800; begin += 30) {
@@ -57,7 +57,7 @@ TEST(FitWindows, WaitForTheContactsThatTheyCut) {
   EXPECT_EQ(plan.frames_needed.back(), 1800);
 }
 
-TEST(FitWindows, OfAShortClipThereIsOne) {
+TEST(FitWindows, ShortClipHasOneWindow) {
   for (const int frames : {0, 1, 2, 300}) {
     const FitWindows plan = plan_windows(clip_of(frames, {}), FitOptions{});
     ASSERT_EQ(plan.windows.size(), 1U);

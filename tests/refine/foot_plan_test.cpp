@@ -44,14 +44,14 @@ FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
   return plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale);
 }
 
-TEST(FootPlan, FindsTheHeightsAtWhichFeetStand) {
+TEST(FootPlan, FindsStandingHeights) {
   const StandingHeights found = find_standing_heights(make_feet(3.0, 30.0, step), {});
   EXPECT_TRUE(found.found);
   EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
   EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
 }
 
-TEST(FootPlan, FeetThatLieDoNotCountAsStanding) {
+TEST(FootPlan, LyingFeetAreNotStanding) {
   SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
   // for half of the time the foot lies flat on its back, lower than it stands
   for (std::size_t frame = 45; frame < feet.feet.size(); ++frame) {
@@ -63,7 +63,7 @@ TEST(FootPlan, FeetThatLieDoNotCountAsStanding) {
   EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
 }
 
-TEST(FootPlan, AMomentBelowTheFloorIsNoFloor) {
+TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
   // stands for ten seconds, and sinks in by 18 cm behind a flip
   const auto feet = make_feet(12.0, 30.0, [](double t) {
     const bool sunk = t > 10.5 && t < 11.1;
@@ -75,7 +75,7 @@ TEST(FootPlan, AMomentBelowTheFloorIsNoFloor) {
   EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
 }
 
-TEST(FootPlan, WhatIsSteppedDownToIsTheFloor) {
+TEST(FootPlan, FloorIsTheLevelSteppedDownTo) {
   struct Case {
     double up, down, height;  // seconds on a box, on the floor; metres
   };
@@ -88,7 +88,7 @@ TEST(FootPlan, WhatIsSteppedDownToIsTheFloor) {
   }
 }
 
-TEST(FootPlan, OfStairsTheLowestStepIsTheFloor) {
+TEST(FootPlan, LowestStepOfStairsIsTheFloor) {
   // fifteen steps, none of which carries for a tenth of the time
   const auto feet = make_feet(22.5, 30.0, [](double t) {
     return FootPlace{0.0, 0.15 * std::floor(t / 1.5)};
@@ -96,7 +96,7 @@ TEST(FootPlan, OfStairsTheLowestStepIsTheFloor) {
   EXPECT_NEAR(find_standing_heights(feet, {}).toe, kToeHeight, 1e-12);
 }
 
-TEST(FootPlan, AFootThatNeverStandsGivesAGuess) {
+TEST(FootPlan, GuessesTheFloorIfNoFootStands) {
   const auto feet = make_feet(2.0, 30.0, [](double t) { return FootPlace{2.0 * t, 0.0}; });
   const StandingHeights found = find_standing_heights(feet, {});
   EXPECT_FALSE(found.found);
@@ -104,7 +104,7 @@ TEST(FootPlan, AFootThatNeverStandsGivesAGuess) {
   EXPECT_GT(found.ankle, found.toe);
 }
 
-TEST(FootPlan, PhasesAreThoseOfTheStep) {
+TEST(FootPlan, FindsPhasesOfAStep) {
   const FootPlan plan = plan_of(make_feet(3.0, 30.0, step));
   ASSERT_EQ(plan.phases.size(), 4U);
   for (const int end : {kHeel, kToe}) {
@@ -121,7 +121,7 @@ TEST(FootPlan, PhasesAreThoseOfTheStep) {
   EXPECT_EQ(plan.ends_of(35)[0].phase, -1);
 }
 
-TEST(FootPlan, PhasesAreTheSameTimesAtEveryFrameRate) {
+TEST(FootPlan, PhasesAreIndependentOfTheFrameRate) {
   for (const double fps : {24.0, 25.0, 60.0, 120.0, 240.0}) {
     const FootPlan plan = plan_of(make_feet(3.0, fps, step));
     ASSERT_EQ(plan.phases.size(), 4U) << fps;
@@ -130,7 +130,7 @@ TEST(FootPlan, PhasesAreTheSameTimesAtEveryFrameRate) {
   }
 }
 
-TEST(FootPlan, ASlowFootStaysPlantedUntilTheReleaseSpeed) {
+TEST(FootPlan, PlantedFootIsReleasedAtTheReleaseSpeed) {
   // 0.2 m/s lies between the speed that plants and the one that releases
   const auto later = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{t < 1.0 ? 0.0 : 0.2 * (t - 1.0), 0.0};
@@ -144,7 +144,7 @@ TEST(FootPlan, ASlowFootStaysPlantedUntilTheReleaseSpeed) {
   EXPECT_EQ(plan_of(sooner).phases[0].begin, 60);
 }
 
-TEST(FootPlan, ShortContactsAreNone) {
+TEST(FootPlan, DropsShortContacts) {
   // at rest for less than a tenth of a second
   const auto feet = make_feet(3.0, 30.0, [](double t) {
     return t < 1.0 ? FootPlace{} : FootPlace{t < 1.5 ? t - 1.0 : std::max(0.5, t - 1.1), 0.0};
@@ -154,7 +154,7 @@ TEST(FootPlan, ShortContactsAreNone) {
   EXPECT_EQ(plan.phases[0].begin, 0);
 }
 
-TEST(FootPlan, AFootOnItsSideIsPinnedButNotInHeight) {
+TEST(FootPlan, FootOnItsSideIsPlantedOnlyHorizontally) {
   SourceFeet feet = make_feet(2.0, 30.0, [](double) { return FootPlace{}; });
   for (std::size_t frame = 30; frame < feet.feet.size(); ++frame) {
     feet.feet[frame].up = 0.05;
@@ -169,7 +169,7 @@ TEST(FootPlan, AFootOnItsSideIsPinnedButNotInHeight) {
   EXPECT_EQ(plan.upright_of(50)[0], 0.0);
 }
 
-TEST(FootPlan, ClearanceIsScaledAndCountsMoreInFlight) {
+TEST(FootPlan, ScalesClearanceAndWeightsFlight) {
   const FootPlan plan = plan_of(make_feet(3.0, 30.0, step), 0.5);
   // in the middle of the step, a quarter of a metre up
   const FootEndGoal& middle = plan.ends_of(38)[0];
@@ -178,7 +178,7 @@ TEST(FootPlan, ClearanceIsScaledAndCountsMoreInFlight) {
   EXPECT_EQ(plan.ends_of(10)[0].importance, 1.0);
 }
 
-TEST(FootPlan, WhatStandsOnABoxDoesNotFly) {
+TEST(FootPlan, StandingOnABoxIsNotFlight) {
   const auto feet = make_feet(4.0, 30.0, [](double t) {
     return FootPlace{0.0, t < 2.0 ? 0.0 : 0.3};
   });
@@ -191,7 +191,7 @@ FootPlace step_up(double t) {
   return {0.5 * way, 0.3 * way};
 }
 
-TEST(FootPlan, WhatIsStillAboveTheFloorStandsOnSomething) {
+TEST(FootPlan, StillRaisedFootIsSupported) {
   for (const double fps : {30.0, 120.0}) {
     const FootPlan plan = plan_of(make_feet(3.0, fps, step_up), 0.5);
     ASSERT_EQ(plan.phases.size(), 4U) << fps;
@@ -208,7 +208,7 @@ TEST(FootPlan, WhatIsStillAboveTheFloorStandsOnSomething) {
   }
 }
 
-TEST(FootPlan, HeelAndToeOfAFlatFootStandEquallyHigh) {
+TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {
   SourceFeet feet = make_feet(3.0, 30.0, step_up);
   for (SourceFoot& foot : feet.feet) {
     if (foot.ankle.z() > kAnkleHeight + 0.2) foot.toe.z() += 0.02;
@@ -218,7 +218,7 @@ TEST(FootPlan, HeelAndToeOfAFlatFootStandEquallyHigh) {
   EXPECT_EQ(plan.ends_of(75)[kHeel].support, plan.ends_of(75)[kToe].support);
 }
 
-TEST(FootPlan, TheToeStaysOnTheStepWhileTheHeelIsLifted) {
+TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
   SourceFeet feet = make_feet(3.0, 30.0, step_up);
   for (std::size_t frame = 75; frame < feet.feet.size(); ++frame) {
     feet.feet[frame].ankle.z() += 0.5 * (static_cast<double>(frame) / 30.0 - 2.5);
@@ -229,7 +229,7 @@ TEST(FootPlan, TheToeStaysOnTheStepWhileTheHeelIsLifted) {
   EXPECT_NEAR(plan.ends_of(85)[kToe].support, 0.3, 1e-12);
 }
 
-TEST(FootPlan, FeetInTheAirStandOnNothing) {
+TEST(FootPlan, FeetInTheAirAreNotPlanted) {
   // a foot that lingers at the height of a slow kick, and one that is held there but sways
   const auto kick = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{0.0, t < 1.0 ? 0.0 : 0.4 * std::max(0.0, 1.0 - std::abs(t - 2.0))};
@@ -244,7 +244,7 @@ TEST(FootPlan, FeetInTheAirStandOnNothing) {
   }
 }
 
-TEST(FootPlan, WhoDoesNotFallDoesNotFly) {
+TEST(FootPlan, FlightRequiresFreeFall) {
   // feet go up and down while the hips stay where they are, or rise by g T^2 / 8
   SourceFeet feet = make_feet(3.0, 30.0, step);
   feet.hips.assign(feet.feet.size(), 0.2);
@@ -256,7 +256,7 @@ TEST(FootPlan, WhoDoesNotFallDoesNotFly) {
   EXPECT_NEAR(plan_of(feet).ends_of(38)[kToe].importance, 5.0, 1e-9);
 }
 
-TEST(FootPlan, OfATuckedFootInFlightTheLowerEndCounts) {
+TEST(FootPlan, TuckedFootInFlightUsesItsLowerEnd) {
   // a step into the air with the foot pointing down: the ankle a foot's length over the toe
   SourceFeet feet = make_feet(3.0, 30.0, step);
   for (std::size_t frame = 34; frame < 42; ++frame) {

@@ -150,7 +150,7 @@ class FrameTermsTest : public testing::Test {
   TermCosts costs_{};
 };
 
-TEST_F(FrameTermsTest, GradientIsThatOfTheCost) {
+TEST_F(FrameTermsTest, GradientMatchesTheCost) {
   FitOptions options;
   options.self_collision = false;
   use(options);
@@ -167,7 +167,7 @@ TEST_F(FrameTermsTest, GradientIsThatOfTheCost) {
   EXPECT_EQ(seen.size(), static_cast<std::size_t>(kTermSelfCollision));
 }
 
-TEST_F(FrameTermsTest, GradientOfOverlapsIsThatOfTheirCost) {
+TEST_F(FrameTermsTest, OverlapGradientMatchesTheCost) {
   FitOptions options;
   options.tracking = options.floor = options.contact = options.foot_height = false;
   use(options);
@@ -183,7 +183,7 @@ TEST_F(FrameTermsTest, GradientOfOverlapsIsThatOfTheirCost) {
   EXPECT_GT(overlaps, 3);
 }
 
-TEST_F(FrameTermsTest, HessianIsTheChangeOfTheGradientWhereResidualsVanish) {
+TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
   FitOptions options;
   options.floor = options.self_collision = options.foot_height = false;
   options.contact = true;
@@ -205,7 +205,7 @@ TEST_F(FrameTermsTest, HessianIsTheChangeOfTheGradientWhereResidualsVanish) {
   }
 }
 
-TEST_F(FrameTermsTest, TermsCanBeLeftOut) {
+TEST_F(FrameTermsTest, TermsCanBeDisabled) {
   const auto qpos = random_configuration(0.5, 0.2);
   FitOptions options;
   ASSERT_TRUE(leave_out_terms(options, std::vector<std::string>{"tracking", "floor", "contact",
@@ -215,7 +215,7 @@ TEST_F(FrameTermsTest, TermsCanBeLeftOut) {
   EXPECT_EQ(assemble(qpos), 0.0);
 }
 
-TEST_F(FrameTermsTest, PosesAreThoseOfTheRobot) {
+TEST_F(FrameTermsTest, PosesMatchTheRobot) {
   for (int round = 0; round < 5; ++round) {
     const auto qpos = random_configuration(0.8, 1.0);
     TreeState pose(model_.tree);
@@ -232,7 +232,7 @@ TEST_F(FrameTermsTest, PosesAreThoseOfTheRobot) {
   }
 }
 
-TEST_F(FrameTermsTest, StepsHaveTheGradientOfTheirCost) {
+TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
   FitClip clip;
   clip.frame_count = 6;
   clip.frame_time = 1.0 / 60.0;
@@ -292,7 +292,7 @@ TEST_F(FrameTermsTest, StepsHaveTheGradientOfTheirCost) {
               1e-4 * std::abs(gradient) + 1e-3);
 }
 
-TEST_F(FrameTermsTest, StepsCurveAtLeastAsTheirCostDoes) {
+TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
   FitClip clip;
   clip.frame_count = 9;
   for (int frame = 0; frame < clip.frame_count; ++frame) {
@@ -328,7 +328,7 @@ TEST_F(FrameTermsTest, StepsCurveAtLeastAsTheirCostDoes) {
   }
 }
 
-TEST_F(FrameTermsTest, NearPairsAreFoundAmongAllPairs) {
+TEST_F(FrameTermsTest, FindsAllNearPairs) {
   constexpr double kWithin = 0.03;
   std::size_t most = 0;
   for (int round = 0; round < 5; ++round) {

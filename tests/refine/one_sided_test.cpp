@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kBand = 0.003;
 
-TEST(OneSided, NothingAboveTheBand) {
+TEST(OneSided, IsZeroAboveTheBand) {
   for (const double value : {kBand, 0.01, 1.0}) {
     const OneSidedRow row = one_sided(value, kBand);
     EXPECT_EQ(row.weight, 0.0);
@@ -19,13 +19,13 @@ TEST(OneSided, NothingAboveTheBand) {
   }
 }
 
-TEST(OneSided, TheGradientOfTheSquareBelowTheBand) {
+TEST(OneSided, MatchesTheSquareBelowTheBand) {
   const OneSidedRow row = one_sided(-0.02, kBand);
   EXPECT_EQ(row.weight, 1.0);
   EXPECT_EQ(row.residual, -0.02);
 }
 
-TEST(OneSided, GradientAndCurvatureAreThoseOfTheCost) {
+TEST(OneSided, GradientAndCurvatureMatchTheCost) {
   constexpr double kStep = 1e-7;
   for (double value = -0.0047; value < 0.0045; value += 0.0004) {
     SCOPED_TRACE(value);
@@ -38,7 +38,7 @@ TEST(OneSided, GradientAndCurvatureAreThoseOfTheCost) {
   }
 }
 
-TEST(OneSided, NoBitDecidesHowStiffItIs) {
+TEST(OneSided, CurvatureIsContinuous) {
   constexpr double kBit = 1e-15;
   for (const double value : {-kBand, 0.0, kBand}) {
     const OneSidedRow above = one_sided(value + kBit, kBand);

@@ -12,7 +12,7 @@
 namespace retarget {
 namespace {
 
-TEST(BoundSteps, KeepsBoundsOfRandomSequences) {
+TEST(BoundSteps, BoundsHoldForRandomSequences) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> value(-4.0, 4.0), width(0.01, 1.0);
   for (int round = 0; round < 200; ++round) {
@@ -32,14 +32,14 @@ TEST(BoundSteps, KeepsBoundsOfRandomSequences) {
   }
 }
 
-TEST(BoundSteps, LeavesWhatKeepsThemToTheLastDigit) {
+TEST(BoundSteps, LeavesFeasibleSequencesUnchanged) {
   std::vector<double> values = {0.1, 0.35, 0.3, 0.0, -0.2};
   const std::vector<double> given = values;
   EXPECT_EQ(bound_steps(values, -1.0, 1.0, 0.3), 0.0);
   EXPECT_EQ(values, given);
 }
 
-TEST(BoundSteps, SharesAJumpBetweenBothSides) {
+TEST(BoundSteps, SpreadsAJumpOverBothSides) {
   std::vector<double> values = {0, 0, 0, 0, 1, 1, 1, 1};
   bound_steps(values, -5.0, 5.0, 0.2);
   // a clamp from frame to frame would reach 1 four frames late; this is symmetric about the jump
@@ -49,7 +49,7 @@ TEST(BoundSteps, SharesAJumpBetweenBothSides) {
   EXPECT_NEAR(values[4] - values[3], 0.2, 1e-12);
 }
 
-TEST(BoundSteps, HoldsForTheNumbersAsPrinted) {
+TEST(BoundSteps, BoundsHoldForPrintedNumbers) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> value(-2.0, 2.0);
   constexpr double kGrid = 1e-6, kStep = 0.1;

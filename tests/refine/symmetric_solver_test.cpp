@@ -21,7 +21,7 @@ Eigen::MatrixXd random_positive(int size, std::mt19937& random) {
   return a * a.transpose() + Eigen::MatrixXd::Identity(size, size);
 }
 
-TEST(NegativeInverse, IsTheInverseWithAMinus) {
+TEST(NegativeInverse, IsTheNegatedInverse) {
   std::mt19937 random(1);
   for (const int size : {4, 8, 36, 60}) {
     const Eigen::MatrixXd wanted = random_positive(size, random);
@@ -37,7 +37,7 @@ TEST(NegativeInverse, IsTheInverseWithAMinus) {
   }
 }
 
-TEST(NegativeInverse, SaysWhatIsNotPositiveDefinite) {
+TEST(NegativeInverse, ReportsMatricesThatAreNotPositiveDefinite) {
   std::vector<double> a(16, 0.0), scratch(64);
   for (std::size_t i = 0; i < 4; ++i) a[5 * i] = 1.0;
   a[10] = -1.0;
@@ -46,7 +46,7 @@ TEST(NegativeInverse, SaysWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(negative_inverse(a.data(), 4, scratch.data(), false));
 }
 
-TEST(NegativeInverse, IsTheSameToTheLastBitWithWideVectors) {
+TEST(NegativeInverse, WideVectorsGiveIdenticalBits) {
   if (!has_wide_vectors()) GTEST_SKIP() << "the processor has no wide vectors";
   std::mt19937 random(3);
   for (const int size : {4, 12, 36, 40}) {
@@ -59,7 +59,7 @@ TEST(NegativeInverse, IsTheSameToTheLastBitWithWideVectors) {
   }
 }
 
-TEST(BlockChain, IsTheSameToTheLastBitWithWideVectors) {
+TEST(BlockChain, WideVectorsGiveIdenticalBits) {
   if (!has_wide_vectors()) GTEST_SKIP() << "the processor has no wide vectors";
   constexpr int kSize = 35, kBlocks = 5;
   std::vector<std::vector<double>> solutions;
@@ -89,7 +89,7 @@ TEST(BlockChain, IsTheSameToTheLastBitWithWideVectors) {
       0);
 }
 
-TEST(BlockChain, SolvesAsADenseSolverDoes) {
+TEST(BlockChain, MatchesADenseSolver) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (const int size : {1, 5, 35}) {

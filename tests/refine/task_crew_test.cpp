@@ -11,7 +11,7 @@
 namespace retarget {
 namespace {
 
-TEST(TaskCrew, EveryTaskIsDoneOnceByAnyNumberOfThreads) {
+TEST(TaskCrew, RunsEveryTaskOnceForAnyThreadCount) {
   for (const int threads : {0, 1, 2, 3, 7, 100}) {
     std::vector<std::atomic<int>> done(20);
     std::vector<TaskCrew::Task> tasks;
@@ -23,11 +23,11 @@ TEST(TaskCrew, EveryTaskIsDoneOnceByAnyNumberOfThreads) {
   }
 }
 
-TEST(TaskCrew, WithoutTasksItIsDone) {
+TEST(TaskCrew, HandlesNoTasks) {
   EXPECT_TRUE(TaskCrew({}, 3).finish());
 }
 
-TEST(TaskCrew, WhatWaitsComesAfterAllThatItWaitsFor) {
+TEST(TaskCrew, RespectsDependencies) {
   for (const int threads : {1, 2, 5}) {
     std::atomic<int> before = 0, seen = -1;
     std::vector<TaskCrew::Task> tasks(4);
@@ -39,7 +39,7 @@ TEST(TaskCrew, WhatWaitsComesAfterAllThatItWaitsFor) {
   }
 }
 
-TEST(TaskCrew, OtherThreadsWorkWhileTheCallerDoesSomethingElse) {
+TEST(TaskCrew, WorksInTheBackground) {
   std::promise<void> done;
   TaskCrew crew({{[&] { done.set_value(); }, 1}, {[] {}, 1}}, 2);
   auto is_done = done.get_future();
@@ -50,7 +50,7 @@ TEST(TaskCrew, OtherThreadsWorkWhileTheCallerDoesSomethingElse) {
   EXPECT_TRUE(crew.finish());
 }
 
-TEST(TaskCrew, AStoppedOneBeginsNothingAndWaitsForNothing) {
+TEST(TaskCrew, StoppedCrewStartsNothing) {
   for (const int threads : {1, 3}) {
     std::atomic<int> done = 0;
     std::vector<TaskCrew::Task> tasks(5);

@@ -33,7 +33,7 @@ std::string refusal_of(const TemporaryFolder& folder, const std::string& text) {
   return made.error().message;
 }
 
-TEST(MakeRobot, WritesAFolderThatLoadsToTheSameKinematics) {
+TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   // an anchor off the origin, a turned body, a reference position
@@ -77,7 +77,7 @@ TEST(MakeRobot, WritesAFolderThatLoadsToTheSameKinematics) {
   EXPECT_TRUE(fs::is_regular_file(*written / "decisions.md"));
 }
 
-TEST(MakeRobot, FindsTheSolesOfABoxFoot) {
+TEST(MakeRobot, FindsSolesOfABoxFoot) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);
@@ -118,7 +118,7 @@ TEST(MakeRobot, ReplacesAFolderOnlyWhenForced) {
   EXPECT_FALSE(save_robot(*made, folder.path() / "missing", false));
 }
 
-TEST(MakeRobot, NamesThatAreNoUtf8AreRefused) {
+TEST(MakeRobot, RejectsNamesThatAreNotUtf8) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   const std::size_t at = text.find("name=\"");
@@ -130,7 +130,7 @@ TEST(MakeRobot, NamesThatAreNoUtf8AreRefused) {
   EXPECT_NE(made.error().message.find("is not UTF-8"), std::string::npos) << made.error().message;
 }
 
-TEST(MakeRobot, NothingButARobotIsReplaced) {
+TEST(MakeRobot, ReplacesOnlyRobotFolders) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);
@@ -139,7 +139,7 @@ TEST(MakeRobot, NothingButARobotIsReplaced) {
     const auto saved = save_robot(*made, folder.path(), true);
     ASSERT_FALSE(saved) << what;
     EXPECT_EQ(saved.error().kind, ErrorKind::kUsage) << what;
-    EXPECT_NE(saved.error().message.find("no folder that robots add made"), std::string::npos);
+    EXPECT_NE(saved.error().message.find("not made by robots add"), std::string::npos);
   };
   fs::create_directory(place);
   is_kept("an empty folder");
@@ -164,7 +164,7 @@ TEST(MakeRobot, NothingButARobotIsReplaced) {
   EXPECT_TRUE(fs::exists(folder.path() / "kept" / "model.xml"));
 }
 
-TEST(MakeRobot, NamesThatItOnceUsedItselfAreOfOthers) {
+TEST(MakeRobot, KeepsForeignFoldersWithTemporaryNames) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);
@@ -183,7 +183,7 @@ TEST(MakeRobot, NamesThatItOnceUsedItselfAreOfOthers) {
   }
 }
 
-TEST(MakeRobot, MakesABaseFloatThatHadNoFreeJoint) {
+TEST(MakeRobot, AddsAMissingFreeJoint) {
   const TemporaryFolder folder;
   std::string text = tiny_humanoid(true);
   replace(text, "<freejoint/>", "");
@@ -232,7 +232,7 @@ std::string tiny_urdf() {
   return links + joints + "</robot>";
 }
 
-TEST(MakeRobot, TakesUrdfWithoutItsMeshes) {
+TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("tiny.urdf", tiny_urdf()), "tiny");
   ASSERT_TRUE(made) << describe(made.error());
@@ -251,7 +251,7 @@ TEST(MakeRobot, TakesUrdfWithoutItsMeshes) {
   EXPECT_THAT(made->mapping, HasSubstr("\"l_hand\": [\"LeftHand\""));
 }
 
-TEST(MakeRobot, RefusesWhatItCannotFollow) {
+TEST(MakeRobot, RejectsUnsupportedModels) {
   const TemporaryFolder folder;
   std::string looped = tiny_humanoid(true);
   replace(looped, "</mujoco>",
@@ -267,7 +267,7 @@ TEST(MakeRobot, RefusesWhatItCannotFollow) {
               AnyOf(HasSubstr("no free joint"), HasSubstr("single arm")));
 }
 
-TEST(CheckRobot, NamesFaultsAndOddities) {
+TEST(CheckRobot, ReportsErrorsAndOddities) {
   const TemporaryFolder folder;
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);

@@ -90,11 +90,11 @@ void expect_derived_no_worse(const HumanClip& human) {
   }
 }
 
-TEST(DerivedMapping, IsNoWorseThanThePublishedOnesOnASampleWalk) {
+TEST(DerivedMapping, IsAtLeastAsGoodAsPublishedOnSampleWalk) {
   expect_derived_no_worse(walking(source_folder() / "data" / "walk.bvh"));
 }
 
-TEST(DerivedMapping, IsNoWorseThanThePublishedOnesOnLafan1Walking) {
+TEST(DerivedMapping, IsAtLeastAsGoodAsPublishedOnLafan1Walk) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   expect_derived_no_worse(walking(*shared / "data" / "lafan1" / "walk4_subject1.bvh"));
@@ -102,7 +102,7 @@ TEST(DerivedMapping, IsNoWorseThanThePublishedOnesOnLafan1Walking) {
 
 // the first frame is solved from the zero configuration, whichever way the human faces: an arm that
 // is left behind then never comes back
-TEST(DerivedMapping, BringsEveryLimbAroundFromTheZeroConfiguration) {
+TEST(DerivedMapping, LimbsFollowFromTheZeroConfiguration) {
   const HumanClip walk = walking(source_folder() / "data" / "walk.bvh");
   for (const std::string name : {"unitree_g1", "booster_t1_29dof", "fourier_n1"}) {
     const auto robot = shipped(name);
@@ -123,7 +123,7 @@ TEST(DerivedMapping, BringsEveryLimbAroundFromTheZeroConfiguration) {
 }
 
 // offsets of rows on the same body and bone, as angles between the rotations
-TEST(DerivedMapping, AgreesWithThePublishedOffsets) {
+TEST(DerivedMapping, MatchesPublishedOffsets) {
   // T1's elbow chain and N1's are plain; G1's thigh frames stand 10 degrees aslant in theirs
   const std::map<std::string, double> tolerance = {{"unitree_g1", 11.0},
                                                    {"booster_t1_29dof", 4.0},
@@ -166,7 +166,7 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
   }
 }
 
-TEST(ShippedRobots, HaveTheMappingsThatTheToolDerives) {
+TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
   for (const std::string& name : list_robots(source_folder() / "robots")) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
@@ -178,7 +178,7 @@ TEST(ShippedRobots, HaveTheMappingsThatTheToolDerives) {
   }
 }
 
-TEST(ShippedRobots, StandInTheTPoseThatTheirProfilesState) {
+TEST(ShippedRobots, TPoseOfTheProfileIsATPose) {
   for (const std::string& name : list_robots(source_folder() / "robots")) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);

@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-TEST(SolveTPose, OfARobotThatStandsInOneIsItsZeroPose) {
+TEST(SolveTPose, RobotInATPoseKeepsItsZeroPose) {
   const auto robot = robot_from_text(tiny_humanoid(false));
   const auto limbs = find_limbs(*robot, "");
   ASSERT_TRUE(limbs);
@@ -42,7 +42,7 @@ TEST(SolveTPose, RaisesHangingArms) {
   }
 }
 
-TEST(SolveTPose, TellsWhatLimitsKeepFromIt) {
+TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
   std::string text = tiny_humanoid(true);
   const std::string range = "-0.3 2.5";
   text.replace(text.find(range), range.size(), "-0.3 1.0");
@@ -65,7 +65,7 @@ TEST(SolveTPose, TellsWhatLimitsKeepFromIt) {
   }
 }
 
-TEST(DeriveMapping, OffsetsTurnTheTPoseOfTheHumanIntoThatOfTheRobot) {
+TEST(DeriveMapping, OffsetsMapTheHumanTPoseToTheRobotTPose) {
   for (const bool arms_down : {false, true}) {
     const auto robot = robot_from_text(tiny_humanoid(arms_down));
     const auto limbs = find_limbs(*robot, "");
@@ -99,7 +99,7 @@ TEST(DeriveMapping, StraightLegsStayStraight) {
   EXPECT_NEAR(scales.arm * (human.upper_arm + human.forearm), 0.33, 1e-9);
 }
 
-TEST(DeriveMapping, ReadsBackFromItsText) {
+TEST(DeriveMapping, RoundTrips) {
   const auto robot = robot_from_text(tiny_humanoid(true));
   const auto limbs = find_limbs(*robot, "");
   ASSERT_TRUE(limbs);

@@ -49,7 +49,7 @@ ShapeDistance distance_of(const CollisionShape& a, const Pose& world_from_a,
   return shape_distance(place(a, world_from_a), place(b, world_from_b));
 }
 
-TEST(ShapeDistance, OfTwoSpheres) {
+TEST(ShapeDistance, SphereSphere) {
   const auto found = distance_of(sphere(0.1), at(0, 0, 0), sphere(0.2), at(0, 1, 0));
   EXPECT_DOUBLE_EQ(found.distance, 0.7);
   EXPECT_TRUE(found.normal.isApprox(Vector3d(0, 1, 0)));
@@ -59,7 +59,7 @@ TEST(ShapeDistance, OfTwoSpheres) {
                    -0.1 - 0.2);
 }
 
-TEST(ShapeDistance, OfACapsuleToItsLikes) {
+TEST(ShapeDistance, CapsuleCapsule) {
   const CollisionShape limb = capsule(0.05, 0.2);
   // side by side, one beyond the other's end, crossed, crossed and touching with their axes
   EXPECT_NEAR(distance_of(limb, at(0, 0, 0), limb, at(0.15, 0, 0.1)).distance, 0.05, 1e-15);
@@ -72,7 +72,7 @@ TEST(ShapeDistance, OfACapsuleToItsLikes) {
   EXPECT_NEAR(std::abs(crossed.normal.x()), 1.0, 1e-12);
 }
 
-TEST(ShapeDistance, OfABoxToASphereInsideIsTheWayOut) {
+TEST(ShapeDistance, BoxContainingSphere) {
   const auto found =
       distance_of(box({0.3, 0.2, 0.1}), at(0, 0, 0), sphere(0.05), at(0, 0.05, 0.08));
   EXPECT_NEAR(found.distance, -0.07, 1e-15);
@@ -81,14 +81,14 @@ TEST(ShapeDistance, OfABoxToASphereInsideIsTheWayOut) {
   EXPECT_NEAR((found.on_b - Vector3d(0, 0.05, 0.03)).norm(), 0.0, 1e-15);
 }
 
-TEST(ShapeDistance, OfTwoBoxesOverlappingByTheirFaces) {
+TEST(ShapeDistance, BoxBoxFaceOverlap) {
   const auto found =
       distance_of(box({0.3, 0.2, 0.1}), at(0, 0, 0), box({0.1, 0.1, 0.1}), at(0.39, 0, 0.05));
   EXPECT_NEAR(found.distance, -0.01, 1e-15);
   EXPECT_TRUE(found.normal.isApprox(Vector3d(1, 0, 0)));
 }
 
-TEST(ShapeDistance, LowestPoints) {
+TEST(ShapeDistance, FindsLowestPoints) {
   EXPECT_DOUBLE_EQ(lowest_point(place(sphere(0.1), at(1, 2, 3))).z(), 2.9);
   EXPECT_NEAR(lowest_point(place(capsule(0.1, 0.5), at(0, 0, 1, {0.5, 0, 0}))).z(),
               1.0 - 0.1 - 0.5 * std::cos(0.5), 1e-15);
@@ -193,7 +193,7 @@ class RandomShapes {
 
 constexpr std::array<Type, 3> kTypes = {Type::kSphere, Type::kCapsule, Type::kBox};
 
-TEST(ShapeDistance, AgreesWithMujocoOutsideAndForRoundShapesInside) {
+TEST(ShapeDistance, MatchesMujocoOutsideAndForRoundShapesInside) {
   RandomShapes random;
   for (const Type type_a : kTypes) {
     for (const Type type_b : kTypes) {
@@ -228,7 +228,7 @@ TEST(ShapeDistance, AgreesWithMujocoOutsideAndForRoundShapesInside) {
 
 // moved by a little more than the depth along the normal the shapes are apart; moved by less than
 // the depth in any direction they still overlap
-TEST(ShapeDistance, DepthOfBoxesIsTheLeastWayOut) {
+TEST(ShapeDistance, BoxDepthIsTheShortestSeparation) {
   RandomShapes random;
   int inside = 0;
   for (int i = 0; i < 900; ++i) {
@@ -251,7 +251,7 @@ TEST(ShapeDistance, DepthOfBoxesIsTheLeastWayOut) {
   EXPECT_GT(inside, 150);
 }
 
-TEST(ShapeDistance, TheNormalIsTheGradient) {
+TEST(ShapeDistance, NormalIsTheGradient) {
   RandomShapes random;
   int checked = 0;
   for (int i = 0; i < 900; ++i) {
@@ -296,7 +296,7 @@ constexpr const char* kChain = R"(
   </worldbody>
 </mujoco>)";
 
-TEST(CollisionModel, TestsAllPairsButRelatives) {
+TEST(CollisionModel, TestsAllPairsExceptRelatives) {
   const auto robot = robot_from_text(kChain);
   const CollisionModel model(*robot);
   std::vector<std::pair<std::string, std::string>> found;
@@ -310,7 +310,7 @@ TEST(CollisionModel, TestsAllPairsButRelatives) {
   EXPECT_EQ(found, expected);
 }
 
-TEST(CollisionModel, LeavesOutWhatTheProfileAllows) {
+TEST(CollisionModel, ExcludesAllowedPairs) {
   const auto g1 = load_g1();
   const CollisionModel model(*g1);
   EXPECT_EQ(model.shapes().size(), 66u);
@@ -325,7 +325,7 @@ TEST(CollisionModel, LeavesOutWhatTheProfileAllows) {
 
 // every contact of MuJoCo's between bodies that may not touch is found, with its depth, and nothing
 // else; pairs with boxes are deep where MuJoCo's are
-TEST(CollisionModel, FindsMujocosContactsOfTheG1) {
+TEST(CollisionModel, MatchesMujocoContactsOfTheG1) {
   const auto g1 = load_g1();
   const CollisionModel model(*g1);
   RandomShapes random;

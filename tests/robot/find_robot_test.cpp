@@ -42,14 +42,14 @@ class FindRobotTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(FindRobotTest, ByName) {
+TEST_F(FindRobotTest, FindsByName) {
   const auto found = find_robot("maker_one", folder_.path());
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->model, folder_.path() / "maker_one" / "model.xml");
   EXPECT_EQ(found->profile, folder_.path() / "maker_one" / "robot.json");
 }
 
-TEST_F(FindRobotTest, ByFolderAndWithoutProfile) {
+TEST_F(FindRobotTest, FindsFolderWithoutProfile) {
   const fs::path folder = folder_.path() / "maker_two";
   const auto found = find_robot(folder.string(), "no/such/folder");
   ASSERT_TRUE(found.has_value());
@@ -65,7 +65,7 @@ TEST_F(FindRobotTest, UnknownNamesSuggestAndList) {
   EXPECT_THAT(find_robot("x", "no/such/folder").error().hint, HasSubstr("no robots in"));
 }
 
-TEST_F(FindRobotTest, ShortNamesThatMeanOneRobot) {
+TEST_F(FindRobotTest, ResolvesUnambiguousShortNames) {
   fs::create_directory(folder_.path() / "maker_two_with_hands");
   folder_.write("maker_two_with_hands/model.xml", "");
   const auto whole_name = [&](const std::string& name) {
@@ -87,7 +87,7 @@ TEST_F(FindRobotTest, ShortNamesThatMeanOneRobot) {
   EXPECT_THAT(error_of("_").message, HasSubstr("no robot"));
 }
 
-TEST(RobotsFolderTest, OursHaveShortNames) {
+TEST(RobotsFolderTest, IncludedRobotsHaveShortNames) {
   const fs::path robots = fs::path(RETARGET_SOURCE_DIR) / "robots";
   for (const auto& [name, whole] : {std::pair("g1", "unitree_g1"),
                                     {"G1", "unitree_g1"},
@@ -109,19 +109,19 @@ TEST(RobotsFolderTest, OursHaveShortNames) {
               HasSubstr("berkeley_humanoid_lite, pnd_adam_lite"));
 }
 
-TEST_F(FindRobotTest, FoldersAndFilesThatAreNoRobots) {
+TEST_F(FindRobotTest, RejectsFoldersAndFilesThatAreNotRobots) {
   EXPECT_THAT(error_of((folder_.path() / "no_robot").string()).message,
               HasSubstr("no file model.xml"));
   EXPECT_THAT(error_of((folder_.path() / "model.txt").string()).hint,
               HasSubstr(OPTION("robot-xml")));
 }
 
-TEST_F(FindRobotTest, ListIsSortedAndHoldsRobotsOnly) {
+TEST_F(FindRobotTest, ListIsSortedAndContainsOnlyRobots) {
   EXPECT_THAT(list_robots(folder_.path()), ElementsAre("maker_one", "maker_two"));
   EXPECT_THAT(list_robots("no/such/folder"), IsEmpty());
 }
 
-TEST(RobotsFolderTest, OursHasTheG1) {
+TEST(RobotsFolderTest, IncludesTheG1) {
   EXPECT_THAT(list_robots(fs::path(RETARGET_SOURCE_DIR) / "robots"),
               ::testing::Contains("unitree_g1"));
 }

@@ -29,7 +29,7 @@ std::string message_of(const std::string& text) {
   return full_message(limits.error());
 }
 
-TEST(LimitsTest, SetsByName) {
+TEST(LimitsTest, FindsSetsByName) {
   const auto robot = load_g1();
   for (const char* name : {"official", "gmr", "model"}) {
     const auto limits = load_limits(*robot, name);
@@ -48,7 +48,7 @@ TEST(LimitsTest, UnknownNameSuggestsAndLists) {
   EXPECT_THAT(limits.error().hint, HasSubstr("model, official, gmr"));
 }
 
-TEST(LimitsTest, JsonFileOverTheModelsRanges) {
+TEST(LimitsTest, JsonFileOverridesModelRanges) {
   const auto limits =
       limits_of_file("limits.json", R"({"left_twist": [-0.5, 0.5], "left_elbow": [1, 1]})");
   ASSERT_TRUE(limits.has_value()) << describe(limits.error());
@@ -57,25 +57,25 @@ TEST(LimitsTest, JsonFileOverTheModelsRanges) {
   EXPECT_THAT(limits->name, HasSubstr("limits.json"));
 }
 
-TEST(LimitsTest, AllFaultsOfAJsonFileAtOnce) {
+TEST(LimitsTest, ReportsAllErrorsOfAJsonFile) {
   const std::string message = message_of(
       R"({"left_elbw": [0, 1], "left_elbow": [1, 0], "left_twist": [0], "right_slide": "x"})");
-  EXPECT_THAT(message, HasSubstr("4 faults in the joint limits"));
+  EXPECT_THAT(message, HasSubstr("4 errors in the joint limits"));
   EXPECT_THAT(message, HasSubstr("did you mean \"left_elbow\"?"));
   EXPECT_THAT(message, HasSubstr("lower is above upper in [1,0]"));
   EXPECT_THAT(message, HasSubstr("found [0]"));
   EXPECT_THAT(message, HasSubstr("found \"x\""));
 }
 
-TEST(LimitsTest, NumbersThatAreNotFiniteAreRefused) {
+TEST(LimitsTest, RejectsNonFiniteNumbers) {
   EXPECT_THAT(message_of(R"({"left_elbow": [0, 1e999]})"), HasSubstr("1e999"));
-  EXPECT_THAT(message_of(R"({"left_elbow": [0, NaN]})"), HasSubstr("no valid JSON"));
+  EXPECT_THAT(message_of(R"({"left_elbow": [0, NaN]})"), HasSubstr("invalid JSON"));
   EXPECT_THAT(message_of(R"({"left_elbow": [null, 1]})"), HasSubstr("found [null,1]"));
   EXPECT_THAT(message_of("[]"), HasSubstr("must be an object"));
 }
 
 // no free joint is needed, and joints of another hand do not matter
-TEST(LimitsTest, MjcfFileByItsJointNames) {
+TEST(LimitsTest, ReadsMjcfByJointNames) {
   const auto limits = limits_of_file("limits.xml", R"(
 <mujoco><compiler angle="radian"/><worldbody>
   <body><joint name="left_elbow" range="-0.25 0.75"/><geom type="mesh" mesh="missing"/>
@@ -86,7 +86,7 @@ TEST(LimitsTest, MjcfFileByItsJointNames) {
   EXPECT_THAT(limits->upper, ElementsAre(1.5, 0.75, kInfinity, kInfinity, 0.5));
 }
 
-TEST(LimitsTest, MjcfOfAnotherRobotIsAnError) {
+TEST(LimitsTest, RejectsMjcfOfAnotherRobot) {
   const auto limits = limits_of_file(
       "other.xml",
       "<mujoco><worldbody><body><joint name='knee'/><geom size='1'/></body></worldbody></mujoco>");

@@ -94,7 +94,7 @@ TEST(LoadModelTest, MeshesAndOtherFilesAreNotNeeded) {
   EXPECT_THAT(robot->joint_names(), ElementsAre("elbow"));
 }
 
-TEST(LoadModelTest, IncludesAreFollowed) {
+TEST(LoadModelTest, FollowsIncludes) {
   const TemporaryFolder folder;
   folder.write("part.xml", "<mujocoinclude>" + std::string(kFloatingBall) + "</mujocoinclude>");
   const auto robot =
@@ -127,7 +127,7 @@ TEST(LoadModelTest, ReferenceModelsLoadWithoutTheirMeshes) {
   EXPECT_GE(loaded, 17);
 }
 
-TEST(LoadModelTest, FilesThatAreNoModelAreNamed) {
+TEST(LoadModelTest, RejectsFilesThatAreNotModels) {
   const TemporaryFolder folder;
   const auto error = [](const std::string& path) { return load_robot_files(path).error(); };
   EXPECT_THAT(error(folder.path().string()).message, HasSubstr("directory"));
@@ -135,11 +135,11 @@ TEST(LoadModelTest, FilesThatAreNoModelAreNamed) {
   EXPECT_THAT(error("-").message, HasSubstr("standard input"));
   EXPECT_THAT(error_of("").message, HasSubstr("empty"));
   EXPECT_THAT(error_of(" \n\t").message, HasSubstr("empty"));
-  EXPECT_THAT(error_of("version https://git-lfs").message, HasSubstr("no XML"));
+  EXPECT_THAT(error_of("version https://git-lfs").message, HasSubstr("not XML"));
   EXPECT_THAT(error_of("<html></html>").message, HasSubstr("cannot load the model"));
 }
 
-TEST(LoadModelTest, SyntaxErrorsHaveTheirLine) {
+TEST(LoadModelTest, SyntaxErrorsHaveALine) {
   const Error mismatch = error_of(world("<body>"));
   EXPECT_THAT(mismatch.message, AllOf(HasSubstr("not well-formed XML"), HasSubstr("not closed")));
   EXPECT_GT(mismatch.location.line, 0U);
@@ -156,7 +156,7 @@ TEST(LoadModelTest, SyntaxErrorsHaveTheirLine) {
   EXPECT_THAT(error_of(world("<include file=\"none.xml\"/>")).message, HasSubstr("none.xml"));
 }
 
-TEST(LoadModelTest, FaultsOfTheModelHaveTheirLine) {
+TEST(LoadModelTest, ModelErrorsHaveALine) {
   const Error twice = error_of(world("<body name=\"a\"/>\n<body name=\"a\"/>"));
   EXPECT_EQ(twice.location.line, 4U);
   EXPECT_THAT(twice.message, HasSubstr("repeated name 'a'"));
@@ -168,13 +168,13 @@ TEST(LoadModelTest, FaultsOfTheModelHaveTheirLine) {
   EXPECT_THAT(axis.message, AllOf(HasSubstr("axis"), HasSubstr("knee")));
 }
 
-TEST(LoadModelTest, ElementsNestedWithoutEndAreAnError) {
+TEST(LoadModelTest, RejectsEndlessNesting) {
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<body>";
   EXPECT_THAT(error_of(world(deep)).message, HasSubstr("nested too deeply"));
 }
 
-TEST(LoadModelTest, NumbersThatAreNotFiniteAreRefused) {
+TEST(LoadModelTest, RejectsNonFiniteNumbers) {
   const auto with = [](const std::string& inner) {
     return world("<body><freejoint/><geom size=\"1\"/><body name=\"arm\" " + inner +
                  "<geom size=\"1\"/></body></body>");
@@ -187,7 +187,7 @@ TEST(LoadModelTest, NumbersThatAreNotFiniteAreRefused) {
               HasSubstr("elbow"));
 }
 
-TEST(LoadModelTest, ReversedRangesAreRefused) {
+TEST(LoadModelTest, RejectsReversedRanges) {
   const auto with = [](const std::string& joint) {
     return world("<body><freejoint/><geom size=\"1\"/><body>" + joint +
                  "<geom size=\"1\"/></body></body>");
@@ -212,19 +212,19 @@ TEST(LoadModelTest, RobotMustHaveOneFreeJointFirst) {
               AllOf(HasSubstr("first joint"), HasSubstr("\"door\"")));
 }
 
-TEST(LoadModelTest, BallJointsAreRefused) {
+TEST(LoadModelTest, RejectsBallJoints) {
   const Error error =
       error_of(world("<body><freejoint/><geom size=\"1\"/><body><joint name=\"hip\" type=\"ball\"/>"
                      "<geom size=\"1\"/></body></body>"));
   EXPECT_THAT(error.message, AllOf(HasSubstr("ball joint \"hip\""), HasSubstr("not supported")));
 }
 
-TEST(LoadModelTest, WrongInertiasMoveNoBody) {
+TEST(LoadModelTest, WrongInertiasDoNotMoveBodies) {
   robot_from_text(world(R"(<body><freejoint/>
     <inertial pos="0 0 0" mass="1" diaginertia="1 1 10"/></body>)"));
 }
 
-TEST(LoadModelTest, UrdfIsToldApart) {
+TEST(LoadModelTest, RecognisesUrdf) {
   const TemporaryFolder folder;
   const auto robot = load_robot_files(folder.write("robot.urdf", R"(<robot name="r">
     <link name="base"/><link name="arm"><visual><geometry><mesh filename="arm.stl"/></geometry>
@@ -235,7 +235,7 @@ TEST(LoadModelTest, UrdfIsToldApart) {
   EXPECT_THAT(robot.error().hint, HasSubstr("URDF"));
 }
 
-TEST(LoadModelTest, WarningsAreKeptOnce) {
+TEST(LoadModelTest, DeduplicatesWarnings) {
   const auto robot = robot_from_text(kSingular);
   ASSERT_NE(robot, nullptr);
   ASSERT_EQ(robot->warnings().size(), 1U);
@@ -260,7 +260,7 @@ TEST(LoadModelTest, NothingIsPrintedOrLeftBehind) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(LoadModelTest, GuardTakesMessagesAndPutsTheHandlersBack) {
+TEST(LoadModelTest, GuardCapturesMessagesAndRestoresHandlers) {
   const auto error_before = mju_user_error;
   const auto warning_before = mju_user_warning;
   {
@@ -274,7 +274,7 @@ TEST(LoadModelTest, GuardTakesMessagesAndPutsTheHandlersBack) {
   EXPECT_EQ(mju_user_warning, warning_before);
 }
 
-TEST(LoadModelTest, ThreadsMayLoadAtTheSameTime) {
+TEST(LoadModelTest, ThreadsCanLoadConcurrently) {
   const TemporaryFolder folder;
   const std::string good = folder.write("good.xml", kTwoArms);
   const std::string bad = folder.write("bad.xml", world("<body foo=\"1\"/>"));

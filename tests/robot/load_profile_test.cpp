@@ -39,7 +39,7 @@ std::string message_with(const std::string& member) {
   return message_of("{\"name\": \"two_arms\", " + member + "}");
 }
 
-TEST(LoadProfileTest, EveryPartIsRead) {
+TEST(LoadProfileTest, ReadsEveryPart) {
   const auto loaded = load(R"({
     "name": "two_arms", "description": "d", "source": "s", "licence": "l",
     "joint_order": ["right_slide", "left_elbow"],
@@ -86,7 +86,7 @@ TEST(LoadProfileTest, EveryPartIsRead) {
   EXPECT_THAT(robot.profile().allowed_self_contact, ElementsAre(Pair(1, 3)));
 }
 
-TEST(LoadProfileTest, NameAloneIsEnough) {
+TEST(LoadProfileTest, OnlyNameIsRequired) {
   const auto robot = load(R"({"name": "two_arms"})");
   ASSERT_TRUE(robot.has_value()) << describe(robot.error());
   EXPECT_EQ((*robot)->output_joints().size(), 5U);
@@ -101,15 +101,15 @@ TEST(LoadProfileTest, SyntaxErrorsHaveLineAndColumn) {
   EXPECT_EQ(robot.error().location.column, 11U);
 }
 
-TEST(LoadProfileTest, TheNameIsOneThatAFolderCanHave) {
+TEST(LoadProfileTest, NameMustBeAValidFolderName) {
   for (const char* name : {"..", ".", "a/b", "../x", "/etc", "a\\\\b", "a\\u0000b", "\\u001b[2J"}) {
     EXPECT_THAT(message_of("{\"name\": \"" + std::string(name) + "\"}"),
-                HasSubstr("\"name\" must be one that a folder can have"))
+                HasSubstr("\"name\" must be a valid folder name"))
         << name;
   }
 }
 
-TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
+TEST(LoadProfileTest, ReportsAllErrors) {
   const std::string message = message_of(R"({
     "joint_ordr": [],
     "joint_order": ["left_elbo", "left_elbow", "left_elbow"],
@@ -118,7 +118,7 @@ TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
     "speed_limits": {"right_slid": 1, "left_elbow": -1},
     "soles": {"left": {"body": "left_lowr", "points": [[0, 0, 0]]}},
     "allowed_self_contact": [["base", "elbow"]]})");
-  EXPECT_THAT(message, HasSubstr("11 faults in the robot profile"));
+  EXPECT_THAT(message, HasSubstr("11 errors in the robot profile"));
   EXPECT_THAT(message, HasSubstr("\"name\" is missing"));
   EXPECT_THAT(message, HasSubstr("\"joint_ordr\" (did you mean \"joint_order\"?)"));
   EXPECT_THAT(message, HasSubstr("\"left_elbo\" (did you mean \"left_elbow\"?)"));
@@ -132,7 +132,7 @@ TEST(LoadProfileTest, AllFaultsAreNamedAtOnce) {
   EXPECT_THAT(message, HasSubstr("no body \"elbow\""));
 }
 
-TEST(LoadProfileTest, FaultsOfOneKind) {
+TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
   EXPECT_THAT(message_with(R"("default_speed_limit": 0)"), HasSubstr("above 0, found 0"));
   EXPECT_THAT(message_with(R"("t_pose": {"left_elbw": 0})"), HasSubstr("\"left_elbow\"?"));
   EXPECT_THAT(message_with(R"("t_pose": {"left_elbow": "up"})"), HasSubstr("must be a number"));
@@ -161,7 +161,7 @@ TEST(LoadProfileTest, FaultsOfOneKind) {
 }
 
 // every member with every type, at two depths: an error or a robot, never an exception
-TEST(LoadProfileTest, WrongTypesAreFaults) {
+TEST(LoadProfileTest, RejectsWrongTypes) {
   const std::vector<std::string> values = {"null",
                                            "true",
                                            "1",

@@ -31,7 +31,7 @@ Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
 }
 
-TEST(NearestLimit, NamesJointFrameSideAndDistance) {
+TEST(NearestLimit, ReportsJointFrameSideAndDistance) {
   const auto robot = robot_from_text(kTwoArms);
   RobotClip clip(robot, {30, 1}, 4);
   const auto set = [&](const char* joint, int frame, double q) {
@@ -59,7 +59,7 @@ TEST(NearestLimit, NamesJointFrameSideAndDistance) {
 }
 
 // the elbow's zero is its lower limit
-TEST(NearestLimit, JointsThatNothingMovesDoNotCount) {
+TEST(NearestLimit, IgnoresFixedJoints) {
   const auto robot = robot_from_text(kTwoArms);
   RobotClip clip(robot, {30, 1}, 3);
   EXPECT_FALSE(nearest_limit(clip, robot->model_limits()));
@@ -88,7 +88,7 @@ TEST(NormalizeStart, MovesTheWholeMotionRigidly) {
   EXPECT_LT(after.rotation.angularDistance(before.rotation), 1e-7);
 }
 
-TEST(Heading, IsDefinedForABodyThatLies) {
+TEST(Heading, IsDefinedForALyingBody) {
   const Eigen::Quaterniond face_down = about(Eigen::Vector3d::UnitY(), 0.5 * kPi);
   for (const double angle : {-2.5, 0.0, 1.0}) {
     const Eigen::Quaterniond turned = about(Eigen::Vector3d::UnitZ(), angle) * face_down;
@@ -97,7 +97,7 @@ TEST(Heading, IsDefinedForABodyThatLies) {
   }
 }
 
-TEST(NormalizeStart, TakesAClipWithoutFrames) {
+TEST(NormalizeStart, HandlesAClipWithoutFrames) {
   RobotClip clip(robot_from_text(kTwoArms), {30, 1}, 0);
   normalize_start(clip);
   EXPECT_EQ(clip.frame_count(), 0);

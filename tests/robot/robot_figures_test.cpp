@@ -134,7 +134,7 @@ class RobotFigures : public testing::TestWithParam<FiguresCase> {
   std::shared_ptr<const Robot> robot_;
 };
 
-TEST_P(RobotFigures, TreeAndJointsAreTheReferences) {
+TEST_P(RobotFigures, TreeAndJointsMatchTheReference) {
   const auto reference = this->reference(GetParam().model);
   ASSERT_NE(reference, nullptr);
   EXPECT_THAT(robot_->body_names(), ElementsAreArray(reference->body_names()));
@@ -160,7 +160,7 @@ TEST_P(RobotFigures, TreeAndJointsAreTheReferences) {
   }
 }
 
-TEST_P(RobotFigures, RangesAreTheReferences) {
+TEST_P(RobotFigures, RangesMatchTheReference) {
   const auto reference = this->reference(GetParam().ranges);
   ASSERT_NE(reference, nullptr);
   for (std::size_t j = 0; j < robot_->joints().size(); ++j) {
@@ -172,7 +172,7 @@ TEST_P(RobotFigures, RangesAreTheReferences) {
   }
 }
 
-TEST_P(RobotFigures, MassesAreTheReferences) {
+TEST_P(RobotFigures, MassesMatchTheReference) {
   const auto reference = this->reference(GetParam().model);
   ASSERT_NE(reference, nullptr);
   const mjModel& ours = *robot_->model();
@@ -190,7 +190,7 @@ TEST_P(RobotFigures, MassesAreTheReferences) {
   }
 }
 
-TEST_P(RobotFigures, KinematicsAreTheReferences) {
+TEST_P(RobotFigures, KinematicsMatchTheReference) {
   const ModelPtr reference = load_by_mujoco(folder_ / GetParam().model);
   ASSERT_NE(reference, nullptr);
   ASSERT_EQ(reference->nbody, static_cast<int>(robot_->bodies().size()));
@@ -207,7 +207,7 @@ TEST_P(RobotFigures, KinematicsAreTheReferences) {
   EXPECT_LT(worst, kTolerance);
 }
 
-TEST_P(RobotFigures, ShapesAreTheFittedOnes) {
+TEST_P(RobotFigures, ShapesMatchTheFit) {
   std::map<std::string, std::vector<CollisionShape>> shapes;
   for (const CollisionShape& shape : robot_->collision_shapes()) {
     shapes[robot_->bodies()[shape.body].name].push_back(shape);
@@ -231,7 +231,7 @@ TEST_P(RobotFigures, ShapesAreTheFittedOnes) {
   }
 }
 
-TEST_P(RobotFigures, SolesAndContactsAreTheFittedOnes) {
+TEST_P(RobotFigures, SolesAndContactsMatchTheFit) {
   const nlohmann::json json = collision();
   for (const Sole& sole : robot_->profile().soles) {
     const auto& expected = json.at("soles").at(sole.side);

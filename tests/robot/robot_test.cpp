@@ -40,7 +40,7 @@ void expect_mujoco_agrees(const Robot& robot, int configurations) {
   EXPECT_LT(worst, kTolerance) << robot.name();
 }
 
-TEST(RobotTest, TreeIsThatOfTheModel) {
+TEST(RobotTest, TreeMatchesTheModel) {
   const auto robot = robot_from_text(kTwoArms);
   ASSERT_NE(robot, nullptr);
   EXPECT_THAT(robot->body_names(),
@@ -65,7 +65,7 @@ TEST(RobotTest, TreeIsThatOfTheModel) {
   EXPECT_EQ(robot->joints()[4].reference, 0.1);
 }
 
-TEST(RobotTest, BareRobotHasTheModelsOrderAndRanges) {
+TEST(RobotTest, RobotWithoutProfileUsesModelOrderAndRanges) {
   const auto robot = robot_from_text(kTwoArms);
   ASSERT_NE(robot, nullptr);
   EXPECT_EQ(robot->name(), "robot");
@@ -76,7 +76,7 @@ TEST(RobotTest, BareRobotHasTheModelsOrderAndRanges) {
   EXPECT_THAT(robot->profile().soles, IsEmpty());
 }
 
-TEST(RobotTest, ElementsWithoutANameAreNotFound) {
+TEST(RobotTest, DoesNotFindUnnamedElements) {
   const auto robot = robot_from_text(
       "<mujoco><worldbody><body><freejoint/><geom size='1'/><body><joint/><geom size='1'/></body>"
       "</body></worldbody></mujoco>");
@@ -85,7 +85,7 @@ TEST(RobotTest, ElementsWithoutANameAreNotFound) {
   EXPECT_EQ(robot->find_joint(""), std::nullopt);
 }
 
-TEST(ForwardKinematicsTest, HingeTurnsAboutItsAnchor) {
+TEST(ForwardKinematicsTest, HingeRotatesAboutItsAnchor) {
   const auto robot = robot_from_text(R"(
 <mujoco><worldbody><body name="base"><freejoint/><geom size="1"/>
   <body name="arm" pos="1 0 0"><joint axis="0 0 1" pos="0 1 0"/><geom size="1"/></body>
@@ -99,7 +99,7 @@ TEST(ForwardKinematicsTest, HingeTurnsAboutItsAnchor) {
   EXPECT_NEAR((poses[2] * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(1, 1, 0)).norm(), 0, 1e-15);
 }
 
-TEST(ForwardKinematicsTest, AgreesWithMujocoOnAnchorsSlidesAndSeveralJointsOnABody) {
+TEST(ForwardKinematicsTest, MatchesMujocoOnAnchorsSlidesAndMultiJointBodies) {
   expect_mujoco_agrees(*robot_from_text(kTwoArms), 100);
   expect_mujoco_agrees(*robot_from_text(R"(
 <mujoco>
@@ -128,7 +128,7 @@ TEST(ForwardKinematicsTest, AgreesWithMujocoOnAnchorsSlidesAndSeveralJointsOnABo
                        100);
 }
 
-TEST(ForwardKinematicsTest, AgreesWithMujocoOnAllReferenceRobots) {
+TEST(ForwardKinematicsTest, MatchesMujocoOnAllReferenceRobots) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   int robots = 0;
@@ -142,7 +142,7 @@ TEST(ForwardKinematicsTest, AgreesWithMujocoOnAllReferenceRobots) {
   EXPECT_GE(robots, 17);
 }
 
-TEST(ForwardKinematicsTest, RootQuaternionNeedNotBeAUnitOne) {
+TEST(ForwardKinematicsTest, NormalisesTheRootQuaternion) {
   const auto robot = robot_from_text(kTwoArms);
   std::mt19937 random(5);
   std::vector<double> qpos = random_configuration(*robot, random);
@@ -154,7 +154,7 @@ TEST(ForwardKinematicsTest, RootQuaternionNeedNotBeAUnitOne) {
   }
 }
 
-TEST(RobotTest, CollisionShapesAreTheTouchingPrimitivesOfTheRobot) {
+TEST(RobotTest, CollisionShapesAreTheContactPrimitives) {
   const auto robot = robot_from_text(R"(
 <mujoco><worldbody>
   <geom type="box" size="1 1 1"/>
@@ -186,7 +186,7 @@ TEST(RobotTest, CollisionShapesAreTheTouchingPrimitivesOfTheRobot) {
   EXPECT_EQ(shapes[2].half_size, Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(RobotClipTest, FramesAreConfigurationsOfTheirOwn) {
+TEST(RobotClipTest, FramesAreIndependent) {
   const auto robot = robot_from_text(kTwoArms);
   RobotClip clip(robot, frame_rate_from_fps(30), 3);
   EXPECT_EQ(clip.frame_count(), 3);

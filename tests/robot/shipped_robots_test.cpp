@@ -44,7 +44,7 @@ class ShippedRobots : public testing::TestWithParam<std::string> {
   std::vector<Pose> poses_;  // of the zero configuration
 };
 
-TEST_P(ShippedRobots, SayWhatTheyAreAndWhereTheirFiguresComeFrom) {
+TEST_P(ShippedRobots, HaveDescriptionAndSource) {
   EXPECT_EQ(robot_->name(), GetParam());
   EXPECT_THAT(robot_->warnings(), IsEmpty());
   EXPECT_THAT(robot_->profile().description, Not(IsEmpty()));
@@ -91,7 +91,7 @@ TEST_P(ShippedRobots, EveryMovingBodyHasShapes) {
   EXPECT_EQ(robot_->collision_shapes().size(), static_cast<std::size_t>(robot_->model()->ngeom));
 }
 
-TEST_P(ShippedRobots, TouchThemselvesAtTheZeroPoseOnlyWhereThatIsAllowed) {
+TEST_P(ShippedRobots, SelfContactsAtTheZeroPoseAreAllowed) {
   const mjModel& model = *robot_->model();
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&model), mj_deleteData);
   mj_kinematics(&model, data.get());
@@ -135,7 +135,7 @@ TEST_P(ShippedRobots, HaveASpeedLimitForEveryJoint) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedRobots, testing::ValuesIn(list_robots(robots_folder())),
                          [](const auto& robot) { return robot.param; });
 
-TEST(ShippedRobotsList, HasTheKnownRobots) {
+TEST(ShippedRobotsList, ContainsTheKnownRobots) {
   EXPECT_THAT(list_robots(robots_folder()),
               testing::IsSupersetOf({"berkeley_humanoid_lite", "booster_k1", "booster_t1",
                                      "booster_t1_29dof", "engineai_pm01", "fourier_n1",

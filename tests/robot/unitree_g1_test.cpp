@@ -86,7 +86,7 @@ class UnitreeG1FiguresTest : public UnitreeG1Test {
   fs::path folder_;
 };
 
-TEST_F(UnitreeG1FiguresTest, KinematicsAreThoseOfBothReferences) {
+TEST_F(UnitreeG1FiguresTest, KinematicsMatchBothReferences) {
   std::mt19937 random(29);
   for (const char* file : {"g1_mocap_29dof.xml", "g1_29dof_rev_1_0.xml"}) {
     const auto reference = this->reference(file);
@@ -106,7 +106,7 @@ TEST_F(UnitreeG1FiguresTest, KinematicsAreThoseOfBothReferences) {
   }
 }
 
-TEST_F(UnitreeG1FiguresTest, LimitSetsHaveTheReferencesDigits) {
+TEST_F(UnitreeG1FiguresTest, LimitSetsMatchTheReferences) {
   const std::map<std::string, std::string> sources = {{"official", "g1_29dof_rev_1_0.xml"},
                                                       {"model", "g1_29dof_rev_1_0.xml"},
                                                       {"gmr", "g1_mocap_29dof.xml"}};
@@ -119,7 +119,7 @@ TEST_F(UnitreeG1FiguresTest, LimitSetsHaveTheReferencesDigits) {
   }
 }
 
-TEST_F(UnitreeG1FiguresTest, SpeedLimitsAreThoseOfTheUrdf) {
+TEST_F(UnitreeG1FiguresTest, SpeedLimitsMatchTheUrdf) {
   const std::string urdf = read_text(folder_ / "g1_29dof_rev_1_0.urdf");
   const std::regex pattern(
       R"re(<joint\s+name="([^"]+)"\s+type="revolute">[\s\S]*?velocity="([^"]+)")re");

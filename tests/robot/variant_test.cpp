@@ -36,7 +36,7 @@ std::vector<std::string> columns_of(const Robot& robot) {
   return names;
 }
 
-TEST(RobotVariantTest, HeldJointsLeaveTheColumnsAndEveryLimitSet) {
+TEST(RobotVariantTest, HeldJointsLeaveColumnsAndLimitSets) {
   const auto whole = two_arms();
   const auto variant = robot_variant(whole, "one_arm");
   ASSERT_TRUE(variant) << describe(variant.error());
@@ -62,7 +62,7 @@ TEST(RobotVariantTest, HeldJointsLeaveTheColumnsAndEveryLimitSet) {
   EXPECT_EQ(whole->zero_configuration()[11], 0.1);
 }
 
-TEST(RobotVariantTest, TheNumberOfColumnsIsTheWholeRobot) {
+TEST(RobotVariantTest, FullJointCountIsTheWholeRobot) {
   const auto whole = two_arms();
   EXPECT_EQ(robot_variant(whole, "5").value(), whole);
 }
@@ -88,7 +88,7 @@ TEST(RobotVariantTest, HeldJointsAreNotAtALimit) {
   EXPECT_EQ(nearest->joint, "left_elbow");
 }
 
-TEST(RobotVariantTest, TheG1sAreThosePublished) {
+TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
   const auto g1 = load_shipped("unitree_g1");
   const auto all = columns_of(*g1);
   const auto without = [&](const std::vector<int>& columns) {
@@ -116,7 +116,7 @@ TEST(RobotVariantTest, TheG1sAreThosePublished) {
   EXPECT_THAT(message, HasSubstr("\"23-pbhc\"?"));
 }
 
-TEST(RobotVariantTest, HandsCanBeLeftOut) {
+TEST(RobotVariantTest, CanOmitHands) {
   const auto variant = robot_variant(load_shipped("unitree_g1_with_hands"), "29");
   ASSERT_TRUE(variant);
   EXPECT_EQ(columns_of(**variant), columns_of(*load_shipped("unitree_g1")));

@@ -186,7 +186,7 @@ def check_soles(clip: Clip) -> None:
 def contact_runs(clip: Clip, side: str) -> list[dict]:
     """Stances of a foot: first to last frame with a sole point within 0.3 mm of the floor, and what happened in them.
 
-    While a point is down it moves less than 1 mm a frame; in the first and last frame of a contact the point may
+    While a point is down it moves less than 1 mm per frame; in the first and last frame of a contact the point may
     still be above the floor by less than those 0.3 mm and move by a few millimetres.
     """
     sole = clip.sole(side)

@@ -144,7 +144,7 @@ TEST(ReadSmpl, ReadsAnAmassMotion) {
   expect_kinematics(amass, motion, generic_smpl_rest_body(1.66));
 }
 
-TEST(ReadSmpl, SmallAndFullTurnsAreExact) {
+TEST(ReadSmpl, SmallAndFullRotationsAreExact) {
   Amass amass;
   for (const double angle : {0.0, 5e-324, 1e-160, 1e-9, 1e-5, 1e-4, 3.1, 3.15, 6.5, -12.0}) {
     for (std::size_t i = 0; i < amass.poses.size(); ++i) amass.poses[i] = i % 3 == 1 ? angle : 0.0;
@@ -158,7 +158,7 @@ TEST(ReadSmpl, SmallAndFullTurnsAreExact) {
   }
 }
 
-TEST(ReadSmpl, JointsComeFromTheUsersModel) {
+TEST(ReadSmpl, UsesJointsOfTheUsersModel) {
   const MadeUpModel model(24, 3);
   const Result<SmplBody> body = read_smpl_body(model.bytes(), "model.npz");
   ASSERT_TRUE(body.has_value()) << describe(body.error());
@@ -178,7 +178,7 @@ TEST(ReadSmpl, JointsComeFromTheUsersModel) {
   expect_kinematics(amass, motion, expected);
 }
 
-TEST(ReadSmpl, BetasThatDoNotFitTheModelAreTold) {
+TEST(ReadSmpl, WarnsAboutBetasThatDoNotFitTheModel) {
   const Result<SmplBody> smpl = read_smpl_body(MadeUpModel(24, 3).bytes(), "smpl.npz");
   const Result<SmplBody> smplx = read_smpl_body(MadeUpModel(55, 3).bytes(), "smplx.npz");
   ASSERT_TRUE(smpl.has_value() && smplx.has_value());
@@ -201,7 +201,7 @@ TEST(ReadSmpl, BetasThatDoNotFitTheModelAreTold) {
             motion_of(Amass(), options).clip.skeleton().joint(5).offset);
 }
 
-TEST(ReadSmpl, WhatFollowsTheBodyIsDropped) {
+TEST(ReadSmpl, DropsHandsAndFace) {
   const Amass whole;
   const Clip expected = motion_of(whole).clip;
   for (const std::size_t width : {66, 72, 165}) {
@@ -271,7 +271,7 @@ TEST(ReadSmpl, ReadsEveryFormOfTheFrameRate) {
   EXPECT_EQ(motion_of(Amass().with("fps", number(120))).clip.rate(), (FrameRate{120, 1}));
 }
 
-TEST(ReadSmpl, ARateIsNeededAndMayBeGiven) {
+TEST(ReadSmpl, RequiresARateOrOverride) {
   SmplReadOptions given;
   given.source_fps = 50.0;
   const auto both = [&](const Amass& amass, const std::string& words) {
@@ -284,7 +284,7 @@ TEST(ReadSmpl, ARateIsNeededAndMayBeGiven) {
   both(Amass().with("mocap_framerate", number(std::nan(""))), "above 0, found");
   both(Amass().with("mocap_framerate", npy_text("30")), "expected one number, found text");
   both(Amass().with("mocap_framerate", npy_doubles({2}, {30, 30})), "found numbers of shape (2,)");
-  both(Amass().with("fps", number(30)), "30 frames a second, but mocap_framerate says 120");
+  both(Amass().with("fps", number(30)), "30 frames per second, but mocap_framerate says 120");
   EXPECT_EQ(motion_of(Amass(), given).clip.rate(), (FrameRate{50, 1}));
 
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
@@ -316,7 +316,7 @@ TEST(ReadSmpl, ReadsEveryFormOfTheGender) {
   EXPECT_THAT(warnings_of(motion_of(Amass().without("gender"))), HasSubstr("no gender"));
 }
 
-TEST(ReadSmpl, BetasGiveTheHeight) {
+TEST(ReadSmpl, ReadsHeightFromBetas) {
   const auto height = [](const std::string& betas) {
     return motion_of(Amass().with("betas", betas)).height;
   };
@@ -342,10 +342,10 @@ TEST(ReadSmpl, BetasGiveTheHeight) {
   EXPECT_EQ(read_smpl(Amass().bytes(), "walk.npz", options).error().kind, ErrorKind::kUsage);
 }
 
-TEST(ReadSmpl, AClipTakesNoMoreThanIsGiven) {
+TEST(ReadSmpl, ClipStaysWithinTheMemoryLimit) {
   SmplReadOptions options;
   options.most_clip_bytes = 500;
-  EXPECT_THAT(error_of(Amass{}, options), HasSubstr("of memory, at most 500 are taken"));
+  EXPECT_THAT(error_of(Amass{}, options), HasSubstr("of memory, at most 500 are allowed"));
   Amass narrow;
   narrow.width = 66;
   narrow.poses.resize(kFrames * 66);
@@ -355,7 +355,7 @@ TEST(ReadSmpl, AClipTakesNoMoreThanIsGiven) {
   EXPECT_THAT(error_of(narrow, options), HasSubstr("4 frames take 0 MB of memory"));
 }
 
-TEST(ReadSmpl, RefusesBadArraysByNameAndFrame) {
+TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Amass amass;
   amass.poses[2 * 156 + 65] = nan;
@@ -390,7 +390,7 @@ TEST(ReadSmpl, RefusesBadArraysByNameAndFrame) {
   EXPECT_THAT(error_of(Amass().without("trans")), HasSubstr("no array \"trans\""));
 }
 
-TEST(ReadSmpl, RefusesPartsThatDisagree) {
+TEST(ReadSmpl, RejectsInconsistentParts) {
   Amass amass;
   amass.without("poses").with("root_orient", npy_doubles({4, 3}, std::vector<double>(12)));
   EXPECT_THAT(error_of(amass), HasSubstr("\"root_orient\" and \"pose_body\"; found trans"));
@@ -398,7 +398,7 @@ TEST(ReadSmpl, RefusesPartsThatDisagree) {
   EXPECT_THAT(error_of(amass), HasSubstr("pose_body\": it has 3 frames, root_orient has 4"));
 }
 
-TEST(ReadSmpl, SaysWhatAFileIsInstead) {
+TEST(ReadSmpl, NamesOtherFileTypes) {
   EXPECT_THAT(error_of(Amass().without("poses")), HasSubstr("motions are *_poses.npz"));
   const auto model = read_smpl(MadeUpModel(24, 3).bytes(), "model.npz");
   ASSERT_FALSE(model.has_value());
@@ -408,7 +408,7 @@ TEST(ReadSmpl, SaysWhatAFileIsInstead) {
   EXPECT_THAT(pickle.error().message, HasSubstr("found a Python pickle"));
 }
 
-TEST(ReadSmpl, FloatsAndOtherOrdersGiveTheSameMotion) {
+TEST(ReadSmpl, FloatTypeAndOrderDoNotMatter) {
   Amass amass;
   std::vector<float> floats(amass.poses.begin(), amass.poses.end());
   amass.poses.assign(floats.begin(), floats.end());
@@ -425,7 +425,7 @@ TEST(ReadSmpl, FloatsAndOtherOrdersGiveTheSameMotion) {
   expect_same_clip(motion_of(Amass(amass).with("poses", columns)).clip, expected);
 }
 
-TEST(ReadSmpl, EveryTruncationAndChangeIsReadOrRefused) {
+TEST(ReadSmpl, ReadsOrRejectsEveryTruncationAndChange) {
   const std::string bytes = Amass()
                                 .with("poses", npy_doubles({1, 66}, Numbers(5).list(66)))
                                 .with("trans", npy_doubles({1, 3}, {1, 2, 3}))
@@ -484,7 +484,7 @@ TEST(ReadSmpl, RealMotionsStandOnTheFloorWithZUp) {
   EXPECT_GT(files, 0);
 }
 
-TEST(LoadSmpl, NamesMissingFiles) {
+TEST(LoadSmpl, ReportsMissingFiles) {
   const TemporaryFolder folder;
   const std::string path = folder.write("walk.npz", Amass().bytes());
   EXPECT_TRUE(load_smpl(path).has_value());

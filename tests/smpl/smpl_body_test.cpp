@@ -62,7 +62,7 @@ TEST(GenericBody, StandsInATPoseWithTheProportionsOfAnAdult) {
   EXPECT_GT(joint_named(body, "left_foot").z(), joint_named(body, "left_ankle").z());
 }
 
-TEST(GenericBody, SidesMirrorAndAllScalesWithTheHeight) {
+TEST(GenericBody, IsSymmetricAndScalesWithHeight) {
   const SmplRestBody body = generic_smpl_rest_body(1.5);
   const SmplRestBody twice = generic_smpl_rest_body(3.0);
   const Eigen::Vector3d mirror(-1, 1, 1);
@@ -128,13 +128,13 @@ TEST(SmplBody, JointsAreRegressedFromTheShapedMesh) {
   }
 }
 
-TEST(SmplBody, FurtherBetasAreLeftOut) {
+TEST(SmplBody, IgnoresExtraBetas) {
   const SmplBody body = body_of(MadeUpModel(52, 3));
   EXPECT_EQ(smpl_rest_body(body, std::vector<double>{1, 2, 3, 4, 5}).joints,
             smpl_rest_body(body, std::vector<double>{1, 2, 3}).joints);
 }
 
-TEST(SmplBody, TheFaceIsNoPartOfTheShape) {
+TEST(SmplBody, IgnoresFaceShapes) {
   const auto betas = [](std::size_t joints, std::size_t columns) {
     return body_of(MadeUpModel(joints, columns)).beta_count();
   };
@@ -153,7 +153,7 @@ std::string error_of(const std::string& bytes) {
   return describe(body.error());
 }
 
-TEST(SmplBody, RefusesOtherFiles) {
+TEST(SmplBody, RejectsOtherFiles) {
   EXPECT_THAT(error_of("\x80\x02}q\x01"), HasSubstr("found a Python pickle"));
   EXPECT_THAT(error_of("\x80\x02}q\x01"), HasSubstr("J_regressor (as a dense array)"));
   EXPECT_THAT(error_of("(dp0\nS'J'\n"), HasSubstr("found a Python pickle"));
@@ -165,7 +165,7 @@ TEST(SmplBody, RefusesOtherFiles) {
   }
 }
 
-TEST(SmplBody, RefusesArraysThatDoNotFit) {
+TEST(SmplBody, RejectsInconsistentArrays) {
   const MadeUpModel model(24, 3);
   const auto with = [&](const std::string& name, const std::string& bytes) {
     return error_of(model.builder_without(name).add(name, bytes).build());
@@ -187,13 +187,13 @@ TEST(SmplBody, RefusesArraysThatDoNotFit) {
   values = model.vertices;
   for (double& value : values) value *= 100.0;
   EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)),
-              HasSubstr("170.000000 high along y is none in metres"));
+              HasSubstr("170.000000 high along y is not in metres"));
   values = model.vertices;
   for (std::size_t i = 0; i < values.size(); i += 3) values[i] = std::abs(values[i]) + 0.1;
   EXPECT_THAT(with("v_template", npy_doubles({40, 3}, values)), HasSubstr("has two sides"));
 }
 
-TEST(SmplBody, RefusesOtherTreesOfJoints) {
+TEST(SmplBody, RejectsOtherKinematicTrees) {
   MadeUpModel hand(16, 3);
   EXPECT_THAT(error_of(hand.bytes()), HasSubstr("joints are not those of SMPL"));
   MadeUpModel swapped(24, 3);

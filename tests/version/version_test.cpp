@@ -13,7 +13,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-TEST(VersionTest, MujocoNumbersOfBothLengthsAreRead) {
+TEST(VersionTest, ParsesMujocoVersions) {
   EXPECT_EQ(mujoco_version_text(222), "2.2.2");
   EXPECT_EQ(mujoco_version_text(337), "3.3.7");
   EXPECT_EQ(mujoco_version_text(3006000), "3.6.0");
@@ -21,11 +21,11 @@ TEST(VersionTest, MujocoNumbersOfBothLengthsAreRead) {
   EXPECT_EQ(mujoco_version_text(4000000), "4.0.0");
 }
 
-TEST(VersionTest, TextOfTheLinkedMujocoIsItsOwn) {
+TEST(VersionTest, MujocoTextMatchesTheLinkedLibrary) {
   EXPECT_EQ(mujoco_version_text(mj_version()), mj_versionString());
 }
 
-TEST(VersionTest, EveryPartIsNamed) {
+TEST(VersionTest, TextHasEveryPart) {
   EXPECT_THAT(version_number(), ContainsRegex("^[0-9]+\\.[0-9]+\\.[0-9]+$"));
   const std::string text = version_text();
   EXPECT_THAT(text, StartsWith("retarget " + version_number()));

@@ -64,7 +64,7 @@ HumanClip standing_human(int frames) {
   return human;
 }
 
-TEST(Strip, HasAsManyPosesAsAreAskedForFromTheFirstFrameToTheLast) {
+TEST(Strip, HasTheRequestedNumberOfPoses) {
   const RobotClip clip = clip_of(kPillar, 61);
   const std::string svg = draw_strip(clip, nullptr, {5, {}});
   EXPECT_THAT(svg, StartsWith("<svg xmlns="));
@@ -76,12 +76,12 @@ TEST(Strip, HasAsManyPosesAsAreAskedForFromTheFirstFrameToTheLast) {
   EXPECT_EQ(poses_in(draw_strip(clip, nullptr, {1, {}})), 1);
 }
 
-TEST(Strip, HasNoMorePosesThanFrames) {
+TEST(Strip, HasAtMostOnePosePerFrame) {
   EXPECT_EQ(poses_in(draw_strip(clip_of(kPillar, 3), nullptr, {50, {}})), 3);
   EXPECT_EQ(poses_in(draw_strip(clip_of(kPillar, 1), nullptr, {6, {}})), 1);
 }
 
-TEST(Strip, OfALongClipIsAsLargeAsThatOfAShortOne) {
+TEST(Strip, SizeIsIndependentOfClipLength) {
   const auto robot = load_g1();
   const std::string svg = draw_strip(RobotClip(robot, FrameRate{30, 1}, 200'000), nullptr, {6, {}});
   EXPECT_EQ(poses_in(svg), 6);
@@ -89,13 +89,13 @@ TEST(Strip, OfALongClipIsAsLargeAsThatOfAShortOne) {
   EXPECT_LT(svg.size(), 200'000U);
 }
 
-TEST(Strip, IsTheSameEveryTime) {
+TEST(Strip, IsDeterministic) {
   const RobotClip clip(load_g1(), FrameRate{30, 1}, 30);
   const HumanClip human = standing_human(30);
   EXPECT_EQ(draw_strip(clip, &human), draw_strip(clip, &human));
 }
 
-TEST(Strip, ARobotWithoutShapesIsDrawnAsLinesFromBodyToBody) {
+TEST(Strip, DrawsRobotWithoutShapesAsLines) {
   const RobotClip clip = clip_of(kBare, 4);
   ASSERT_TRUE(clip.robot().collision_shapes().empty());
   EXPECT_EQ(visible_shapes(clip.robot()).size(), 3);
@@ -105,7 +105,7 @@ TEST(Strip, ARobotWithoutShapesIsDrawnAsLinesFromBodyToBody) {
   EXPECT_EQ(count(svg, "<path d="), 2 * 2 * 3 + 1);
 }
 
-TEST(Strip, TheHumanStandsAboveTheRobotAndIsLeftOutWhereItEnds) {
+TEST(Strip, DrawsTheHumanAboveTheRobotUntilItEnds) {
   const RobotClip clip = clip_of(kPillar, 10);
   const HumanClip all = standing_human(10), half = standing_human(5);
   const std::string alone = draw_strip(clip, nullptr, {4, {}});
@@ -117,14 +117,14 @@ TEST(Strip, TheHumanStandsAboveTheRobotAndIsLeftOutWhereItEnds) {
   EXPECT_EQ(poses_in(with_half), 4);
 }
 
-TEST(Strip, TheTitleIsAnyText) {
+TEST(Strip, EscapesTheTitle) {
   const std::string svg =
       draw_strip(clip_of(kPillar, 2), nullptr, {2, "a<b> & \"c\".csv\x1b[31m\xff\xef\xbf\xbf"});
   EXPECT_THAT(svg,
               HasSubstr("<title>a&lt;b&gt; &amp; &quot;c&quot;.csv?[31m\xef\xbf\xbd?</title>"));
 }
 
-TEST(Camera, ShowsWhereABodyFacesToTheRight) {
+TEST(Camera, FacingDirectionIsToTheRight) {
   for (const double yaw : {0.0, 1.0, 2.5, -2.0}) {
     const Eigen::Vector3d ahead(std::cos(yaw), std::sin(yaw), 0.3);
     const Camera camera = Camera::beside(ahead);
@@ -139,7 +139,7 @@ TEST(Camera, ShowsWhereABodyFacesToTheRight) {
   EXPECT_EQ(Camera::beside(Eigen::Vector3d::UnitZ()).right, Camera::beside({1.0, 0.0, 0.0}).right);
 }
 
-TEST(Figure, WhatIsNearerIsDrawnLater) {
+TEST(Figure, DrawsNearerPartsLater) {
   const auto robot = load_g1();
   const Camera camera = Camera::beside(Eigen::Vector3d::UnitX());
   const std::vector<double> qpos = robot->zero_configuration();

@@ -7,7 +7,7 @@ namespace retarget::cli {
 namespace {
 
 constexpr const char* kBatchGroup = "Batch";
-constexpr const char* kFoundGroup = "Motion files (all of it is found and printed; this overrides)";
+constexpr const char* kFoundGroup = "Motion files (detected and printed; these options override it)";
 
 Option row(const char* name, auto& member, const char* group, const char* type, const char* help,
            OptionInfo info = {}) {
@@ -26,7 +26,7 @@ OptionTable common_table(CommonArguments& arguments) {
 
 Option write_map_row(std::string& file) {
   return row("write-map", file, kHumanGroup, "FILE",
-             "Write the mapping that was used, to be edited");
+             "Write the mapping that was used, for editing");
 }
 
 OptionTable request_table(RunArguments& arguments) {
@@ -36,9 +36,9 @@ OptionTable request_table(RunArguments& arguments) {
               "Write FILE.json beside each output: hashes, options, what was found, quality; "
               "retarget verify checks it"),
           row("report", request.report, kOutputGroup, "FILE",
-              "Write how good the motion is, JSON as of retarget evaluate"),
+              "Write a quality report, JSON as from retarget evaluate"),
           row("verbose", request.verbose, kGeneralGroup, "",
-              "Say as well what each term of the fit costs, before and after, and its worst frames",
+              "Also print what each term of the fit costs, before and after, and its worst frames",
               {.letter = "v"})};
 }
 
@@ -56,45 +56,43 @@ OptionTable run_command_table(RunArguments& arguments) {
 OptionTable batch_table(BatchArguments& arguments) {
   return {
       row("list", arguments.lists, kInputGroup, "FILE",
-          "File of names of files and folders, one a line; - reads standard input"),
+          "File that lists files and folders, one per line; - reads standard input"),
       row("base", arguments.base, kInputGroup, "DIR",
-          "Files that are named one by one keep their tree below this folder (default: their names "
-          "alone)"),
+          "Files given one by one keep their path below this folder (default: only their names)"),
       row("exclude", arguments.exclude, kInputGroup, "PATTERN",
           "Leave out files whose name, or path below its folder, matches; repeatable"),
       row("robot", arguments.robots, kRobotGroup, "NAME,...",
           "Robots by name or folder; each of several gets a folder of its own", {.basic = true}),
       row("output", arguments.output, kOutputGroup, "DIR",
-          "Folder to write; made where it is not there",
+          "Output folder; created if it does not exist",
           {.basic = true, .letter = "o", .required = true}),
       row("jobs", arguments.jobs, kBatchGroup, "N",
-          "Clips at a time (default: one for each processor)",
+          "Clips to process at once (default: one per processor)",
           {.least = 1.0, .most = 4096.0, .basic = true, .letter = "j"}),
       row("memory", arguments.run.run.options.source.memory_gb, kBatchGroup, "GB",
-          "Begin no clip that would need more than this together with those that run, GB, and let "
-          "none take more (default: three quarters of what there is)",
+          "Memory for all running clips together, GB: a clip waits for room, and none may take more (default: three quarters of what is available)",
           {.least = 0.001, .most = 1e6}),
       row("clip-timeout", arguments.clip_timeout_s, kBatchGroup, "SECONDS",
-          "A clip that takes longer has failed, and the others go on (default: none does)",
+          "A clip that takes longer fails; the others continue (default: no limit)",
           {.least = 0.001, .most = 1e9}),
       row("resume", arguments.resume, kBatchGroup, "",
-          "Go on with a batch: skip clips that are done and have not changed", {.basic = true}),
+          "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       row("redo", arguments.redo, kBatchGroup, "",
-          "Forget an earlier batch in the folder, do all again"),
+          "Discard an earlier batch in the folder and start over"),
       row("shard", arguments.shard, kBatchGroup, "I/N",
-          "Do one of N parts of about the same length, I from 1 to N, with a manifest of its own"),
+          "Do one of N parts of about the same length, I from 1 to N, with its own manifest"),
       row("merge", arguments.merge, kBatchGroup, "",
           "Join the manifests of all parts in the output folder, and write the summary"),
       row("no-quality", arguments.no_quality, kBatchGroup, "",
-          "Do not measure the motions: faster, but the summary knows failures alone")};
+          "Do not measure the motions: faster, but the summary lists only failures")};
 }
 
 OptionTable reading_table(ReadingArguments& arguments) {
   OptionTable table = {
       row("source-fps", arguments.source_fps, kFoundGroup, "N",
-          "Frames per second of the file (default: what it says; of a CSV 30, of SOMA's 120)",
+          "Frames per second of the file (default: the file's own; CSV 30, SOMA 120)",
           {.least = 0.001, .most = 1e6}),
-      row("from", arguments.from, kFoundGroup, "", "NPZ: whose order of joints it has"),
+      row("from", arguments.from, kFoundGroup, "", "NPZ: joint order of the file"),
       row("source-quat", arguments.quaternion, kFoundGroup, "",
           "Order of the root quaternion in the file"),
       row("source-angles", arguments.angles, kFoundGroup, "",
@@ -106,7 +104,7 @@ OptionTable reading_table(ReadingArguments& arguments) {
       row("motion", arguments.motion, kFoundGroup, "NAME",
           "One of several motions in a PBHC pickle"),
       row("ignore-header", arguments.ignore_header, kFoundGroup, "",
-          "Take the columns of a CSV by their number, whatever its header says")};
+          "Read the columns of a CSV by position, whatever its header says")};
   table[1].choices = {"npz-mjlab", "npz-beyondmimic"};
   table[3].choices = {"rad", "deg"};
   table[4].choices = {"m", "cm", "mm"};
@@ -115,14 +113,12 @@ OptionTable reading_table(ReadingArguments& arguments) {
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Rate of motions whose files say none, in frames per second, or `source`; the source "
-              "is resampled to it (default: 30; of SOMA's 120)"),
+              "Rate of motions whose files give none, in frames per second, or `source`; the source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
           row("gate", arguments.gates, kOutputGroup, "FILE|METRIC=N",
-              "What to ask for beyond configs/quality/default.json, or instead: a file like it, "
-              "METRIC=MOST, METRIC=none, or none for no gates at all; repeatable",
+              "Gates beyond configs/quality/default.json, or instead: a file like it, METRIC=MAX, METRIC=none, or none for no gates at all; repeatable",
               {.basic = true})};
 }
 
@@ -139,7 +135,7 @@ OptionTable convert_table(ConvertArguments& arguments) {
 
 OptionTable compare_table(CompareArguments& arguments) {
   OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
-                           "Largest difference that counts as none, in the files' units",
+                           "Largest difference to accept, in the files' units",
                            {.least = 0.0, .most = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
   append(table, robot_table(arguments.robot));
@@ -152,7 +148,7 @@ OptionTable inspect_table(InspectArguments& arguments) {
   Options& options = arguments.run.run.options;
   OptionTable table = without(source_table(options.source), {"smpl-model"});
   table.push_back(row("skeleton", arguments.skeleton_only, kInputGroup, "",
-                      "The skeleton is enough: accept a file without MOTION"));
+                      "Accept a file with a skeleton but no MOTION"));
   append(table, human_table(options.human));
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",

@@ -119,7 +119,7 @@ struct RobotsArguments {
   std::string robot;         ///< Name, folder, or (check) a model file; of a new robot its name.
   std::string model;         ///< Of a new robot: MJCF or URDF.
   std::string output = ".";  ///< Folder that a new robot's folder goes into.
-  bool force = false;        ///< Replace a folder that is there.
+  bool force = false;        ///< Replace an existing folder.
   bool json = false;
 };
 

@@ -22,8 +22,7 @@ Result<void> check_no_reading(const ReadingArguments& reading) {
                      !reading.motion.empty() || reading.ignore_header;
   if (!given) return {};
   return usage_failure(
-      "how the files are to be read is said, and without a robot they are "
-      "compared as they are",
+      "options for reading the files need a robot: without one, files are compared as they are",
       "add --robot NAME");
 }
 
@@ -65,7 +64,7 @@ Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& c
 
 Result<void> compare(const CompareArguments& arguments, Console& console) {
   if (arguments.a == "-" && arguments.b == "-") {
-    return usage_failure("standard input can be read once only");
+    return usage_failure("standard input can be read only once");
   }
   const bool has_robot = !arguments.robot.name.empty() || !arguments.robot.model.empty();
   TRY_ASSIGN(const auto tables,

@@ -30,7 +30,7 @@ constexpr std::array<EditKind, 12> kEdits = {{
      "The same movement on a skeleton of the same joints with another rest pose"},
     {Edit::kTransfer, "transfer", "Another skeleton, moved through the T-pose"},
     {Edit::kLafan1, "lafan", "A clip in the shape of LAFAN1"},
-    {Edit::kResample, "resample", "Another frame rate, or faster or slower"},
+    {Edit::kResample, "resample", "Change the frame rate or the speed"},
     {Edit::kTrim, "trim", "A part of the clip"},
     {Edit::kMirror, "mirror", "The mirror image: left does what right did"},
     {Edit::kGround, "ground", "Raise or lower the motion so that the floor is at height 0"},
@@ -38,7 +38,7 @@ constexpr std::array<EditKind, 12> kEdits = {{
     {Edit::kMove, "move", "Move the motion over the ground (docs/editing.md: its axes)"},
     {Edit::kLoop, "loop", "A cycle from the first frame to the one most like it"},
     {Edit::kConcat, "concat", "Join clips where they fit best; the first one's skeleton"},
-    {Edit::kPath, "path", "The way over the ground: fit it, draw it, follow another"},
+    {Edit::kPath, "path", "The path over the ground: fit it, draw it, follow another"},
 }};
 
 Option number(const char* name, auto& member, const char* type, double least, double most,
@@ -55,7 +55,7 @@ Option file(const char* name, std::string& member, const char* help) {
 }
 
 Option like_row(const char* name, std::string& member) {
-  return option(name, member, kInputGroup, "FILE", "BVH of the skeleton that is wanted",
+  return option(name, member, kInputGroup, "FILE", "BVH with the target skeleton",
                 {.required = true});
 }
 
@@ -65,7 +65,7 @@ Option threshold_row(EditArguments& arguments) {
 }
 
 Option force_row(EditArguments& arguments) {
-  return choice("force", arguments.force, "Join what does not fit, too");
+  return choice("force", arguments.force, "Join clips even if they do not fit");
 }
 
 OptionTable resample_table(EditArguments& arguments) {
@@ -80,37 +80,35 @@ OptionTable resample_table(EditArguments& arguments) {
 
 OptionTable loop_table(EditArguments& arguments) {
   return {number("shortest", arguments.loop.shortest, "S", 0.0, kLongestTime,
-                 "The cycle lasts so long or longer, seconds (default: half the clip)"),
+                 "Shortest length of the cycle, seconds (default: half the clip)"),
           number("times", arguments.loop.times, "N", std::numeric_limits<int>::min(),
-                 std::numeric_limits<int>::max(), "How often the cycle is played"),
+                 std::numeric_limits<int>::max(), "How many times the cycle is played"),
           choice("in-place", arguments.loop.in_place, "The body neither advances nor turns"),
           threshold_row(arguments), force_row(arguments)};
 }
 
 OptionTable concat_table(EditArguments& arguments) {
   return {option("search", arguments.search, kTimeGroup, "S|all",
-                 "Where the seam is looked for: so many seconds at the end of the one and the "
-                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
+                 "Where the seam is searched: this many seconds at the end of one and the beginning of the other, or `all` (default: 2, and more while no seam is good)"),
           number("window", arguments.concat.seam.window, "S", 0.0, 10.0,
-                 "Of the frames that are compared and blended, seconds (default: a third)"),
+                 "Length of the part compared and blended, seconds (default: a third)"),
           choice("blend", arguments.concat.blend,
-                 "Mix the frames that both have, or let the difference fade in the second"),
+                 "Mix the frames that both have, or fade out the difference in the second"),
           threshold_row(arguments),
           force_row(arguments),
           file("matrix", arguments.matrix,
-               "Write the distances that were searched as a picture, PGM (of several seams: the "
+               "Write the searched distances as an image, PGM (of several seams: the "
                "first)")};
 }
 
 OptionTable path_table(EditArguments& arguments) {
   return {
-      file("fit", arguments.fit, "Write the motion's own path, JSON, to be edited"),
+      file("fit", arguments.fit, "Write the motion's own path, JSON, for editing"),
       file("svg", arguments.svg, "Draw the paths and the feet, seen from above"),
       option("to", arguments.path.to, kTimeGroup, "FILE|line|circle|figure8",
-             "Path to follow: JSON, or one that is ready, as long as the motion's own and where it "
-             "begins (default: its own)"),
+             "Path to follow: JSON, or a ready-made one with the length and start of the motion's own (default: its own)"),
       number("radius", arguments.path.radius, "M", -1e6, 1e6,
-             "Of --to circle, metres; to the right when negative"),
+             "Radius of --to circle, metres; negative turns right"),
       number("scale", arguments.path.scale, "N", 0.001, 1000.0,
              "Make the path larger or smaller, from its beginning"),
       number("rotate", arguments.path.degrees, "DEG", -1e6, 1e6,

@@ -8,7 +8,7 @@
 namespace retarget::cli {
 
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
-  CLI::App* command = app.add_subcommand("inspect", "Show what a motion file holds");
+  CLI::App* command = app.add_subcommand("inspect", "Show what a motion file contains");
   declare(*command, {word("file", arguments.run.run.motion, "FILE",
                           "BVH or SMPL NPZ; - reads standard input")});
   declare(*command, inspect_table(arguments));
@@ -17,20 +17,20 @@ CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
 
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
   CLI::App* command =
-      app.add_subcommand("convert", "A robot's motion from one file format to others");
+      app.add_subcommand("convert", "Convert a robot motion to other file formats");
   declare(*command,
           {word("input", arguments.input, "IN", "CSV, NPZ or pickle; - reads standard input"),
            word("out", arguments.output, "OUT", "File to write, as -o", false)});
   declare(*command, convert_table(arguments));
   command->get_option("--interpolation")->description("Between frames");
   command->get_option("--no-antialias")
-      ->description("Do not low-pass a motion that goes to a lower rate");
+      ->description("Do not low-pass when lowering the rate");
   return command;
 }
 
 CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
   CLI::App* command = app.add_subcommand(
-      "compare", "Whether two motions agree, column by column; exit code 1 if not");
+      "compare", "Compare two motions column by column; exit code 1 if they differ");
   declare(*command, {word("a", arguments.a, "A", "CSV, NPZ or pickle"),
                      word("b", arguments.b, "B", "The other")});
   declare(*command, compare_table(arguments));
@@ -46,7 +46,7 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
       ->description("SVG to write; - writes standard output")
       ->required();
   command->get_option("--bvh")->description(
-      "The movement that the motion came from, drawn above it");
+      "The source of the motion, drawn above it");
   command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
   command->get_option("--start")->description("Where in the source the motion begins, seconds");
   return command;
@@ -65,10 +65,10 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
     return word("robot", arguments.robot, type, help);
   };
   const Option json = option("json", arguments.json, kOutputGroup, "", "Print JSON");
-  add(RobotsAction::kList, "list", "The robots that are there", {json});
+  add(RobotsAction::kList, "list", "List the robots", {json});
   add(RobotsAction::kShow, "show", "A robot's joints, limits, mapping and size",
       {robot("ROBOT", "Name or folder"), json});
-  add(RobotsAction::kCheck, "check", "Every fault and oddity of a robot; exit code 4 on faults",
+  add(RobotsAction::kCheck, "check", "List errors and oddities of a robot; exit code 4 on errors",
       {robot("ROBOT", "Name, folder or model file")});
   add(RobotsAction::kAdd, "add", "Make a robot's folder from a model",
       {word("name", arguments.robot, "NAME", "The new robot's name"),
@@ -76,7 +76,7 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
               {.required = true}),
        option("output", arguments.output, kOutputGroup, "DIR",
               "Folder to put the robot's folder into", {.letter = "o"}),
-       option("force", arguments.force, kOutputGroup, "", "Replace a folder that is there")});
+       option("force", arguments.force, kOutputGroup, "", "Replace an existing folder")});
   return command;
 }
 

@@ -22,7 +22,7 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "batch", "Retarget folders of clips, all processors, resumable (docs/batch.md)");
   declare(*command, {word("inputs", arguments.inputs, "IN...",
-                          "Files, folders (searched with all below), patterns, or @LIST for a file "
+                          "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
                           false)});
   declare(*command,
@@ -53,7 +53,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   const auto describe_as = [command](const char* name, const char* help) {
     command->get_option(name)->description(help);
   };
-  describe_as("--bvh", "The movement that the motions came from");
+  describe_as("--bvh", "The source of the motions");
   describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");
   describe_as("--start", "Where in the source the motions begin, seconds");
   describe_as("--source-fps",
@@ -69,7 +69,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
   CLI::App* command = app.add_subcommand(
-      "verify", "Whether the run that a sidecar tells of still gives the same bytes");
+      "verify", "Check that a recorded run still gives the same bytes");
   declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
   declare(*command, common_table(arguments.common));
   return command;

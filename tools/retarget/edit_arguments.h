@@ -34,7 +34,7 @@ struct EditArguments {
   std::string write_map;
   Edit edit = Edit::kRest;
   PartOptions part{};
-  std::string like;             ///< BVH of the skeleton that is wanted.
+  std::string like;             ///< BVH with the target skeleton.
   double degrees = 0.0;         ///< Of a turn.
   std::string shift;            ///< Of a move, `X,Y` in metres.
   std::optional<double> floor;  ///< Its height, metres; nothing: found.

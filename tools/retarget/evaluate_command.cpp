@@ -55,7 +55,7 @@ Result<void> check_usage(const EvaluateArguments& arguments) {
         "add --bvh FILE");
   }
   const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
-  if (inputs > 1) return usage_failure("standard input can be read once only");
+  if (inputs > 1) return usage_failure("standard input can be read only once");
   std::vector<std::string> read = files_read(run, arguments.run.common);
   read.insert(read.end(), arguments.motions.begin(), arguments.motions.end());
   read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
@@ -174,7 +174,7 @@ QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
       report = std::move(with_lead_in);
       human = &*whole;
       console.line("lead-in",
-                   file + " follows the source with the frames in front: taken with them");
+                   file + " follows the source with its leading frames: they are kept");
     }
   }
   if (human->frame_count < motion.frame_count()) {
@@ -199,7 +199,7 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
     console.warn(
         {{0, 0,
           "the file says " + to_text(motion.clip.rate()) +
-              " fps, which counts: --fps is for files that say none, --source-fps for all"}},
+              " fps, which is used: --fps is for files that give none, --source-fps for all"}},
         file);
   }
   // frame by frame beside the source

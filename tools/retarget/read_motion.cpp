@@ -28,7 +28,7 @@ void print_motion(const std::string& file, const RobotMotion& motion, Console& c
                    std::string(format_name(motion.format)) + ", " +
                    count_text(motion.clip.frame_count(), "frame") + " at " +
                    to_text(motion.clip.rate()) + " fps" +
-                   (motion.rate_known ? "" : ", which the file does not say: " + rate_option));
+                   (motion.rate_known ? "" : ", which the file does not give: " + rate_option));
   for (const std::string& note : motion.notes) console.line("", note);
   for (const std::string& warning : motion.warnings) console.warn({{0, 0, warning}}, file);
 }

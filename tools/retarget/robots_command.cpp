@@ -67,11 +67,11 @@ Result<ExitCode> check(const RobotsArguments& arguments) {
   TRY_ASSIGN(const auto findings, examine(arguments));
   std::string text;
   for (const RobotFinding& finding : findings) {
-    text += (finding.fault ? "fault: " : "note: ") + finding.text + "\n";
+    text += (finding.fault ? "error: " : "note: ") + finding.text + "\n";
   }
   const auto faults = std::ranges::count(findings, true, &RobotFinding::fault);
   const auto notes = static_cast<long>(findings.size()) - faults;
-  text += arguments.robot + ": " + count_text(faults, "fault") + ", " + count_text(notes, "note") +
+  text += arguments.robot + ": " + count_text(faults, "error") + ", " + count_text(notes, "note") +
           "\n";
   TRY(write_file("-", printable(text)));
   return faults > 0 ? kBadConfig : kDone;
@@ -86,7 +86,7 @@ Result<ExitCode> add(const RobotsArguments& arguments, Console& console) {
   }
   for (const std::string& note : made.notes) console.warn({{0, 0, note}}, arguments.model);
   TRY_ASSIGN(const auto folder, save_robot(made, arguments.output, arguments.force));
-  console.line("wrote", folder.string() + "; decisions.md says what was decided");
+  console.line("wrote", folder.string() + "; decisions.md lists the decisions");
   return kDone;
 }
 

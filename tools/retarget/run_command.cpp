@@ -56,7 +56,7 @@ Result<void> take_words(RunArguments& arguments) {
       std::error_code ignored;
       if (motion == arguments.words[0] && motion != "-" && !fs::exists(motion, ignored)) {
         return usage_failure(
-            "\"" + motion + "\" is no command, no motion file and no robot",
+            "\"" + motion + "\" is not a command, a motion file or a robot",
             "retarget --help lists the commands, retarget robots list lists the robots");
       }
       return one_too_many("motions", motion, word);

@@ -22,7 +22,7 @@ Result<std::string> data_folder_of(const CommonArguments& common) {
 Result<void> take_smpl_file(RunArguments& arguments) {
   if (arguments.smpl_file.empty()) return {};
   if (!arguments.run.motion.empty()) {
-    return usage_failure("--bvh and --smpl both name a motion", "give one of them");
+    return usage_failure("--bvh and --smpl both name a motion", "give only one of them");
   }
   arguments.run.motion = arguments.smpl_file;
   arguments.run.options.source.smpl = true;

@@ -169,7 +169,7 @@ Result<void> check_given(const CLI::App& app) {
     const std::vector<std::string> names = names_of(parts);
     return usage_failure(
         call_of(command) + " needs one of the commands " + list_names(names, names.size()),
-        call_of(command) + " --help says what they do");
+        call_of(command) + " --help describes them");
   }
   const std::vector<Need> needs = needs_of(command);
   if (needs.empty()) return {};

@@ -55,7 +55,7 @@ std::vector<std::string> changes(const Sidecar& sidecar, const std::vector<ReadF
   for (const ReadFile& then : sidecar.files) {
     const auto found = std::ranges::find(now, then.role, &ReadFile::role);
     if (found == now.end()) {
-      changed.push_back("the " + then.role + " " + then.file + " is no longer read");
+      changed.push_back("the " + then.role + " " + then.file + " is no longer used");
     } else if (found->hash != then.hash && !then.hash.empty()) {
       changed.push_back("the " + then.role + " " + found->file + " has changed");
     }
@@ -87,7 +87,7 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
   }
   const auto format = enum_from_name<MotionFormat>(sidecar.format);
   if (!format) {
-    return input_failure(file, "the sidecar is of the unknown format \"" + sidecar.format + "\"",
+    return input_failure(file, "the sidecar has the unknown format \"" + sidecar.format + "\"",
                          "it may come from a newer version of this tool");
   }
   run.options.save.formats = {*format};
@@ -118,14 +118,14 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
     TRY_ASSIGN(const std::string there, hash_file(output));
     if (there != sidecar.hash) {
       return run_failure(output,
-                         "the file is not the one that the sidecar tells of: it has changed");
+                         "the file has changed since the sidecar was written");
     }
   }
   if (outcome->motions.front().hash == sidecar.hash) {
-    console.line("verified", sidecar.output + ": the same bytes come out");
+    console.line("verified", sidecar.output + ": the output is the same");
     return {};
   }
-  return run_failure(arguments.file, "other bytes come out than those of " + sidecar.output,
+  return run_failure(arguments.file, "the output differs from " + sidecar.output,
                      changed.empty()
                          ? "nothing that is recorded has changed: another machine or build?"
                          : list_names(changed));

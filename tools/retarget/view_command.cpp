@@ -28,7 +28,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
     return usage_failure("--start needs the source", "add --bvh FILE");
   }
   if (arguments.motion == "-" && run.motion == "-") {
-    return usage_failure("standard input can be read once only");
+    return usage_failure("standard input can be read only once");
   }
   auto inputs = files_read(run, arguments.run.common);
   inputs.push_back(arguments.motion);

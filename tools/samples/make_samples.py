@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the synthetic sample motions as BVH files (LAFAN1-shaped skeleton, y up, centimetres).
 
-    make_samples.py -o data/              the committed clips at 30 frames a second
+    make_samples.py -o data/              the committed clips at 30 frames per second
     make_samples.py --check data/         regenerates them and compares the bytes
     make_samples.py --only jump --fps 60 -o out/
     make_samples.py --all -o out/         every motion, the stress tests too
@@ -70,7 +70,7 @@ def main() -> int:
     parser.add_argument("--only", action="append", metavar="NAME", help="only this motion (may be repeated)")
     parser.add_argument("--all", action="store_true", help="the motions outside the committed set too")
     parser.add_argument("--list", action="store_true", help="list the motions and stop")
-    parser.add_argument("--fps", type=int, default=30, help="frames a second (default 30)")
+    parser.add_argument("--fps", type=int, default=30, help="frames per second (default 30)")
     parser.add_argument("--duration", type=float, help="seconds, instead of the motion's own; the end pose is held")
     args = parser.parse_args()
     known = COMMITTED | FURTHER
