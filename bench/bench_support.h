@@ -11,16 +11,16 @@
 #include "bvh/read_bvh.h"
 #include "human/human_clip.h"
 #include "pipeline/targets.h"
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 #include "robot/load_robot.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {
 
-/// The G1, its mapping and a clip, loaded once per benchmark.
+/// The G1, its configuration and a clip, loaded once per benchmark.
 struct BenchCase {
   std::shared_ptr<const Robot> robot;
-  ResolvedMapping tables;
+  ResolvedConfig config;
   LimitSet limits;
   HumanClip human;
 };
@@ -40,11 +40,11 @@ inline BenchCase load_case(const std::string& clip) {
   result.robot = load_robot_files((source / "robots/unitree_g1/model.xml").string(),
                                   (source / "robots/unitree_g1/robot.json").string())
                      .value();
-  result.tables =
-      load_mapping((source / "configs/lafan1_to_unitree_g1.json").string(), *result.robot).value();
+  result.config =
+      load_config((source / "configs/lafan1_to_unitree_g1.json").string(), *result.robot).value();
   result.limits = load_limits(*result.robot, "gmr").value();
   const auto file = load_bvh(clip_path(clip).string()).value();
-  result.human = to_human(file.clip, lafan1_mapping(file.clip.skeleton()));
+  result.human = to_human(file.clip, lafan1_calibration(file.clip.skeleton()));
   return result;
 }
 

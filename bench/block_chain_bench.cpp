@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "refine/block_chain.h"
+#include "fit/block_chain.h"
 
 namespace retarget {
 namespace {
@@ -33,7 +33,7 @@ struct ChainCase {
 
 void chain_by_sweeps(benchmark::State& state) {
   const ChainCase problem;
-  BlockChain chain(kSize, state.range(0) != 0 && has_wide_vectors());
+  BlockChain chain(kSize, state.range(0) != 0 && has_avx2());
   for (auto _ : state) {
     chain.begin(kBlocks);
     for (int t = 0; t < kBlocks; ++t) {

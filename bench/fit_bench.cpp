@@ -2,7 +2,7 @@
 // method on the same clip, in the same run, is the yardstick.
 
 #include "bench_support.h"
-#include "refine/fit.h"
+#include "fit/fit.h"
 #include "support/lafan1_map.h"
 
 namespace retarget {
@@ -10,18 +10,18 @@ namespace {
 
 struct FitCase {
   std::shared_ptr<const Robot> robot;
-  ResolvedMapping tables;
+  ResolvedConfig config;
   LimitSet limits;
   Clip clip;
-  HumanMapping mapping;
+  Calibration calibration;
 };
 
 FitCase load_fit_case(const char* clip) {
   BenchCase bench = load_case(clip);
   auto file = load_bvh(clip_path(clip).string()).value();
-  HumanMapping mapping = lafan1_mapping(file.clip.skeleton());
-  return {std::move(bench.robot), std::move(bench.tables), std::move(bench.limits),
-          std::move(file.clip), std::move(mapping)};
+  Calibration calibration = lafan1_calibration(file.clip.skeleton());
+  return {std::move(bench.robot), std::move(bench.config), std::move(bench.limits),
+          std::move(file.clip), std::move(calibration)};
 }
 
 void fit_clip(benchmark::State& state, const char* clip) {
@@ -30,7 +30,7 @@ void fit_clip(benchmark::State& state, const char* clip) {
   options.threads = static_cast<int>(state.range(0));
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        fit(bench.clip, bench.mapping, bench.robot, bench.tables, bench.limits, options));
+        fit(bench.clip, bench.calibration, bench.robot, bench.config, bench.limits, options));
   }
   state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
 }
@@ -39,7 +39,7 @@ void published_method(benchmark::State& state, const char* clip) {
   const FitCase bench = load_fit_case(clip);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        retarget(bench.clip, bench.mapping, bench.robot, bench.tables, bench.limits));
+        solve_frames(bench.clip, bench.calibration, bench.robot, bench.config, bench.limits));
   }
   state.SetItemsProcessed(state.iterations() * bench.clip.frame_count());
 }

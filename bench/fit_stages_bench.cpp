@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "bench_support.h"
+#include "fit/clip_fitter.h"
+#include "fit/fit_windows.h"
+#include "fit/frame_costs.h"
+#include "fit/joint_speeds.h"
+#include "fit/speed_bounds.h"
+#include "fit/start_frames.h"
 #include "math/so3.h"
-#include "pipeline/retarget.h"
-#include "refine/clip_fitter.h"
-#include "refine/fit_windows.h"
-#include "refine/frame_costs.h"
-#include "refine/joint_speeds.h"
-#include "refine/speed_bounds.h"
-#include "refine/start_frames.h"
+#include "pipeline/solve_frames.h"
 
 namespace retarget {
 namespace {
@@ -28,11 +28,11 @@ struct StagesCase {
   RobotClip first;
 
   StagesCase() {
-    const TargetBuilder targets(bench.tables, bench.human.height);
+    const TargetBuilder targets(bench.config, bench.human.height);
     BoneArray<int> target_of_bone;
     for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
-    model = make_fit_model(*bench.robot, bench.tables, bench.limits, target_of_bone, options);
-    first = retarget(bench.human, kClip, bench.robot, bench.tables, bench.limits).value().clip;
+    model = make_fit_model(*bench.robot, bench.config, bench.limits, target_of_bone, options);
+    first = solve_frames(bench.human, kClip, bench.robot, bench.config, bench.limits).value().clip;
     clip.frame_count = bench.human.frame_count;
     clip.frame_time = feet.frame_time = bench.human.rate.frame_time();
     take_targets(targets);
@@ -94,7 +94,7 @@ void per_frame(benchmark::State& state, int frames) {
 // targets and the plan of contacts, of the whole clip
 void fit_targets(benchmark::State& state) {
   StagesCase work = stages();
-  const TargetBuilder targets(work.bench.tables, work.bench.human.height);
+  const TargetBuilder targets(work.bench.config, work.bench.human.height);
   for (auto _ : state) work.take_targets(targets);
   per_frame(state, work.clip.frame_count);
 }
@@ -110,11 +110,11 @@ BENCHMARK(fit_contact_plan)->Unit(benchmark::kMillisecond);
 // the frame-by-frame pass from a settled start
 void fit_first_stage(benchmark::State& state) {
   const StagesCase& work = stages();
-  RetargetOptions options;
+  SolveFramesOptions options;
   options.settle = true;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(retarget(work.bench.human, kClip, work.bench.robot, work.bench.tables,
-                                      work.bench.limits, options));
+    benchmark::DoNotOptimize(solve_frames(work.bench.human, kClip, work.bench.robot,
+                                          work.bench.config, work.bench.limits, options));
   }
   per_frame(state, work.clip.frame_count);
 }

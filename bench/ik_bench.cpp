@@ -8,8 +8,8 @@ namespace {
 
 void solve_clip(benchmark::State& state, const char* clip, bool fast) {
   const BenchCase bench = load_case(clip);
-  const TargetBuilder targets(bench.tables, bench.human.height);
-  const auto problem = make_problem(bench.robot, bench.tables, targets, bench.limits);
+  const TargetBuilder targets(bench.config, bench.human.height);
+  const auto problem = make_problem(bench.robot, bench.config, targets, bench.limits);
   const auto solver = fast ? make_fast_solver(problem) : make_reference_solver(problem);
   std::vector<Pose> world_from_target(targets.target_count());
   long steps = 0, frames = 0;

@@ -21,9 +21,9 @@ StepCases make_step_cases() {
   constexpr int kCases = 32;
   constexpr int kFramesAhead = 3;
   const BenchCase bench = load_case(kClip);
-  const TargetBuilder targets(bench.tables, bench.human.height);
+  const TargetBuilder targets(bench.config, bench.human.height);
   StepCases cases;
-  cases.problem = make_problem(bench.robot, bench.tables, targets, bench.limits);
+  cases.problem = make_problem(bench.robot, bench.config, targets, bench.limits);
   const auto solver = make_fast_solver(cases.problem);
   std::vector<double> qpos = bench.robot->zero_configuration();
   std::vector<Pose> world_from_target(targets.target_count());

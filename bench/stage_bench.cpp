@@ -19,15 +19,15 @@ BENCHMARK(read_clip)->Unit(benchmark::kMillisecond);
 
 void human_poses(benchmark::State& state) {
   const auto file = load_bvh(clip_path("walk4_subject1").string()).value();
-  const HumanMapping mapping = lafan1_mapping(file.clip.skeleton());
-  for (auto _ : state) benchmark::DoNotOptimize(to_human(file.clip, mapping));
+  const Calibration config = lafan1_calibration(file.clip.skeleton());
+  for (auto _ : state) benchmark::DoNotOptimize(to_human(file.clip, config));
   state.SetItemsProcessed(static_cast<std::int64_t>(file.clip.frame_count()) * state.iterations());
 }
 BENCHMARK(human_poses)->Unit(benchmark::kMillisecond);
 
 void build_targets(benchmark::State& state) {
   const BenchCase bench = load_case("walk4_subject1");
-  const TargetBuilder targets(bench.tables, bench.human.height);
+  const TargetBuilder targets(bench.config, bench.human.height);
   std::vector<Pose> world_from_target(targets.target_count());
   for (auto _ : state) {
     for (int frame = 0; frame < bench.human.frame_count; ++frame) {

@@ -35,8 +35,8 @@ std::string compiler() {
 }  // namespace
 
 std::string mujoco_version_text(int number) {
-  constexpr int kLargestOfThreeDigits = 99999;
-  if (number <= kLargestOfThreeDigits) return dotted(number / 100, number / 10 % 10, number % 10);
+  constexpr int kMaxOfThreeDigits = 99999;
+  if (number <= kMaxOfThreeDigits) return dotted(number / 100, number / 10 % 10, number % 10);
   return dotted(number / 1000000, number / 1000 % 1000, number % 1000);
 }
 

@@ -24,7 +24,7 @@ fail() {
 
 # batches fork, and a clip's run has up to three threads; the fit divides its windows among several
 check_threads() {
-  local rooms=(batch pipeline refine)
+  local rooms=(batch pipeline fit)
   cmake --preset tsan
   cmake --build --preset tsan --parallel "$jobs" --target retarget_cli "${rooms[@]/%/_test}"
   ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch$"

@@ -16,7 +16,7 @@
 
 // What `retarget edit` does: clips in, clips out (docs/editing.md). Defaults are the command's.
 //
-// Most edits need the human in a clip and take its mapping, as recognition and calibration found it
+// Most edits need the human in a clip and take its calibration, as recognition and calibration found it
 // in the whole clip. Errors about a single clip name no file: the caller knows which one it is.
 
 namespace RETARGET_API retarget {
@@ -39,7 +39,7 @@ struct Edited {
 struct Subject {
   const Clip& clip;
   const BoneMap& map;
-  const HumanMapping& mapping;
+  const Calibration& calibration;
   std::string name = {};  ///< In messages about two clips.
 };
 
@@ -73,7 +73,7 @@ struct TrimOptions {
 
 /// The clip without leading frames that are not part of its motion: a T-pose or an all-zero frame
 /// that it jumps away from. Call this before edits that look at the motion as a whole:
-/// put_on_floor, make_loop, concatenate, rethread. Adds a note if frames were dropped.
+/// put_on_floor, make_loop, concatenate, follow_path. Adds a note if frames were dropped.
 /// @param can_start  whether the note mentions the option that keeps them.
 [[nodiscard]] Edited cut_lead_in(Clip clip, bool can_start = true);
 
@@ -127,7 +127,7 @@ struct Transferred : Edited {
 /// Both sides know their T-pose as the canonical human's, so this is the canonical bone's rotation
 /// times the inverse of the target's joint_from_bone.
 ///
-/// The hips' path is scaled by the bodies' sizes (HumanMapping::size: leg lengths), raised by the
+/// The hips' path is scaled by the bodies' sizes (Calibration::size: leg lengths), raised by the
 /// extra distance from hips to soles, so that a body that stood on the floor still does, and put on
 /// the hips, or on the root above them where they have no position channels.
 ///
@@ -144,16 +144,16 @@ struct Transferred : Edited {
 /// A human's movement as a clip in the shape of LAFAN1: its 22 joints in its order, names and axes,
 /// centimetres, y up, rotations z y x. Programs that read LAFAN1 can read any source this way.
 ///
-/// The body is scaled to the size that readers of LAFAN1 assume (HumanMapping::size becomes 1.75
+/// The body is scaled to the size that readers of LAFAN1 assume (Calibration::size becomes 1.75
 /// m); offsets are the means of the bones' places over the clip, so lengths are the source's own in
 /// proportion. Joints that the source lacks stand at their parents and turn with them. The path
 /// over the floor is scaled too.
 /// @return a kInput error when the hips, a leg or an arm is missing.
-[[nodiscard]] Result<Clip> lafan1_clip(const Clip& clip, const HumanMapping& mapping);
+[[nodiscard]] Result<Clip> lafan1_clip(const Clip& clip, const Calibration& calibration);
 
 /// The movement of the mirror image, on the same skeleton: left does what right did. The mirror
 /// stands upright along the heading of the first frame, at its hips, so that the clip begins where
-/// it began; mirroring twice changes nothing. Joints are paired by the mapping, then by place and
+/// it began; mirroring twice changes nothing. Joints are paired by the calibration, then by place and
 /// shape; names play no part.
 ///
 /// With W the world rotation of a joint, M the mirror and S the reflection between the axes of the
@@ -161,17 +161,17 @@ struct Transferred : Edited {
 /// skeleton: most zero poses are their own mirror image; otherwise the T-pose is used, and where
 /// that is guessed, the nearest reflection of axes.
 /// @return a kInput error naming a joint without a counterpart; as turn_clip.
-[[nodiscard]] Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping);
+[[nodiscard]] Result<Clip> mirror(const Clip& clip, const Calibration& calibration);
 
 // --- place ---
 
 /// The clip, rotated about the vertical through its hips in the first frame; radians, positive to
 /// the left.
 /// @return a kInput error if no joint moves the whole body.
-[[nodiscard]] Result<Clip> turn_clip(Clip clip, const HumanMapping& mapping, double angle);
+[[nodiscard]] Result<Clip> turn_clip(Clip clip, const Calibration& calibration, double angle);
 
 /// The clip moved over the ground, metres along the axes of GroundPose. Errors as turn_clip.
-[[nodiscard]] Result<Clip> move_clip(Clip clip, const HumanMapping& mapping,
+[[nodiscard]] Result<Clip> move_clip(Clip clip, const Calibration& calibration,
                                      const Eigen::Vector2d& way);
 
 /// What `X,Y` means, metres; else a kUsage error.
@@ -181,20 +181,20 @@ struct Transferred : Edited {
 /// is planted, of the lowest of that foot's joints and end sites. In a clip shorter than a contact,
 /// a foot that stands still throughout counts as planted; in a single frame, the lower one.
 /// @return a kInput error if no foot is ever planted.
-[[nodiscard]] Result<double> floor_height(const Clip& clip, const HumanMapping& mapping);
+[[nodiscard]] Result<double> floor_height(const Clip& clip, const Calibration& calibration);
 
 /// The clip raised or lowered so that the floor is at height 0, which `floor` (metres) is now.
 /// Errors as turn_clip.
-[[nodiscard]] Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor);
+[[nodiscard]] Result<Clip> put_on_floor(Clip clip, const Calibration& calibration, double floor);
 
 /// How feet are moved to their contacts.
 struct PlantOptions {
   /// Seconds over which a foot blends between its contact and where its leg would put it.
   double release = 0.3;
   /// Legs stretch freely up to this share of thigh and shin, then less and less up to
-  /// longest_reach; legs that were stretched farther before, from there up to their full length.
+  /// max_reach; legs that were stretched farther before, from there up to their full length.
   double soft_reach = 0.96;
-  double longest_reach = 0.995;
+  double max_reach = 0.995;
   double pelvis_blend = 0.25;   ///< Before and after a frame in which the hips are low, seconds.
   double deepest_pelvis = 0.1;  ///< How far the hips are lowered at most, metres.
 };
@@ -211,7 +211,7 @@ struct SeamOptions {
   double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
   /// Relative penalty on the distance where different feet are planted in the two clips.
   double other_support = 0.5;
-  int most_seams = 4;  ///< How many places are tried.
+  int max_seams = 4;  ///< How many places are tried.
 };
 
 /// Where two clips of one rate fit together: frame a_frame of a meets b_frame of b.
@@ -323,7 +323,7 @@ struct Concatenation : Edited {
 /// @return kInput errors: a clip without frames, b on another skeleton or rate; as turn_clip. kUsage
 ///     errors: more than 16 million pairs of frames to search.
 [[nodiscard]] Result<Concatenation> concatenate(const Clip& a, const Clip& b,
-                                                const HumanMapping& mapping,
+                                                const Calibration& calibration,
                                                 const ConcatenateOptions& options,
                                                 const std::string& a_name,
                                                 const std::string& b_name);
@@ -359,18 +359,18 @@ struct Loop : Edited {  ///< `cycle` frames for each time: the frame after them 
 /// it stays in place.
 /// @return kInput errors: fewer than 4 frames, or than `shortest` needs; as turn_clip.
 ///     kUsage errors: `times` below 1, or more than 10 million frames in total.
-[[nodiscard]] Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping,
+[[nodiscard]] Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
                                      const LoopOptions& options);
 
 // --- the way over the ground ---
 
 struct PathFitOptions {
-  double tolerance = 0.05;       ///< Largest distance of the curve from the track, metres.
-  double low_pass = 0.5;         ///< Cut-off for the hips' track, Hz: removes the sway of strides.
-  double still_step = 0.03;      ///< Shortest step of the track, metres.
-  double first_piece = 2.0;      ///< Length of the first segments tried, metres,
-  double shortest_piece = 0.25;  ///< and of the shortest into which they are split.
-  double still_speed = 0.1;      ///< Below this speed a body has no direction of travel, m/s.
+  double tolerance = 0.05;   ///< Largest distance of the curve from the track, metres.
+  double low_pass = 0.5;     ///< Cut-off for the hips' track, Hz: removes the sway of strides.
+  double still_step = 0.03;  ///< Shortest step of the track, metres.
+  double first_piece = 2.0;  ///< Length of the first segments tried, metres,
+  double min_piece = 0.25;   ///< and of the shortest into which they are split.
+  double still_speed = 0.1;  ///< Below this speed a body has no direction of travel, m/s.
 };
 
 /// Frames [begin, end) in which the body stays in place.
@@ -398,7 +398,7 @@ struct PathMotion {
 /// the tolerance are split and all is fitted again. A body that stays within a step gets a path of
 /// a millimetre in the direction it faces.
 /// @return a kInput error for a clip without frames.
-[[nodiscard]] Result<PathMotion> fit_path(const Clip& clip, const HumanMapping& mapping,
+[[nodiscard]] Result<PathMotion> fit_path(const Clip& clip, const Calibration& calibration,
                                           const PathFitOptions& options = {});
 
 /// The path to follow instead of a motion's own; begins where that does unless it comes from a
@@ -426,7 +426,7 @@ enum class PathKeep : std::uint8_t {
             ///< path, or goes straight on from the path's end.
 };
 
-struct RethreadOptions {
+struct FollowPathOptions {
   PathKeep keep = PathKeep::kTime;
   PathFitOptions fit;
   PlantOptions plant;
@@ -435,7 +435,7 @@ struct RethreadOptions {
 };
 
 /// A motion on another path.
-struct Rethreaded : Edited {
+struct FollowedPath : Edited {
   PathMotion source;               ///< The motion's own path.
   std::vector<GroundPose> frames;  ///< Poses along the new path, per frame of the source.
   PlantSummary feet;
@@ -450,8 +450,9 @@ struct Rethreaded : Edited {
 /// of each contact brings them.
 /// @return kInput errors as fit_path and turn_clip; kUsage errors: kSpeed for a motion that stays
 ///     in place, or for a path more than 100 times longer or shorter.
-[[nodiscard]] Result<Rethreaded> rethread(const Clip& clip, const HumanMapping& mapping,
-                                          const GroundPath& path, const RethreadOptions& options);
+[[nodiscard]] Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibration,
+                                               const GroundPath& path,
+                                               const FollowPathOptions& options);
 
 /// A motion and the path that it follows, seen from above; either may be omitted.
 struct PathDrawing {
@@ -463,7 +464,7 @@ struct PathDrawing {
 /// points, and the feet where they stand (toes where there are any, left and right in colours of
 /// their own). x goes to the right, y up; a scale is drawn. The first motion is drawn paler than
 /// those after it.
-[[nodiscard]] std::string draw_paths(const HumanMapping& mapping,
+[[nodiscard]] std::string draw_paths(const Calibration& calibration,
                                      const std::vector<PathDrawing>& drawings);
 
 }  // namespace retarget

@@ -17,7 +17,7 @@ enum class ErrorKind {
   kUsage,        ///< The call is wrong: contradictory options, an output folder that does not
                  ///< exist.
   kInput,        ///< The motion file is bad: malformed, without frames, lacking a mapped bone.
-  kConfig,       ///< A mapping, profile, model or robot name is bad.
+  kConfig,       ///< A retargeting configuration, profile, model or robot name is bad.
   kInterrupted,  ///< The user stopped the run.
 };
 

@@ -140,7 +140,7 @@ struct SkeletonFacts {
 
 /// Which joint of a source skeleton stands for each canonical bone.
 struct BoneMap {
-  std::string dialect;      ///< Name of the dialect file, or "names", "topology", "map file".
+  std::string profile;      ///< Name of the profile file, or "names", "topology", "map file".
   double confidence = 0.0;  ///< 0..1.
   /// -1: the source has none; also for the synthetic feet. The spine: Hips is the joint both legs
   /// hang from, Spine2 the torso, i.e. the last common ancestor of the arms; Spine and Spine1 the
@@ -148,7 +148,7 @@ struct BoneMap {
   BoneArray<int> joint_of_bone = BoneArray<int>(-1);
   std::vector<std::string> notes;  ///< Human-readable: what is missing, folded, assumed.
   bool partial = false;            ///< Legs or arms are missing.
-  SkeletonFacts facts;             ///< Of the dialect; empty where none was recognised.
+  SkeletonFacts facts;             ///< Of the profile; empty where none was recognised.
 
   [[nodiscard]] int joint(Bone bone) const { return joint_of_bone[bone]; }
   [[nodiscard]] bool has(Bone bone) const { return joint(bone) >= 0; }
@@ -172,8 +172,8 @@ struct BoneSource {
 };
 
 /// How a source skeleton becomes the canonical human: metres, Z up, right-handed, LAFAN1's bones.
-struct HumanMapping {
-  std::string dialect;  ///< Name of the kind of skeleton, such as `lafan1`.
+struct Calibration {
+  std::string profile;  ///< Name of the kind of skeleton, such as `lafan1`.
   BoneArray<BoneSource> bones;
   double metres_per_unit = 0.01;  ///< Of the source's lengths.
   /// Turns the source's axes into canonical ones; a rotation (determinant +1).
@@ -184,11 +184,7 @@ struct HumanMapping {
   double size = 1.75;
   std::string description;      ///< What was assumed, human-readable.
   std::vector<Warning> doubts;  ///< Why the result may be wrong; empty: no doubts.
-};
 
-/// How a clip becomes the canonical human, and what was detected for that.
-struct Calibration {
-  HumanMapping mapping;
   std::string unit;       ///< `m`, `dm`, `cm`, `mm`, `inch`, `CMU unit`; `given`; `scaled` to a
                           ///< given height; `unknown`.
   SignedAxis up;          ///< In the file's axes.
@@ -204,7 +200,7 @@ struct HumanClipInfo {
   FrameRate rate;
   int frame_count = 0;
   double height = 1.75;                    ///< Of the body, metres.
-  double size = 1.75;                      ///< As in HumanMapping.
+  double size = 1.75;                      ///< As in Calibration.
   BoneArray<std::string> sources;          ///< The joint each bone came from; empty: missing.
   std::vector<std::string> source_joints;  ///< All joints of the source, for messages.
 

@@ -189,7 +189,7 @@ struct ReadMotionOptions {
   std::string variant;                    ///< Of the robot: whose joints the columns are.
   std::string motion;                     ///< One of several in a kPklPbhc file.
   /// Size limit of the file, and of the numbers of an NPZ's array.
-  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
+  std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 /// A motion file as it was read.

@@ -58,8 +58,8 @@ enum class BodyPoint : unsigned char {
 
 /// How the body's size scales the motion.
 enum class ScaleRule : unsigned char {
-  kAuto,    ///< kLimbs; kTable for LAFAN1 with the published method or a mapping made for it.
-  kTable,   ///< By the mapping's table, whatever the body's height.
+  kAuto,  ///< kLimbs; kTable for LAFAN1 with the published method or a retargeting configuration made for it.
+  kTable,   ///< By the configuration's table, whatever the body's height.
   kHeight,  ///< The same, every body brought to one size first.
   kLimbs,   ///< Legs, trunk and arms take the robot's lengths.
 };
@@ -90,8 +90,8 @@ enum class RestPose {
              ///< frames of the whole movement.
 };
 
-/// How strongly the robot's bodies are pulled to the bones that a mapping assigns to them. Weights
-/// of residuals: they enter the cost squared, per frame. Rows of the mapping without a weight stay
+/// How strongly the robot's bodies are pulled to the bones that a retargeting configuration assigns to them. Weights
+/// of residuals: they enter the cost squared, per frame. Rows of the configuration without a weight stay
 /// unweighted.
 struct TrackingWeights {
   double hips_position = 29.0;  ///< Per metre.
@@ -109,7 +109,7 @@ struct TrackingWeights {
   double forearm_rotation = 8.0;
   double hand_position = 10.0;
   double hand_rotation = 8.0;
-  double other_position = 10.0;  ///< Whatever else a mapping has.
+  double other_position = 10.0;  ///< Whatever else a retargeting configuration has.
   double other_rotation = 8.0;
 };
 
@@ -123,7 +123,7 @@ struct FitOptions {
   bool floor = true;           ///< Nothing goes below the floor.
   bool self_collision = true;  ///< Parts of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
-  bool speed = true;           ///< Joints stay below `speed_soft`.
+  bool speed = true;           ///< Joints stay below `soft_joint_speed`.
 
   TrackingWeights weights;
 
@@ -150,10 +150,10 @@ struct FitOptions {
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
 
-  double speed_soft = 8.4;     ///< rad/s; faster joints are slowed down.
-  double speed_weight = 6.5;   ///< Per rad/s above it.
-  double speed_most = 14.4;    ///< rad/s; no joint is ever faster, whatever its own limit.
-  double largest_step = 0.48;  ///< rad; no joint ever moves farther between two frames.
+  double soft_joint_speed = 8.4;  ///< rad/s; faster joints are slowed down.
+  double speed_weight = 6.5;      ///< Per rad/s above it.
+  double max_joint_speed = 14.4;  ///< rad/s; no joint is ever faster, whatever its own limit.
+  double max_joint_step = 0.48;   ///< rad; no joint ever moves farther between two frames.
 
   // when a source foot is planted; lengths and speeds are those of a body with legs (thigh and
   // shank) 0.85 m long
@@ -187,7 +187,7 @@ struct SourceOptions {
 
 /// How the human in a clip is recognised and measured; what is not given is detected.
 struct HumanOptions {
-  std::string map;       ///< Mapping file (which joint is which bone) instead of recognition.
+  std::string map;       ///< Configuration file (which joint is which bone) instead of recognition.
   bool partial = false;  ///< Arms or legs may be missing.
   RestPose rest = RestPose::kAuto;
   int tpose_frame = -1;    ///< Frame of the source that is the T-pose; negative: not given.

@@ -9,9 +9,9 @@
 #include "retarget/error.h"
 #include "retarget/export.h"
 #include "retarget/human.h"
-#include "retarget/ik_config.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
+#include "retarget/retargeting_config.h"
 
 namespace RETARGET_API retarget {
 
@@ -23,10 +23,10 @@ struct HumanInClip {
   /// What was recognised, line by line.
   [[nodiscard]] std::vector<SummaryLine> lines() const;
   /// Why the recognition may be wrong.
-  [[nodiscard]] const std::vector<Warning>& doubts() const { return calibration.mapping.doubts; }
+  [[nodiscard]] const std::vector<Warning>& doubts() const { return calibration.doubts; }
   /// Bones without a place.
   [[nodiscard]] std::vector<Bone> missing_bones() const;
-  /// Whether it has the form of LAFAN1, for which the published mappings are made.
+  /// Whether it has the form of LAFAN1, for which the published configurations are made.
   [[nodiscard]] bool is_lafan1() const;
 };
 
@@ -34,11 +34,11 @@ struct HumanInClip {
 struct RobotSetup {
   LoadedRobot loaded;
   LimitSet limits;
-  ResolvedMapping mapping;  ///< For clips in the form of LAFAN1, and for all if there is no other.
-  std::optional<ResolvedMapping> mapping_of_others;
+  ResolvedConfig config;  ///< For clips in the form of LAFAN1, and for all if there is no other.
+  std::optional<ResolvedConfig> config_of_others;
   FitOptions fit;  ///< Of Method::kFit, with the options file read and terms removed.
 
-  [[nodiscard]] const ResolvedMapping& mapping_for(const HumanInClip& human) const;
+  [[nodiscard]] const ResolvedConfig& config_for(const HumanInClip& human) const;
 };
 
 /// How a clip becomes a robot's motion: every decision, made once and written down. A plain value:
@@ -55,12 +55,12 @@ struct Plan {
   FrameRate rate;          ///< Of the motion.
 
   LimitSet limits;
-  ResolvedMapping mapping;
-  bool is_mapping_of_others = false;  ///< Chosen because the clip is not in the form of LAFAN1.
+  ResolvedConfig config;
+  bool is_config_of_others = false;  ///< Chosen because the clip is not in the form of LAFAN1.
   HeightScale scale = HeightScale::kLimbs;
   FitOptions fit;
-  std::vector<SummaryLine> clip_notes;     ///< What was left out of the clip, and why.
-  std::vector<SummaryLine> mapping_notes;  ///< The same of the mapping.
+  std::vector<SummaryLine> clip_notes;    ///< What was left out of the clip, and why.
+  std::vector<SummaryLine> config_notes;  ///< The same of the configuration.
 
   /// The robot and how the clip is mapped to it, line by line.
   [[nodiscard]] std::vector<SummaryLine> robot_lines() const;
@@ -79,7 +79,7 @@ struct Plan {
 /// clip.
 [[nodiscard]] Result<void> check_options(const Options& options);
 
-/// Resolves options for a robot: limits, mappings, the fit's options.
+/// Resolves options for a robot: limits, configurations, the fit's options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(LoadedRobot robot, const Options& options);
 
 /// Decides how a clip becomes a robot's motion.

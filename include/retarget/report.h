@@ -98,7 +98,7 @@ struct LimitSetResult {
 
 /// How well a body follows its bone.
 struct TrackingRow {
-  int table = 2;  ///< Of the mapping, 1 or 2.
+  int table = 2;  ///< Of the configuration, 1 or 2.
   std::string body, bone;
   /// Distance of the body, as seen from the root, from the scaled bone; mean and 95th percentile,
   /// centimetres. Empty for rows without position weight.
@@ -159,9 +159,9 @@ struct Fault {
 /// A gate on a metric, and whether it passed.
 struct GateResult {
   std::string metric;
-  std::optional<double> least, most;  ///< Bounds for the figure, inclusive.
-  std::optional<double> value;        ///< Empty: the metric was not measured.
-  bool passed = true;                 ///< True where nothing was measured.
+  std::optional<double> min, max;  ///< Bounds for the figure, inclusive.
+  std::optional<double> value;     ///< Empty: the metric was not measured.
+  bool passed = true;              ///< True where nothing was measured.
 };
 
 /// A motion's figures. Metrics that need missing data (a source clip, soles, collision shapes,
@@ -173,7 +173,7 @@ struct QualityReport {
   double fps = 30.0;
   std::string limits;            ///< Name of the limit set used for limit_pct.
   std::string source;            ///< The source clip's file, without folder; empty: none.
-  std::string mapping;           ///< File of the mapping that is tracked; empty: no source.
+  std::string config;            ///< File of the configuration that is tracked; empty: no source.
   int source_frames = 0;         ///< Frames of the motion that the source covers.
   std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
   int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
@@ -209,7 +209,7 @@ struct QualityReport {
 /// Bounds for a metric, inclusive.
 struct Gate {
   std::string metric;  ///< Key.
-  std::optional<double> least, most;
+  std::optional<double> min, max;
   /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; for others
   /// they scale with the legs. Empty: for every robot.
   std::optional<double> leg = std::nullopt;

@@ -16,7 +16,7 @@ struct MadeRobot {
   std::string name;
   std::string model;                 ///< `model.xml`: MJCF without meshes.
   std::string profile;               ///< `robot.json`.
-  std::string mapping;               ///< `ik.json`: from the canonical human.
+  std::string config;                ///< `ik.json`: from the canonical human.
   std::string decisions;             ///< `decisions.md`: the decisions and how certain they are.
   std::vector<std::string> notes;    ///< What to check, one line each.
   std::vector<std::string> summary;  ///< What was detected, one line each: limbs, T-pose, scales.
@@ -49,14 +49,14 @@ struct RobotSources {
   std::string name;     ///< For lists.
   std::string model;    ///< MJCF.
   std::string profile;  ///< `robot.json`
-  std::string mapping;  ///< For sources in the form of LAFAN1, and for all if there is no other.
-  std::string mapping_of_others;  ///< For all other sources.
+  std::string config;   ///< For sources in the form of LAFAN1, and for all if there is no other.
+  std::string config_of_others;  ///< For all other sources.
 };
 
 /// Form of a description: human-readable, or JSON with more digits.
 enum class TextForm : unsigned char { kPlain, kJson };
 
-/// A robot's heights, joints with limits, and mapping. Both forms are safe to print to a terminal.
+/// A robot's heights, joints with limits, and configuration. Both forms are safe to print to a terminal.
 /// Errors (kConfig): those of load_robot.
 [[nodiscard]] Result<std::string> describe_robot(const RobotSources& robot, TextForm form);
 
@@ -70,9 +70,9 @@ struct RobotFinding {
   std::string text;
 };
 
-/// Lists everything wrong or odd about a robot, its profile and its mappings; errors come first.
+/// Lists everything wrong or odd about a robot, its profile and its configurations; errors come first.
 ///
-/// Errors: files that cannot be read; bodies and bones of a mapping that do not exist; offsets that
+/// Errors: files that cannot be read; bodies and bones of a retargeting configuration that do not exist; offsets that
 /// leave a limb more than 75 degrees off the T-pose; feet more than a quarter of a leg out of
 /// reach; no legs or arms to map to. Notes: offsets more than 8 degrees off, targets slightly out
 /// of reach, joints that no task moves, differences between left and right (weights, scales,

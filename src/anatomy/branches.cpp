@@ -54,12 +54,12 @@ std::optional<BranchPair> pair_of(const TreeState& posed, int first, int second)
   const std::vector<int> b = joint_chain(*posed.tree, second);
   if (a.size() != b.size() || a.size() < 2) return std::nullopt;
   std::optional<BranchPair> best;
-  double least = kMirrored;
+  double min = kMirrored;
   for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0)}) {
     for (const double sign : {1.0, -1.0}) {
       const auto found = asymmetry(posed, a, b, sign * axis);
-      if (!found || !(*found < least)) continue;
-      least = *found;
+      if (!found || !(*found < min)) continue;
+      min = *found;
       best = BranchPair{0,
                         first,
                         second,

@@ -77,11 +77,11 @@ LimbEnd end_of_segment(const Robot& robot, const TreeState& posed, int body,
 std::optional<int> parallel_hinge(const TreeState& posed, const std::vector<int>& joints,
                                   const Eigen::Vector3d& axis) {
   std::optional<int> best;
-  double most = 0.7;
+  double max = 0.7;
   for (const int joint : joints) {
     const double alike = std::abs(posed.axis(joint).dot(axis));
-    if (posed.slides(joint) || alike <= most) continue;
-    most = alike;
+    if (posed.slides(joint) || alike <= max) continue;
+    max = alike;
     best = joint;
   }
   return best;
@@ -155,12 +155,12 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
 double nearest_turn(double angle, double lower, double upper) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   double best = angle;
-  double least = INFINITY;
+  double min = INFINITY;
   for (const int turns : {0, -1, 1}) {
     const double candidate = angle + turns * kTurn;
     const double outside = std::max({lower - candidate, candidate - upper, 0.0});
-    if (outside < least) {
-      least = outside;
+    if (outside < min) {
+      min = outside;
       best = candidate;
     }
   }

@@ -16,7 +16,7 @@ namespace retarget {
 struct LimbPart {
   int body = 0;
   /// body_from_bone: the columns are the bone's X, Y and Z axes (canonical_pose.h) in the body's
-  /// frame. Its transpose is the rotation offset of a mapping.
+  /// frame. Its transpose is the rotation offset of a retargeting configuration.
   Eigen::Matrix3d body_from_bone = Eigen::Matrix3d::Identity();
   /// Where the bone's joint lies in the body's frame, metres: hip, knee, ankle, shoulder, ...
   Eigen::Vector3d joint = Eigen::Vector3d::Zero();

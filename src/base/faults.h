@@ -17,9 +17,9 @@ namespace retarget {
 class Faults {
  public:
   void add(std::string fault) {
-    if (++count_ > kMostListed) return;
-    if (fault.size() > kLongest) {
-      std::size_t end = kLongest;
+    if (++count_ > kMaxListed) return;
+    if (fault.size() > kMaxLength) {
+      std::size_t end = kMaxLength;
       // not within a character of several bytes
       while (end > 0 && (static_cast<unsigned char>(fault[end]) & 0xC0) == 0x80) --end;
       fault = fault.substr(0, end) + "...";
@@ -29,12 +29,12 @@ class Faults {
   /// did_you_mean() for a fault that is added next; nothing where it will not be listed.
   [[nodiscard]] std::string suggestion(std::string_view name,
                                        std::span<const std::string> candidates) const {
-    return count_ < kMostListed ? did_you_mean(name, candidates) : std::string();
+    return count_ < kMaxListed ? did_you_mean(name, candidates) : std::string();
   }
   [[nodiscard]] bool empty() const { return count_ == 0; }
 
   /// One fault as it is; several as a list under a line that counts them, the first 100 of them.
-  /// @param what  what is at fault, such as `the mapping`.
+  /// @param what  what is at fault, such as `the configuration`.
   [[nodiscard]] Failure failure_in(const std::string& file, const std::string& what) const {
     if (count_ == 1) return config_failure(file, faults_.front());
     Failure failure = config_failure(file, std::to_string(count_) + " errors in " + what);
@@ -47,8 +47,8 @@ class Faults {
   }
 
  private:
-  static constexpr std::size_t kMostListed = 100;
-  static constexpr std::size_t kLongest = 4000;
+  static constexpr std::size_t kMaxListed = 100;
+  static constexpr std::size_t kMaxLength = 4000;
 
   std::vector<std::string> faults_;
   std::size_t count_ = 0;  // those that are not kept included

@@ -40,11 +40,11 @@ Failure write_failure(const std::string& name, int error_number) {
                      full ? "no partial file was left; free some space or write elsewhere" : "");
 }
 
-Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t most,
+Failure too_large_failure(ErrorKind kind, const std::string& path, std::size_t max,
                           std::string_view hint) {
   return failure({kind,
                   {shown_input(path), 0, 0},
-                  "expected at most " + std::to_string(most) + " bytes, found more",
+                  "expected at most " + std::to_string(max) + " bytes, found more",
                   {},
                   std::string(hint)});
 }
@@ -65,10 +65,10 @@ std::string folder_of(const std::string& path) {
 
 // the file that a path names in the end, which need not exist: a link may point nowhere yet
 std::string follow_links(const std::string& path) {
-  constexpr int kMostLinks = 40;
+  constexpr int kMaxLinks = 40;
   std::filesystem::path target = path;
   std::error_code error;
-  for (int i = 0; i < kMostLinks; ++i) {
+  for (int i = 0; i < kMaxLinks; ++i) {
     const auto next = std::filesystem::read_symlink(target, error);
     if (error) break;
     // an absolute link takes the place of the folder
@@ -77,7 +77,7 @@ std::string follow_links(const std::string& path) {
   return target.string();
 }
 
-constexpr int kMostNames = 1000;
+constexpr int kMaxNames = 1000;
 constexpr std::string_view kTemporaryBegin = ".retarget-";
 constexpr std::string_view kTemporaryEnd = ".tmp";
 
@@ -91,7 +91,7 @@ std::string temporary_name(const std::string& target, int number) {
 // gives a nameless file a name that nothing has; 0, or -1 with errno
 int link_to_new_name(int descriptor, const std::string& target, std::string& name) {
   const std::string handle = "/proc/self/fd/" + std::to_string(descriptor);
-  for (int number = 0; number < kMostNames; ++number) {
+  for (int number = 0; number < kMaxNames; ++number) {
     name = temporary_name(target, number);
     if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
       return 0;
@@ -104,7 +104,7 @@ int link_to_new_name(int descriptor, const std::string& target, std::string& nam
 
 // a new empty file beside the target, for file systems without nameless files
 int create_named(const std::string& target, std::string& name) {
-  for (int number = 0; number < kMostNames; ++number) {
+  for (int number = 0; number < kMaxNames; ++number) {
     name = temporary_name(target, number);
     const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
@@ -130,7 +130,7 @@ std::vector<std::filesystem::path> files_in_folder(const std::filesystem::path& 
   return files;
 }
 
-Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t most,
+Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size_t max,
                               std::string_view too_large) {
   const bool standard_input = path == "-";
   Reader reader{standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC),
@@ -143,8 +143,8 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
   if (S_ISCHR(info.st_mode) && !standard_input) return read_failure(kind, path, ENODEV);
 
   const bool regular = S_ISREG(info.st_mode);
-  if (regular && static_cast<std::size_t>(info.st_size) > most) {
-    return too_large_failure(kind, path, most, too_large);
+  if (regular && static_cast<std::size_t>(info.st_size) > max) {
+    return too_large_failure(kind, path, max, too_large);
   }
 
   // the size is a guess that saves copies; the file may be a pipe, or grow
@@ -163,7 +163,7 @@ Result<FileContent> read_file(const std::string& path, ErrorKind kind, std::size
     if (count < 0) return read_failure(kind, path, errno);
     if (count == 0) break;
     used += static_cast<std::size_t>(count);
-    if (used > most) return too_large_failure(kind, path, most, too_large);
+    if (used > max) return too_large_failure(kind, path, max, too_large);
   }
   return FileContent(std::move(bytes), used);
 }

@@ -35,7 +35,7 @@ class FileContent {
 /// @param too_large  hint of the error for such files.
 [[nodiscard]] Result<FileContent> read_file(
     const std::string& path, ErrorKind kind = ErrorKind::kInput,
-    std::size_t most = std::numeric_limits<std::size_t>::max(), std::string_view too_large = {});
+    std::size_t max = std::numeric_limits<std::size_t>::max(), std::string_view too_large = {});
 
 /// Whether there is a regular file, or a link to one.
 [[nodiscard]] bool is_file(const std::filesystem::path& path);

@@ -78,23 +78,23 @@ std::optional<double> processors_of(const ControlGroup& group) {
 
 int usable_cores(const ControlGroupFiles& files) {
   // threads that share less time than they are only wait for each other
-  double least = std::max(1U, std::thread::hardware_concurrency());
+  double min = std::max(1U, std::thread::hardware_concurrency());
   for (const ControlGroup& group : control_groups(files.root, files.membership, "cpu")) {
-    if (const auto processors = processors_of(group)) least = std::min(least, *processors);
+    if (const auto processors = processors_of(group)) min = std::min(min, *processors);
   }
-  return std::max(1, static_cast<int>(std::ceil(least)));
+  return std::max(1, static_cast<int>(std::ceil(min)));
 }
 
 std::uint64_t usable_memory(const ControlGroupFiles& files) {
   const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
   if (pages <= 0 || page <= 0) return 0;
-  std::uint64_t least = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  std::uint64_t min = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
   for (const ControlGroup& group : control_groups(files.root, files.membership, "memory")) {
     const auto limit =
         number_in(group.folder + (group.unified ? "/memory.max" : "/memory.limit_in_bytes"));
-    if (limit) least = std::min(least, *limit);
+    if (limit) min = std::min(min, *limit);
   }
-  return least;
+  return min;
 }
 
 }  // namespace retarget

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::string_view kMagic("\x93NUMPY", 6);
 // NumPy's own headers have some 100 bytes; a longer one than this describes no plain array
-constexpr std::size_t kMostHeaderBytes = 65536;
-constexpr std::size_t kMostDimensions = 64;
+constexpr std::size_t kMaxHeaderBytes = 65536;
+constexpr std::size_t kMaxDimensions = 64;
 
 // the header's text, a Python dictionary: {'descr': '<f4', 'fortran_order': False, 'shape': (3,)}
 class DictionaryParser {
@@ -122,7 +122,7 @@ class DictionaryParser {
       std::size_t size = 0;
       const char* begin = text_.data() + position_;
       const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), size);
-      if (error != std::errc{} || header.shape.size() == kMostDimensions) return false;
+      if (error != std::errc{} || header.shape.size() == kMaxDimensions) return false;
       position_ += end - begin;
       // Python 2 wrote its long integers so
       take_word("L");
@@ -186,8 +186,9 @@ Result<NpyType> type_from_text(const std::string& text) {
   const auto kind = shaped ? kind_of(text[1], size) : std::nullopt;
   constexpr std::size_t kCharacter = 4;
   if (!kind || size > std::numeric_limits<std::size_t>::max() / kCharacter) {
-    return format_failure("its type " + text + " is not supported",
-                          "supported types: booleans, integers, floats of 2, 4 and 8 bytes, and text");
+    return format_failure(
+        "its type " + text + " is not supported",
+        "supported types: booleans, integers, floats of 2, 4 and 8 bytes, and text");
   }
   return NpyType{*kind, *kind == NpyKind::kText ? kCharacter * size : size, text[0] == '>'};
 }
@@ -230,9 +231,9 @@ Result<NpyHeader> read_npy_header(const ReadBytes& read) {
   const std::size_t length_bytes = version == 1 ? 2 : 4;
   TRY_ASSIGN(const auto length_text, read(length_bytes));
   const std::size_t length = little_endian(length_text, 0, length_bytes);
-  if (length > kMostHeaderBytes) {
+  if (length > kMaxHeaderBytes) {
     return format_failure("its NPY header claims " + count_text(length, "byte") + ", at most " +
-                          std::to_string(kMostHeaderBytes) + " are allowed");
+                          std::to_string(kMaxHeaderBytes) + " are allowed");
   }
   TRY_ASSIGN(const auto text, read(length));
   Result<NpyHeader> header = DictionaryParser(text).parse();

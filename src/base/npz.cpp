@@ -27,7 +27,8 @@ struct Foreign {
 };
 
 constexpr std::string_view kSaveHint =
-    "save its arrays with numpy.savez; nothing is ever unpickled, as that would run code from the file";
+    "save its arrays with numpy.savez; nothing is ever unpickled, as that would run code from the "
+    "file";
 
 constexpr std::array kForeign = {
     Foreign{"\x93NUMPY"sv, "a single NPY array", "put the arrays into one file with numpy.savez"},
@@ -41,8 +42,10 @@ constexpr std::array kForeign = {
     Foreign{"version https://git-lfs"sv, "a git-LFS pointer",
             "git-LFS has not fetched the file itself: run `git lfs pull` in the repository it "
             "comes from"},
-    Foreign{"<!doctype html"sv, "a web page", "the download returned a web page instead of the file"},
-    Foreign{"<!DOCTYPE html"sv, "a web page", "the download returned a web page instead of the file"},
+    Foreign{"<!doctype html"sv, "a web page",
+            "the download returned a web page instead of the file"},
+    Foreign{"<!DOCTYPE html"sv, "a web page",
+            "the download returned a web page instead of the file"},
     Foreign{"<html"sv, "a web page", "the download returned a web page instead of the file"},
     Foreign{"HIERARCHY"sv, "a BVH file", ""},
 };
@@ -82,10 +85,10 @@ struct NpzFile::Contents {
                                            const ZipEntry& entry) const {
     if (!layout.array.is_number()) return {};
     const std::uint64_t count = layout.data_size / layout.array.item_size;
-    const std::uint64_t most = options.max_number_bytes / sizeof(double);
+    const std::uint64_t max = options.max_number_bytes / sizeof(double);
     const std::string what = "its " + std::to_string(count) + " numbers need " +
                              count_text(count * sizeof(double), "byte") + " of memory, ";
-    if (count > most) {
+    if (count > max) {
       return complete(format_failure(what + "at most " + std::to_string(options.max_number_bytes) +
                                      " are allowed")
                           .value(),
@@ -205,8 +208,9 @@ Result<NpyArray> NpzFile::read(std::string_view name) const {
   if (is_too_much(entry.size, entry.packed_size, contents_->options.free_array_bytes,
                   contents_->options.max_ratio)) {
     return array_failure(name,
-                         needs + count_text(layout->data_size, "byte") + ", but the file has only " +
-                             count_text(entry.packed_size, "byte") + " of it",
+                         needs + count_text(layout->data_size, "byte") +
+                             ", but the file has only " + count_text(entry.packed_size, "byte") +
+                             " of it",
                          std::string(kBombHint));
   }
   TRY(contents_->check_numbers(name, *layout, entry));

@@ -116,8 +116,8 @@ void NpzWriter::add(std::string_view name, const NpyArray& array) {
 }
 
 Result<std::string> NpzWriter::finish() {
-  constexpr std::uint64_t kMost = 0xFFFFFFFF;
-  if (bytes_.size() + directory_.size() >= kMost) {
+  constexpr std::uint64_t kMaxZipBytes = 0xFFFFFFFF;
+  if (bytes_.size() + directory_.size() >= kMaxZipBytes) {
     return run_failure("", "the motion is too long for one NPZ file, which holds up to 4 GiB",
                        "write it in parts, with " OPTION("start") " and " OPTION("end"));
   }

@@ -20,9 +20,9 @@ std::string number_text(double value, int decimals) {
 }
 
 std::optional<double> number_from_text(std::string_view text) {
-  constexpr double kFarthest = 1e6;
+  constexpr double kMaxExponent = 1e6;
   const auto value = parse_number<double>(text);
-  return value && std::abs(*value) <= kFarthest ? value : std::nullopt;
+  return value && std::abs(*value) <= kMaxExponent ? value : std::nullopt;
 }
 
 }  // namespace retarget

@@ -10,7 +10,7 @@ namespace {
 // half steps, so that a wrong case costs less than a wrong letter
 constexpr int kLetterCost = 2;
 // what is longer is no slip of the keyboard, and comparing it would take the square of its length
-constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kMaxNameLength = 100;
 
 int substitution_cost(char a, char b) {
   if (a == b) return 0;
@@ -19,7 +19,7 @@ int substitution_cost(char a, char b) {
 }
 
 // the distance, or some number that is no less than `most` where it is no less
-int edit_distance(std::string_view a, std::string_view b, int most) {
+int edit_distance(std::string_view a, std::string_view b, int max) {
   const std::size_t width = b.size() + 1;
   std::vector<int> before(width), last(width), row(width);
   for (std::size_t j = 0; j < width; ++j) last[j] = kLetterCost * static_cast<int>(j);
@@ -32,8 +32,8 @@ int edit_distance(std::string_view a, std::string_view b, int most) {
       if (swapped) row[j] = std::min(row[j], before[j - 2] + kLetterCost);
     }
     // from two rows that are as far nothing nearer follows
-    if (*std::ranges::min_element(row) >= most && *std::ranges::min_element(last) >= most) {
-      return most;
+    if (*std::ranges::min_element(row) >= max && *std::ranges::min_element(last) >= max) {
+      return max;
     }
     std::swap(before, last);
     std::swap(last, row);
@@ -45,7 +45,7 @@ int edit_distance(std::string_view a, std::string_view b, int most) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
   std::string nearest;
-  if (name.size() > kLongestName) return nearest;
+  if (name.size() > kMaxNameLength) return nearest;
   // a third of the letters wrong is no typing mistake any more
   int best = kLetterCost * std::max<int>(1, static_cast<int>(name.size()) / 3) + 1;
   for (const std::string& candidate : candidates) {

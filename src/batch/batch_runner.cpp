@@ -18,7 +18,7 @@
 #include "base/try.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "plan/memory.h"
 
 namespace retarget {
@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20;
 
 // a clip takes about so many times its file's bytes (measured with both methods, their motions
 // measured as well), and so many bytes of its own
@@ -139,14 +139,14 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   ClipNotes notes(context_.observer);
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
   entry.taken_as = std::move(notes.taken_as);
-  const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMostWarnings);
+  const std::size_t more = notes.warnings.size() - std::min(notes.warnings.size(), kMaxWarnings);
   notes.warnings.resize(notes.warnings.size() - more);
   if (more > 0) notes.warnings.push_back("and " + std::to_string(more) + " more warnings");
   entry.warnings = std::move(notes.warnings);
   if (!outcome) return failure(outcome.error());
   entry.frames = outcome->frames;
   entry.fps = outcome->fps;
-  entry.mapping = recorded_name(outcome->mapping, task.robot->setup.loaded.data_folder);
+  entry.config = recorded_name(outcome->config, task.robot->setup.loaded.data_folder);
   if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
   std::vector<std::string> files;
   for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
@@ -214,8 +214,8 @@ ManifestEntry BatchWorker::entry_of_ended(const BatchTask& task, const TaskEnd& 
   Error& error = entry.error.emplace();
   error.location.file = task.input->path;
   if (end.timed_out) {
-    error.message =
-        "the clip took longer than " + number_text(request_.clip_timeout_s, 3) + " s and was stopped";
+    error.message = "the clip took longer than " + number_text(request_.clip_timeout_s, 3) +
+                    " s and was stopped";
     error.hint = OPTION("clip-timeout") " allows more time";
   } else if (end.signal == SIGKILL) {
     error.message = "the clip's process was killed from outside, perhaps because memory ran out";
@@ -311,7 +311,7 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchReq
   for (const BatchTask& task : tasks) memory.push_back(std::max(memory_of(*task.input), even));
   if (pool.memory > 0) {
     const std::uint64_t largest = memory.empty() ? 0 : *std::ranges::max_element(memory);
-    pool.most_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
+    pool.max_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
   }
   pool.timeout_s = request.clip_timeout_s;
   pool.end_process = ::_exit;
@@ -320,8 +320,8 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchReq
   pool.keep_going = [&] { return worker.keep_going(); };
   const auto work = [&](std::size_t task) {
     // one that needs more than there is runs alone
-    const std::uint64_t most = std::min(memory[task], pool.memory);
-    worker.work(tasks[task], static_cast<double>(most) / 1e9);
+    const std::uint64_t max = std::min(memory[task], pool.memory);
+    worker.work(tasks[task], static_cast<double>(max) / 1e9);
     return worker.take_answer();
   };
   auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {

@@ -27,7 +27,7 @@ using FolderId = std::pair<dev_t, ino_t>;
 
 constexpr std::string_view kPatternLetters = "*?[";
 // millions of names; a pipe without an end has more
-constexpr std::size_t kMostListBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 
 // .bvh or .npz in any letter case
 bool has_motion_ending(const std::string& name) {
@@ -204,7 +204,7 @@ Result<void> InputFinder::add_pattern(const std::string& pattern) {
 }
 
 Result<void> InputFinder::add_list(const std::string& file) {
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMostListBytes));
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxListBytes));
   std::string_view text = content.view();
   const char end = text.find('\0') == std::string_view::npos ? '\n' : '\0';
   while (!text.empty()) {

@@ -41,9 +41,9 @@ struct ManifestEntry {
   double fps = 0.0;                 ///< and its rate.
   double seconds = 0.0;             ///< That the clip took.
   std::optional<Error> error;
-  int exit_code = 0;                   ///< Of the error, as a run of this clip alone would have.
-  std::string taken_as;                ///< What the clip's human was taken for.
-  std::string mapping;                 ///< File of the mapping; below the data folder from there.
+  int exit_code = 0;     ///< Of the error, as a run of this clip alone would have.
+  std::string taken_as;  ///< What the clip's human was taken for.
+  std::string config;    ///< File of the configuration; below the data folder from there.
   std::vector<std::string> warnings;   ///< What the run said, one line each.
   std::optional<ClipQuality> quality;  ///< Nothing: not measured.
   std::string finished;                ///< UTC, as 2026-01-31T12:00:00Z.

@@ -145,7 +145,7 @@ std::string manifest_line(const ManifestEntry& entry) {
   json["seconds"] = entry.seconds;
   json["finished"] = entry.finished;
   if (!entry.taken_as.empty()) json["taken_as"] = valid_utf8(entry.taken_as);
-  if (!entry.mapping.empty()) json["mapping"] = valid_utf8(entry.mapping);
+  if (!entry.config.empty()) json["mapping"] = valid_utf8(entry.config);
   if (!entry.warnings.empty()) {
     json["warnings"] = Json::array();
     for (const std::string& warning : entry.warnings) {
@@ -178,7 +178,7 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.number("seconds", entry.seconds);
   reader.text("finished", entry.finished);
   reader.text("taken_as", entry.taken_as);
-  reader.text("mapping", entry.mapping);
+  reader.text("mapping", entry.config);
   reader.texts("warnings", entry.warnings);
   if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
   return entry;

@@ -25,13 +25,13 @@ constexpr int kPauseMs = 100;
 // the sanitizers take address space beyond any bound
 constexpr bool kBoundsMemory = !kUnderSanitizer;
 
-void bound_memory(std::uint64_t most) {
-  if (!kBoundsMemory || most == 0) return;
+void bound_memory(std::uint64_t max) {
+  if (!kBoundsMemory || max == 0) return;
   struct rlimit limit {};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max == RLIM_INFINITY
-                       ? static_cast<rlim_t>(most)
-                       : std::min(static_cast<rlim_t>(most), limit.rlim_max);
+                       ? static_cast<rlim_t>(max)
+                       : std::min(static_cast<rlim_t>(max), limit.rlim_max);
   // a system that cannot do it has its own way of ending what takes too much
   [[maybe_unused]] const int set = ::setrlimit(RLIMIT_DATA, &limit);
 }
@@ -83,7 +83,7 @@ class Pool {
     for (int tries = 0; tries < 2; ++tries) {
       if (!slot.process) {
         const auto begin = [&] {
-          bound_memory(options_.most_memory);
+          bound_memory(options_.max_memory);
           if (options_.begin_worker) options_.begin_worker();
         };
         TRY_ASSIGN(auto started, WorkerProcess::start({options_.end_process, begin, work_}));

@@ -14,7 +14,7 @@ struct ProcessPoolOptions {
   int workers = 1;
   std::uint64_t memory = 0;  ///< Bytes that tasks may need together; 0: no bound.
   /// Bytes that one process may take: beyond them allocation fails in it; 0: no bound.
-  std::uint64_t most_memory = 0;
+  std::uint64_t max_memory = 0;
   double timeout_s = 0.0;  ///< A task that takes longer is ended with its process; 0: none is.
   /// Ends a process of the pool at once, taking down none of the objects that it has copies of: _exit().
   /// It must be given, since the library ends no process of its own accord.

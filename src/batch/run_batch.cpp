@@ -20,7 +20,7 @@
 #include "batch/manifests.h"
 #include "batch/shard.h"
 #include "plan/check_options.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "plan/output_files.h"
 #include "run/written_files.h"
 
@@ -39,9 +39,10 @@ Result<void> check_request(const BatchRequest& request) {
                          "retarget batch clips/ -o out/ " OPTION("robot") " unitree_g1; "
                          "retarget batch " OPTION("help") " shows more");
   }
-  if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_mapping_kind(solve.ik_config)) {
-    return usage_failure(OPTION("ik-config") " is a mapping to one robot, but several are given",
-                         "run a batch for each robot");
+  if (request.robots.size() > 1 && !solve.ik_config.empty() && !is_config_kind(solve.ik_config)) {
+    return usage_failure(
+        OPTION("ik-config") " is a configuration for one robot, but several are given",
+        "run a batch for each robot");
   }
   if (request.resume && request.redo) {
     return usage_failure(OPTION("resume") " and " OPTION("redo") " cannot be combined",
@@ -57,7 +58,7 @@ Result<void> check_request(const BatchRequest& request) {
   RobotChoice robot = request.run.robot;
   if (!request.robots.empty()) robot.name = request.robots.front();
   TRY(check_robot_choice(robot));
-  return check_mapping_choice(robot, solve);
+  return check_config_choice(robot, solve);
 }
 
 std::string without_last_slash(std::string folder) {
@@ -98,9 +99,9 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     if (std::ranges::find(robots, robot.name, &BatchRobot::name) != robots.end()) {
       return usage_failure("the robot \"" + robot.name + "\" is given twice");
     }
-    observer.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", mapping " +
-                               robot.setup.mapping.file);
-    if (const auto& of_others = robot.setup.mapping_of_others) {
+    observer.line("robot", robot.name + ", limits " + robot.setup.limits.name + ", configuration " +
+                               robot.setup.config.file);
+    if (const auto& of_others = robot.setup.config_of_others) {
       observer.line("", "for sources other than LAFAN1: " + of_others->file);
     }
     robots.push_back(std::move(robot));
@@ -270,7 +271,8 @@ void warn_of_earlier_files(const std::string& folder, const BatchPlan& plan,
   constexpr std::size_t kShown = 3;
   observer.warn({{0, 0,
                   count_text(files.size(), "file") +
-                      " that earlier options made from these clips are left in place and no longer in the manifest: " +
+                      " that earlier options made from these clips are left in place and no longer "
+                      "in the manifest: " +
                       list_names(files, kShown)}},
                 folder);
 }

@@ -15,8 +15,8 @@ namespace {
 // by how many times a figure is beyond its gate; 0: it is not
 double ratio_beyond(const GateResult& gate) {
   if (gate.passed || !gate.value) return 0.0;
-  const bool too_much = gate.most && !(*gate.value <= *gate.most);
-  const double bound = too_much ? *gate.most : gate.least.value_or(0.0);
+  const bool too_much = gate.max && !(*gate.value <= *gate.max);
+  const double bound = too_much ? *gate.max : gate.min.value_or(0.0);
   const double ratio = std::abs(*gate.value / bound);
   return std::isfinite(ratio) ? ratio : HUGE_VAL;
 }

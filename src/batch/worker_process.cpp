@@ -50,8 +50,8 @@ void close_all_from(int first) {
 #ifdef SYS_close_range
   if (::syscall(SYS_close_range, static_cast<unsigned>(first), ~0U, 0U) == 0) return;
 #endif
-  const long most = ::sysconf(_SC_OPEN_MAX);
-  for (int descriptor = first; descriptor < most; ++descriptor) ::close(descriptor);
+  const long max = ::sysconf(_SC_OPEN_MAX);
+  for (int descriptor = first; descriptor < max; ++descriptor) ::close(descriptor);
 }
 
 constexpr int kTasks = 3, kAnswers = 4, kOthers = 5;

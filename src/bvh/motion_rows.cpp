@@ -121,8 +121,8 @@ void RowsParser::take_row() {
 // a line that is one row, if the fast reader takes it; the scanner is then at the line's end
 bool RowsParser::read_neat_line(std::size_t begin) {
   // where rows lie in another way on lines, or are written in a rarer form, asking costs time
-  constexpr int kMostDeclined = 16;
-  if (column_ > 0 || lines_declined_ > kMostDeclined) return false;
+  constexpr int kMaxDeclined = 16;
+  if (column_ > 0 || lines_declined_ > kMaxDeclined) return false;
   const std::size_t end = read_number_line_(source_.text(), begin, width(), row_);
   if (end == std::string_view::npos) {
     ++lines_declined_;
@@ -180,7 +180,8 @@ std::optional<Error> RowsParser::find_damage(Stop stop) const {
   if (too_few()) {
     return source_.error_at(
         place,
-        "expected " + std::to_string(options_.declared_rows) + " rows, as declared by Frames on line " +
+        "expected " + std::to_string(options_.declared_rows) +
+            " rows, as declared by Frames on line " +
             std::to_string(source_.line_of(options_.declared_place)) + ", found " +
             std::to_string(rows_) + " before the end of the file",
         rows_ > 0 ? std::string("the file seems to be truncated; ") + kLenientHint : "");
@@ -227,8 +228,7 @@ Result<MotionRows> RowsParser::keep_complete_rows(const Error& damage) {
       rows.count = resume.rows + lines.good;
       rows.dropped = lines.bad;
       dropped = "; dropped " + std::to_string(lines.bad) + " damaged line" +
-                (lines.bad == 1 ? "" : "s") +
-                (lines.moved_up ? ", later frames come earlier" : "");
+                (lines.bad == 1 ? "" : "s") + (lines.moved_up ? ", later frames come earlier" : "");
     }
   }
   if (rows.count == 0) return failure(damage);

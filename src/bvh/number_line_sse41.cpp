@@ -30,7 +30,7 @@ namespace {
 
 constexpr std::size_t kBlock = 64;
 // digits and point; with 15 digits every mantissa is exact
-constexpr std::size_t kLongest = 15;
+constexpr std::size_t kMaxLength = 15;
 // place of the point in the 16 bytes when there is none
 constexpr std::size_t kNoPoint = 16;
 
@@ -39,7 +39,7 @@ struct alignas(16) Bytes : std::array<std::uint8_t, 16> {};
 // one object, so that one register addresses all of it
 struct Tables {
   // by length: keeps that many bytes at the end
-  std::array<Bytes, kLongest + 1> keep{};
+  std::array<Bytes, kMaxLength + 1> keep{};
   // by the place of the point: closes its gap. A point as the last byte stays, and is then found
   // to be no digit: `5.` and a point alone are left to the slow reader
   std::array<Bytes, kNoPoint + 1> close_point{};
@@ -50,7 +50,7 @@ struct Tables {
 constexpr Tables make_tables() {
   constexpr std::uint8_t kZero = 0x80;
   Tables tables;
-  for (std::size_t length = 0; length <= kLongest; ++length) {
+  for (std::size_t length = 0; length <= kMaxLength; ++length) {
     for (std::size_t i = 0; i < 16; ++i) tables.keep[length][i] = i >= 16 - length ? 0xff : 0;
   }
   for (std::size_t point = 0; point <= kNoPoint; ++point) {
@@ -124,7 +124,7 @@ class Converter {
     // 1 for `-`; a comparison would become a branch that is wrong half the time
     const std::size_t negative = ((static_cast<unsigned char>(*begin) ^ unsigned{'-'}) - 1U) >> 31;
     const std::size_t length = static_cast<std::size_t>(end - begin) - negative;
-    if (length - 1 >= kLongest) [[unlikely]] {
+    if (length - 1 >= kMaxLength) [[unlikely]] {
       const ParsedNumber slow = parse_long_number(begin, text_end_);
       all_numbers_ = all_numbers_ && slow.status == NumberStatus::kOk && slow.end == end;
       *out_++ = slow.value;

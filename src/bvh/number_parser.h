@@ -31,7 +31,7 @@ struct ParsedNumber {
   static constexpr std::array<double, 23> kPowersOfTen = {
       1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-  constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;
+  constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
   constexpr std::ptrdiff_t kDigitsWithoutOverflow = 19;
 
   const auto digit = [end](const char* at) {
@@ -53,7 +53,7 @@ struct ParsedNumber {
     digits += decimals;
   }
   const bool exponent = at < end && (*at == 'e' || *at == 'E');
-  if (digits == 0 || digits > kDigitsWithoutOverflow || mantissa > kLargestExact || exponent) {
+  if (digits == 0 || digits > kDigitsWithoutOverflow || mantissa > kMaxExact || exponent) {
     return parse_number_slow(begin, end);
   }
   const double magnitude = static_cast<double>(mantissa) / kPowersOfTen[decimals];

@@ -88,8 +88,8 @@ class BvhReader {
   Result<BvhFile> skeleton_alone(const Tree& tree);
   Result<BvhFile> with_motion(const Tree& tree);
   Result<void> read_rows(const Tree& tree, const MotionHeader& header, Clip& clip);
-  [[nodiscard]] std::size_t most_bytes() const;
-  [[nodiscard]] std::size_t most_frames(const Skeleton& skeleton) const;
+  [[nodiscard]] std::size_t max_bytes() const;
+  [[nodiscard]] std::size_t max_frames(const Skeleton& skeleton) const;
   [[nodiscard]] Failure too_large(const MotionHeader& header, const Skeleton& skeleton,
                                   int frames) const;
   void warn_about_positions(const Tree& tree, const PositionReading& reading);
@@ -148,20 +148,19 @@ Result<BvhFile> BvhReader::with_motion(const Tree& tree) {
 Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, Clip& clip) {
   if (tree.row_width == 0) {
     if (header.frames == 0) return {};
-    return source_.unexpected_at(header.frames_place,
-                                 "no frames, as no joint has a channel");
+    return source_.unexpected_at(header.frames_place, "no frames, as no joint has a channel");
   }
   // the text, not the header, bounds the memory: a value takes a digit and a blank
   const std::size_t bytes_left = source_.text().size() - scanner_.offset();
-  const std::size_t most_rows = (bytes_left + 1) / 2 / static_cast<std::size_t>(tree.row_width);
-  if (most_rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+  const std::size_t max_rows = (bytes_left + 1) / 2 / static_cast<std::size_t>(tree.row_width);
+  if (max_rows > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return source_.failure_at(scanner_.offset(),
                               "expected at most 2^31 - 1 rows, found a file "
                               "that may hold more",
                               "split the file");
   }
   // joints without channels take memory for which there is no text
-  const std::size_t kept_rows = std::min(most_rows, most_frames(*tree.skeleton));
+  const std::size_t kept_rows = std::min(max_rows, max_frames(*tree.skeleton));
   const auto declared = static_cast<std::uint64_t>(header.frames);
   clip.resize(static_cast<int>(std::min<std::uint64_t>(declared, kept_rows)));
 
@@ -186,24 +185,24 @@ Result<void> BvhReader::read_rows(const Tree& tree, const MotionHeader& header, 
   return {};
 }
 
-std::size_t BvhReader::most_bytes() const {
-  const std::size_t of_text = BvhReadOptions::kMostBytesOfText * source_.text().size();
-  return std::min(options_.most_clip_bytes, std::max(BvhReadOptions::kFreeClipBytes, of_text));
+std::size_t BvhReader::max_bytes() const {
+  const std::size_t of_text = BvhReadOptions::kMaxBytesOfText * source_.text().size();
+  return std::min(options_.max_clip_bytes, std::max(BvhReadOptions::kFreeClipBytes, of_text));
 }
 
-std::size_t BvhReader::most_frames(const Skeleton& skeleton) const {
-  return most_bytes() / frame_bytes(skeleton);
+std::size_t BvhReader::max_frames(const Skeleton& skeleton) const {
+  return max_bytes() / frame_bytes(skeleton);
 }
 
 Failure BvhReader::too_large(const MotionHeader& header, const Skeleton& skeleton,
                              int frames) const {
   const double needed = static_cast<double>(frame_bytes(skeleton)) * frames;
-  const bool by_user = most_bytes() == options_.most_clip_bytes;
+  const bool by_user = max_bytes() == options_.max_clip_bytes;
   return source_.failure_at(
       header.frames_place,
       std::to_string(frames) + " frames of " + std::to_string(skeleton.joint_count()) +
           " joints take " + number_text(needed / 1e6, 1) + " MB of memory, at most " +
-          number_text(static_cast<double>(most_bytes()) / 1e6, 1) + " MB are allowed" +
+          number_text(static_cast<double>(max_bytes()) / 1e6, 1) + " MB are allowed" +
           (by_user ? "" : " for a file of this size"),
       by_user ? OPTION("memory") " allows more; or split the file"
               : "remove the joints without channels, which move with their parents");

@@ -28,9 +28,9 @@ struct BvhReadOptions {
 
   /// Bytes that the clip may take in memory; a file whose clip would take more is an error. A
   /// skeleton can be much larger than its rows, so whatever this says, a clip takes at most
-  /// kMostBytesOfText times the bytes of the text, where that is more than kFreeClipBytes.
-  std::size_t most_clip_bytes = std::numeric_limits<std::size_t>::max();
-  static constexpr std::size_t kMostBytesOfText = 64;
+  /// kMaxBytesOfText times the bytes of the text, where that is more than kFreeClipBytes.
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kMaxBytesOfText = 64;
   static constexpr std::size_t kFreeClipBytes = std::size_t{32} << 20;
 
   /// The tree to take, by the name of its root, where a file holds several; the only one if empty.
@@ -67,7 +67,7 @@ struct BvhFile {
 /// Rows may wrap or share lines as long as nothing hints that values were lost or added: a line
 /// of a wrong length among rows of one line each is an error rather than a shift of columns.
 /// Memory is bounded by the size of the text, not by what the header claims or by joints without
-/// channels (BvhReadOptions::most_clip_bytes).
+/// channels (BvhReadOptions::max_clip_bytes).
 ///
 /// @param bytes      the whole file.
 /// @param file_name  as the user named it, for messages.

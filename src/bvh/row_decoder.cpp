@@ -9,7 +9,7 @@ namespace retarget {
 namespace {
 
 // what portable::sin_cos_of_half_degrees takes
-constexpr double kLargestAngle = 1e15;
+constexpr double kMaxAngle = 1e15;
 
 // a loop of its own without any other memory in it, so that compilers make vector code of it
 void half_angles(std::span<const double> degrees, double* __restrict sines,
@@ -44,7 +44,7 @@ void RowDecoder::decode(std::span<const double> row, Clip& clip, int frame) {
   for (std::size_t i = 0; i < rotations_.size(); ++i) {
     const double angle = row[rotations_[i].column];
     // exact; two whole turns, for half of the angle counts
-    angles_[i] = std::abs(angle) < kLargestAngle ? angle : std::remainder(angle, 720.0);
+    angles_[i] = std::abs(angle) < kMaxAngle ? angle : std::remainder(angle, 720.0);
   }
   half_angles(angles_, sines_.data(), cosines_.data());
   const auto rotations = clip.rotations(frame);

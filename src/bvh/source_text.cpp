@@ -8,7 +8,7 @@
 namespace retarget {
 namespace {
 
-constexpr std::size_t kLongestQuote = 40;
+constexpr std::size_t kMaxQuoteLength = 40;
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -23,7 +23,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 std::string in_quotes(std::string_view text) {
   std::string quote = "\"";
   std::size_t at = 0;
-  while (at < text.size() && quote.size() < kLongestQuote) {
+  while (at < text.size() && quote.size() < kMaxQuoteLength) {
     const std::size_t length = utf8_length(text, at);
     if (length == 0 || is_control(text[at])) {
       quote += "\\x" + hex_text(text.substr(at++, 1));

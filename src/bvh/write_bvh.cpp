@@ -21,7 +21,7 @@ namespace {
 constexpr double kReachTolerance = 1e-7;
 // a translation with a position channel for some axes alone, relative to its size
 constexpr double kOffsetTolerance = 1e-9;
-constexpr int kMostDecimals = 17;
+constexpr int kMaxDecimals = 17;
 
 // appends numbers in plain notation: readers exist that know no exponents
 class NumberWriter {
@@ -100,7 +100,8 @@ Result<void> BvhWriter::check_joint(int index) const {
   const auto breaks_line = [](char c) { return is_line_end(c) || is_control(c) || c == '{'; };
   if (name.empty() || is_space(name.front()) || is_space(name.back()) ||
       std::ranges::any_of(name, breaks_line)) {
-    return fault(index, -1, "its name is empty, has spaces around it or contains a line break or '{'");
+    return fault(index, -1,
+                 "its name is empty, has spaces around it or contains a line break or '{'");
   }
   if (!joint.offset.allFinite() ||
       !std::ranges::all_of(joint.end_sites, [](const auto& site) { return site.allFinite(); })) {
@@ -111,10 +112,11 @@ Result<void> BvhWriter::check_joint(int index) const {
 }
 
 Result<void> BvhWriter::check() const {
-  if (decimals_ && (*decimals_ < 0 || *decimals_ > kMostDecimals)) {
-    return usage_failure("decimals must be between 0 and " + std::to_string(kMostDecimals));
+  if (decimals_ && (*decimals_ < 0 || *decimals_ > kMaxDecimals)) {
+    return usage_failure("decimals must be between 0 and " + std::to_string(kMaxDecimals));
   }
-  if (skeleton_.joint_count() == 0) return run_failure({}, "a skeleton without joints cannot be written as BVH");
+  if (skeleton_.joint_count() == 0)
+    return run_failure({}, "a skeleton without joints cannot be written as BVH");
   for (int joint = 0; joint < skeleton_.joint_count(); ++joint) {
     TRY(check_joint(joint));
   }

@@ -45,10 +45,10 @@ std::optional<Eigen::Matrix3d> of_axes(const Eigen::Matrix3d& guess) {
 
 class MirrorFinder {
  public:
-  MirrorFinder(const Skeleton& skeleton, const HumanMapping& mapping)
+  MirrorFinder(const Skeleton& skeleton, const Calibration& calibration)
       : skeleton_(skeleton),
-        mapping_(mapping),
-        t_pose_(t_pose_rotations(skeleton, mapping)),
+        calibration_(calibration),
+        t_pose_(t_pose_rotations(skeleton, calibration)),
         children_(static_cast<std::size_t>(skeleton.joint_count())),
         mates_(children_.size(), -1),
         axes_(children_.size()) {
@@ -87,8 +87,8 @@ class MirrorFinder {
 
   // the bone's joint with the other side's, and what lies above both
   Result<void> pair_bones(Bone bone) {
-    int joint = mapping_.bones[bone].position_joint;
-    int mate = mapping_.bones[mirrored(bone)].position_joint;
+    int joint = calibration_.bones[bone].position_joint;
+    int mate = calibration_.bones[mirrored(bone)].position_joint;
     if (joint < 0) return {};
     while (joint >= 0 || mate >= 0) {
       if (joint < 0 || mate < 0) return lonely(joint < 0 ? mate : joint);
@@ -166,8 +166,9 @@ class MirrorFinder {
   }
 
   [[nodiscard]] bool turns_bone(int joint) const {
-    return std::ranges::any_of(
-        mapping_.bones, [joint](const BoneSource& bone) { return bone.rotation_joint == joint; });
+    return std::ranges::any_of(calibration_.bones, [joint](const BoneSource& bone) {
+      return bone.rotation_joint == joint;
+    });
   }
 
   [[nodiscard]] Eigen::Matrix3d guessed(int joint) const {
@@ -278,7 +279,7 @@ class MirrorFinder {
   }
 
   const Skeleton& skeleton_;
-  const HumanMapping& mapping_;
+  const Calibration& calibration_;
   const std::vector<Eigen::Quaterniond> t_pose_;
   std::vector<std::vector<int>> children_;
   std::vector<int> mates_;
@@ -288,8 +289,8 @@ class MirrorFinder {
 
 }  // namespace
 
-Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping) {
-  return MirrorFinder(skeleton, mapping).run();
+Result<BodyMirror> body_mirror(const Skeleton& skeleton, const Calibration& calibration) {
+  return MirrorFinder(skeleton, calibration).run();
 }
 
 }  // namespace retarget

@@ -18,7 +18,7 @@ struct BodyMirror {
   std::vector<Eigen::Matrix3d> mate_axes;
 };
 
-/// Joints that are bones are paired by the mapping, those between them by their place along the way,
+/// Joints that are bones are paired by the calibration, those between them by their place along the way,
 /// all others (fingers, ends) below paired joints by the place and shape of what hangs there.
 ///
 /// Most files have a zero pose that is its own mirror image; there one reflection is every joint's,
@@ -29,6 +29,7 @@ struct BodyMirror {
 /// T-pose as it is, turned as little as it takes.
 ///
 /// @return a kInput error naming a joint without a counterpart.
-[[nodiscard]] Result<BodyMirror> body_mirror(const Skeleton& skeleton, const HumanMapping& mapping);
+[[nodiscard]] Result<BodyMirror> body_mirror(const Skeleton& skeleton,
+                                             const Calibration& calibration);
 
 }  // namespace retarget

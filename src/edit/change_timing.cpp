@@ -15,8 +15,8 @@ namespace retarget {
 Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
   const FrameRate rate = options.rate.value_or(clip.rate());
   if (options.speed) {
-    constexpr double kSlowest = 0.01, kFastest = 100.0;
-    if (!(*options.speed >= kSlowest && *options.speed <= kFastest)) {
+    constexpr double kMinFactor = 0.01, kMaxFactor = 100.0;
+    if (!(*options.speed >= kMinFactor && *options.speed <= kMaxFactor)) {
       return usage_failure("a speed must be from 0.01 to 100, found " +
                            number_text(*options.speed, 4));
     }

@@ -17,16 +17,16 @@ namespace {
 
 class Joiner {
  public:
-  Joiner(const Clip& a, const Clip& b, const HumanMapping& mapping, const BodyMover& mover,
+  Joiner(const Clip& a, const Clip& b, const Calibration& calibration, const BodyMover& mover,
          const ConcatenateOptions& options)
       : a_(a),
         b_(b),
-        mapping_(mapping),
+        calibration_(calibration),
         mover_(mover),
         options_(options),
-        motion_a_(a, mapping),
-        human_b_(to_human(b, mapping)) {
-    const auto floor_a = floor_height(a, mapping), floor_b = floor_height(b, mapping);
+        motion_a_(a, calibration),
+        human_b_(to_human(b, calibration)) {
+    const auto floor_a = floor_height(a, calibration), floor_b = floor_height(b, calibration);
     if (!floor_a || !floor_b) return;
     const double lift = *floor_a - *floor_b;
     if (std::abs(lift) <= options.same_floor) return;
@@ -39,7 +39,7 @@ class Joiner {
   Result<Concatenation> run() {
     SeamOptions seam = options_.seam;
     TRY_ASSIGN(auto first, join(seam));
-    if (goes_on(motion_a_.human, human_b_)) {
+    if (continues_motion(motion_a_.human, human_b_)) {
       auto whole = put_together(first.map);
       if (whole.check.faults.empty()) return whole;
     }
@@ -69,8 +69,8 @@ class Joiner {
     seam.overlap = 0;
     SeamRegion region;
     region.begin = region.end = region.b_shift = seam.a_frame;
-    SeamCheck check =
-        check_motion(motion_a_.human, human_b_, to_human(whole, mapping_), region, options_.limits);
+    SeamCheck check = check_motion(motion_a_.human, human_b_, to_human(whole, calibration_), region,
+                                   options_.limits);
     return {{std::move(whole)}, seam, std::move(map), 0.0, 0.0, std::move(check)};
   }
 
@@ -78,7 +78,7 @@ class Joiner {
     const Clip* on_floor = &b_;
     TRY_ASSIGN(auto search, find_seam(motion_a_.human, human_b_, options));
     if (raised_) {
-      TRY_ASSIGN(auto other, find_seam(motion_a_.human, to_human(*raised_, mapping_), options));
+      TRY_ASSIGN(auto other, find_seam(motion_a_.human, to_human(*raised_, calibration_), options));
       if (other.seams[0].distance < search.seams[0].distance) {
         search = std::move(other);
         on_floor = &*raised_;
@@ -100,14 +100,14 @@ class Joiner {
 
   Result<Concatenation> join_at(const Seam& seam, Clip moved) {
     mover_.move_all(moved, seam.a_from_b.in_space());
-    TRY_ASSIGN(auto joined, join_clips(motion_a_, HumanMotion(moved, mapping_), seam, mapping_,
-                                       mover_, options_));
+    TRY_ASSIGN(auto joined, join_clips(motion_a_, HumanMotion(moved, calibration_), seam,
+                                       calibration_, mover_, options_));
     return Concatenation{{std::move(joined.clip)}, seam, {}, 0.0, 0.0, std::move(joined.check)};
   }
 
   const Clip& a_;
   const Clip& b_;
-  const HumanMapping& mapping_;
+  const Calibration& calibration_;
   const BodyMover& mover_;
   const ConcatenateOptions& options_;
   const HumanMotion motion_a_;
@@ -142,10 +142,11 @@ void tell_seam(Concatenation& joined, const FrameRate& rate) {
       {"", fmt::format("{} cm apart, {} feet on the floor", number_text(100.0 * seam.distance, 2),
                        seam.same_support ? "the same" : "other")},
       {"",
-       fmt::format("fastest relative to its usual speed: {} {} m/s (in the clips {}); planted feet slip at "
-                   "{} m/s",
-                   check.fastest_bone, number_text(check.largest_speed, 2),
-                   number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
+       fmt::format(
+           "fastest relative to its usual speed: {} {} m/s (in the clips {}); planted feet slip at "
+           "{} m/s",
+           check.fastest_bone, number_text(check.largest_speed, 2),
+           number_text(check.usual_speed, 2), number_text(check.slip, 3))}};
   if (check.jolted_bone.empty()) return;
   notes.push_back(
       {"", fmt::format("largest acceleration relative to its usual: {} {} m/s2 (in the clips {})",
@@ -185,9 +186,9 @@ bool same_skeleton(const Skeleton& a, const Skeleton& b) {
 
 bool same_body(const Subject& a, const Subject& b) {
   return same_skeleton(a.clip.skeleton(), b.clip.skeleton()) &&
-         a.mapping.human_from_source.isApprox(b.mapping.human_from_source, 1e-9) &&
-         std::abs(a.mapping.metres_per_unit - b.mapping.metres_per_unit) <=
-             1e-9 * a.mapping.metres_per_unit;
+         a.calibration.human_from_source.isApprox(b.calibration.human_from_source, 1e-9) &&
+         std::abs(a.calibration.metres_per_unit - b.calibration.metres_per_unit) <=
+             1e-9 * a.calibration.metres_per_unit;
 }
 
 }  // namespace
@@ -214,9 +215,9 @@ Result<void> ConcatenateOptions::search(std::string_view text) {
     seam.cost_of_second = 0.001;
     return {};
   }
-  constexpr double kLongest = 1e5;
+  constexpr double kMaxSeconds = 1e5;
   const auto seconds = number_from_text(text);
-  if (!seconds || !(*seconds >= 0.0 && *seconds <= kLongest)) {
+  if (!seconds || !(*seconds >= 0.0 && *seconds <= kMaxSeconds)) {
     return usage_failure(OPTION("search") " must be seconds from 0 to 100000 or `all`, found \"" +
                          std::string(text) + "\"");
   }
@@ -224,7 +225,7 @@ Result<void> ConcatenateOptions::search(std::string_view text) {
   return {};
 }
 
-Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMapping& mapping,
+Result<Concatenation> concatenate(const Clip& a, const Clip& b, const Calibration& calibration,
                                   const ConcatenateOptions& options, const std::string& a_name,
                                   const std::string& b_name) {
   if (!same_rate(a.rate(), b.rate())) {
@@ -235,7 +236,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
       a.skeleton().translated_count() != b.skeleton().translated_count()) {
     return input_failure(b_name, "has a different skeleton than " + a_name);
   }
-  auto mover = BodyMover::of(a, mapping, &b);
+  auto mover = BodyMover::of(a, calibration, &b);
   if (!mover) {
     mover.error().location.file = a_name;
     return failure(std::move(mover).error());
@@ -244,7 +245,7 @@ Result<Concatenation> concatenate(const Clip& a, const Clip& b, const HumanMappi
     if (clip->frame_count() > 0) continue;
     return input_failure(*name, "the clip has no frames to join");
   }
-  TRY_ASSIGN(auto joined, Joiner(a, b, mapping, *mover, options).run());
+  TRY_ASSIGN(auto joined, Joiner(a, b, calibration, *mover, options).run());
   tell_seam(joined, a.rate());
   judge_seam(joined, options.seam.search_all, std::max(a.duration(), b.duration()), a_name, b_name);
   return joined;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/option_name.h"
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "edit/pose_distance.h"
 #include "human/contact_plan.h"
 
@@ -60,7 +60,7 @@ class SeamFinder {
     if (const int shared = shared_frames(); shared > 0) {
       taken.push_back({a_.frame_count - shared, 0, 0.0});
     }
-    while (static_cast<int>(taken.size()) < std::max(1, options_.most_seams)) {
+    while (static_cast<int>(taken.size()) < std::max(1, options_.max_seams)) {
       const PairOfFrames next = best_pair(result.map, taken);
       if (std::isinf(next.cost)) break;
       taken.push_back(next);
@@ -176,8 +176,8 @@ class SeamFinder {
 
 Result<SeamSearch> find_seam(const HumanClip& a, const HumanClip& b, const SeamOptions& options) {
   const SeamFinder finder(a, b, options);
-  constexpr std::int64_t kMostPairs = 16'000'000;
-  if (finder.pair_count() > kMostPairs) {
+  constexpr std::int64_t kMaxPairs = 16'000'000;
+  if (finder.pair_count() > kMaxPairs) {
     return usage_failure("the seam would be searched among " + std::to_string(finder.pair_count()) +
                              " pairs of frames, which is too many",
                          OPTION("search") " S searches only the last and the first S seconds");
@@ -190,10 +190,10 @@ std::string format_pgm(const SeamMap& map) {
   const std::size_t height = width > 0 ? map.distances.size() / width : 0;
   std::string text = "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
   if (map.distances.empty()) return text;
-  const auto [least, largest] = std::ranges::minmax(map.distances);
-  const float range = std::max(largest - least, 1e-9F);
+  const auto [smallest, largest] = std::ranges::minmax(map.distances);
+  const float range = std::max(largest - smallest, 1e-9F);
   for (const float distance : map.distances) {
-    text += static_cast<char>(std::lround(255.0F * (distance - least) / range));
+    text += static_cast<char>(std::lround(255.0F * (distance - smallest) / range));
   }
   return text;
 }

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "base/number_text.h"
+#include "edit/blend_offset.h"
 #include "edit/cubic_chain.h"
-#include "edit/fading_offset.h"
 #include "edit/ground_pose.h"
 #include "math/filter.h"
 #include "math/spline.h"
@@ -27,8 +27,8 @@ std::vector<Eigen::Vector2d> ground_track(const std::vector<GroundPose>& hips,
   }
   // a second and more on each side, for a filter that is steep enough
   constexpr double kPeriods = 1.0;
-  constexpr double kMostTaps = 20000.0;
-  const double half_width = std::min(kPeriods / cutoff * rate.fps(), kMostTaps);
+  constexpr double kMaxTaps = 20000.0;
+  const double half_width = std::min(kPeriods / cutoff * rate.fps(), kMaxTaps);
   if (cutoff * rate.frame_time() <= 0.5 && half_width >= 1.0) {
     const auto taps =
         design_low_pass(cutoff * rate.frame_time(), static_cast<int>(std::lround(half_width)));
@@ -84,7 +84,7 @@ bool refine_knots(const CubicChain& chain, const std::vector<double>& distances,
   knots = {chain.knots.front()};
   for (std::size_t piece = 0; piece + 1 < chain.knots.size(); ++piece) {
     const double begin = chain.knots[piece], end = chain.knots[piece + 1];
-    if (distances[piece] > options.tolerance && end - begin >= 2.0 * options.shortest_piece) {
+    if (distances[piece] > options.tolerance && end - begin >= 2.0 * options.min_piece) {
       knots.push_back(0.5 * (begin + end));
     }
     knots.push_back(end);
@@ -165,9 +165,9 @@ std::string PathMotion::summary() const {
          " cm of the hips' track";
 }
 
-Result<PathMotion> fit_path(const Clip& clip, const HumanMapping& mapping,
+Result<PathMotion> fit_path(const Clip& clip, const Calibration& calibration,
                             const PathFitOptions& options) {
-  return fit_path(to_human(clip, mapping), options);
+  return fit_path(to_human(clip, calibration), options);
 }
 
 Result<PathMotion> fit_path(const HumanClip& human, const PathFitOptions& options) {
@@ -226,12 +226,12 @@ std::vector<GroundPose> path_frames(const GroundPath& path, const std::vector<do
 }
 
 void spread_turns(std::vector<GroundPose>& frames, const FrameRate& rate) {
-  constexpr double kFastest = 4.0;     // rad/s, a quick turn on the spot
-  constexpr double kLongest = 1.0;     // seconds: what turns for longer is no corner
+  constexpr double kMaxSpeed = 4.0;    // rad/s, a quick turn on the spot
+  constexpr double kMaxSeconds = 1.0;  // seconds: what turns for longer is no corner
   constexpr double kPeakOfEase = 1.5;  // fastest against mean
   const int count = static_cast<int>(frames.size());
-  const auto longest = static_cast<int>(std::lround(kLongest * rate.fps()));
-  const double fastest_step = kFastest * rate.frame_time();
+  const auto longest = static_cast<int>(std::lround(kMaxSeconds * rate.fps()));
+  const double fastest_step = kMaxSpeed * rate.frame_time();
   const auto step = [&](int frame) { return frames[frame].heading - frames[frame - 1].heading; };
   for (int frame = 1; frame < count; ++frame) {
     if (std::abs(step(frame)) <= fastest_step) continue;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "math/so3.h"
 #include "math/spline.h"
 #include "math/trigonometry.h"
@@ -13,7 +13,7 @@ namespace retarget {
 namespace {
 
 // corrections below this are rounding, metres and radians
-constexpr double kNothing = 1e-10;
+constexpr double kEpsilon = 1e-10;
 
 using Track = std::vector<Eigen::Vector3d>;
 
@@ -55,7 +55,7 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
 // to the hip, as it does when a step is long
 Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
                  const Eigen::Vector3d& hip, const LegReach& stretch, double share) {
-  constexpr double kFarthest = 0.6;  // radians; beyond, the leg is too short
+  constexpr double kMaxDistance = 0.6;  // radians; beyond, the leg is too short
   const Eigen::Vector3d toes = wanted * toes_in_foot;
   const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
   const Eigen::Vector3d axis = foot.cross(leg);
@@ -67,14 +67,14 @@ Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
   const double angle = portable::atan2(std::sqrt(1.0 - cosine * cosine), cosine);
   const double turn = portable::atan2(axis.norm(), foot.dot(leg)) - angle;
   const Eigen::Quaterniond about =
-      exp_so3(axis.normalized() * share * std::clamp(turn, 0.0, kFarthest));
+      exp_so3(axis.normalized() * share * std::clamp(turn, 0.0, kMaxDistance));
   return {(about * wanted.rotation).normalized(), toes + about * foot};
 }
 
 }  // namespace
 
 bool FootOffsets::any(std::size_t frame) const {
-  return shifts[frame].norm() > kNothing || turns[frame].norm() > kNothing;
+  return shifts[frame].norm() > kEpsilon || turns[frame].norm() > kEpsilon;
 }
 
 void FootOffsets::set(std::size_t frame, const Pose& wanted, const LegTrack& leg) {

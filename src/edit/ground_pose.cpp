@@ -73,15 +73,16 @@ Pose world_from_joint(const Clip& clip, int frame, int joint) {
   return pose;
 }
 
-BodyMover::BodyMover(int joint, const HumanMapping& mapping)
+BodyMover::BodyMover(int joint, const Calibration& calibration)
     : joint_(joint),
-      metres_per_unit_(mapping.metres_per_unit),
-      human_from_source_(mapping.human_from_source) {}
+      metres_per_unit_(calibration.metres_per_unit),
+      human_from_source_(calibration.human_from_source) {}
 
-Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, const Clip* with) {
+Result<BodyMover> BodyMover::of(const Clip& clip, const Calibration& calibration,
+                                const Clip* with) {
   const Skeleton& skeleton = clip.skeleton();
   std::vector<int> chain;
-  for (int joint = mapping.bones[Bone::kHips].position_joint; joint >= 0;
+  for (int joint = calibration.bones[Bone::kHips].position_joint; joint >= 0;
        joint = skeleton.joint(joint).parent) {
     chain.push_back(joint);
   }
@@ -92,7 +93,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, c
   });
   if (moving != chain.rend()) chain.erase(moving.base(), chain.end());
   bool moves_all = !chain.empty();
-  for (const BoneSource& bone : mapping.bones) {
+  for (const BoneSource& bone : calibration.bones) {
     if (!moves_all || bone.position_joint < 0) continue;
     moves_all = is_at_or_below(skeleton, bone.position_joint, chain.back());
   }
@@ -102,7 +103,7 @@ Result<BodyMover> BodyMover::of(const Clip& clip, const HumanMapping& mapping, c
                          "it and the hips has three position and three rotation channels",
                          "retarget edit transfer moves the motion to a skeleton that has them");
   }
-  return BodyMover(chain.back(), mapping);
+  return BodyMover(chain.back(), calibration);
 }
 
 void BodyMover::move(Clip& clip, int frame, const Pose& move) const {

@@ -27,7 +27,7 @@ class BodyMover {
  public:
   /// @param with  another clip of the skeleton that is to be moved by the same joint.
   /// @return a kInput error for a body that no joint moves as a whole.
-  [[nodiscard]] static Result<BodyMover> of(const Clip& clip, const HumanMapping& mapping,
+  [[nodiscard]] static Result<BodyMover> of(const Clip& clip, const Calibration& calibration,
                                             const Clip* with = nullptr);
 
   /// @param move  of the world, metres, z up.
@@ -40,7 +40,7 @@ class BodyMover {
   [[nodiscard]] int joint() const { return joint_; }
 
  private:
-  BodyMover(int joint, const HumanMapping& mapping);
+  BodyMover(int joint, const Calibration& calibration);
 
   int joint_;
   double metres_per_unit_;

@@ -8,32 +8,32 @@
 namespace retarget {
 namespace {
 
-ClipFeet feet_of(const Clip& clip, const HumanMapping& mapping, const HumanClip& human) {
+ClipFeet feet_of(const Clip& clip, const Calibration& calibration, const HumanClip& human) {
   ClipFeet feet;
   feet.contacts = find_contacts(human);
-  const auto legs = find_legs(clip.skeleton(), mapping);
+  const auto legs = find_legs(clip.skeleton(), calibration);
   for (int foot = 0; foot < 2; ++foot) {
-    if (legs[foot]) feet.ankles[foot] = ankle_poses(clip, mapping, *legs[foot]);
+    if (legs[foot]) feet.ankles[foot] = ankle_poses(clip, calibration, *legs[foot]);
   }
   return feet;
 }
 
 }  // namespace
 
-HumanMotion::HumanMotion(const Clip& of, const HumanMapping& mapping)
-    : clip(of), human(to_human(of, mapping)), feet(feet_of(of, mapping, human)) {}
+HumanMotion::HumanMotion(const Clip& of, const Calibration& calibration)
+    : clip(of), human(to_human(of, calibration)), feet(feet_of(of, calibration, human)) {}
 
 Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b, const Seam& seam,
-                               const HumanMapping& mapping, const BodyMover& mover,
+                               const Calibration& calibration, const BodyMover& mover,
                                const ConcatenateOptions& options) {
   const FrameRate& rate = a.clip.rate();
   const SeamRegion region = seam_region(seam, options, rate, b.clip.frame_count());
-  Clip joined = blend_clips(a.clip, b.clip, region, mapping, mover);
-  const ClipFeet blended = feet_of(joined, mapping, to_human(joined, mapping));
+  Clip joined = blend_clips(a.clip, b.clip, region, calibration, mover);
+  const ClipFeet blended = feet_of(joined, calibration, to_human(joined, calibration));
   const auto plants = joined_plants(a.feet, b.feet, blended, region, rate);
-  TRY(plant_feet(joined, mapping, plants, options.plant));
+  TRY(plant_feet(joined, calibration, plants, options.plant));
 
-  const HumanMotion result(joined, mapping);
+  const HumanMotion result(joined, calibration);
   SeamCheck check = check_motion(a.human, b.human, result.human, region, options.limits);
   check_feet(check, a.feet, b.feet, result.feet, plants, region, rate);
   find_faults(check, seam, options);

@@ -84,8 +84,8 @@ Result<void> check_limbs(const HumanClip& human) {
 
 }  // namespace
 
-Result<Clip> lafan1_clip(const Clip& source, const HumanMapping& mapping) {
-  const HumanClip human = to_human(source, mapping);
+Result<Clip> lafan1_clip(const Clip& source, const Calibration& calibration) {
+  const HumanClip human = to_human(source, calibration);
   TRY(check_limbs(human));
   const double scale = kCentimetresPerMetre * kPublishedHeight / human.size;
   BoneArray<Eigen::Vector3d> offsets{Eigen::Vector3d(Eigen::Vector3d::Zero())};

@@ -8,7 +8,7 @@
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
 #include "math/so3.h"
@@ -17,7 +17,7 @@ namespace retarget {
 namespace {
 
 // least frames of a cycle
-constexpr int kFewest = 3;
+constexpr int kMinFrames = 3;
 
 struct CycleEnd {
   int frame = 0;
@@ -29,15 +29,15 @@ CycleEnd find_end(const HumanClip& human, int from, int window) {
   const PoseClouds clouds(human, common_bones(human, human));
   const WindowDistance distance(clouds, clouds, window);
   CycleEnd best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int frame = from; frame < human.frame_count; ++frame) {
     const int overlap = distance.frames_at(frame, 0);
     const CloudAlignment aligned = distance.at(frame, 0);
     // of poses that are equal but for rounding the first counts
     constexpr double kEqual = 1e-6;
     const double cost = distance.counted(aligned.distance, frame, 0);
-    if (cost >= least - kEqual) continue;
-    least = cost;
+    if (cost >= min - kEqual) continue;
+    min = cost;
     best = {frame, overlap, aligned};
   }
   return best;
@@ -140,7 +140,7 @@ int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
   const Pose move = advance.in_space();
   const std::vector<Bone> bones = common_bones(joined, joined);
   int best = cycle / 2;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int i = 0; i < cycle - 1; ++i) {
     // outwards from the middle
     const int frame = cycle / 2 + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
@@ -153,8 +153,8 @@ int quiet_frame(const HumanClip& joined, int cycle, const GroundPose& advance) {
       largest = std::max(largest, (move * at(frame) - at(frame + cycle)).norm());
     }
     constexpr double kEqual = 1e-6;
-    if (largest >= least - kEqual) continue;
-    least = largest;
+    if (largest >= min - kEqual) continue;
+    min = largest;
     best = frame;
   }
   return best;
@@ -213,22 +213,23 @@ void tell(Loop& loop, const FrameRate& rate, bool in_place) {
 
 }  // namespace
 
-Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const LoopOptions& options) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+Result<Loop> make_loop(const Clip& clip, const Calibration& calibration,
+                       const LoopOptions& options) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   const double shortest = options.shortest > 0.0 ? options.shortest : 0.5 * clip.duration();
   const double wanted = std::ceil(shortest * clip.rate().fps() - 1e-6);
-  if (wanted >= clip.frame_count() || clip.frame_count() <= kFewest) {
+  if (wanted >= clip.frame_count() || clip.frame_count() <= kMinFrames) {
     return input_failure(
         {}, "a clip of " + number_text(clip.duration(), 3) + " s is too short for a cycle" +
                 (options.shortest > 0.0 ? " of " + number_text(options.shortest, 3) + " s or more"
                                         : std::string()));
   }
-  constexpr std::int64_t kMostFrames = 10'000'000;
-  if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMostFrames) {
+  constexpr std::int64_t kMaxFrames = 10'000'000;
+  if (options.times < 1 || std::int64_t{clip.frame_count()} * options.times > kMaxFrames) {
     return usage_failure("a cycle can be played once or more, up to 10 million frames");
   }
-  const HumanMotion motion(clip, mapping);
-  const CycleEnd end = find_end(motion.human, std::max(kFewest, static_cast<int>(wanted)),
+  const HumanMotion motion(clip, calibration);
+  const CycleEnd end = find_end(motion.human, std::max(kMinFrames, static_cast<int>(wanted)),
                                 frames_in(options.seam.seam.window, clip.rate()) + 1);
   const GroundPose advance = advance_of(motion, end);
   const double share_of_cycle = end.frame * clip.rate().frame_time() / 3.0;
@@ -244,10 +245,10 @@ Result<Loop> make_loop(const Clip& clip, const HumanMapping& mapping, const Loop
   Clip next = clip;
   mover.move_all(next, advance.in_space());
   TRY_ASSIGN(auto joined,
-             join_clips(motion, HumanMotion(next, mapping), seam, mapping, mover, how));
+             join_clips(motion, HumanMotion(next, calibration), seam, calibration, mover, how));
 
   const int settle = std::max(1, std::min(frames_in(how.fade, clip.rate()), end.frame / 3));
-  const int quiet = quiet_frame(to_human(joined.clip, mapping), end.frame, advance);
+  const int quiet = quiet_frame(to_human(joined.clip, calibration), end.frame, advance);
   Clip cycle = cycle_of(joined.clip, quiet, end.frame, advance, mover, settle);
   if (options.in_place) {
     for (int frame = 0; frame < end.frame; ++frame) {

@@ -9,11 +9,11 @@ namespace {
 
 class Mirroring {
  public:
-  Mirroring(const Clip& clip, const HumanMapping& mapping, const BodyMirror& body)
+  Mirroring(const Clip& clip, const Calibration& calibration, const BodyMirror& body)
       : clip_(clip),
         skeleton_(clip.skeleton()),
-        world_mirror_(mapping.human_from_source.transpose() *
-                      Eigen::Vector3d(1.0, -1.0, 1.0).asDiagonal() * mapping.human_from_source),
+        world_mirror_(calibration.human_from_source.transpose() *
+                      Eigen::Vector3d(1.0, -1.0, 1.0).asDiagonal() * calibration.human_from_source),
         mates_(body.mates),
         mate_axes_(body.mate_axes),
         before_(static_cast<std::size_t>(skeleton_.joint_count())),
@@ -69,14 +69,14 @@ class Mirroring {
 
 }  // namespace
 
-Result<Clip> mirror(const Clip& clip, const HumanMapping& mapping) {
-  TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), mapping));
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
-  Clip result = Mirroring(clip, mapping, body).run();
+Result<Clip> mirror(const Clip& clip, const Calibration& calibration) {
+  TRY_ASSIGN(const auto body, body_mirror(clip.skeleton(), calibration));
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  Clip result = Mirroring(clip, calibration, body).run();
   if (clip.frame_count() == 0) return result;
   // to where it began
-  const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), mapping)).front();
-  const GroundPose is = hips_over_ground(to_human(cut(result, 0, 1), mapping)).front();
+  const GroundPose was = hips_over_ground(to_human(cut(clip, 0, 1), calibration)).front();
+  const GroundPose is = hips_over_ground(to_human(cut(result, 0, 1), calibration)).front();
   mover.move_all(result, (was * is.inverse()).in_space());
   return result;
 }

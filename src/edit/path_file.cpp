@@ -20,7 +20,7 @@ constexpr const char* kHint =
     "{\"waypoints\": [[x, y], ...]}; retarget edit path IN " OPTION("fit") " FILE writes one";
 
 // wider than any stage, narrower than any slip
-constexpr double kFarthest = 1e6;
+constexpr double kMaxCoordinate = 1e6;
 
 std::optional<Eigen::Vector2d> point_from(const Json& json) {
   if (!json.is_array() || json.size() != 2) return std::nullopt;
@@ -28,7 +28,7 @@ std::optional<Eigen::Vector2d> point_from(const Json& json) {
   for (int axis = 0; axis < 2; ++axis) {
     if (!json[static_cast<std::size_t>(axis)].is_number()) return std::nullopt;
     point[axis] = json[static_cast<std::size_t>(axis)].get<double>();
-    if (!(std::abs(point[axis]) <= kFarthest)) return std::nullopt;
+    if (!(std::abs(point[axis]) <= kMaxCoordinate)) return std::nullopt;
   }
   return point;
 }
@@ -72,7 +72,7 @@ Result<GroundPath> parse_path(std::string_view text, const std::string& file) {
 }
 
 Result<GroundPath> load_path(const std::string& path) {
-  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
   return parse_path(content.view(), path);
 }
 

@@ -14,8 +14,8 @@
 namespace retarget {
 namespace {
 
-constexpr double kLargestSide = 900.0;  // of the picture, pixels
-constexpr double kMostPerMetre = 120.0;
+constexpr double kMaxSide = 900.0;  // of the picture, pixels
+constexpr double kMaxPerMetre = 120.0;
 constexpr double kMargin = 0.4;  // metres
 
 struct Colours {
@@ -31,7 +31,7 @@ class Canvas {
  public:
   explicit Canvas(const Eigen::AlignedBox2d& box) : box_(box) {
     const Eigen::Vector2d size = box.sizes();
-    scale_ = std::min(kMostPerMetre, kLargestSide / std::max(size.x(), size.y()));
+    scale_ = std::min(kMaxPerMetre, kMaxSide / std::max(size.x(), size.y()));
   }
 
   [[nodiscard]] std::string x(const Eigen::Vector2d& point) const {
@@ -146,11 +146,11 @@ void draw_path(Canvas& canvas, const GroundPath& path, const Colours& colours) {
 
 }  // namespace
 
-std::string draw_paths(const HumanMapping& mapping, const std::vector<PathDrawing>& drawings) {
+std::string draw_paths(const Calibration& calibration, const std::vector<PathDrawing>& drawings) {
   std::vector<PosedDrawing> posed;
   for (const PathDrawing& drawing : drawings) {
     posed.push_back({std::nullopt, drawing.path});
-    if (drawing.clip != nullptr) posed.back().human = to_human(*drawing.clip, mapping);
+    if (drawing.clip != nullptr) posed.back().human = to_human(*drawing.clip, calibration);
   }
   Canvas canvas(box_of(posed));
   for (std::size_t i = 0; i < posed.size(); ++i) {

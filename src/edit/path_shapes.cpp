@@ -13,13 +13,13 @@ namespace retarget {
 namespace {
 
 // an eighth of a turn: a cubic is within 4e-6 of the radius of such an arc
-constexpr double kLargestArc = std::numbers::pi / 4.0;
+constexpr double kMaxArc = std::numbers::pi / 4.0;
 
 // adds an arc that begins at the last point; gives where it ends
 GroundPose add_arc(std::vector<Eigen::Vector2d>& points, const GroundPose& start, double radius,
                    double length) {
   const double turn = length / radius;
-  const int arcs = std::max(1, static_cast<int>(std::ceil(std::abs(turn) / kLargestArc - 1e-9)));
+  const int arcs = std::max(1, static_cast<int>(std::ceil(std::abs(turn) / kMaxArc - 1e-9)));
   const double angle = turn / arcs;
   const auto [sine, cosine] = portable::sin_cos(angle);
   const auto [quarter_sine, quarter_cosine] = portable::sin_cos(0.25 * angle);
@@ -85,8 +85,8 @@ GroundPath path_through(const std::vector<Eigen::Vector2d>& points) {
 }
 
 Result<void> PathChange::check() const {
-  constexpr double kSmallestRadius = 0.01;
-  if (std::abs(radius) >= kSmallestRadius) return {};
+  constexpr double kMinRadius = 0.01;
+  if (std::abs(radius) >= kMinRadius) return {};
   return usage_failure(OPTION("radius") " must be at least 0.01 m");
 }
 

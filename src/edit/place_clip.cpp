@@ -17,19 +17,19 @@
 
 namespace retarget {
 
-Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
+Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
   const Skeleton& skeleton = clip.skeleton();
   // who is there for less than a contact stands if still
   ContactOptions standing;
   standing.shortest = std::min(standing.shortest, clip.frame_count() * clip.rate().frame_time());
-  ContactPlan contacts = find_contacts(to_human(clip, mapping), standing);
+  ContactPlan contacts = find_contacts(to_human(clip, calibration), standing);
   std::array<std::vector<SkeletonPoint>, 2> feet;
   for (int foot = 0; foot < 2; ++foot) {
     const Bone bone = side_bone(kSides[foot], LimbBone::kFoot);
     contacts.phases[foot] = on_floor(std::move(contacts.phases[foot]));
-    feet[foot] = points_below(skeleton, mapping.bones[bone].position_joint);
+    feet[foot] = points_below(skeleton, calibration.bones[bone].position_joint);
   }
-  const Eigen::RowVector3d up = mapping.human_from_source.row(2) * mapping.metres_per_unit;
+  const Eigen::RowVector3d up = calibration.human_from_source.row(2) * calibration.metres_per_unit;
   std::vector<double> heights;
   std::vector<Pose> poses(static_cast<std::size_t>(skeleton.joint_count()));
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -50,16 +50,16 @@ Result<double> floor_height(const Clip& clip, const HumanMapping& mapping) {
   return median(std::move(heights));
 }
 
-Result<Clip> put_on_floor(Clip clip, const HumanMapping& mapping, double floor) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+Result<Clip> put_on_floor(Clip clip, const Calibration& calibration, double floor) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   mover.move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, -floor}});
   return clip;
 }
 
-Result<Clip> turn_clip(Clip clip, const HumanMapping& mapping, double angle) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+Result<Clip> turn_clip(Clip clip, const Calibration& calibration, double angle) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   if (clip.frame_count() == 0) return clip;
-  const HumanClip first = to_human(cut(clip, 0, 1), mapping);
+  const HumanClip first = to_human(cut(clip, 0, 1), calibration);
   mover.move_all(clip, turn_about(hips_over_ground(first).front().position, angle).in_space());
   return clip;
 }
@@ -73,8 +73,8 @@ Result<Eigen::Vector2d> way_from_text(std::string_view text) {
                        "\"");
 }
 
-Result<Clip> move_clip(Clip clip, const HumanMapping& mapping, const Eigen::Vector2d& way) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
+Result<Clip> move_clip(Clip clip, const Calibration& calibration, const Eigen::Vector2d& way) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
   mover.move_all(clip, GroundPose{way, 0.0}.in_space());
   return clip;
 }

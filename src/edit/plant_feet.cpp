@@ -6,7 +6,7 @@
 
 #include "base/number_text.h"
 #include "base/try.h"
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "edit/foot_offsets.h"
 #include "edit/ground_pose.h"
 #include "edit/two_bone_leg.h"
@@ -43,24 +43,24 @@ std::vector<double> smooth_cover(const std::vector<double>& values, int reach) {
 
 class FootPlanter {
  public:
-  FootPlanter(Clip& clip, const HumanMapping& mapping, const BodyMover& mover,
+  FootPlanter(Clip& clip, const Calibration& calibration, const BodyMover& mover,
               const PlantOptions& options)
       : clip_(clip),
         mover_(mover),
         options_(options),
-        human_from_source_(mapping.human_from_source),
-        metres_per_unit_(mapping.metres_per_unit),
+        human_from_source_(calibration.human_from_source),
+        metres_per_unit_(calibration.metres_per_unit),
         frames_(static_cast<std::size_t>(clip.frame_count())) {
-    const auto legs = find_legs(clip.skeleton(), mapping);
+    const auto legs = find_legs(clip.skeleton(), calibration);
     for (int foot = 0; foot < 2; ++foot) {
       if (!legs[foot]) continue;
       const Bone bone = side_bone(kSides[foot], LimbBone::kLeg);
       // knees bend about -z of the canonical shin
       Eigen::Vector3d axis = -Eigen::Vector3d::UnitZ();
-      const auto& bone_axes = mapping.bones[bone].joint_from_bone;
+      const auto& bone_axes = calibration.bones[bone].joint_from_bone;
       if (bone_axes) axis = *bone_axes * axis;
       solvers_[foot].emplace(*legs[foot], learned_hinge(clip, *legs[foot], axis));
-      tracks_[foot] = track_leg(clip, mapping, *legs[foot]);
+      tracks_[foot] = track_leg(clip, calibration, *legs[foot]);
     }
   }
 
@@ -149,11 +149,11 @@ class FootPlanter {
 }  // namespace
 
 std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                  const HumanMapping& mapping) {
+                                                  const Calibration& calibration) {
   std::array<std::optional<LegJoints>, 2> legs;
   for (int foot = 0; foot < 2; ++foot) {
     const auto joint_of = [&](LimbBone part) {
-      const auto& bone = mapping.bones[side_bone(kSides[foot], part)];
+      const auto& bone = calibration.bones[side_bone(kSides[foot], part)];
       // helpers in a joint's place turn with it
       return is_at_or_below(skeleton, bone.rotation_joint, bone.position_joint)
                  ? bone.position_joint
@@ -170,9 +170,9 @@ std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
   return legs;
 }
 
-LegTrack track_leg(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
-  const double metres_per_unit = mapping.metres_per_unit;
+LegTrack track_leg(const Clip& clip, const Calibration& calibration, const LegJoints& leg) {
+  const Eigen::Quaterniond human_from_source(calibration.human_from_source);
+  const double metres_per_unit = calibration.metres_per_unit;
   std::vector<Pose> poses(static_cast<std::size_t>(clip.skeleton().joint_count()));
   LegTrack track;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
@@ -189,14 +189,15 @@ LegTrack track_leg(const Clip& clip, const HumanMapping& mapping, const LegJoint
   return track;
 }
 
-std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping, const LegJoints& leg) {
-  return track_leg(clip, mapping, leg).ankles;
+std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,
+                              const LegJoints& leg) {
+  return track_leg(clip, calibration, leg).ankles;
 }
 
-Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
+Result<PlantSummary> plant_feet(Clip& clip, const Calibration& calibration,
                                 std::span<const PlantedFoot> plants, const PlantOptions& options) {
-  TRY_ASSIGN(const auto mover, BodyMover::of(clip, mapping));
-  return FootPlanter(clip, mapping, mover, options).run(plants);
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  return FootPlanter(clip, calibration, mover, options).run(plants);
 }
 
 std::string planted_text(const PlantSummary& feet) {

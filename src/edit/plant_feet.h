@@ -24,7 +24,7 @@ struct LegJoints {
 /// The legs of a body, left and right; nothing for one that is not whole, or whose joints do not
 /// hang from each other.
 [[nodiscard]] std::array<std::optional<LegJoints>, 2> find_legs(const Skeleton& skeleton,
-                                                                const HumanMapping& mapping);
+                                                                const Calibration& calibration);
 
 /// A leg frame by frame before its foot is moved: the canonical human's world, metres.
 struct LegTrack {
@@ -34,11 +34,11 @@ struct LegTrack {
 };
 
 /// Of every frame.
-[[nodiscard]] LegTrack track_leg(const Clip& clip, const HumanMapping& mapping,
+[[nodiscard]] LegTrack track_leg(const Clip& clip, const Calibration& calibration,
                                  const LegJoints& leg);
 
 /// World poses of a leg's ankle (the file's joint and its axes), metres, z up, every frame.
-[[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const HumanMapping& mapping,
+[[nodiscard]] std::vector<Pose> ankle_poses(const Clip& clip, const Calibration& calibration,
                                             const LegJoints& leg);
 
 /// What of a foot is on the floor.
@@ -70,7 +70,7 @@ struct PlantedFoot {
 ///
 /// @param plants  of each foot in order of time, without overlap; feet without a leg are left out.
 /// @return kInput errors as BodyMover::of.
-[[nodiscard]] Result<PlantSummary> plant_feet(Clip& clip, const HumanMapping& mapping,
+[[nodiscard]] Result<PlantSummary> plant_feet(Clip& clip, const Calibration& calibration,
                                               std::span<const PlantedFoot> plants,
                                               const PlantOptions& options);
 

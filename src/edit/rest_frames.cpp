@@ -14,8 +14,10 @@ namespace {
 // where the joints are in the T-pose, z up, from the root, file units
 class TPose {
  public:
-  TPose(const Skeleton& skeleton, const HumanMapping& mapping)
-      : skeleton_(skeleton), mapping_(mapping), turns_(t_pose_rotations(skeleton, mapping)) {
+  TPose(const Skeleton& skeleton, const Calibration& calibration)
+      : skeleton_(skeleton),
+        calibration_(calibration),
+        turns_(t_pose_rotations(skeleton, calibration)) {
     for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
       const int parent = skeleton.joint(joint).parent;
       Eigen::Vector3d place = Eigen::Vector3d::Zero();
@@ -33,7 +35,7 @@ class TPose {
   [[nodiscard]] std::optional<double> lowest_of_feet() const {
     std::optional<double> lowest;
     for (const Bone foot : {Bone::kLeftFoot, Bone::kRightFoot}) {
-      const int ankle = mapping_.bones[foot].position_joint;
+      const int ankle = calibration_.bones[foot].position_joint;
       for (const SkeletonPoint& point : points_below(skeleton_, ankle)) {
         const Eigen::Vector3d place = places_[point.joint] + turns_[point.joint] * point.offset;
         lowest = std::min(lowest.value_or(place.z()), place.z());
@@ -44,7 +46,7 @@ class TPose {
 
  private:
   const Skeleton& skeleton_;
-  const HumanMapping& mapping_;
+  const Calibration& calibration_;
   const std::vector<Eigen::Quaterniond> turns_;
   std::vector<Eigen::Vector3d> places_;
 };
@@ -55,19 +57,19 @@ constexpr double kNoLength = 1e-12;
 }  // namespace
 
 std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
-                                                 const HumanMapping& mapping) {
+                                                 const Calibration& calibration) {
   std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(skeleton.joint_count()));
   for (auto at = kMappedBones.rbegin(); at != kMappedBones.rend(); ++at) {
     const Bone bone = *at;
-    const int joint = mapping.bones[bone].rotation_joint;
+    const int joint = calibration.bones[bone].rotation_joint;
     if (joint >= 0) bones[joint] = bone;
   }
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  const Eigen::Quaterniond human_from_source(calibration.human_from_source);
   std::vector<Eigen::Quaterniond> rotations;
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     if (bones[joint]) {
       Eigen::Quaterniond turn(canonical_t_pose(*bones[joint]));
-      const auto& axes = mapping.bones[*bones[joint]].joint_from_bone;
+      const auto& axes = calibration.bones[*bones[joint]].joint_from_bone;
       if (axes) turn = turn * axes->conjugate();
       rotations.push_back(turn.normalized());
     } else {
@@ -118,18 +120,18 @@ Eigen::Quaterniond rest_turn(const Leaving& leaving) {
   return Eigen::Quaterniond(turn).normalized();
 }
 
-std::optional<double> rise_over_soles(const Skeleton& skeleton, const HumanMapping& mapping,
+std::optional<double> rise_over_soles(const Skeleton& skeleton, const Calibration& calibration,
                                       Bone bone) {
-  const BoneSource& from = mapping.bones[bone];
+  const BoneSource& from = calibration.bones[bone];
   if (from.position_joint < 0) return std::nullopt;
-  const TPose pose(skeleton, mapping);
+  const TPose pose(skeleton, calibration);
   const auto lowest = pose.lowest_of_feet();
   if (!lowest) return std::nullopt;
-  return (pose.place_of(from).z() - *lowest) * mapping.metres_per_unit;
+  return (pose.place_of(from).z() - *lowest) * calibration.metres_per_unit;
 }
 
-std::optional<double> sole_depth(const Skeleton& skeleton, const HumanMapping& mapping) {
-  return rise_over_soles(skeleton, mapping, Bone::kHips);
+std::optional<double> sole_depth(const Skeleton& skeleton, const Calibration& calibration) {
+  return rise_over_soles(skeleton, calibration, Bone::kHips);
 }
 
 }  // namespace retarget

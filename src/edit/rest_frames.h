@@ -12,7 +12,7 @@ namespace retarget {
 /// World rotations of all joints in the T-pose, in the canonical human's world, facing x. Joints
 /// that turn no bone have zero rotation from their parent.
 [[nodiscard]] std::vector<Eigen::Quaterniond> t_pose_rotations(const Skeleton& skeleton,
-                                                               const HumanMapping& mapping);
+                                                               const Calibration& calibration);
 
 /// What leaves a joint, its children and end sites: rest directions in two skeletons, pairwise.
 struct Leaving {
@@ -36,11 +36,11 @@ struct Leaving {
 /// How far the lowest point of the feet is below the hips (the bone's origin) in the T-pose,
 /// metres; nothing for a body without hips or feet.
 [[nodiscard]] std::optional<double> sole_depth(const Skeleton& skeleton,
-                                               const HumanMapping& mapping);
+                                               const Calibration& calibration);
 
 /// How far a bone begins above that point in the T-pose, metres; nothing for a bone that is
 /// missing.
 [[nodiscard]] std::optional<double> rise_over_soles(const Skeleton& skeleton,
-                                                    const HumanMapping& mapping, Bone bone);
+                                                    const Calibration& calibration, Bone bone);
 
 }  // namespace retarget

@@ -32,7 +32,7 @@ struct SeamSearch {
 /// more or less) is that which makes the last four frames of a and the first four of b the
 /// smoothest, by polynomials of fourth degree through the bones' positions. Clips of fewer frames,
 /// and such as stand still, do not say.
-[[nodiscard]] bool goes_on(const HumanClip& a, const HumanClip& b);
+[[nodiscard]] bool continues_motion(const HumanClip& a, const HumanClip& b);
 
 /// How two clips share the frames around their seam, in frames of the result.
 struct SeamRegion {
@@ -51,7 +51,7 @@ struct SeamRegion {
 /// The clips as one; b lies already where it is to go on.
 /// @param mover  of their skeleton.
 [[nodiscard]] Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
-                               const HumanMapping& mapping, const BodyMover& mover);
+                               const Calibration& calibration, const BodyMover& mover);
 
 /// The feet of one of two clips that are joined.
 struct ClipFeet {
@@ -91,7 +91,7 @@ struct HumanMotion {
   HumanClip human;
   ClipFeet feet;
 
-  HumanMotion(const Clip& of, const HumanMapping& mapping);
+  HumanMotion(const Clip& of, const Calibration& calibration);
 };
 
 struct JoinedClips {
@@ -104,7 +104,7 @@ struct JoinedClips {
 /// @param b  where it goes on, of a's skeleton and rate.
 /// @param mover  of their skeleton.
 [[nodiscard]] Result<JoinedClips> join_clips(const HumanMotion& a, const HumanMotion& b,
-                                             const Seam& seam, const HumanMapping& mapping,
+                                             const Seam& seam, const Calibration& calibration,
                                              const BodyMover& mover,
                                              const ConcatenateOptions& options);
 

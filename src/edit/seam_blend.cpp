@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "math/so3.h"
 #include "math/spline.h"
 
@@ -86,7 +86,7 @@ class SeamMixer {
 // gives the hips a world pose: by their own channels, or, where those are not free, by those of
 // what moves the body
 void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
-              const HumanMapping& mapping, const BodyMover& mover) {
+              const Calibration& calibration, const BodyMover& mover) {
   const Skeleton& skeleton = clip.skeleton();
   if (moves_freely(skeleton.joint(hips))) {
     const Pose world_from_parent = world_from_joint(clip, frame, skeleton.joint(hips).parent);
@@ -96,10 +96,10 @@ void put_hips(Clip& clip, int frame, int hips, const Pose& world_from_hips,
     return;
   }
   const Pose move = world_from_hips * world_from_joint(clip, frame, hips).inverse();
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source);
+  const Eigen::Quaterniond human_from_source(calibration.human_from_source);
   mover.move(clip, frame,
              Pose{human_from_source * move.rotation * human_from_source.conjugate(),
-                  human_from_source * move.translation * mapping.metres_per_unit});
+                  human_from_source * move.translation * calibration.metres_per_unit});
 }
 
 }  // namespace
@@ -128,14 +128,14 @@ SeamRegion seam_region(const Seam& seam, const ConcatenateOptions& options, cons
 }
 
 Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
-                 const HumanMapping& mapping, const BodyMover& mover) {
+                 const Calibration& calibration, const BodyMover& mover) {
   Clip result = cut(a, 0, region.begin);
   result.resize(b.frame_count() + region.b_shift);
   for (int frame = region.begin; frame < result.frame_count(); ++frame) {
     copy_frame(b, frame - region.b_shift, result, frame);
   }
   const SeamMixer mixer(a, b, region);
-  const int hips = mapping.bones[Bone::kHips].position_joint;
+  const int hips = calibration.bones[Bone::kHips].position_joint;
   for (int frame = region.begin; frame < region.end; ++frame) {
     for (std::size_t joint = 0; joint < result.rotations(frame).size(); ++joint) {
       const auto in = [joint](const Clip& clip, int at) { return clip.rotations(at)[joint]; };
@@ -155,7 +155,7 @@ Clip blend_clips(const Clip& a, const Clip& b, const SeamRegion& region,
       return world_from_joint(clip, at, hips).translation;
     };
     put_hips(result, frame, hips, {mixer.rotation(turned, frame), mixer.translation(placed, frame)},
-             mapping, mover);
+             calibration, mover);
   }
   return result;
 }

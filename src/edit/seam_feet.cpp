@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "math/so3.h"
 
 namespace retarget {

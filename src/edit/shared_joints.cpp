@@ -35,13 +35,13 @@ std::vector<int> find_twins(const Skeleton& source, const Skeleton& target) {
 
 }  // namespace
 
-std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
+std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
                                                  const TransferTarget& target) {
   std::vector<std::optional<Bone>> bones(static_cast<std::size_t>(target.skeleton->joint_count()));
   // of bones that one joint turns the one nearest to the hips: the others hang from it
   for (auto at = kMappedBones.rbegin(); at != kMappedBones.rend(); ++at) {
     const Bone bone = *at;
-    const BoneSource &from = source.bones[bone], &to = target.mapping.bones[bone];
+    const BoneSource &from = source.bones[bone], &to = target.calibration.bones[bone];
     if (from.position_joint < 0 || from.rotation_joint < 0 || to.rotation_joint < 0) continue;
     // a bone without a joint of its own is turned as its neighbour
     if (to.position_joint != target.map.joint(bone)) continue;
@@ -50,21 +50,21 @@ std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
   return bones;
 }
 
-SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapping,
+SharedJoints find_shared_joints(const Skeleton& source, const Calibration& calibration,
                                 const TransferTarget& target) {
   const Skeleton& skeleton = *target.skeleton;
-  const Eigen::Quaterniond human_from_source(mapping.human_from_source),
-      human_from_target(target.mapping.human_from_source);
+  const Eigen::Quaterniond human_from_source(calibration.human_from_source),
+      human_from_target(target.calibration.human_from_source);
   SharedJoints shared{find_twins(source, skeleton), {}, {}};
   shared.world_turn = human_from_target.conjugate() * human_from_source;
-  const auto bones = bones_of_joints(mapping, target);
+  const auto bones = bones_of_joints(calibration, target);
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     const Eigen::Quaterniond above = shared.turn_above(skeleton, joint);
     if (const auto bone = bones[joint]) {
-      const auto axes = [bone](const HumanMapping& of) {
+      const auto axes = [bone](const Calibration& of) {
         return of.bones[*bone].joint_from_bone.value_or(Eigen::Quaterniond::Identity());
       };
-      shared.turns.push_back(axes(target.mapping) * axes(mapping).conjugate());
+      shared.turns.push_back(axes(target.calibration) * axes(calibration).conjugate());
     } else if (shared.twins[joint] >= 0) {
       const Eigen::Quaterniond turn =
           rest_turn(leaving_of(source, skeleton, shared.twins, joint, above)) * above;

@@ -25,10 +25,11 @@ struct SharedJoints {
 };
 
 /// The canonical bone that each joint of the target turns and the source has, if any.
-[[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const HumanMapping& source,
+[[nodiscard]] std::vector<std::optional<Bone>> bones_of_joints(const Calibration& source,
                                                                const TransferTarget& target);
 
-[[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source, const HumanMapping& mapping,
+[[nodiscard]] SharedJoints find_shared_joints(const Skeleton& source,
+                                              const Calibration& calibration,
                                               const TransferTarget& target);
 
 }  // namespace retarget

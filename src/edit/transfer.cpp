@@ -45,17 +45,17 @@ Eigen::Vector3d mean_translation(const Clip& clip, int joint) {
 
 class Transfer {
  public:
-  Transfer(const Clip& clip, const HumanMapping& mapping, double raise,
+  Transfer(const Clip& clip, const Calibration& calibration, double raise,
            const TransferTarget& target)
       : clip_(clip),
-        human_(to_human(clip, mapping)),
+        human_(to_human(clip, calibration)),
         raise_(raise),
-        units_(target.mapping.size / target.mapping.metres_per_unit * mapping.metres_per_unit /
-               mapping.size),
+        units_(target.calibration.size / target.calibration.metres_per_unit *
+               calibration.metres_per_unit / calibration.size),
         target_(target),
-        target_from_human_(Eigen::Quaterniond(target.mapping.human_from_source).conjugate()),
-        shared_(find_shared_joints(clip.skeleton(), mapping, target)),
-        bone_of_joint_(bones_of_joints(mapping, target)),
+        target_from_human_(Eigen::Quaterniond(target.calibration.human_from_source).conjugate()),
+        shared_(find_shared_joints(clip.skeleton(), calibration, target)),
+        bone_of_joint_(bones_of_joints(calibration, target)),
         world_from_joint_(target.skeleton->joint_count()) {
     // where the path goes: the hips, or the next joint above that can be moved
     placed_joint_ = target.map.joint(Bone::kHips);
@@ -119,7 +119,7 @@ class Transfer {
           parent < 0 ? Eigen::Quaterniond::Identity() : world_from_joint_[parent].rotation;
       if (const auto bone = bone_of_joint_[joint]) {
         Eigen::Quaterniond world = target_from_human_ * poses[*bone].rotation;
-        const auto& axes = target_.mapping.bones[*bone].joint_from_bone;
+        const auto& axes = target_.calibration.bones[*bone].joint_from_bone;
         if (axes) world = world * axes->conjugate();
         rotations[joint] = (above.conjugate() * world).normalized();
       } else if (const int twin = shared_.twins[joint]; twin >= 0) {
@@ -138,13 +138,13 @@ class Transfer {
     const int slot = target_.skeleton->translation_slot(placed_joint_);
     if (slot < 0) return;
     Eigen::Vector3d wanted =
-        human_.frame(frame)[Bone::kHips].translation * target_.mapping.size / human_.size;
+        human_.frame(frame)[Bone::kHips].translation * target_.calibration.size / human_.size;
     wanted.z() += raise_;
-    const auto& beside = target_.mapping.bones[Bone::kHips].position_in_joint;
+    const auto& beside = target_.calibration.bones[Bone::kHips].position_in_joint;
     const Eigen::Vector3d hips = world_from_joint_[target_.map.joint(Bone::kHips)] *
                                  (beside ? *beside : Eigen::Vector3d(Eigen::Vector3d::Zero()));
     const Eigen::Vector3d shift =
-        target_from_human_ * wanted / target_.mapping.metres_per_unit - hips;
+        target_from_human_ * wanted / target_.calibration.metres_per_unit - hips;
     const int parent = target_.skeleton->joint(placed_joint_).parent;
     const Eigen::Quaterniond above =
         parent < 0 ? Eigen::Quaterniond::Identity() : world_from_joint_[parent].rotation;
@@ -166,19 +166,19 @@ class Transfer {
 
 }  // namespace
 
-Clip transfer(const Clip& clip, const HumanMapping& mapping, const TransferTarget& target) {
-  const auto depth = sole_depth(clip.skeleton(), mapping);
-  const auto target_depth = sole_depth(*target.skeleton, target.mapping);
-  const double scale = target.mapping.size / mapping.size;
+Clip transfer(const Clip& clip, const Calibration& calibration, const TransferTarget& target) {
+  const auto depth = sole_depth(clip.skeleton(), calibration);
+  const auto target_depth = sole_depth(*target.skeleton, target.calibration);
+  const double scale = target.calibration.size / calibration.size;
   const double raise = depth && target_depth ? *target_depth - scale * *depth : 0.0;
-  return Transfer(clip, mapping, raise, target).run();
+  return Transfer(clip, calibration, raise, target).run();
 }
 
-UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
+UncarriedJoints uncarried_joints(const Clip& clip, const Calibration& calibration,
                                  const TransferTarget& target) {
   const Skeleton &source = clip.skeleton(), &skeleton = *target.skeleton;
-  const auto twins = find_shared_joints(source, mapping, target).twins;
-  const auto bones = bones_of_joints(mapping, target);
+  const auto twins = find_shared_joints(source, calibration, target).twins;
+  const auto bones = bones_of_joints(calibration, target);
   // what is above the hips is in their way through the world
   const auto is_above_hips = [](const Skeleton& of, int joint, int hips) {
     return is_at_or_below(of, hips, joint);
@@ -189,8 +189,8 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     if (twins[joint] >= 0) carried[twins[joint]] = turned[joint] = true;
     if (!bones[joint]) continue;
-    mark_joints(mapping.bones[*bones[joint]], source, carried);
-    mark_joints(target.mapping.bones[*bones[joint]], skeleton, turned);
+    mark_joints(calibration.bones[*bones[joint]], source, carried);
+    mark_joints(target.calibration.bones[*bones[joint]], skeleton, turned);
   }
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
     if (!turned[joint] && std::ranges::any_of(skeleton.joint(joint).channels, is_rotation) &&
@@ -199,7 +199,8 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
     }
   }
   for (int joint = 0; joint < source.joint_count(); ++joint) {
-    if (carried[joint] || is_above_hips(source, joint, mapping.bones[Bone::kHips].position_joint)) {
+    if (carried[joint] ||
+        is_above_hips(source, joint, calibration.bones[Bone::kHips].position_joint)) {
       continue;
     }
     if (is_turned_or_moved(clip, joint)) result.left_out.push_back(source.joint(joint).name);
@@ -208,9 +209,9 @@ UncarriedJoints uncarried_joints(const Clip& clip, const HumanMapping& mapping,
 }
 
 Transferred transfer(const Subject& source, const Subject& target) {
-  const TransferTarget onto{target.clip.shared_skeleton(), target.map, target.mapping};
-  Transferred result{{transfer(source.clip, source.mapping, onto)}, {}, {}, {}};
-  UncarriedJoints uncarried = uncarried_joints(source.clip, source.mapping, onto);
+  const TransferTarget onto{target.clip.shared_skeleton(), target.map, target.calibration};
+  Transferred result{{transfer(source.clip, source.calibration, onto)}, {}, {}, {}};
+  UncarriedJoints uncarried = uncarried_joints(source.clip, source.calibration, onto);
   for (const auto& [label, joints, of] : {std::tuple("left out", &uncarried.left_out, "target"),
                                           {"at rest", &uncarried.at_rest, "source"}}) {
     if (joints->empty()) continue;
@@ -219,7 +220,7 @@ Transferred transfer(const Subject& source, const Subject& target) {
   }
   result.left_out = std::move(uncarried.left_out);
   result.at_rest = std::move(uncarried.at_rest);
-  const auto feet = plant_transferred_feet(result.clip, onto, source.clip, source.mapping, {});
+  const auto feet = plant_transferred_feet(result.clip, onto, source.clip, source.calibration, {});
   if (feet) result.feet = *feet;
   result.notes.push_back(
       {"feet", feet ? planted_text(*feet) : "not planted: " + feet.error().message});

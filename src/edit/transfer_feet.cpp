@@ -76,15 +76,15 @@ class TransferredFoot {
 }  // namespace
 
 Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& target,
-                                            const Clip& clip, const HumanMapping& mapping,
+                                            const Clip& clip, const Calibration& calibration,
                                             const PlantOptions& options) {
-  const HumanClip source = to_human(clip, mapping), human = to_human(moved, target.mapping);
-  const double scale = target.mapping.size / mapping.size;
+  const HumanClip source = to_human(clip, calibration), human = to_human(moved, target.calibration);
+  const double scale = target.calibration.size / calibration.size;
   const auto part_of = [&](Bone bone) -> std::optional<PartTrack> {
     if (!source.has(bone) || !human.has(bone)) return std::nullopt;
     // joints are not as high in the foot in both
-    const auto rise = rise_over_soles(clip.skeleton(), mapping, bone),
-               target_rise = rise_over_soles(moved.skeleton(), target.mapping, bone);
+    const auto rise = rise_over_soles(clip.skeleton(), calibration, bone),
+               target_rise = rise_over_soles(moved.skeleton(), target.calibration, bone);
     const double higher = rise && target_rise ? *target_rise - scale * *rise : 0.0;
     PartTrack part;
     for (int frame = 0; frame < human.frame_count; ++frame) {
@@ -96,13 +96,13 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
   };
   std::vector<PlantedFoot> plants;
   const auto stands = find_foot_stands(source, kBreakInStand);
-  const auto legs = find_legs(moved.skeleton(), target.mapping);
+  const auto legs = find_legs(moved.skeleton(), target.calibration);
   for (int foot = 0; foot < 2; ++foot) {
     const Bone toe = side_bone(kSides[foot], LimbBone::kToe);
     const auto ankle = part_of(side_bone(kSides[foot], LimbBone::kFoot));
     if (!legs[foot] || !ankle) continue;
     const TransferredFoot both(*ankle, part_of(toe));
-    const auto poses = ankle_poses(moved, target.mapping, *legs[foot]);
+    const auto poses = ankle_poses(moved, target.calibration, *legs[foot]);
     for (const FootStand& stand : stands[foot]) {
       PlantedFoot plant = plant_of(stand, foot, stand.begin, poses, human);
       const Track shifts = both.shifts(stand);
@@ -112,7 +112,7 @@ Result<PlantSummary> plant_transferred_feet(Clip& moved, const TransferTarget& t
       plants.push_back(std::move(plant));
     }
   }
-  return plant_feet(moved, target.mapping, plants, options);
+  return plant_feet(moved, target.calibration, plants, options);
 }
 
 }  // namespace retarget

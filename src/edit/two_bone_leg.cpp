@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/fading_offset.h"
+#include "edit/blend_offset.h"
 #include "math/so3.h"
 #include "math/spline.h"
 #include "math/trigonometry.h"
@@ -89,7 +89,7 @@ LegReach LegReach::of(double length, double own, double moved, const PlantOption
   const double soft = options.soft_reach * length;
   const double as_it_is = 1.0 - smooth_step(0.0, kMoved * length, moved);
   const double begin = soft + as_it_is * std::max(own - soft, 0.0);
-  const double share = (options.longest_reach - options.soft_reach) / (1.0 - options.soft_reach);
+  const double share = (options.max_reach - options.soft_reach) / (1.0 - options.soft_reach);
   return {begin, share * std::max(length - begin, 0.0)};
 }
 

@@ -8,7 +8,7 @@
 namespace retarget {
 namespace {
 
-constexpr int kMostPoses = 48;
+constexpr int kMaxPoses = 48;
 
 BodyPoses::Pose pose_of(const Clip& clip, int frame) {
   const Skeleton& skeleton = clip.skeleton();
@@ -64,7 +64,7 @@ BodyPoses sample_zero_pose(const Skeleton& skeleton) {
 
 BodyPoses sample_poses(const Clip& clip) {
   if (clip.frame_count() == 0) return sample_zero_pose(clip.skeleton());
-  const int count = std::min(clip.frame_count(), kMostPoses);
+  const int count = std::min(clip.frame_count(), kMaxPoses);
   std::vector<int> frames;
   frames.reserve(count);
   for (int i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@ namespace {
 /// Words that name a bone, with blanks between them; of limbs the left one stands for both.
 struct BoneWords {
   Bone bone;
-  double weight;  // below 1 of words that mean different parts in different dialects
+  double weight;  // below 1 of words that mean different parts in different profiles
   std::string_view words;
 };
 

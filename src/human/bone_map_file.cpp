@@ -94,15 +94,15 @@ Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
                                const Skeleton& skeleton) {
   TRY_ASSIGN(const auto json, parse_json(text, file));
   if (!json.is_object()) {
-    return config_failure(file, "a mapping file must be a JSON object {bone: joint or null}");
+    return config_failure(file, "a bone map must be a JSON object {bone: joint or null}");
   }
   BoneMap map;
-  map.dialect = "map file";
+  map.profile = "map file";
   map.confidence = 1.0;
   Faults faults;
   read_entries(json, skeleton, map, faults);
   if (faults.empty()) check_map(skeleton, map, faults);
-  if (!faults.empty()) return faults.failure_in(file, "the mapping file");
+  if (!faults.empty()) return faults.failure_in(file, "the bone map");
   const std::vector<std::string> missing = missing_parts(map);
   map.partial = !missing.empty();
   if (map.partial) map.notes.push_back("partial: the file maps no " + list_names(missing));
@@ -110,7 +110,7 @@ Result<BoneMap> parse_bone_map(std::string_view text, const std::string& file,
 }
 
 Result<BoneMap> read_bone_map(const std::string& path, const Skeleton& skeleton) {
-  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  TRY_ASSIGN(const auto text, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
   return parse_bone_map(text.view(), path, skeleton);
 }
 

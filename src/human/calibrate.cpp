@@ -30,8 +30,8 @@ using enum LimbBone;
 
 // offsets that leave their axis by more than 20 degrees are not LAFAN1's
 bool runs_along(const Eigen::Vector3d& offset, int axis) {
-  constexpr double kLeastShare = 0.93969262078590838;  // cosine of that angle
-  return offset[axis] > kLeastShare * offset.norm();
+  constexpr double kMinShare = 0.93969262078590838;  // cosine of that angle
+  return offset[axis] > kMinShare * offset.norm();
 }
 
 // The sides on which the toes turn against the foot farther than toes do: by more than 90 degrees from
@@ -67,8 +67,7 @@ std::vector<Side> sides_with_flipped_toes(const Body& body, const std::vector<Jo
 
 // what was found out, one line for people
 std::string describe_calibration(const Calibration& calibration) {
-  const HumanMapping& mapping = calibration.mapping;
-  const std::string height = metres_text(mapping.height), up = to_text(calibration.up);
+  const std::string height = metres_text(calibration.height), up = to_text(calibration.up);
   if (calibration.rest_pose.starts_with("lafan1")) {
     return fmt::format("LAFAN1 skeleton, unit {}, up {}, body height {}", calibration.unit, up,
                        height);
@@ -79,7 +78,7 @@ std::string describe_calibration(const Calibration& calibration) {
           : fmt::format("from {} ({:.0f} degrees off)", calibration.rest_pose,
                         calibration.rest_deviation);
   return fmt::format("{} skeleton, unit {} ({} m), up {}, facing {}, body height {}, T-pose {}",
-                     mapping.dialect, calibration.unit, mapping.metres_per_unit, up,
+                     calibration.profile, calibration.unit, calibration.metres_per_unit, up,
                      to_text(calibration.forward), height, rest_pose);
 }
 
@@ -93,17 +92,17 @@ class Calibrator {
     look();
     doubt_sides();
     Calibration result;
-    result.up = movement_.up;
     TRY(has_lafan1_axes() ? keep_lafan1_axes(result) : bring_to_canonical_axes(result));
+    result.up = movement_.up;
     const bool is_published = result.rest_pose == "lafan1" && result.unit == "cm" &&
                               result.up == SignedAxis{} && !options_.height;
     if (options_.height) {
-      result.mapping.height = result.mapping.size = *options_.height;
+      result.height = result.size = *options_.height;
     } else if (!is_published && !options_.metres_per_unit) {
       doubt_height(result);
     }
-    result.mapping.doubts.insert(result.mapping.doubts.end(), doubts_.begin(), doubts_.end());
-    if (!is_published) result.mapping.description = describe_calibration(result);
+    result.doubts.insert(result.doubts.end(), doubts_.begin(), doubts_.end());
+    if (!is_published) result.description = describe_calibration(result);
     return result;
   }
 
@@ -112,7 +111,7 @@ class Calibrator {
 
   Result<void> check() const {
     if (!body_.has(Bone::kHips)) {
-      return input_failure({}, "no joint found for the hips", "name it in a mapping file");
+      return input_failure({}, "no joint found for the hips", "name it in a bone map");
     }
     std::vector<std::string> missing;
     for (const Side side : kSides) {
@@ -188,7 +187,7 @@ class Calibrator {
 
   // whether limbs run along x, and left and right lie apart along z
   bool has_lafan1_axes() const {
-    if (map_.dialect != "lafan1" || options_.rest != RestPose::kAuto || options_.tpose ||
+    if (map_.profile != "lafan1" || options_.rest != RestPose::kAuto || options_.tpose ||
         options_.forward) {
       return false;
     }
@@ -236,7 +235,7 @@ class Calibrator {
     }
   }
 
-  // the published method's mapping; copies in other units or with another axis up keep its axes too,
+  // the published method's calibration; copies in other units or with another axis up keep its axes too,
   // and so do bodies of another size, whose height is their own
   Result<void> keep_lafan1_axes(Calibration& result) {
     constexpr double kHipHeightPerLeg = 1.12;
@@ -246,18 +245,18 @@ class Calibrator {
     const double leg = knee && ankle ? knee->norm() + ankle->norm() : 0.0;
     TRY_ASSIGN(const Unit unit, find_unit(kHipHeightPerLeg * leg, own_height));
     disbelieve_flipped_toes(JointFromBone(Eigen::Matrix3d(Eigen::Matrix3d::Identity())));
-    result.mapping = lafan1_mapping(body_.joints(), body_.turning_joints());
-    const bool is_published = unit.metres == result.mapping.metres_per_unit;
+    result = lafan1_calibration(body_.joints(), body_.turning_joints());
+    const bool is_published = unit.metres == result.metres_per_unit;
     result.unit = is_published ? "cm" : unit.name;
     result.rest_pose = "lafan1";
-    result.mapping.metres_per_unit = unit.metres;
+    result.metres_per_unit = unit.metres;
     if (own_height > 0.0 && !is_lafan1_height(own_height * unit.metres)) {
       result.rest_pose = "lafan1 axes";
-      result.mapping.height = own_height * unit.metres;
-      result.mapping.size = height_of_legs(body_, zero) * unit.metres;
+      result.height = own_height * unit.metres;
+      result.size = height_of_legs(body_, zero) * unit.metres;
     }
-    complete_ends(zero, result.mapping.bones);
-    result.mapping.human_from_source = z_up_from_file(movement_.up);
+    complete_ends(zero, result.bones);
+    result.human_from_source = z_up_from_file(movement_.up);
     if (const auto best = best_frame(rest())) {
       result.forward = nearest_axis(best->second.axes.row(0));
       result.rest_deviation = deviation_from_t(body_, best->second).mean;
@@ -277,14 +276,14 @@ class Calibrator {
     result.rest_pose = found.name;
     result.rest_deviation = deviation_from_t(body_, posed).mean;
     result.forward = nearest_axis(posed.axes.row(0));
-    result.mapping.dialect = map_.dialect;
-    result.mapping.metres_per_unit = unit.metres;
-    result.mapping.human_from_source = z_up_from_file(movement_.up);
-    result.mapping.bones = bone_sources(body_, found.axes, posed.pose);
+    result.profile = map_.profile;
+    result.metres_per_unit = unit.metres;
+    result.human_from_source = z_up_from_file(movement_.up);
+    result.bones = bone_sources(body_, found.axes, posed.pose);
     const double height = estimated_height(body_, posed.pose) * unit.metres;
-    result.mapping.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
+    result.height = map_.facts.height.value_or(height > 0.0 ? height : 1.75);
     const double by_legs = height_of_legs(body_, posed.pose) * unit.metres;
-    result.mapping.size = by_legs > 0.0 ? by_legs : result.mapping.height;
+    result.size = by_legs > 0.0 ? by_legs : result.height;
     return {};
   }
 
@@ -298,7 +297,7 @@ class Calibrator {
 
   void doubt_height(const Calibration& found) {
     constexpr double kSmall = 1.3, kTall = 2.1;  // metres
-    const double height = found.mapping.height;
+    const double height = found.height;
     if (height >= kSmall && height <= kTall) return;
     doubt("a body height of " + metres_text(height) + " is unusual: " + "if the unit is not " +
           found.unit + ", give " OPTION("unit"));

@@ -25,12 +25,12 @@ struct CalibrationOptions {
                               ///< `rest` must be kAuto then.
 };
 
-/// Finds units, up axis, facing, height and T-pose of a clip and makes the mapping to the
+/// Finds units, up axis, facing, height and T-pose of a clip and makes the calibration to the
 /// canonical human; see docs/human.md for the method.
 ///
 /// The world stays as recorded: human_from_source is the fixed rotation that takes `up` to z (the
 /// quarter turn about x for y up); facing enters the bones' constants alone. A skeleton whose
-/// dialect is `lafan1` and whose axes and unit agree gets lafan1_mapping, joint axes as they are
+/// profile is `lafan1` and whose axes and unit agree gets lafan1_calibration, joint axes as they are
 /// (so does a body height given in the options, which replaces the 1.75 m).
 ///
 /// The result depends on joint positions and on how joints turn, not on the choice of the joints'

@@ -4,8 +4,8 @@
 
 #include "human/body_poses.h"
 #include "human/bone_map.h"
-#include "human/dialect.h"
 #include "human/joint_names.h"
+#include "human/skeleton_profile.h"
 #include "human/skeleton_tree.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -43,16 +43,16 @@ struct BodySource {
 /// below errors name no file.
 using Candidate = Result<std::optional<BoneMap>>;
 
-/// The map of the one dialect that fits well enough to be believed; of several that map alike, the one
+/// The map of the one profile that fits well enough to be believed; of several that map alike, the one
 /// with most in common. Nothing if none fits, or if those that fit best disagree.
 ///
 /// How well it fits (0.9 is enough) is the Jaccard index of the names that lie in the body (mapped
 /// joints and those between them) times the share of mapped bones that hang from the bone they should
 /// hang from. Where none fits so, unknown joints that share a place with the one above or below them
-/// do not count. Required names, marks, parents and directions must hold or the dialect does not fit
+/// do not count. Required names, marks, parents and directions must hold or the profile does not fit
 /// at all.
-[[nodiscard]] std::optional<BoneMap> recognise_by_dialect(const BodySource& source,
-                                                          const std::vector<Dialect>& dialects);
+[[nodiscard]] std::optional<BoneMap> recognise_by_profile(
+    const BodySource& source, const std::vector<SkeletonProfile>& profiles);
 
 /// Finds bones by words in the joint names, as far as the tree agrees.
 ///

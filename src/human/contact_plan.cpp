@@ -15,11 +15,11 @@ namespace {
 // height of the up vector of a heel and a toe that may be on the floor, and of the vector to the side
 // of that toe
 constexpr double kHeelUp = 0.75, kToeUp = 0.1, kToeSide = 0.35;
-constexpr double kShortestLevel = 1.0 / 6.0;  // seconds
+constexpr double kMinLevelTime = 1.0 / 6.0;  // seconds
 // metres by which heel and toe may differ on something flat
 constexpr double kFlat = 0.03;
 // what one end of a foot stands on: a raised stance's index, or
-constexpr int kNothing = -2, kFloor = -1;
+constexpr int kEpsilon = -2, kFloor = -1;
 
 // a time in which a whole foot is still above the floor, by the heights of what is under its ends
 struct RaisedStance {
@@ -47,8 +47,8 @@ class FootContactFinder {
         size_(plan.scale),
         foot_(foot),
         frames_(source.frame_count()),
-        stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kNothing),
-                   std::vector<int>(static_cast<std::size_t>(frames_), kNothing)} {}
+        stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kEpsilon),
+                   std::vector<int>(static_cast<std::size_t>(frames_), kEpsilon)} {}
 
   [[nodiscard]] std::array<EndContacts, 2> run() {
     std::array<EndContacts, 2> ends;
@@ -66,9 +66,9 @@ class FootContactFinder {
   [[nodiscard]] std::vector<ContactPhase> whole_foot() const {
     std::vector<ContactPhase> phases;
     const int last = has(kToeEnd) ? kToeEnd : kHeelEnd;
-    std::vector<int> both(static_cast<std::size_t>(frames_), kNothing);  // what both ends stand on
+    std::vector<int> both(static_cast<std::size_t>(frames_), kEpsilon);  // what both ends stand on
     for (int frame = 0; frame < frames_; ++frame) {
-      const bool on = frame > 0 && both[frame - 1] != kNothing;
+      const bool on = frame > 0 && both[frame - 1] != kEpsilon;
       const double low = on ? options_.end_height : options_.begin_height;
       // where the height of a standing ankle is a guess, none is known to be too low
       const bool lies = standing_.found && -height(frame, kHeelEnd) > low * size_;
@@ -78,7 +78,7 @@ class FootContactFinder {
     for_each_run(
         0, frames_, [&](int frame) { return both[frame]; },
         [&](int begin, int end) {
-          if (both[begin] == kNothing || !lasts(end - begin, options_.shortest)) return;
+          if (both[begin] == kEpsilon || !lasts(end - begin, options_.shortest)) return;
           phases.push_back(
               {begin, end, 0.5 * (support(both[begin], kHeelEnd) + support(both[begin], last))});
         });
@@ -160,7 +160,7 @@ class FootContactFinder {
     const RaisedStance& stance = raised_[static_cast<std::size_t>(index)];
     const auto mark = [&](int frame) {
       int& under = stands_on_[end][static_cast<std::size_t>(frame)];
-      if (under != kNothing) return false;
+      if (under != kEpsilon) return false;
       under = index;
       return true;
     };
@@ -183,7 +183,7 @@ class FootContactFinder {
         0, frames_, [&](int frame) { return stands_on(frame, end); },
         [&](int begin, int last) {
           const int under = stands_on(begin, end);
-          if (under == kNothing || !lasts(last - begin, options_.shortest)) return;
+          if (under == kEpsilon || !lasts(last - begin, options_.shortest)) return;
           contacts.phases.push_back({begin, last, support(under, end)});
           for (int frame = begin; frame < last; ++frame) {
             const SourceFoot& foot = source_.at(frame, foot_);
@@ -201,7 +201,7 @@ class FootContactFinder {
           phase.begin, phase.end, [&](int frame) { return levels[frame]; },
           [&](int begin, int end) {
             const bool inside = begin > phase.begin && end < phase.end;
-            if (!inside || levels[begin] != passed_over || lasts(end - begin, kShortestLevel))
+            if (!inside || levels[begin] != passed_over || lasts(end - begin, kMinLevelTime))
               return;
             std::fill(levels.begin() + begin, levels.begin() + end,
                       static_cast<char>(1 - passed_over));

@@ -9,7 +9,7 @@ namespace {
 // a knee leaves the line from hip to ankle by far less than a toe leaves the ankle
 constexpr double kKneeWeight = 3.0;
 // feet shorter than this share of the leg tell no direction
-constexpr double kShortestFoot = 0.02;
+constexpr double kMinFootLength = 0.02;
 
 // what one leg says of the front: positive if toes and knee are on that side
 double leg_says(const BodySource& source, const BodyPoses::Pose& pose, const BoneMap& map,
@@ -24,9 +24,9 @@ double leg_says(const BodySource& source, const BodyPoses::Pose& pose, const Bon
   const int toe = map.joint(side_bone(side, LimbBone::kToe));
   Eigen::Vector3d tip =
       toe >= 0 ? pose.joints[toe] : pose.tips[map.joint(side_bone(side, LimbBone::kFoot))];
-  if (toe >= 0 && source.poses.lengths[toe] < kShortestFoot * leg) tip = pose.tips[toe];
+  if (toe >= 0 && source.poses.lengths[toe] < kMinFootLength * leg) tip = pose.tips[toe];
   const Eigen::Vector3d foot = tip - ankle;
-  if (foot.norm() > kShortestFoot * leg) says += foot.normalized().dot(front);
+  if (foot.norm() > kMinFootLength * leg) says += foot.normalized().dot(front);
   return says;
 }
 

@@ -30,8 +30,9 @@ std::optional<RestCandidate> candidate(const RestSearch& search, JointPoses pose
 
 Result<Rest> taken(const RestSearch& search, std::optional<RestCandidate> found, std::string name) {
   if (!found) {
-    return input_failure({}, "the " + name + " has no facing direction: hips and shoulders lie along the up axis",
-                         "choose another rest pose, or give " OPTION("forward"));
+    return input_failure(
+        {}, "the " + name + " has no facing direction: hips and shoulders lie along the up axis",
+        "choose another rest pose, or give " OPTION("forward"));
   }
   JointFromBone axes = bring_to_t(search.body, *found);
   return Rest{*std::move(found), std::move(axes), std::move(name)};
@@ -87,16 +88,16 @@ Result<Rest> told_rest(const RestSearch& search) {
 }
 
 // the rest pose of a kind of skeleton, when it is one in this file
-std::optional<Rest> rest_of_dialect(const RestSearch& search) {
+std::optional<Rest> rest_of_profile(const RestSearch& search) {
   const auto& [clip, map, options, body, movement] = search;
-  constexpr double kMostOff = 20.0;  // degrees
+  constexpr double kMaxOff = 20.0;  // degrees
   const bool is_zero = map.facts.rest == RestPose::kZero;
   std::optional<RestCandidate> pose;
   if (is_zero) pose = zero_candidate(search);
   if (map.facts.rest == RestPose::kFirst && clip.frame_count() > 0) {
     pose = candidate(search, frame_pose(clip, 0), movement.up.direction());
   }
-  if (!pose || deviation_from_t(body, *pose).mean > kMostOff) return std::nullopt;
+  if (!pose || deviation_from_t(body, *pose).mean > kMaxOff) return std::nullopt;
   auto rest = taken(search, std::move(pose), is_zero ? "zero pose" : "frame 0");
   return rest ? std::optional<Rest>(*std::move(rest)) : std::nullopt;
 }
@@ -125,14 +126,14 @@ std::optional<RestCandidate> zero_candidate(const RestSearch& search) {
 std::optional<std::pair<int, RestCandidate>> best_frame(const RestSearch& search) {
   const Movement& movement = search.movement;
   std::optional<std::pair<int, RestCandidate>> best;
-  double least = 0.0;
+  double min = 0.0;
   const auto consider = [&](int frame, const JointPoses& pose) {
     auto found = candidate(search, pose, movement.up.direction());
     if (!found) return;
     const double mean = deviation_from_t(search.body, *found).mean;
     // poses that are equal but for rounding count as one, the first
-    if (best && mean > least - 1e-6) return;
-    least = mean;
+    if (best && mean > min - 1e-6) return;
+    min = mean;
     best = std::pair(frame, *std::move(found));
   };
   // a T-pose in front is none of the motion, but a rest pose
@@ -147,7 +148,7 @@ Result<Rest> find_rest(const RestSearch& search) {
   const auto& [clip, map, options, body, movement] = search;
   if (options.tpose) return rest_of_tpose_file(search);
   if (options.rest != RestPose::kAuto) return told_rest(search);
-  if (auto known = rest_of_dialect(search)) return *std::move(known);
+  if (auto known = rest_of_profile(search)) return *std::move(known);
   if (map.facts.rest == RestPose::kLearned) return rest_of_movement(search);
   const auto zero = zero_candidate(search);
   if (zero && is_well_formed(body, *zero)) {

@@ -13,10 +13,10 @@ using enum LimbBone;
 
 // means of both sides; people have legs of 1.3 to 1.9 trunks, arms of 0.53 to 0.75 legs, shoulders
 // of 0.45 to 0.9 trunks, and feet (to the toes' joints) of 0.14 to 0.23 legs
-constexpr double kLeastLegPerTrunk = 1.0;
-constexpr double kMostArmPerLeg = 0.8;
-constexpr double kLeastShouldersPerTrunk = 0.4;
-constexpr double kMostFootPerLeg = 0.35;
+constexpr double kMinLegPerTrunk = 1.0;
+constexpr double kMaxArmPerLeg = 0.8;
+constexpr double kMinShouldersPerTrunk = 0.4;
+constexpr double kMaxFootPerLeg = 0.35;
 // cosines of the angle between trunk and legs: standing or lying, across, and what is never upright
 constexpr double kStretched = 0.85, kAcross = 0.5, kRisen = 0.3;
 constexpr double kParallel = 0.7;
@@ -24,8 +24,8 @@ constexpr double kParallel = 0.7;
 constexpr const char* kNarrow = "the shoulders are narrow";
 constexpr const char* kFourLegs = "without rotations it stands on arms and legs";
 // chains that are no part of a human body
-constexpr std::size_t kFewestTailJoints = 3;
-constexpr double kLeastTailPerTrunk = 0.3;
+constexpr std::size_t kMinTailJoints = 3;
+constexpr double kMinTailPerTrunk = 0.3;
 constexpr double kEqualChains = 1.15;
 
 double mean_distance(const BodySource& source, int a, int b) {
@@ -84,16 +84,16 @@ std::vector<double> free_chains(const BodySource& source, const BoneMap& map, in
       return mapped >= 0 && mapped != joint && source.tree.between(way, joint, mapped);
     });
     if (leads_to_bone || source.tree.parent(way) != joint) continue;
-    if (source.tree.chain(joint, way).size() < kFewestTailJoints) continue;
+    if (source.tree.chain(joint, way).size() < kMinTailJoints) continue;
     reaches.push_back(reach.reach(joint, way));
   }
   return reaches;
 }
 
 // whether one chain of some length hangs from a joint beside pairs, as of ears; several are clothes
-bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double least_length) {
+bool has_one_tail(const BodySource& source, const BoneMap& map, int joint, double min_length) {
   std::vector<double> reaches = free_chains(source, map, joint);
-  std::erase_if(reaches, [&](double reach) { return reach < least_length; });
+  std::erase_if(reaches, [&](double reach) { return reach < min_length; });
   std::ranges::sort(reaches);
   int tails = 0;
   for (std::size_t i = 0; i < reaches.size(); ++i) {
@@ -125,17 +125,17 @@ bool is_built_on_four_legs(const BodySource& source, const BoneMap& map) {
 void add_signs_of_animal(const BodySource& source, const BoneMap& map, double leg, double trunk,
                          HumanDoubts& doubts) {
   if (mean_distance(source, map.joint(Bone::kLeftArm), map.joint(Bone::kRightArm)) <
-      kLeastShouldersPerTrunk * trunk) {
+      kMinShouldersPerTrunk * trunk) {
     doubts.signs.emplace_back(kNarrow);
   }
   if (is_built_on_four_legs(source, map)) doubts.signs.emplace_back(kFourLegs);
   const bool has_toes = map.has(Bone::kLeftToe) && map.has(Bone::kRightToe);
-  if (has_toes && limb_length(source, map, {kFoot, kToe}) > kMostFootPerLeg * leg) {
+  if (has_toes && limb_length(source, map, {kFoot, kToe}) > kMaxFootPerLeg * leg) {
     doubts.signs.emplace_back("the feet are parts of the legs");
   }
   const int head = map.joint(Bone::kHead);
-  if (head >= 0 && has_one_tail(source, map, head, kLeastTailPerTrunk * trunk) &&
-      has_one_tail(source, map, map.joint(Bone::kHips), kLeastTailPerTrunk * trunk)) {
+  if (head >= 0 && has_one_tail(source, map, head, kMinTailPerTrunk * trunk) &&
+      has_one_tail(source, map, map.joint(Bone::kHips), kMinTailPerTrunk * trunk)) {
     doubts.signs.emplace_back("chains of joints hang from head and hips");
   }
 }
@@ -151,11 +151,11 @@ HumanDoubts doubt_human(const BodySource& source, const BoneMap& map) {
   }
   const double leg = limb_length(source, map, {kUpLeg, kLeg, kFoot});
   const double trunk = trunk_length(source, map);
-  if (leg < kLeastLegPerTrunk * trunk) {
+  if (leg < kMinLegPerTrunk * trunk) {
     doubts.signs.emplace_back("the legs are shorter than the trunk");
   }
   const bool has_hands = map.has(Bone::kLeftHand) && map.has(Bone::kRightHand);
-  if (has_hands && limb_length(source, map, {kArm, kForeArm, kHand}) > kMostArmPerLeg * leg) {
+  if (has_hands && limb_length(source, map, {kArm, kForeArm, kHand}) > kMaxArmPerLeg * leg) {
     doubts.signs.emplace_back("the arms are as long as the legs");
   }
   const Posture posture = posture_of(source, map);

@@ -107,11 +107,11 @@ void drop_known_affixes(Words& words) {
 
 // names that share a word count as nearly all
 constexpr double kNearlyAll = 0.8;
-constexpr std::size_t kFewestNames = 5;
+constexpr std::size_t kMinNames = 5;
 
 // drops the first (or last) word that nearly all names share; whether there was one
 bool drop_shared_word(std::vector<Words>& all, bool first) {
-  if (all.size() < kFewestNames) return false;
+  if (all.size() < kMinNames) return false;
   std::map<std::string, std::size_t> counts;
   for (const Words& words : all) {
     if (words.size() > 1) ++counts[first ? words.front() : words.back()];

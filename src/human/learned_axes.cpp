@@ -13,7 +13,7 @@ using enum LimbBone;
 
 constexpr double kUpright = 0.90630778703664996;  // cosine of 25 degrees
 // mean sine of the bend below which a hinge is not known
-constexpr double kLeastBend = 0.1;
+constexpr double kMinBend = 0.1;
 
 // cosine of 20 degrees: people's habits account for less
 constexpr double kPlainlyOff = 0.93969262078590838;
@@ -164,7 +164,7 @@ class Learner {
     });
     // a hand's neutral direction is the forearm's
     const Eigen::Vector3d course = mean_course(joint, body_.segment(part == kHand ? lower : bone));
-    if (normal.norm() < kLeastBend || !are_apart(course, normal)) return;
+    if (normal.norm() < kMinBend || !are_apart(course, normal)) return;
     const Eigen::Matrix3d hinge = square(course, normal, 0, 2);
     const Eigen::Vector3d x = hinge.col(0), n = hinge.col(2);
     const Eigen::Vector3d z = -bias.cosine * n - sign * bias.sine * x.cross(n);

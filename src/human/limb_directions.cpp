@@ -148,12 +148,12 @@ class DirectionRotations {
   [[nodiscard]] std::vector<Vector3d> bend_normals(Side side, Bone upper, Bone middle,
                                                    Bone lower) const {
     std::vector<Vector3d> bends, uppers;
-    int most = 0;
+    int peak = 0;
     for (int frame = 0; frame < frames(); ++frame) {
       const auto a = way(frame, upper, middle), b = way(frame, middle, lower);
       bends.push_back(a && b ? Vector3d(a->cross(*b)) : Vector3d::Zero());
       uppers.push_back(a.value_or(Vector3d::UnitX()));
-      if (bends.back().norm() > bends[most].norm()) most = frame;
+      if (bends.back().norm() > bends[peak].norm()) peak = frame;
     }
     // of a straight limb: knees bend about the line across the hips, elbows about the vertical
     const auto usual = [&](int frame) {
@@ -171,12 +171,12 @@ class DirectionRotations {
                            .value_or(across(usual(frame), along).value_or(along.unitOrthogonal()));
     };
     if (bends.empty()) return normals;
-    settle(most, usual(most));
+    settle(peak, usual(peak));
     const auto carry = [&](int from, int to) {
       settle(to, least_rotation(uppers[from], uppers[to], normals[from]) * normals[from]);
     };
-    for (int frame = most + 1; frame < frames(); ++frame) carry(frame - 1, frame);
-    for (int frame = most - 1; frame >= 0; --frame) carry(frame + 1, frame);
+    for (int frame = peak + 1; frame < frames(); ++frame) carry(frame - 1, frame);
+    for (int frame = peak - 1; frame >= 0; --frame) carry(frame + 1, frame);
     return normals;
   }
 
@@ -209,7 +209,7 @@ class DirectionRotations {
   void make_ends(Side side) {
     const Bone shin = side_bone(side, kLeg), foot = side_bone(side, kFoot);
     const Bone toe = side_bone(side, kToe), hand = side_bone(side, kHand);
-    // a mapping file may leave out what is above: then they turn with their parents
+    // a bone map may leave out what is above: then they turn with their parents
     if (has(hand)) tracks_[hand] = tracks_[side_bone(side, kForeArm)];
     if (!has(foot) || tracks_[shin].empty()) return;
     const Matrix3d shin_from_foot = canonical_t_pose(shin).transpose() * canonical_t_pose(foot);
@@ -316,17 +316,19 @@ void make_rotations_from_directions(Clip& clip, BoneMap& map) {
 
 std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
   constexpr double kDegree = 57.295779513082321;
-  constexpr double kMostWander = 3.0;  // degrees
+  constexpr double kMaxWander = 3.0;  // degrees
   const double wander = kDegree * limb_wander(clip, map);
-  if (wander <= kMostWander || !map.has(Bone::kHips) ||
+  if (wander <= kMaxWander || !map.has(Bone::kHips) ||
       !has_positions_of_all_bones(clip.skeleton(), map)) {
     return std::nullopt;
   }
   make_rotations_from_directions(clip, map);
-  return Warning{0, 0,
-                 fmt::format("the joints' rotations do not match the limbs, which are off by up to {} "
-                             "degrees: rotations were computed from the positions; the twist of forearms, hands and head is unknown",
-                             std::lround(wander))};
+  return Warning{
+      0, 0,
+      fmt::format("the joints' rotations do not match the limbs, which are off by up to {} "
+                  "degrees: rotations were computed from the positions; the twist of forearms, "
+                  "hands and head is unknown",
+                  std::lround(wander))};
 }
 
 }  // namespace retarget

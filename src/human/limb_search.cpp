@@ -149,11 +149,10 @@ Result<LimbChoice> choose_limb(const BodySource& source, const std::vector<LimbS
 }
 
 Failure ambiguous_bone(const BodySource& source, Bone bone, int a, int b) {
-  return input_failure(
-      {},
-      fmt::format("{} and {} may both be the {}: cannot tell which of them it is",
-                  source.quoted_name(a), source.quoted_name(b), bone_name(bone)),
-      "rename one of them, or give a mapping file with " OPTION("map"));
+  return input_failure({},
+                       fmt::format("{} and {} may both be the {}: cannot tell which of them it is",
+                                   source.quoted_name(a), source.quoted_name(b), bone_name(bone)),
+                       "rename one of them, or give a bone map with " OPTION("map"));
 }
 
 std::string note_of_choice(const BodySource& source, Bone bone, const std::vector<int>& joints,

@@ -11,7 +11,7 @@ constexpr double kLengthTolerance = 0.15;
 // differences below this share of the whole body do not matter
 constexpr double kSmallShare = 0.02;
 // ways out of one joint that are looked at, longest first
-constexpr std::size_t kMostWays = 8;
+constexpr std::size_t kMaxWays = 8;
 
 class PairSearch {
  public:
@@ -26,7 +26,7 @@ class PairSearch {
     }
     std::ranges::stable_sort(ways, std::greater<>{},
                              [&](int next) { return reach_.reach(joint, next); });
-    if (ways.size() > kMostWays) ways.resize(kMostWays);
+    if (ways.size() > kMaxWays) ways.resize(kMaxWays);
     return ways;
   }
 

@@ -12,7 +12,7 @@ namespace retarget {
 namespace {
 
 constexpr double kSamplesPerSecond = 10.0;
-constexpr int kMostSamples = 1000;
+constexpr int kMaxSamples = 1000;
 
 // shorter than this, relatively to nothing but rounding, a bone has no direction
 constexpr double kNoLength = 1e-9;
@@ -64,7 +64,7 @@ JointPoses frame_pose(const Clip& clip, int frame) {
 
 std::vector<int> sampled_frames(const Clip& clip, int begin) {
   int stride = std::max(1, static_cast<int>(std::lround(clip.rate().fps() / kSamplesPerSecond)));
-  while (clip.frame_count() / stride > kMostSamples) stride *= 2;
+  while (clip.frame_count() / stride > kMaxSamples) stride *= 2;
   std::vector<int> frames;
   for (int frame = begin; frame < clip.frame_count(); frame += stride) frames.push_back(frame);
   return frames;

@@ -14,7 +14,7 @@
 namespace retarget {
 namespace {
 
-constexpr const char* kMapHint = "give a mapping file with " OPTION("map");
+constexpr const char* kMapHint = "give a bone map with " OPTION("map");
 
 // bones a body does without
 bool is_optional(Bone bone) {
@@ -34,8 +34,8 @@ Result<void> settle_doubled_names(const BodySource& source, BoneMap& map) {
     const auto count = std::ranges::count(source.skeleton.joints(), name, &Joint::name);
     if (count < 2) continue;
     const std::string what =
-        fmt::format("{} joints are called \"{}\": which of them is the {} is unclear", count,
-                    name, bone_name(bone));
+        fmt::format("{} joints are called \"{}\": which of them is the {} is unclear", count, name,
+                    bone_name(bone));
     if (!is_optional(bone)) return input_failure({}, what, "rename all but one of them");
     map.joint_of_bone[bone] = -1;
     map.notes.push_back(what + ", it is left out");
@@ -51,12 +51,12 @@ std::string sentence_of(const std::vector<std::string>& parts) {
 // what the ways of recognising found, to choose from and to speak of
 class Recogniser {
  public:
-  Recogniser(const BodySource& source, const std::vector<Dialect>& dialects,
+  Recogniser(const BodySource& source, const std::vector<SkeletonProfile>& profiles,
              const RecogniseOptions& options)
-      : source_(source), dialects_(dialects), options_(options) {}
+      : source_(source), profiles_(profiles), options_(options) {}
 
   Result<BoneMap> run() {
-    if (auto map = recognise_by_dialect(source_, dialects_)) consider(std::move(*map));
+    if (auto map = recognise_by_profile(source_, profiles_)) consider(std::move(*map));
     if (accepted_) return finish();
     const Result<void> by_names = consider_candidate(recognise_by_names(source_));
     if (accepted_) return finish();
@@ -92,7 +92,7 @@ class Recogniser {
         if (joint < 0 || side_of(bone) == Side::kNone || shape.joint_of_bone[bone] == joint) {
           continue;
         }
-        const bool is_plain = named.dialect != "names" || plainly_means(source_.names[joint], bone);
+        const bool is_plain = named.profile != "names" || plainly_means(source_.names[joint], bone);
         if (is_plain && shape.maps(joint)) return true;
       }
       return false;
@@ -147,8 +147,9 @@ class Recogniser {
     };
     if (lacks("hips") || (lacks("leg") && lacks("arm"))) return no_human(missing);
     if (!options_.partial) {
-      return input_failure({}, "no " + sentence_of(missing) + " found in the skeleton",
-                           std::string("continue without with " OPTION("partial") ", or ") + kMapHint);
+      return input_failure(
+          {}, "no " + sentence_of(missing) + " found in the skeleton",
+          std::string("continue without with " OPTION("partial") ", or ") + kMapHint);
     }
     accepted_ = *best;
     accepted_->partial = true;
@@ -168,7 +169,7 @@ class Recogniser {
   static constexpr double kOddity = 0.85;
 
   const BodySource& source_;
-  const std::vector<Dialect>& dialects_;
+  const std::vector<SkeletonProfile>& profiles_;
   const RecogniseOptions& options_;
   std::optional<BoneMap> accepted_;
   std::vector<BoneMap> incomplete_;  // verified, but without some limb
@@ -176,22 +177,24 @@ class Recogniser {
 };
 
 Result<BoneMap> recognise(const Skeleton& skeleton, BodyPoses poses,
-                          const std::vector<Dialect>& dialects, const RecogniseOptions& options) {
+                          const std::vector<SkeletonProfile>& profiles,
+                          const RecogniseOptions& options) {
   const BodySource source{skeleton, SkeletonTree(skeleton), normalise_joint_names(skeleton.names()),
                           std::move(poses)};
-  return Recogniser(source, dialects, options).run();
+  return Recogniser(source, profiles, options).run();
 }
 
 }  // namespace
 
-Result<BoneMap> recognise_skeleton(const Skeleton& skeleton, const std::vector<Dialect>& dialects,
+Result<BoneMap> recognise_skeleton(const Skeleton& skeleton,
+                                   const std::vector<SkeletonProfile>& profiles,
                                    const RecogniseOptions& options) {
-  return recognise(skeleton, sample_zero_pose(skeleton), dialects, options);
+  return recognise(skeleton, sample_zero_pose(skeleton), profiles, options);
 }
 
-Result<BoneMap> recognise_skeleton(const Clip& clip, const std::vector<Dialect>& dialects,
+Result<BoneMap> recognise_skeleton(const Clip& clip, const std::vector<SkeletonProfile>& profiles,
                                    const RecogniseOptions& options) {
-  return located(recognise(clip.skeleton(), sample_poses(clip), dialects, options), clip.name());
+  return located(recognise(clip.skeleton(), sample_poses(clip), profiles, options), clip.name());
 }
 
 }  // namespace retarget

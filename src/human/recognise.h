@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "human/bone_map.h"
-#include "human/dialect.h"
+#include "human/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
 
@@ -17,7 +17,7 @@ struct RecogniseOptions {
 /// Finds the human in a skeleton.
 ///
 /// In this order, each answer being verified before it counts:
-/// 1. the dialect whose names and tree fit, if it is one alone;
+/// 1. the profile whose names and tree fit, if it is one alone;
 /// 2. names with left and right in them, as far as the tree agrees;
 /// 3. the shape of the tree alone: legs and arms are pairs of equal chains, left and right told
 ///    by where toes and knees point;
@@ -29,13 +29,13 @@ struct RecogniseOptions {
 ///
 /// @return kInput errors, without a file where only the skeleton is known: no human, limbs missing, ambiguous names, sides that cannot be told.
 [[nodiscard]] Result<BoneMap> recognise_skeleton(const Skeleton& skeleton,
-                                                 const std::vector<Dialect>& dialects,
+                                                 const std::vector<SkeletonProfile>& profiles,
                                                  const RecogniseOptions& options = {});
 
 /// The same with the poses of a motion, which say more than the zero pose (of some skeletons, such
 /// as LAFAN1's, the latter is no pose of a human at all).
 [[nodiscard]] Result<BoneMap> recognise_skeleton(const Clip& clip,
-                                                 const std::vector<Dialect>& dialects,
+                                                 const std::vector<SkeletonProfile>& profiles,
                                                  const RecogniseOptions& options = {});
 
 }  // namespace retarget

@@ -13,7 +13,7 @@ namespace {
 using enum LimbBone;
 
 // more joints of one role are no body's; keeps the search small
-constexpr std::size_t kMostChoices = 8;
+constexpr std::size_t kMaxChoices = 8;
 
 // of a segment that is split into numbered joints in line, the upper one is the bone: what follows
 // only twists; not of words with two meanings, as leg1 and leg2 may be thigh and shin
@@ -43,7 +43,7 @@ std::vector<NamedJoint> joints_called(const BodySource& source, Bone bone) {
   }
   drop_lower_parts(source, found);
   std::ranges::stable_sort(found, std::greater<>{}, &NamedJoint::weight);
-  if (found.size() > kMostChoices) found.resize(kMostChoices);
+  if (found.size() > kMaxChoices) found.resize(kMaxChoices);
   return found;
 }
 
@@ -74,7 +74,7 @@ Result<LimbChoice> choose_parts(const BodySource& source, std::vector<LimbSlot> 
 // whether the whole limb is made of joints that mean its upper parts better: a clavicle and an
 // upper arm are no arm; with a hand they may be one, if they are as long as its parts
 bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbChoice& parts) {
-  constexpr double kBetter = 1e-9, kLeastUpperPerLower = 0.6;
+  constexpr double kBetter = 1e-9, kMinUpperPerLower = 0.6;
   if (parts.weight < whole.weight + kBetter) return false;
   const std::set<int> used(whole.joints.begin(), whole.joints.end());
   if (!std::ranges::all_of(parts.joints,
@@ -83,7 +83,7 @@ bool is_stretched(const BodySource& source, const LimbChoice& whole, const LimbC
   }
   if (whole.joints.back() < 0) return true;
   return source.path_length(whole.joints[1], whole.joints[2]) <
-         kLeastUpperPerLower * source.path_length(whole.joints[2], whole.joints[3]);
+         kMinUpperPerLower * source.path_length(whole.joints[2], whole.joints[3]);
 }
 
 Result<NamedLimb> find_limb(const BodySource& source, const LimbParts& limb, Side side) {
@@ -184,7 +184,7 @@ constexpr double kNamesConfidence = 0.9;
 
 Candidate recognise_by_names(const BodySource& source) {
   BoneMap map;
-  map.dialect = "names";
+  map.profile = "names";
   set_head(source, map);
 
   double weight = 0.0;

@@ -24,10 +24,10 @@ double bell(double x) {
 }
 
 // larger trees are no human's; bounds time and recursion
-constexpr int kMostJoints = 1000;
+constexpr int kMaxJoints = 1000;
 // hips and torso have three ways out longer than this share of the tree's longest path
-constexpr double kLeastReach = 0.12;
-constexpr std::size_t kMostHubs = 16;
+constexpr double kMinReach = 0.12;
+constexpr std::size_t kMaxHubs = 16;
 constexpr double kShapeConfidence = 0.7;
 // joints nearer to each other than this share of a chain stand at one place
 constexpr double kSamePlace = 0.02;
@@ -53,16 +53,16 @@ struct Shape {
 
 std::vector<Hub> find_hubs(const BodySource& source, const TreeReach& reach) {
   std::vector<Hub> hubs;
-  const double least = kLeastReach * reach.diameter();
+  const double min = kMinReach * reach.diameter();
   for (int joint = 0; joint < source.tree.joint_count(); ++joint) {
     std::vector<double> ways;
     for (const int next : source.tree.neighbours(joint)) ways.push_back(reach.reach(joint, next));
     if (ways.size() < 3) continue;
     std::ranges::sort(ways, std::greater<>{});
-    if (ways[2] >= least) hubs.push_back({joint, ways[2]});
+    if (ways[2] >= min) hubs.push_back({joint, ways[2]});
   }
   std::ranges::stable_sort(hubs, std::greater<>{}, &Hub::reach);
-  if (hubs.size() > kMostHubs) hubs.resize(kMostHubs);
+  if (hubs.size() > kMaxHubs) hubs.resize(kMaxHubs);
   return hubs;
 }
 
@@ -92,7 +92,7 @@ LimbEnd end_of_limb(const BodySource& source, const TreeReach& reach, const Chai
 // how a kind of limb looks
 struct LimbShape {
   double lower_per_upper;  // shin per thigh, forearm per upper arm
-  double most_before;      // a helper or clavicle is at most this share of itself and what follows
+  double max_before;       // a helper or clavicle is at most this share of itself and what follows
   bool ends_in_spread;     // joints spread from the hand, but from foot or toe
 };
 constexpr LimbShape kLegShape = {1.0, 0.2, false};
@@ -107,8 +107,8 @@ Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair
   for (std::size_t i = 1; i < size; ++i) along[i] = along[i - 1] + pair.lengths[i];
   // left and right limbs do not begin at one place
   std::size_t first = 0;
-  const double least = kSamePlace * pair.reach;
-  while (first < size && pair.lengths[0] + along[first] < least) ++first;
+  const double min = kSamePlace * pair.reach;
+  while (first < size && pair.lengths[0] + along[first] < min) ++first;
   Limb best;
   for (std::size_t i = first; i < size; ++i) {
     for (std::size_t j = i + 1; j < size; ++j) {
@@ -126,7 +126,7 @@ Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair
   // helpers and clavicles come before the joint that turns the limb
   while (best.merit > 0.0 && best.upper + 1 < best.lower &&
          along[best.upper + 1] - along[best.upper] <
-             shape.most_before * (along[best.lower] - along[best.upper])) {
+             shape.max_before * (along[best.lower] - along[best.upper])) {
     ++best.upper;
   }
   return best;
@@ -134,11 +134,11 @@ Limb find_limb(const BodySource& source, const TreeReach& reach, const ChainPair
 
 // the joint before a limb or after it that is not at the same place
 int neighbour_at(const ChainPair& pair, const std::vector<int>& side, std::size_t from, int step) {
-  const double least = kSamePlace * pair.reach;
+  const double min = kSamePlace * pair.reach;
   for (auto i = static_cast<long>(from) + step; i >= 0 && i < static_cast<long>(side.size());
        i += step) {
     const double length = pair.lengths[static_cast<std::size_t>(step > 0 ? i : i + 1)];
-    if (length > least) return side[static_cast<std::size_t>(i)];
+    if (length > min) return side[static_cast<std::size_t>(i)];
   }
   return -1;
 }
@@ -234,7 +234,7 @@ Result<std::optional<Shape>> find_shape(const BodySource& source, const TreeReac
     return input_failure({},
                          "the skeleton has several pairs of equal limbs, and its names do not "
                          "tell which are arms and legs",
-                         "give a mapping file with " OPTION("map"));
+                         "give a bone map with " OPTION("map"));
   }
   if (best) {
     Shape swapped = *best;
@@ -288,7 +288,7 @@ double arms_agree(const BodySource& source, const BoneMap& map) {
   return sum / static_cast<double>(source.poses.poses.size());
 }
 
-constexpr double kLeastEvidence = 0.1;
+constexpr double kMinEvidence = 0.1;
 
 Result<void> tell_sides(const BodySource& source, BoneMap& map) {
   const double agree = arms_agree(source, map);
@@ -297,22 +297,22 @@ Result<void> tell_sides(const BodySource& source, BoneMap& map) {
   if (left < 0.0) {
     swap_sides(map, {kUpLeg, kLeg, kFoot, kToe, kShoulder, kArm, kForeArm, kHand});
   }
-  if (std::abs(left) >= kLeastEvidence && std::abs(agree) >= kLeastEvidence) return {};
+  if (std::abs(left) >= kMinEvidence && std::abs(agree) >= kMinEvidence) return {};
   return input_failure({},
                        "neither the joint names nor the poses tell the left side of the body "
                        "from the right",
-                       "give a mapping file with " OPTION("map"));
+                       "give a bone map with " OPTION("map"));
 }
 
 }  // namespace
 
 Candidate recognise_by_shape(const BodySource& source) {
-  if (source.tree.joint_count() > kMostJoints) return std::nullopt;
+  if (source.tree.joint_count() > kMaxJoints) return std::nullopt;
   const TreeReach reach(source);
   TRY_ASSIGN(const std::optional<Shape> shape, find_shape(source, reach));
   if (!shape) return std::nullopt;
   BoneMap map;
-  map.dialect = "topology";
+  map.profile = "topology";
   if (!map_limbs(source, reach, *shape, map)) return std::nullopt;
   const std::vector<int> head = find_head_chain(source, *shape);
   if (!head.empty()) map.joint_of_bone[Bone::kHead] = head.back();

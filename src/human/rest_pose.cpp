@@ -56,20 +56,20 @@ bool arm_is_well_formed(const Body& body, const RestCandidate& candidate, Side s
   const auto upper = heading(body, candidate, side_bone(side, kArm));
   const auto lower = heading(body, candidate, side_bone(side, kForeArm));
   if (!upper) return true;
-  constexpr double kMostAhead = 0.5;     // sine of 30 degrees out of the frontal plane
-  constexpr double kMostRaised = 0.5;    // of 30 degrees above the shoulder
-  constexpr double kMostInward = -0.35;  // of 20 degrees across the body
-  constexpr double kMostBent = 35.0;     // degrees at the elbow
-  return std::abs(upper->x()) < kMostAhead && upper->z() < kMostRaised &&
-         upper->dot(outward(side)) > kMostInward &&
-         (!lower || degrees_between(*upper, *lower) < kMostBent);
+  constexpr double kMaxAhead = 0.5;     // sine of 30 degrees out of the frontal plane
+  constexpr double kMaxRaised = 0.5;    // of 30 degrees above the shoulder
+  constexpr double kMaxInward = -0.35;  // of 20 degrees across the body
+  constexpr double kMaxBent = 35.0;     // degrees at the elbow
+  return std::abs(upper->x()) < kMaxAhead && upper->z() < kMaxRaised &&
+         upper->dot(outward(side)) > kMaxInward &&
+         (!lower || degrees_between(*upper, *lower) < kMaxBent);
 }
 
 bool leg_is_well_formed(const Body& body, const RestCandidate& candidate, Side side) {
-  constexpr double kMostSplayed = 35.0;  // degrees
+  constexpr double kMaxSplayed = 35.0;  // degrees
   for (const LimbBone part : {kUpLeg, kLeg}) {
     const auto way = heading(body, candidate, side_bone(side, part));
-    if (way && degrees_between(*way, -up()) > kMostSplayed) return false;
+    if (way && degrees_between(*way, -up()) > kMaxSplayed) return false;
   }
   const auto foot = foot_heading(body, candidate, side, Eigen::Matrix3d::Identity());
   return !foot || foot->dot(ahead()) > 0.5;
@@ -132,9 +132,9 @@ Deviation deviation_from_t(const Body& body, const RestCandidate& candidate) {
 }
 
 bool is_well_formed(const Body& body, const RestCandidate& candidate) {
-  constexpr double kMostLeaning = 20.0;  // degrees
+  constexpr double kMaxLeaning = 20.0;  // degrees
   const auto trunk = trunk_direction(body, candidate.pose);
-  if (trunk && degrees_between(candidate.axes * *trunk, up()) > kMostLeaning) return false;
+  if (trunk && degrees_between(candidate.axes * *trunk, up()) > kMaxLeaning) return false;
   for (const Side side : kSides) {
     if (!arm_is_well_formed(body, candidate, side)) return false;
     if (!leg_is_well_formed(body, candidate, side)) return false;

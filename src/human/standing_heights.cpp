@@ -12,12 +12,12 @@ namespace retarget {
 namespace {
 
 // height of the ankle over the toe by their distance, of feet that stand
-constexpr double kFlattestFoot = 0.15, kSteepestFoot = 0.6, kCommonFoot = 0.36;
-constexpr double kUsualRise = 0.06;     // the same, metres
-constexpr double kNearLowest = 0.05;    // metres
-constexpr double kLowestShare = 0.02;   // of frames
-constexpr double kLeastStanding = 0.7;  // seconds of both feet together
-constexpr double kSunk = 0.25;          // metres that a body may be too low for a moment
+constexpr double kFlattestFoot = 0.15, kMaxFootPitch = 0.6, kCommonFoot = 0.36;
+constexpr double kUsualRise = 0.06;    // the same, metres
+constexpr double kNearLowest = 0.05;   // metres
+constexpr double kLowestShare = 0.02;  // of frames
+constexpr double kMinStanding = 0.7;   // seconds of both feet together
+constexpr double kSunk = 0.25;         // metres that a body may be too low for a moment
 
 // a foot in a frame in which it is as slow and as steep as feet are that carry a body
 struct StandingFoot {
@@ -47,7 +47,7 @@ std::vector<StandingFoot> slow_feet(const SourceFeet& source, double speed,
 std::vector<StandingFoot> feet_that_stand(const SourceFeet& source, double speed) {
   std::vector<StandingFoot> standing = slow_feet(source, speed, [](const SourceFoot& foot) {
     const double steep = (foot.ankle.z() - foot.toe.z()) / (foot.ankle - foot.toe).norm();
-    return steep > kFlattestFoot && steep < kSteepestFoot;
+    return steep > kFlattestFoot && steep < kMaxFootPitch;
   });
   std::ranges::stable_sort(standing, {}, &StandingFoot::toe);
   return standing;
@@ -67,7 +67,7 @@ bool is_a_moment(std::span<const StandingFoot> level, std::size_t standing, doub
   constexpr double kLittle = 0.1;
   if (static_cast<double>(level.size()) >= kLittle * static_cast<double>(standing)) return false;
   const auto [first, last] = std::ranges::minmax(level, {}, &StandingFoot::frame);
-  return (last.frame - first.frame) * frame_time <= kLeastStanding;
+  return (last.frame - first.frame) * frame_time <= kMinStanding;
 }
 
 // The feet that stand on the floor: those of the lowest level, up to `band` above the lowest toes,
@@ -80,7 +80,7 @@ std::span<const StandingFoot> feet_on_floor(std::span<const StandingFoot> standi
   for (const StandingFoot& foot : standing.subspan(level.size())) {
     if (foot.toe > lowest + near) break;
     const auto higher = between(standing, foot.toe, foot.toe + band);
-    const bool carries = static_cast<double>(higher.size()) * frame_time > kLeastStanding;
+    const bool carries = static_cast<double>(higher.size()) * frame_time > kMinStanding;
     if (carries && !is_a_moment(higher, standing.size(), frame_time)) return higher;
   }
   return level;
@@ -121,7 +121,7 @@ double guessed_rise(const SourceFeet& source, double floor, double size,
        })) {
     rises.push_back(foot.ankle - foot.toe);
   }
-  if (static_cast<double>(rises.size()) * source.frame_time > kLeastStanding) {
+  if (static_cast<double>(rises.size()) * source.frame_time > kMinStanding) {
     return median(std::move(rises));
   }
   const SourceFoot& first = source.at(0, source.has_toe[0] ? 0 : 1);
@@ -141,7 +141,7 @@ StandingHeights find_standing_heights(const SourceFeet& source, const ContactOpt
   const std::vector<StandingFoot> standing = feet_that_stand(source, options.begin_speed * size);
   const auto level =
       feet_on_floor(standing, floor, kNearLowest * size, kSunk * size, source.frame_time);
-  if (static_cast<double>(level.size()) * source.frame_time > kLeastStanding) {
+  if (static_cast<double>(level.size()) * source.frame_time > kMinStanding) {
     return {middle_height(level, &StandingFoot::ankle), middle_height(level, &StandingFoot::toe),
             true};
   }

@@ -81,9 +81,9 @@ void set_neck(const BodySource& source, BoneMap& map) {
   if (map.has(Bone::kNeck)) return;
   const std::vector<int> chain = joints_between(source, torso, head);
   if (chain.empty()) return;
-  const double least = kHelperLength * source.path_length(torso, head);
+  const double min = kHelperLength * source.path_length(torso, head);
   const auto first = std::ranges::find_if(
-      chain, [&](int joint) { return source.path_length(torso, joint) > least; });
+      chain, [&](int joint) { return source.path_length(torso, joint) > min; });
   map.joint_of_bone[Bone::kNeck] = first == chain.end() ? chain[0] : *first;
 }
 

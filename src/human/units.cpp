@@ -25,7 +25,7 @@ struct UnitRange {
 };
 // the unit of a kind is believed of bodies down to such a height; an adult of 1.75 m in inches
 // would be one of 0.69 m in centimetres
-constexpr double kLeastOfKind = 0.7;
+constexpr double kMinOfKind = 0.7;
 // of 46 units, a child of two in centimetres and a man of 2.2 m in inches, more is hardly seen
 constexpr std::array<UnitRange, 6> kRanges = {{{"m", 1.0, 0.46, 1.4},
                                                {"dm", 0.1, 4.6, 13.0},
@@ -94,7 +94,7 @@ std::optional<Unit> unit_of_body(const BodySize& size) {
   if (size.metres_per_unit) {
     const double hips = size.hip_height * *size.metres_per_unit;
     const bool is_tall_enough =
-        hips >= kRanges[0].low || size.height * *size.metres_per_unit >= kLeastOfKind;
+        hips >= kRanges[0].low || size.height * *size.metres_per_unit >= kMinOfKind;
     if (is_tall_enough && hips < kRanges[0].high) {
       unit = unit_of_length(*size.metres_per_unit);
     }
@@ -124,8 +124,8 @@ std::string metres_text(double metres) {
 }
 
 bool is_lafan1_height(double metres) {
-  constexpr double kHeight = 1.75, kMostOff = 0.03;
-  return std::abs(metres / kHeight - 1.0) <= kMostOff;
+  constexpr double kHeight = 1.75, kMaxOff = 0.03;
+  return std::abs(metres / kHeight - 1.0) <= kMaxOff;
 }
 
 double height_of_legs(const Body& body, const JointPoses& rest) {

@@ -12,7 +12,7 @@ namespace {
 
 // mean cosines of trunk and legs to an axis along which a body plainly stands, and hardly does;
 // hardly any file has up along a negative axis
-constexpr double kPlainly = 0.5, kHardly = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
+constexpr double kPlainly = 0.5, kMinCertainty = 0.3, kPlainlyNegative = 0.8, kBeyondDoubt = 0.95;
 
 // y counts as up when it scores at least this share of the best axis
 constexpr double kCustomShare = 0.7;
@@ -46,9 +46,9 @@ Eigen::Vector3d upward(const Body& body, const JointPoses& pose, const std::vect
 std::vector<double> lowest_levels(const std::vector<JointPoses>& poses, const Eigen::Vector3d& up) {
   std::vector<double> lowest;
   for (const JointPoses& pose : poses) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Pose& joint : pose) least = std::min(least, up.dot(joint.translation));
-    lowest.push_back(least);
+    double min = std::numeric_limits<double>::infinity();
+    for (const Pose& joint : pose) min = std::min(min, up.dot(joint.translation));
+    lowest.push_back(min);
   }
   return lowest;
 }
@@ -117,8 +117,8 @@ UpGuess guess_up(const Body& body, const std::vector<JointPoses>& poses) {
 // seem to for a moment
 bool stands_otherwise(const Body& body, const std::vector<JointPoses>& poses, const UpGuess& guess,
                       const SignedAxis& custom) {
-  constexpr std::size_t kFewest = 15;  // one and a half seconds
-  if (poses.size() < kFewest) return false;
+  constexpr std::size_t kMinFrames = 15;  // one and a half seconds
+  if (poses.size() < kMinFrames) return false;
   // who lies all the time lies on the floor
   if (is_on_floor(body, poses, custom) && !is_on_floor(body, poses, guess.axis)) return false;
   return guess.axis != custom && guess.certainty > (guess.axis.negative ? kBeyondDoubt : kPlainly);
@@ -144,7 +144,7 @@ UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses, const
   if (known.of_kind && !stands_otherwise(body, poses, guess, *known.of_kind)) {
     return {*known.of_kind};
   }
-  UpChoice choice{guess.axis, guess.certainty < kHardly};
+  UpChoice choice{guess.axis, guess.certainty < kMinCertainty};
   const double plainly = guess.axis.negative ? kPlainlyNegative : kPlainly;
   if (known.of_zero_pose && guess.certainty < plainly &&
       !floor_speaks_for(body, poses, guess.axis, *known.of_zero_pose)) {

@@ -14,12 +14,12 @@ namespace {
 
 using enum LimbBone;
 
-constexpr double kLeastLegRatio = 0.7, kMostLegRatio = 1.4;  // thigh per shin
+constexpr double kMinLegRatio = 0.7, kMaxLegRatio = 1.4;  // thigh per shin
 // lengths of left and right, as share of the longer
 constexpr double kUnequal = 0.15, kNoPair = 0.5;
 // what a doubt takes from the confidence
 constexpr double kDoubt = 0.85;
-constexpr double kLeastSwapEvidence = 0.1;
+constexpr double kMinSwapEvidence = 0.1;
 
 void doubt(Verdict& verdict, std::string text) {
   verdict.doubts.push_back(std::move(text));
@@ -65,7 +65,7 @@ void check_legs(const BodySource& source, const BoneMap& map, Verdict& verdict) 
     const auto thigh = segment(source, map, side, kUpLeg, kLeg);
     const auto shin = segment(source, map, side, kLeg, kFoot);
     if (!thigh || !shin) continue;
-    if (*shin <= 0.0 || *thigh < kLeastLegRatio * *shin || *thigh > kMostLegRatio * *shin) {
+    if (*shin <= 0.0 || *thigh < kMinLegRatio * *shin || *thigh > kMaxLegRatio * *shin) {
       verdict.faults.push_back(fmt::format("{} and {} are out of proportion",
                                            bone_name(side_bone(side, kUpLeg)),
                                            bone_name(side_bone(side, kLeg))));
@@ -112,13 +112,14 @@ void check_upright(const BodySource& source, const BoneMap& map, Verdict& verdic
   // the zero pose of many skeletons is no pose of a human
   if (source.poses.from_motion) {
     doubt(verdict,
-          "in no frame is the head above the torso, the torso above the hips and the hips above the feet");
+          "in no frame is the head above the torso, the torso above the hips and the hips above "
+          "the feet");
   }
 }
 
 void check_sides(const BodySource& source, const BoneMap& map, Verdict& verdict) {
   if (!source.poses.from_motion) return;
-  if (left_is_left(source, map) > -kLeastSwapEvidence) return;
+  if (left_is_left(source, map) > -kMinSwapEvidence) return;
   doubt(verdict, "toes and knees point backwards: left and right may be swapped in the source");
 }
 

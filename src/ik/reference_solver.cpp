@@ -60,9 +60,9 @@ ReferenceSolver::ReferenceSolver(std::shared_ptr<const IkProblem> problem, const
       lower_(model_->nv),
       upper_(model_->nv),
       dq_(model_->nv) {
-  std::size_t most_tasks = 0;
-  for (const IkPass& pass : problem_->passes) most_tasks = std::max(most_tasks, pass.size());
-  errors_.resize(most_tasks);
+  std::size_t max_tasks = 0;
+  for (const IkPass& pass : problem_->passes) max_tasks = std::max(max_tasks, pass.size());
+  errors_.resize(max_tasks);
 }
 
 PassResult ReferenceSolver::solve_pass(int pass, std::span<const Pose> targets,

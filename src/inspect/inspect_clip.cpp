@@ -53,7 +53,7 @@ void add_human(Json& json, const Inspection& found) {
   }
   const BoneMap& map = *found.map;
   const Calibration& calibration = *found.calibration;
-  json["dialect"] = map.dialect;
+  json["dialect"] = map.profile;
   json["confidence"] = map.confidence;
   for (const Bone bone : kMappedBones) {
     const int joint = map.joint(bone);
@@ -61,15 +61,15 @@ void add_human(Json& json, const Inspection& found) {
         joint < 0 ? Json() : Json(found.clip.skeleton().joint(joint).name);
   }
   json["unit"] = calibration.unit;
-  json["metres_per_unit"] = calibration.mapping.metres_per_unit;
+  json["metres_per_unit"] = calibration.metres_per_unit;
   json["up"] = to_text(calibration.up);
   json["forward"] = to_text(calibration.forward);
-  json["height_m"] = calibration.mapping.height;
+  json["height_m"] = calibration.height;
   json["rest_pose"] = calibration.rest_pose;
   json["rest_pose_degrees_off"] = calibration.rest_deviation;
   json["notes"] = map.notes;
   json["doubts"] = Json::array();
-  for (const Warning& doubt : calibration.mapping.doubts) {
+  for (const Warning& doubt : calibration.doubts) {
     json["doubts"].push_back(spell_options(doubt.message, found.spelling));
   }
 }
@@ -91,10 +91,10 @@ std::string human_text(const Inspection& found) {
   }
   const BoneMap& map = *found.map;
   const Calibration& calibration = *found.calibration;
-  std::string text = line("human", calibration.mapping.description + "; " + map.dialect +
-                                       ", confidence " + number_text(map.confidence, 2));
+  std::string text = line("human", calibration.description + "; " + map.profile + ", confidence " +
+                                       number_text(map.confidence, 2));
   for (const std::string& note : map.notes) text += line("", note);
-  for (const Warning& doubt : calibration.mapping.doubts) {
+  for (const Warning& doubt : calibration.doubts) {
     text += line("", "doubtful: " + spell_options(doubt.message, found.spelling));
   }
   text += "\n";

@@ -13,8 +13,8 @@ namespace retarget {
 namespace {
 
 // seconds between frames of a motion
-constexpr double kShortestStep = 1e-4;
-constexpr double kLongestStep = 1.0;
+constexpr double kMinStep = 1e-4;
+constexpr double kMaxStep = 1.0;
 
 // how a clock goes
 struct ClockSteps {
@@ -49,9 +49,9 @@ ClockSteps clock_steps(const CsvTable& table, int column) {
     }
     return true;
   };
-  constexpr int kMostDecimals = 6;
+  constexpr int kMaxDecimals = 6;
   double resolution = 1.0;
-  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, resolution *= 0.1) {
+  for (int decimals = 0; decimals <= kMaxDecimals; ++decimals, resolution *= 0.1) {
     if (!fits(resolution)) continue;
     steps.resolution = resolution;
     break;
@@ -77,11 +77,11 @@ FrameRate rate_of_times(const CsvTable& table, int column, const ClockSteps& ste
   };
   std::optional<int> best;
   // first and last may both be rounded, half a unit each
-  double least = 1.01 * steps.resolution;
+  double min = 1.01 * steps.resolution;
   for (const int rate : kUsualRates) {
     const double miss = largest_miss(rate);
-    if (!(miss < least)) continue;
-    least = miss;
+    if (!(miss < min)) continue;
+    min = miss;
     best = rate;
   }
   if (best) return {*best, 1};
@@ -93,10 +93,10 @@ FrameRate rate_of_times(const CsvTable& table, int column, const ClockSteps& ste
 // seconds a tick, by the size of a step; 0: cannot be told
 double tick_by_magnitude(const ClockSteps& steps) {
   // whole steps of one may be frames, seconds or milliseconds
-  if (steps.step >= kLongestStep && steps.step < 2.0) return 0.0;
+  if (steps.step >= kMaxStep && steps.step < 2.0) return 0.0;
   for (const double tick : {1.0, 1e-3, 1e-6, 1e-9}) {
     const double seconds = steps.step * tick;
-    if (seconds >= 0.5 * 1e-3 && seconds < kLongestStep) return tick;
+    if (seconds >= 0.5 * 1e-3 && seconds < kMaxStep) return tick;
   }
   return 0.0;
 }
@@ -115,8 +115,8 @@ class ClockReader {
       // whole numbers one apart are frames; whole numbers an even step apart may be either
       const bool even = steps_.whole && steps_.deviation < 1e-9;
       if (even && steps_.step > 1.5) {
-        return doubt("may be frame numbers or times: it increases by " + number_text(steps_.step, 3) +
-                     " a line");
+        return doubt("may be frame numbers or times: it increases by " +
+                     number_text(steps_.step, 3) + " a line");
       }
       counts = even || !steps_.goes_up ? CsvClock::kFrames : CsvClock::kTimes;
     }
@@ -155,9 +155,10 @@ class ClockReader {
                    std::to_string(steps_.where) + "): are frames missing?");
     }
     if (even) {
-      motion_.notes.push_back(
-          "a column of frame numbers, ignored" +
-          (steps_.step > 1.0 ? ": they increase by " + number_text(steps_.step, 0) : std::string()));
+      motion_.notes.push_back("a column of frame numbers, ignored" +
+                              (steps_.step > 1.0
+                                   ? ": they increase by " + number_text(steps_.step, 0)
+                                   : std::string()));
     } else {
       motion_.warnings.push_back("the frame numbers do not increase evenly (frame " +
                                  std::to_string(steps_.where) +
@@ -171,7 +172,7 @@ class ClockReader {
     const double tick =
         columns_.seconds_per_tick > 0.0 ? columns_.seconds_per_tick : tick_by_magnitude(steps_);
     const double seconds = steps_.step * tick;
-    if (!(seconds >= kShortestStep && seconds <= 1.0 / kSlowestFileRate)) {
+    if (!(seconds >= kMinStep && seconds <= 1.0 / kMinFileRate)) {
       return doubt("gives no rate: it increases by " + number_text(steps_.step, 6) +
                    " per line, in an unknown unit");
     }

@@ -12,9 +12,9 @@ namespace retarget {
 namespace {
 
 // beyond this a number is no motion of a robot in any unit
-constexpr double kLargestNumber = 1e6;
+constexpr double kMaxNumber = 1e6;
 // nanoseconds since 1970 are below
-constexpr double kLargestTime = 1e20;
+constexpr double kMaxTime = 1e20;
 
 // whether a cell is meant as a number, sound or not: no name begins so
 bool begins_as_number(std::string_view text) {
@@ -28,8 +28,7 @@ class CsvTableReader {
 
   Result<CsvTable> read(std::string_view text) {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-      return input_failure(file_, "the file is UTF-16 text",
-                           "save it as UTF-8");
+      return input_failure(file_, "the file is UTF-16 text", "save it as UTF-8");
     }
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     while (!text.empty()) {
@@ -95,7 +94,7 @@ class CsvTableReader {
       }
       const bool first = &cell == &cells_.front();
       // written so that NaN is caught
-      if (!(std::abs(*value) <= (first ? kLargestTime : kLargestNumber))) {
+      if (!(std::abs(*value) <= (first ? kMaxTime : kMaxNumber))) {
         return fault(cell.column, "the number " + found + " is out of range");
       }
       table_.values.push_back(*value);

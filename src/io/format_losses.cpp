@@ -12,11 +12,11 @@
 namespace retarget {
 
 std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& variant) {
-  constexpr double kNothing = 1e-6;
+  constexpr double kEpsilon = 1e-6;
   constexpr std::size_t kShown = 6;
   std::vector<std::string> lost;
   double largest = 0.0;
-  std::string most;
+  std::string worst;
   for (const auto& [name, held] : variant.variant().locked) {
     const auto joint = variant.find_joint(name);
     if (!joint) continue;
@@ -25,14 +25,14 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
       away =
           std::max(away, std::abs(clip.qpos(frame)[variant.joints()[*joint].qpos_address] - held));
     }
-    if (away > kNothing) lost.push_back(name);
+    if (away > kEpsilon) lost.push_back(name);
     if (away <= largest) continue;
     largest = away;
-    most = name;
+    worst = name;
   }
   if (lost.empty()) return std::nullopt;
   return count_text(lost.size(), "joint") + " that move are held and lost, by up to " +
-         number_text(largest, 3) + " rad (" + most + "): " + list_names(lost, kShown);
+         number_text(largest, 3) + " rad (" + worst + "): " + list_names(lost, kShown);
 }
 
 std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat format) {

@@ -125,10 +125,11 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
                    : "is it for another robot?");
   }
   if (!(best->distance <= kSamePlace) && !options.format) {
-    return npz.file_failure("its bodies lie up to " + number_text(best->distance, 3) +
-                                " m from where its joints put those of the robot " + robot->name() +
-                                ", in mjlab's order and in BeyondMimic's",
-                            "is it for another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic sets the order");
+    return npz.file_failure(
+        "its bodies lie up to " + number_text(best->distance, 3) +
+            " m from where its joints put those of the robot " + robot->name() +
+            ", in mjlab's order and in BeyondMimic's",
+        "is it for another robot? " OPTION("from") " npz-mjlab or npz-beyondmimic sets the order");
   }
   return *best;
 }
@@ -138,7 +139,7 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
 Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
                                   const std::string& file, const ReadMotionOptions& options) {
   NpzReadOptions npz_options;
-  npz_options.max_number_bytes = options.most_bytes;
+  npz_options.max_number_bytes = options.max_bytes;
   TRY_ASSIGN(const auto npz, NpzFile::open(bytes, file, npz_options));
   for (const char* name : {"joint_pos", "body_pos_w", "body_quat_w"}) {
     if (npz.has(name)) continue;
@@ -168,7 +169,7 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
   if (npz.has("fps")) {
     TRY_ASSIGN(const auto fps, npz.read("fps"));
     const double value = fps.is_number() && fps.element_count() == 1 ? fps.numbers().front() : 0.0;
-    if (!(value >= kSlowestFileRate && value <= kFastestFileRate))
+    if (!(value >= kMinFileRate && value <= kMaxFileRate))
       return npz.array_failure("fps", "is not a valid rate");
     raw.rate = frame_rate_from_fps(value);
   }

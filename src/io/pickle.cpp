@@ -13,9 +13,9 @@ namespace {
 
 using Kind = PickleNode::Kind;
 
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
+constexpr std::size_t kMaxUnpacked = std::size_t{1} << 30;
 // a file may unpack to so many times its size; motions of joblib are below 4
-constexpr std::size_t kMostRatio = 64;
+constexpr std::size_t kMaxRatio = 64;
 // or to so much in any case, which as bytes that become doubles is eight times as much
 constexpr std::size_t kFreeUnpacked = std::size_t{8} << 20;
 
@@ -49,8 +49,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   constexpr int kZlibOrGzip = MAX_WBITS + 32;
   // the sizes in such files may lie, so what comes out is counted
-  const std::size_t most =
-      std::min(kMostUnpacked, std::max(kFreeUnpacked, kMostRatio * bytes.size()));
+  const std::size_t max = std::min(kMaxUnpacked, std::max(kFreeUnpacked, kMaxRatio * bytes.size()));
   z_stream stream{};
   if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) {
     return run_failure(file, "not enough memory to unpack the file");
@@ -58,7 +57,7 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
   std::string unpacked;
   std::size_t fed = 0;
   int state = Z_OK;
-  while (state == Z_OK && unpacked.size() <= most) {
+  while (state == Z_OK && unpacked.size() <= max) {
     if (stream.avail_in == 0) {
       const std::size_t size = std::min(bytes.size() - fed, kPiece);
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + fed));
@@ -73,9 +72,9 @@ Result<std::string> unpack(std::string_view bytes, const std::string& file) {
     unpacked.resize(unpacked.size() - stream.avail_out);
   }
   inflateEnd(&stream);
-  if (unpacked.size() > most) {
+  if (unpacked.size() > max) {
     return input_failure(file,
-                         "unpacked, the file has more than " + std::to_string(most) +
+                         "unpacked, the file has more than " + std::to_string(max) +
                              " bytes, but it has only " + std::to_string(bytes.size()),
                          "no motion is as large or packed as tightly");
   }

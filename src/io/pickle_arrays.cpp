@@ -17,11 +17,11 @@ using Kind = PickleNode::Kind;
 
 // a name from a file for a message
 std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 80;
-  std::string shown(text.substr(0, kLongest));
+  constexpr std::size_t kMaxLength = 80;
+  std::string shown(text.substr(0, kMaxLength));
   std::ranges::replace_if(
       shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
-  return text.size() > kLongest ? shown + "..." : shown;
+  return text.size() > kMaxLength ? shown + "..." : shown;
 }
 
 // numpy 2 moved what numpy 1 had in numpy.core
@@ -52,8 +52,8 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
       {"joblib.numpy_pickle.NumpyArrayWrapper", Part::kWrapperClass},
       {"collections.OrderedDict", Part::kOrderedDict},
   }};
-  constexpr std::size_t kLongestName = 200;
-  const bool short_enough = module.size() < kLongestName && name.size() < kLongestName;
+  constexpr std::size_t kMaxNameLength = 200;
+  const bool short_enough = module.size() < kMaxNameLength && name.size() < kMaxNameLength;
   const std::string full = short_enough ? canonical_name(module, name) : std::string();
   for (const auto& [known, part] : kKnown) {
     if (known != full) continue;

@@ -79,7 +79,7 @@ class PickledMotion {
     const PickleNode* fps = document_.find(motion_, "fps");
     if (fps == nullptr) return {};
     const auto value = document_.number(*fps);
-    if (!value || !(*value >= kSlowestFileRate && *value <= kFastestFileRate)) {
+    if (!value || !(*value >= kMinFileRate && *value <= kMaxFileRate)) {
       return input_failure(file_, "the pickle's fps is not a valid rate",
                            "give it with " OPTION("source-fps"));
     }

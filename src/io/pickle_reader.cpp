@@ -12,7 +12,7 @@ namespace {
 
 using Kind = PickleNode::Kind;
 
-constexpr std::size_t kMostNodes = 2'000'000;
+constexpr std::size_t kMaxNodes = 2'000'000;
 std::uint64_t unsigned_of(std::string_view bytes) {
   return little_endian(bytes, 0, bytes.size());
 }
@@ -74,7 +74,7 @@ Result<std::vector<PickleReader::Node>> PickleReader::pop_to_mark() {
 }
 
 Result<void> PickleReader::push(PickleNode made) {
-  if (document_.nodes_.size() >= kMostNodes) {
+  if (document_.nodes_.size() >= kMaxNodes) {
     return fault("the pickle has more than two million values: no motion needs as many");
   }
   stack_.push_back(static_cast<Node>(document_.nodes_.size()));
@@ -189,7 +189,7 @@ Result<bool> PickleReader::read_container(PickleOp op) {
   switch (op) {
     case PickleOp::kMark:
       // marks without values between them need no node: count them as if
-      if (marks_.size() >= kMostNodes) return fault("the pickle begins lists without end");
+      if (marks_.size() >= kMaxNodes) return fault("the pickle begins lists without end");
       marks_.push_back(stack_.size());
       return true;
     case PickleOp::kEmptyTuple:
@@ -258,12 +258,12 @@ Result<bool> PickleReader::read_memo(PickleOp op) {
       return fault("the pickle refers to its value " + std::to_string(number) +
                    ", which it never kept");
     }
-    if (stack_.size() >= 2 * kMostNodes) return fault("the pickle repeats a value without end");
+    if (stack_.size() >= 2 * kMaxNodes) return fault("the pickle repeats a value without end");
     stack_.push_back(found->second);
     return true;
   }
   if (stack_.empty()) return fault("the pickle keeps a value that it never made");
-  if (memo_.size() >= kMostNodes) return fault("the pickle keeps more values than it can have");
+  if (memo_.size() >= kMaxNodes) return fault("the pickle keeps more values than it can have");
   memo_.insert_or_assign(number, stack_.back());
   return true;
 }

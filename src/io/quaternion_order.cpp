@@ -92,15 +92,15 @@ OrderGuess guess_order(const OrderEvidence& evidence, QuaternionOrder usual) {
     return guess;
   }
   const auto steadier = slip[0] <= slip[1] ? QuaternionOrder::kXyzw : QuaternionOrder::kWxyz;
-  const double most = std::max(slip[0], slip[1]);
-  if (most > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * most) {
+  const double max = std::max(slip[0], slip[1]);
+  if (max > kSlips && std::min(slip[0], slip[1]) < kClearlyLess * max) {
     guess.order = steadier;
     guess.reason = "the lowest foot slips by " + pair_text(1000.0 * slip[0], 1000.0 * slip[1], 2) +
                    " mm per frame";
     return guess;
   }
   // both stand still; a robot that turns its back all the time is the rarer one
-  if (most < kStandsStill && up[static_cast<std::size_t>(usual)] > kStands &&
+  if (max < kStandsStill && up[static_cast<std::size_t>(usual)] > kStands &&
       up[static_cast<std::size_t>(other(usual))] > kStands) {
     guess.order = usual;
     guess.by_habit = true;

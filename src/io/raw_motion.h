@@ -11,8 +11,8 @@
 namespace retarget {
 
 /// Frames a second that a file may claim.
-inline constexpr double kSlowestFileRate = 1e-3;
-inline constexpr double kFastestFileRate = 1e6;
+inline constexpr double kMinFileRate = 1e-3;
+inline constexpr double kMaxFileRate = 1e6;
 
 /// A motion as its file has it: which columns are what is known, units and orders may not be.
 struct RawMotion {

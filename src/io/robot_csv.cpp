@@ -15,9 +15,9 @@ namespace retarget {
 namespace {
 
 // the largest finite double has 309 digits before the point
-constexpr std::size_t kLongestNumber = 340;
+constexpr std::size_t kMaxNumberLength = 340;
 
-constexpr int kMostDigits = 17;
+constexpr int kMaxDigits = 17;
 
 constexpr double kDegreesPerRadian = 57.29577951308232087680;
 constexpr double kCentimetresPerMetre = 100.0;
@@ -70,7 +70,7 @@ std::array<double, 3> fixed_axis_angles(double w, double x, double y, double z) 
 
 // a value that rounds to zero has no sign: "-0.000000" is no number anyone expects
 void append_number(std::string& text, double value, int precision) {
-  std::array<char, kLongestNumber> digits;
+  std::array<char, kMaxNumberLength> digits;
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                           std::chars_format::fixed, precision);
   std::string_view number(digits.data(), end - digits.data());
@@ -100,7 +100,7 @@ RobotCsvOptions soma_csv_options(const FrameRate& rate, int precision) {
 
 RobotCsvFormatter::RobotCsvFormatter(const Robot& robot, const RobotCsvOptions& options)
     : options_(options), header_(options.header ? header_line(robot, options) : std::string()) {
-  options_.precision = std::clamp(options.precision, 0, kMostDigits);
+  options_.precision = std::clamp(options.precision, 0, kMaxDigits);
   const double length = options.centimetres ? kCentimetresPerMetre : 1.0;
   const double angle = options.degrees ? kDegreesPerRadian : 1.0;
   position_ = {{0, length}, {1, length}, {2, length}};
@@ -155,7 +155,7 @@ Result<RobotClip> printed_clip(const RobotClip& clip, int precision) {
   std::string text;
   const auto printed = [&](double value) {
     text.clear();
-    append_number(text, value, std::clamp(precision, 0, kMostDigits));
+    append_number(text, value, std::clamp(precision, 0, kMaxDigits));
     double read = 0.0;
     std::from_chars(text.data(), text.data() + text.size(), read);
     return read;

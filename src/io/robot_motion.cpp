@@ -75,9 +75,9 @@ class MotionInterpreter {
   [[nodiscard]] bool is_csv() const { return format_ending(raw_.format) == ".csv"; }
 
   Result<void> check_numbers() {
-    constexpr double kLargest = 1e6;
+    constexpr double kMaxMagnitude = 1e6;
     // written so that NaN is caught
-    const auto sound = [](double value) { return std::abs(value) <= kLargest; };
+    const auto sound = [](double value) { return std::abs(value) <= kMaxMagnitude; };
     if (!std::ranges::all_of(raw_.position, sound) || !std::ranges::all_of(raw_.joints, sound)) {
       return input_failure(file_, "the motion has a number that is not finite, or beyond 1e6");
     }
@@ -165,9 +165,10 @@ class MotionInterpreter {
     const OrderGuess guess = guess_order(weigh_orders(clip, raw_), raw_.usual);
     if (!guess.order) {
       if (!is_csv()) return raw_.usual;
-      return input_failure(file_,
-                           "cannot infer the order of the root's quaternion: xyzw and wxyz are equally plausible",
-                           "choose with " OPTION("source-quat"));
+      return input_failure(
+          file_,
+          "cannot infer the order of the root's quaternion: xyzw and wxyz are equally plausible",
+          "choose with " OPTION("source-quat"));
     }
     if (is_csv() || *guess.order != raw_.usual) {
       raw_.notes.push_back(std::string("quaternion ") +
@@ -215,7 +216,8 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
       bytes.starts_with("\xFD"
                         "7zXZ") ||
       bytes.starts_with("\x04\x22\x4d\x18")) {
-    return input_failure(file, "the file is compressed with bzip2, xz or lz4, which is not supported",
+    return input_failure(file,
+                         "the file is compressed with bzip2, xz or lz4, which is not supported",
                          "unpack it, or dump it with joblib's compress=3 (zlib)");
   }
   if (bytes.substr(0, 64).find("HIERARCHY") != std::string_view::npos) {
@@ -260,11 +262,11 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
   if (fitting.empty()) {
     std::vector<std::string> known;
     for (const RobotVariant& each : robot.profile().variants) known.push_back(each.name);
-    return input_failure(
-        file,
-        fmt::format("the motion has {} joints, and neither the robot {} nor any of its variants has that many",
-                    count, robot.name()),
-        known.empty() ? "" : "its variants are " + list_names(known));
+    return input_failure(file,
+                         fmt::format("the motion has {} joints, and neither the robot {} nor any "
+                                     "of its variants has that many",
+                                     count, robot.name()),
+                         known.empty() ? "" : "its variants are " + list_names(known));
   }
   return input_failure(
       file, std::to_string(count) + " joints may be those of the variants " + list_names(fitting),
@@ -295,7 +297,7 @@ Result<RobotMotion> load_robot_motion(const std::string& path,
                              "; folders of human motions are for retarget batch");
   }
   TRY_ASSIGN(const auto content,
-             read_file(path, ErrorKind::kInput, options.most_bytes, kLargeFileHint));
+             read_file(path, ErrorKind::kInput, options.max_bytes, kLargeFileHint));
   return parse_robot_motion(content.view(), robot, path == "-" ? "standard input" : path, options);
 }
 

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 // frame numbers times the terms of two rates pass 64 bits
 __extension__ using Int128 = __int128;
 
-constexpr std::size_t kFewestSamples = 3;
+constexpr std::size_t kMinSamples = 3;
 
 // root and joints at the samples' times
 struct Samples {
@@ -195,8 +195,8 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                                             const TrackingOptions& options) {
   const Robot& robot = clip.robot();
   const TrackingLayout layout = tracking_layout(robot, format);
-  constexpr double kMostSamples = 1e7;
-  if (clip.frame_count() * options.rate.fps() > kMostSamples * clip.rate().fps()) {
+  constexpr double kMaxSamples = 1e7;
+  if (clip.frame_count() * options.rate.fps() > kMaxSamples * clip.rate().fps()) {
     return input_failure("",
                          "a motion of " + std::to_string(clip.frame_count()) + " frames at " +
                              to_text(clip.rate()) + " fps is too long for " +
@@ -205,7 +205,7 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
   }
   const Samples samples = sample(clip, options.rate);
   const std::size_t count = samples.qpos.size();
-  if (count < kFewestSamples) {
+  if (count < kMinSamples) {
     return input_failure("", "a tracking NPZ needs three frames at " + to_text(options.rate) +
                                  " fps, but the motion has " + std::to_string(count));
   }
@@ -229,8 +229,8 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
 
 Result<std::string> format_tracking_npz(const TrackingMotion& motion) {
   if (motion.rate.seconds != 1) {
-    return run_failure(
-        "", "a tracking NPZ needs a whole number of frames per second, not " + to_text(motion.rate));
+    return run_failure("", "a tracking NPZ needs a whole number of frames per second, not " +
+                               to_text(motion.rate));
   }
   const std::size_t frames = motion.frames;
   const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();

@@ -17,19 +17,19 @@ constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kBeyondRange = 0.5;
 // the root's height over what the limbs reach: doubted when it is never lower, and refused
 constexpr double kOddReaches = 2.5;
-constexpr double kMostReaches = 5.0;
+constexpr double kMaxReaches = 5.0;
 // a root that is turned by less than this from upright (its z axis against the world's) in most
 // frames stands or walks on its legs: heights over what these reach
 constexpr double kUpright = 0.70710678118654752;
-constexpr double kLeastUprightReaches = 0.15;
+constexpr double kMinUprightReaches = 0.15;
 constexpr double kLowUprightReaches = 0.35;
 // and its soles are below the floor by as much, which those of a robot that sits are not
 constexpr double kSunkReaches = 0.2;
 constexpr double kHighUprightReaches = 1.6;
 // as many of the upright frames count; the others may be a fall or the start
-constexpr double kMostFrames = 0.95;
+constexpr double kMaxFrames = 0.95;
 // m/s on average: no runner keeps it up
-constexpr double kFastestMean = 10.0;
+constexpr double kMaxMeanSpeed = 10.0;
 
 // the widest that a hinge of the robot turns from 0
 double widest_angle(const Robot& robot) {
@@ -58,8 +58,8 @@ std::vector<double> chain_lengths(const Robot& robot) {
 // how far the robot reaches from its root: the longest chain of bodies, metres. Not how high it
 // stands in its zero configuration, which may lie folded.
 double reach_of(const Robot& robot) {
-  constexpr double kSmallest = 0.05;
-  return std::max(std::ranges::max(chain_lengths(robot)), kSmallest);
+  constexpr double kMinMagnitude = 0.05;
+  return std::max(std::ranges::max(chain_lengths(robot)), kMinMagnitude);
 }
 
 // how far the soles are from the root with legs stretched; where none are known, as far as any limb
@@ -121,7 +121,7 @@ class UnitFinder {
       highest = std::max(highest, std::abs(raw_.position[3 * frame + 2]));
     }
     const double reach = reach_of(robot_);
-    if (highest > kMostReaches * reach) {
+    if (highest > kMaxReaches * reach) {
       return input_failure(file_,
                            "the root is up to " + number_text(highest, 2) +
                                " high, which may be metres, centimetres or millimetres: the "
@@ -260,13 +260,12 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
   const std::vector<UprightFrame> frames = upright_frames(clip);
   const bool upright = 2 * frames.size() > static_cast<std::size_t>(clip.frame_count());
   if (upright) {
-    const auto most = static_cast<std::size_t>(kMostFrames * static_cast<double>(frames.size()));
-    const double height = frames[std::min(most, frames.size() - 1)].height;
+    const auto max = static_cast<std::size_t>(kMaxFrames * static_cast<double>(frames.size()));
+    const double height = frames[std::min(max, frames.size() - 1)].height;
     const bool low = height < kLowUprightReaches * reach && has_sunk(clip, frames, reach);
     const std::string what = "the root is upright and only " + number_text(height, 4) +
-                             " m high, but the robot's legs reach " + number_text(reach, 2) +
-                             " m";
-    if (low && height < kLeastUprightReaches * reach) {
+                             " m high, but the robot's legs reach " + number_text(reach, 2) + " m";
+    if (low && height < kMinUprightReaches * reach) {
       return input_failure(file, what + "; lengths may not be in metres",
                            "if that is intended, confirm with " OPTION("source-unit") " m; else convert the "
 "positions to metres, centimetres or millimetres first");
@@ -277,9 +276,8 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
   const double odd = upright ? kHighUprightReaches * reach : kOddReaches * reach_of(clip.robot());
   if (lowest > odd) {
     doubt("the root is never lower than " + number_text(lowest, 2) + " m", "cm takes centimetres");
-  } else if (const double speed = mean_speed(clip); speed > kFastestMean) {
-    doubt("the root moves at " + number_text(speed, 1) + " m/s on average",
-          "cm takes centimetres");
+  } else if (const double speed = mean_speed(clip); speed > kMaxMeanSpeed) {
+    doubt("the root moves at " + number_text(speed, 1) + " m/s on average", "cm takes centimetres");
   }
   return {};
 }

@@ -13,10 +13,10 @@ namespace {
 // in relation to the output rate
 constexpr double kCutoff = 0.4;
 constexpr double kHalfWidth = 6.0;
-constexpr double kLargestHalfWidth = 1024.0;
+constexpr double kMaxHalfWidth = 1024.0;
 
 // a filtered rotation shorter than this has no direction left
-constexpr double kSmallestNorm = 1e-6;
+constexpr double kMinNorm = 1e-6;
 
 // modified Bessel function of the first kind and order zero, by its power series
 double bessel_i0(double x) {
@@ -85,7 +85,7 @@ std::vector<double> design_low_pass(double cutoff, int half_width, double beta) 
 }
 
 std::vector<double> anti_alias_taps(double ratio) {
-  const double half_width = std::min(std::round(kHalfWidth * ratio), kLargestHalfWidth);
+  const double half_width = std::min(std::round(kHalfWidth * ratio), kMaxHalfWidth);
   return design_low_pass(kCutoff / ratio, static_cast<int>(half_width));
 }
 
@@ -115,7 +115,7 @@ std::vector<Eigen::Quaterniond> low_pass(std::span<const Eigen::Quaterniond> rot
     const Eigen::Vector4d sum = weigh(extended.data() + half + i, taps);
     const double norm = sum.norm();
     filtered.push_back(rotations[i]);
-    if (norm > kSmallestNorm) filtered.back().coeffs() = sum / norm;
+    if (norm > kMinNorm) filtered.back().coeffs() = sum / norm;
   }
   return filtered;
 }

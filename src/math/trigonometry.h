@@ -75,9 +75,9 @@ struct Rounded {
   constexpr double kFirst = 1.57079632673412561417e+00;
   constexpr double kSecond = 6.07710050630396597660e-11;
   constexpr double kThird = 2.02226624879595063154e-21;
-  constexpr double kLargest = 1e6;
-  if (!(std::abs(angle) <= kLargest)) angle = std::remainder(angle, 6.28318530717958647692);
-  if (!(std::abs(angle) <= kLargest)) return {std::nan(""), std::nan("")};
+  constexpr double kMaxAngle = 1e6;
+  if (!(std::abs(angle) <= kMaxAngle)) angle = std::remainder(angle, 6.28318530717958647692);
+  if (!(std::abs(angle) <= kMaxAngle)) return {std::nan(""), std::nan("")};
   const auto [quadrant, modulo_4] = round_to_integer(angle * 6.36619772367581382433e-01);
   const double rest = ((angle - quadrant * kFirst) - quadrant * kSecond) - quadrant * kThird;
   return sin_cos_in_quadrant(rest, modulo_4);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kSnapTolerance = 1e-4;
 constexpr double kFractionTolerance = 1e-9;
 // keeps products of a frame number and a rate inside 64 bits
-constexpr std::int64_t kLargestTerm = 1'000'000'000;
+constexpr std::int64_t kMaxTerm = 1'000'000'000;
 
 // the simplest fraction near a positive value, by its continued fraction
 FrameRate simplest_fraction(double value) {
@@ -21,7 +21,7 @@ FrameRate simplest_fraction(double value) {
     const double whole = std::floor(rest);
     const double next_num = whole * static_cast<double>(num) + static_cast<double>(num_before);
     const double next_den = whole * static_cast<double>(den) + static_cast<double>(den_before);
-    if (next_num > kLargestTerm || next_den > kLargestTerm) break;
+    if (next_num > kMaxTerm || next_den > kMaxTerm) break;
     num_before = std::exchange(num, static_cast<std::int64_t>(next_num));
     den_before = std::exchange(den, static_cast<std::int64_t>(next_den));
     const double error = std::abs(static_cast<double>(num) / den - value);
@@ -30,8 +30,8 @@ FrameRate simplest_fraction(double value) {
     rest = 1.0 / (rest - whole);
   }
   // rates beyond what 64-bit time arithmetic carries end at its edge
-  if (den == 0) return {kLargestTerm, 1};
-  if (num == 0) return {1, kLargestTerm};
+  if (den == 0) return {kMaxTerm, 1};
+  if (num == 0) return {1, kMaxTerm};
   return {num, den};
 }
 
@@ -39,7 +39,7 @@ FrameRate simplest_fraction(double value) {
 
 FrameRate frame_rate_from_fps(double fps) {
   const double whole = std::round(fps);
-  if (whole >= 1.0 && whole <= kLargestTerm && std::abs(fps / whole - 1.0) <= kSnapTolerance) {
+  if (whole >= 1.0 && whole <= kMaxTerm && std::abs(fps / whole - 1.0) <= kSnapTolerance) {
     return {static_cast<std::int64_t>(whole), 1};
   }
   return simplest_fraction(fps);
@@ -47,8 +47,7 @@ FrameRate frame_rate_from_fps(double fps) {
 
 FrameRate frame_rate_from_frame_time(double frame_time) {
   const double whole = std::round(1.0 / frame_time);
-  if (whole >= 1.0 && whole <= kLargestTerm &&
-      std::abs(frame_time * whole - 1.0) <= kSnapTolerance) {
+  if (whole >= 1.0 && whole <= kMaxTerm && std::abs(frame_time * whole - 1.0) <= kSnapTolerance) {
     return {static_cast<std::int64_t>(whole), 1};
   }
   return simplest_fraction(1.0 / frame_time);

@@ -12,12 +12,12 @@ namespace {
 constexpr double kJump = 0.1;          // second difference by the body's spread
 constexpr double kBeyondMotion = 5.0;  // and by the motion's own 95th percentile
 constexpr double kStill = 0.05;        // spreads from the first frame: noise, a person who stands
-constexpr double kLongestHold = 20.0;  // seconds
+constexpr double kMaxHold = 20.0;      // seconds
 constexpr double kMotionSeen = 2.0;    // seconds
 // what is held for longer must be another pose than the motion's, or it is the motion before a fault
 constexpr double kShortHold = 0.25;  // seconds
 constexpr double kSamePose = 0.1;    // spreads, the body brought to one place and heading
-constexpr int kFewestAfter = 5;      // frames of motion
+constexpr int kMinAfter = 5;         // frames of motion
 
 // positions of all joints, frame by frame, made when they are asked for
 class Positions {
@@ -73,7 +73,7 @@ class Positions {
 
 // whether the motion begins at a frame, with a jump away from the one before
 bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
-  if (clip.frame_count() - begin < kFewestAfter) return false;
+  if (clip.frame_count() - begin < kMinAfter) return false;
   const double jump = positions.second_difference(begin);
   if (!(jump > kJump * positions.spread(begin))) return false;
   // the second difference of the frame before a jump is as large; a jump may take two frames
@@ -81,7 +81,7 @@ bool begins_with_a_jump(const Clip& clip, Positions& positions, int begin) {
   const int end = std::min(
       clip.frame_count() - 1,
       begin + 1 +
-          std::max(kFewestAfter, static_cast<int>(std::lround(kMotionSeen * clip.rate().fps()))));
+          std::max(kMinAfter, static_cast<int>(std::lround(kMotionSeen * clip.rate().fps()))));
   std::vector<double> after;
   for (int frame = begin + 1; frame < end; ++frame) {
     after.push_back(positions.second_difference(frame));
@@ -119,7 +119,7 @@ bool comes_back(const Clip& clip, Positions& positions, int pose, int begin) {
 // frames from `begin` on that are held and then left by a jump; 0: none
 int count_held(const Clip& clip, Positions& positions, int begin) {
   const auto longest =
-      static_cast<int>(std::min(kLongestHold * clip.rate().fps(), 1.0 * clip.frame_count()));
+      static_cast<int>(std::min(kMaxHold * clip.rate().fps(), 1.0 * clip.frame_count()));
   for (int count = 1; count <= std::max(1, longest); ++count) {
     if (begin + count >= clip.frame_count()) return 0;
     if (is_frame_of_zeros(clip, positions, begin + count - 1)) return count;
@@ -136,10 +136,10 @@ int count_held(const Clip& clip, Positions& positions, int begin) {
 
 int count_lead_in_frames(const Clip& clip) {
   // a frame of zeros, a T-pose
-  constexpr int kMostHolds = 3;
+  constexpr int kMaxHolds = 3;
   Positions positions(clip);
   int count = 0;
-  for (int hold = 0; hold < kMostHolds; ++hold) {
+  for (int hold = 0; hold < kMaxHolds; ++hold) {
     const int held = count_held(clip, positions, count);
     if (held == 0) break;
     count += held;

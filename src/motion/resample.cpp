@@ -18,12 +18,12 @@ namespace {
 // frame numbers times the terms of two rates pass 64 bits
 __extension__ using Int128 = __int128;
 
-constexpr std::int64_t kLargestUpsampling = 1000;
-constexpr std::int64_t kLargestFrameCount = 10'000'000;
+constexpr std::int64_t kMaxUpsampling = 1000;
+constexpr std::int64_t kMaxFrameCount = 10'000'000;
 // a sparse source may not become a clip of more bytes than these: a few kilobytes of text could
 // otherwise stand for gigabytes
 constexpr std::int64_t kSparse = 4;
-constexpr std::int64_t kMostSparseBytes = std::int64_t{64} << 20;
+constexpr std::int64_t kMaxSparseBytes = std::int64_t{64} << 20;
 // one part of an output sample that still counts as reached
 constexpr std::int64_t kParts = 1'000'000'000;
 
@@ -45,11 +45,11 @@ Result<void> check_size(const Clip& source, const FrameRate& output_rate,
                         std::int64_t output_count) {
   const Stride stride(source.rate(), output_rate);
   const bool sparse = stride.numerator * kSparse < stride.denominator;
-  const auto most_sparse =
-      kMostSparseBytes / static_cast<std::int64_t>(frame_bytes(source.skeleton()));
-  const bool too_dense = stride.numerator * kLargestUpsampling < stride.denominator ||
-                         (sparse && output_count > most_sparse);
-  if (source.frame_count() < 2 || (!too_dense && output_count <= kLargestFrameCount)) return {};
+  const auto max_sparse =
+      kMaxSparseBytes / static_cast<std::int64_t>(frame_bytes(source.skeleton()));
+  const bool too_dense = stride.numerator * kMaxUpsampling < stride.denominator ||
+                         (sparse && output_count > max_sparse);
+  if (source.frame_count() < 2 || (!too_dense && output_count <= kMaxFrameCount)) return {};
   return input_failure("",
                        "going from " + to_text(source.rate()) + " to " + to_text(output_rate) +
                            " fps would make " + std::to_string(output_count) + " frames out of " +
@@ -120,8 +120,8 @@ std::int64_t resampled_frame_count(int frame_count, const FrameRate& source_rate
   const Stride stride(source_rate, output_rate);
   const Int128 length = Int128{frame_count - 1} * stride.denominator;
   const Int128 count = (length * kParts + stride.numerator) / (stride.numerator * kParts) + 1;
-  constexpr Int128 kMost = std::numeric_limits<std::int64_t>::max();
-  return static_cast<std::int64_t>(std::min(count, kMost));
+  constexpr Int128 kMaxInt64 = std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::int64_t>(std::min(count, kMaxInt64));
 }
 
 Result<Clip> resample(Clip source, const FrameRate& output_rate, const ResampleOptions& options) {

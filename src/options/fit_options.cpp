@@ -10,7 +10,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kLargest = 1e6;
+constexpr double kMaxWeight = 1e6;
 constexpr double kAbove0 = 1e-9;
 
 Option term(const char* name, bool& on, const char* help) {
@@ -18,45 +18,48 @@ Option term(const char* name, bool& on, const char* help) {
 }
 
 Option number(const char* group, const char* name, double& value, const char* help,
-              double least = 0.0, double most = kLargest) {
-  return option(name, value, {.group = group, .help = help, .least = least, .most = most});
+              double min = 0.0, double max = kMaxWeight, const char* former_name = "") {
+  return option(name, value,
+                {.group = group, .help = help, .min = min, .max = max, .former_name = former_name});
 }
 
-Option count(const char* name, int& value, const char* help, int least, int most) {
+Option count(const char* name, int& value, const char* help, int min, int max) {
   return option(name, value,
-                {.group = "Solver", .help = help, .least = double(least), .most = double(most)});
+                {.group = "Solver", .help = help, .min = double(min), .max = double(max)});
 }
 
 OptionTable term_table(FitOptions& o) {
-  return {term("tracking", o.tracking, "Bodies follow their targets"),
-          term("foot-height", o.foot_height, "Heel and toe follow the source's clearance"),
-          term("contact", o.contact, "Planted heels and toes stay where they are, on the floor"),
-          term("floor", o.floor, "Nothing goes below the floor"),
-          term("self-collision", o.self_collision, "Parts of the robot do not penetrate each other"),
-          term("smoothness", o.smoothness, "Velocities change slowly"),
-          term("speed", o.speed, "Joints stay below speed_soft")};
+  return {
+      term("tracking", o.tracking, "Bodies follow their targets"),
+      term("foot-height", o.foot_height, "Heel and toe follow the source's clearance"),
+      term("contact", o.contact, "Planted heels and toes stay where they are, on the floor"),
+      term("floor", o.floor, "Nothing goes below the floor"),
+      term("self-collision", o.self_collision, "Parts of the robot do not penetrate each other"),
+      term("smoothness", o.smoothness, "Velocities change slowly"),
+      term("speed", o.speed, "Joints stay below soft_joint_speed")};
 }
 
 OptionTable weight_table(TrackingWeights& w) {
   constexpr const char* kGroup = "Tracking, per metre or radian";
-  return {number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
-          number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
-          number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
-          number(kGroup, "thigh_position", w.thigh_position, "Hips of the legs"),
-          number(kGroup, "shank_position", w.shank_position, "Knees"),
-          number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
-          number(kGroup, "shank_rotation", w.shank_rotation, "Shanks"),
-          number(kGroup, "foot_position", w.foot_position,
-                 "Ankles: horizontally, and in height for a foot that does not stand"),
-          number(kGroup, "foot_rotation", w.foot_rotation, "Feet"),
-          number(kGroup, "upper_arm_position", w.upper_arm_position, "Shoulders"),
-          number(kGroup, "upper_arm_rotation", w.upper_arm_rotation, "Upper arms"),
-          number(kGroup, "forearm_position", w.forearm_position, "Elbows"),
-          number(kGroup, "forearm_rotation", w.forearm_rotation, "Forearms"),
-          number(kGroup, "hand_position", w.hand_position, "Wrists"),
-          number(kGroup, "hand_rotation", w.hand_rotation, "Hands"),
-          number(kGroup, "other_position", w.other_position, "Whatever else a mapping has"),
-          number(kGroup, "other_rotation", w.other_rotation, "Whatever else a mapping has")};
+  return {
+      number(kGroup, "hips_position", w.hips_position, "The pelvis to its target"),
+      number(kGroup, "hips_rotation", w.hips_rotation, "The pelvis to its target"),
+      number(kGroup, "torso_rotation", w.torso_rotation, "The torso to its target"),
+      number(kGroup, "thigh_position", w.thigh_position, "Hips of the legs"),
+      number(kGroup, "shank_position", w.shank_position, "Knees"),
+      number(kGroup, "thigh_rotation", w.thigh_rotation, "Thighs"),
+      number(kGroup, "shank_rotation", w.shank_rotation, "Shanks"),
+      number(kGroup, "foot_position", w.foot_position,
+             "Ankles: horizontally, and in height for a foot that does not stand"),
+      number(kGroup, "foot_rotation", w.foot_rotation, "Feet"),
+      number(kGroup, "upper_arm_position", w.upper_arm_position, "Shoulders"),
+      number(kGroup, "upper_arm_rotation", w.upper_arm_rotation, "Upper arms"),
+      number(kGroup, "forearm_position", w.forearm_position, "Elbows"),
+      number(kGroup, "forearm_rotation", w.forearm_rotation, "Forearms"),
+      number(kGroup, "hand_position", w.hand_position, "Wrists"),
+      number(kGroup, "hand_rotation", w.hand_rotation, "Hands"),
+      number(kGroup, "other_position", w.other_position, "All other bodies of the configuration"),
+      number(kGroup, "other_rotation", w.other_rotation, "All other bodies of the configuration")};
 }
 
 OptionTable foot_table(FitOptions& o) {
@@ -72,8 +75,8 @@ OptionTable foot_table(FitOptions& o) {
                  "Planted heel or toe to the floor, per metre"),
           number(kGroup, "sole_floor_weight", o.sole_floor_weight,
                  "Sole points below sole_margin, per metre"),
-          number(kGroup, "sole_margin", o.sole_margin, "Metres; for feet that are not planted", -1.0,
-                 1.0),
+          number(kGroup, "sole_margin", o.sole_margin, "Metres; for feet that are not planted",
+                 -1.0, 1.0),
           number(kGroup, "body_floor_weight", o.body_floor_weight,
                  "Other bodies below body_margin, per metre"),
           number(kGroup, "body_margin", o.body_margin, "Metres", -1.0, 1.0),
@@ -85,21 +88,23 @@ OptionTable foot_table(FitOptions& o) {
 
 OptionTable motion_table(FitOptions& o) {
   constexpr const char* kGroup = "Smoothness and speed";
-  return {
-      number(kGroup, "smoothness_leg", o.smoothness_leg,
-             "Legs and waist, per rad/s of deviation from the smoothed velocity"),
-      number(kGroup, "smoothness_arm", o.smoothness_arm, "Arms, per rad/s"),
-      number(kGroup, "smoothness_wrist", o.smoothness_wrist, "Wrists, per rad/s"),
-      number(kGroup, "smoothness_root_position", o.smoothness_root_position, "Root, per m/s"),
-      number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
-      number(kGroup, "smoothing_time", o.smoothing_time,
-             "Seconds; velocities are smoothed over about this time", 0.0, 10.0),
-      number(kGroup, "speed_soft", o.speed_soft, "rad/s; faster joints are slowed down", kAbove0),
-      number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above speed_soft"),
-      number(kGroup, "speed_most", o.speed_most,
-             "rad/s; no joint is ever faster, whatever its own limit", kAbove0),
-      number(kGroup, "largest_step", o.largest_step,
-             "rad; no joint ever moves farther between two frames", kAbove0)};
+  return {number(kGroup, "smoothness_leg", o.smoothness_leg,
+                 "Legs and waist, per rad/s of deviation from the smoothed velocity"),
+          number(kGroup, "smoothness_arm", o.smoothness_arm, "Arms, per rad/s"),
+          number(kGroup, "smoothness_wrist", o.smoothness_wrist, "Wrists, per rad/s"),
+          number(kGroup, "smoothness_root_position", o.smoothness_root_position, "Root, per m/s"),
+          number(kGroup, "smoothness_root_rotation", o.smoothness_root_rotation, "Root, per rad/s"),
+          number(kGroup, "smoothing_time", o.smoothing_time,
+                 "Seconds; velocities are smoothed over about this time", 0.0, 10.0),
+          number(kGroup, "soft_joint_speed", o.soft_joint_speed,
+                 "rad/s; faster joints are slowed down", kAbove0, kMaxWeight, "speed_soft"),
+          number(kGroup, "speed_weight", o.speed_weight, "Per rad/s above soft_joint_speed"),
+          number(kGroup, "max_joint_speed", o.max_joint_speed,
+                 "rad/s; no joint is ever faster, whatever its own limit", kAbove0, kMaxWeight,
+                 "speed_most"),
+          number(kGroup, "max_joint_step", o.max_joint_step,
+                 "rad; no joint ever moves farther between two frames", kAbove0, kMaxWeight,
+                 "largest_step")};
 }
 
 OptionTable contact_table(FitOptions& o) {
@@ -114,8 +119,7 @@ OptionTable contact_table(FitOptions& o) {
       number(kGroup, "contact_time", o.contact_time, "Seconds; anything shorter is not a contact"),
       number(kGroup, "support_time", o.support_time,
              "Seconds; a raised foot that is slow for this long stands on something"),
-      number(kGroup, "support_drift", o.support_drift,
-             "Metres; how far it may move in that time")};
+      number(kGroup, "support_drift", o.support_drift, "Metres; how far it may move in that time")};
 }
 
 OptionTable solver_table(FitOptions& o) {

@@ -29,23 +29,23 @@ std::string expectation(const Option& row) {
   const bool is_count = std::holds_alternative<std::int64_t>(now);
   if (!is_count && !std::holds_alternative<double>(now)) return "a text";
   std::string text = is_count ? "a whole number" : "a number";
-  const auto& [least, most] = std::pair(row.info.least, row.info.most);
-  const bool above = most < std::numeric_limits<double>::max();
-  if (above) return fmt::format("{} from {} to {}", text, least, most);
-  if (least > std::numeric_limits<double>::lowest()) text += fmt::format(" of at least {}", least);
+  const auto& [min, max] = std::pair(row.info.min, row.info.max);
+  const bool above = max < std::numeric_limits<double>::max();
+  if (above) return fmt::format("{} from {} to {}", text, min, max);
+  if (min > std::numeric_limits<double>::lowest()) text += fmt::format(" of at least {}", min);
   return text;
 }
 
 Result<void> check_option(const Option& row, const OptionValue& value) {
   if (const auto* number = std::get_if<double>(&value)) {
     // written so that NaN is in no range
-    const bool sound = *number >= row.info.least && *number <= row.info.most;
+    const bool sound = *number >= row.info.min && *number <= row.info.max;
     if (!sound) return unexpected(row, value);
   } else if (const auto* count = std::get_if<std::int64_t>(&value)) {
-    const double least = std::max(row.info.least, double{std::numeric_limits<int>::min()});
-    const double most = std::min(row.info.most, double{std::numeric_limits<int>::max()});
+    const double min = std::max(row.info.min, double{std::numeric_limits<int>::min()});
+    const double max = std::min(row.info.max, double{std::numeric_limits<int>::max()});
     const auto size = static_cast<double>(*count);
-    if (size < least || size > most) return unexpected(row, value);
+    if (size < min || size > max) return unexpected(row, value);
   }
   if (row.choices.empty()) return {};
   const auto is_known = [&](const std::string& word) {
@@ -95,7 +95,9 @@ Result<OptionValue> option_value(const Option& row, const std::string& text) {
 }
 
 const Option* find_option(const OptionTable& table, std::string_view name) {
-  const auto found = std::ranges::find(table, name, &Option::name);
+  const auto found = std::ranges::find_if(table, [&](const Option& row) {
+    return row.name == name || (!name.empty() && row.info.former_name == name);
+  });
   return found == table.end() ? nullptr : &*found;
 }
 

@@ -34,13 +34,14 @@ struct OptionInfo {
       {};  ///< What stands for its value in help: `FILE`, `N|source`; empty: choices.
   std::string group = {};  ///< Of the help text; none: a word that is given without a name.
   std::string help = {};   ///< For people, one sentence or two, no full stop.
-  double least = std::numeric_limits<double>::lowest();  ///< Of numbers.
-  double most = std::numeric_limits<double>::max();
+  double min = std::numeric_limits<double>::lowest();  ///< Of numbers.
+  double max = std::numeric_limits<double>::max();
   bool decides = true;  ///< Whether the bytes of a motion depend on it.
   OptionFile file = OptionFile::kNone;
-  bool basic = false;       ///< Stands in the short help.
-  std::string letter = {};  ///< Short name at the command line; may be empty.
-  bool required = false;    ///< At the command line.
+  bool basic = false;            ///< Stands in the short help.
+  std::string letter = {};       ///< Short name at the command line; may be empty.
+  std::string former_name = {};  ///< Read in files as well; empty: it always had its name.
+  bool required = false;         ///< At the command line.
 };
 
 /// An option that is bound to a member of a struct: one row of a table. Everything that is told,

@@ -12,15 +12,15 @@ namespace retarget {
 namespace {
 
 // wider than any motion, narrower than any slip
-constexpr double kSlowestRate = 0.001, kFastestRate = 1e6, kLongestTime = 1e9;
+constexpr double kMinRate = 0.001, kMaxRate = 1e6, kMaxTime = 1e9;
 
 // name and length in metres
 constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
     {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"cmu", 0.056444}}};
 
-std::optional<double> number_in(std::string_view text, double least, double most) {
+std::optional<double> number_in(std::string_view text, double min, double max) {
   const auto number = parse_number<double>(text);
-  return number && *number >= least && *number <= most ? number : std::nullopt;
+  return number && *number >= min && *number <= max ? number : std::nullopt;
 }
 
 std::string axis_text(const std::optional<SignedAxis>& axis) {
@@ -55,7 +55,7 @@ std::string rate_text(const std::optional<double>& fps) {
 
 Result<std::optional<double>> rate_from_text(const std::string& text) {
   if (text == "source") return std::optional<double>();
-  if (const auto fps = number_in(text, kSlowestRate, kFastestRate)) return fps;
+  if (const auto fps = number_in(text, kMinRate, kMaxRate)) return fps;
   return usage_failure(
       fmt::format("expected a number from 0.001 to 1000000 or `source`, found \"{}\"", text));
 }
@@ -72,8 +72,9 @@ Result<std::optional<double>> unit_from_text(const std::string& text) {
 
 Option memory_row(double& memory_gb) {
   return option("memory", memory_gb, kInputGroup, "GB",
-                "Refuse motions that need more memory than this, GB (default: three quarters of what is available)",
-                {.least = 0.001, .most = 1e6, .decides = false});
+                "Refuse motions that need more memory than this, GB (default: three quarters of "
+                "what is available)",
+                {.min = 0.001, .max = 1e6, .decides = false});
 }
 
 Option output_row(std::string& output) {
@@ -92,14 +93,14 @@ OptionTable source_table(SourceOptions& options) {
                  "Which tree to read, when a file holds several ROOTs"),
           option("source-fps", options.source_fps, kInputGroup, "N",
                  "Frames per second of the source, whatever its header says",
-                 {.least = kSlowestRate, .most = kFastestRate}),
+                 {.min = kMinRate, .max = kMaxRate}),
           memory_row(options.memory_gb)};
 }
 
 OptionTable human_table(HumanOptions& options) {
   return {
       option("map", options.map, kHumanGroup, "FILE",
-             "Which joint is which bone: a mapping file instead of recognition",
+             "Which joint is which bone: a bone map instead of recognition",
              {.file = OptionFile::kContent}),
       option("partial", options.partial, kHumanGroup, "",
              "Accept a body without arms or without legs"),
@@ -107,7 +108,7 @@ OptionTable human_table(HumanOptions& options) {
              "The pose that is a T-pose, or is brought to one: the zero pose, the first frame, the "
              "best frame, or none (learned from the movement)"),
       option("tpose-frame", options.tpose_frame, kHumanGroup, "N",
-             "Frame of the source that is the T-pose", {.least = 0.0}),
+             "Frame of the source that is the T-pose", {.min = 0.0}),
       option("tpose-file", options.tpose_file, kHumanGroup, "FILE",
              "BVH of the same skeleton whose first frame is the T-pose",
              {.file = OptionFile::kContent}),
@@ -120,20 +121,21 @@ OptionTable human_table(HumanOptions& options) {
       option("height", options.height, kHumanGroup, "M",
              "Height of the body, metres; determines an unknown unit (default: estimated; 1.75 "
              "for LAFAN1)",
-             {.least = 0.1, .most = 10.0})};
+             {.min = 0.1, .max = 10.0})};
 }
 
 OptionTable part_table(PartOptions& options) {
-  return {option("start", options.start_s, kInputGroup, "S",
-                 "Begin at this time of the source, seconds", {.least = 0.0, .most = kLongestTime}),
-          option("end", options.end_s, kInputGroup, "S",
-                 "End at this time of the source, seconds, inclusive",
-                 {.least = 0.0, .most = kLongestTime}),
-          option("frames", options.frames, kInputGroup, "A:B",
-                 "Source frames from A up to, not including, B; either may be omitted"),
-          option("lead-in", options.lead_in, kInputGroup, "",
-                 "Leading frames that the motion jumps away from (a T-pose, all zeros), unless " OPTION("start") " or " OPTION(
-                     "frames") " is given: auto drops them except with " OPTION("method") " gmr")};
+  return {
+      option("start", options.start_s, kInputGroup, "S",
+             "Begin at this time of the source, seconds", {.min = 0.0, .max = kMaxTime}),
+      option("end", options.end_s, kInputGroup, "S",
+             "End at this time of the source, seconds, inclusive", {.min = 0.0, .max = kMaxTime}),
+      option("frames", options.frames, kInputGroup, "A:B",
+             "Source frames from A up to, not including, B; either may be omitted"),
+      option("lead-in", options.lead_in, kInputGroup, "",
+             "Leading frames that the motion jumps away from (a T-pose, all zeros), "
+             "unless " OPTION("start") " or " OPTION(
+                 "frames") " is given: auto drops them except with " OPTION("method") " gmr")};
 }
 
 OptionTable robot_table(RobotChoice& options) {
@@ -156,11 +158,12 @@ OptionTable solve_table(SolveOptions& options) {
              "Joint limits: a set of the robot (official, gmr), or a JSON or MJCF file (default: "
              "gmr with " OPTION("method") " gmr)",
              {.file = OptionFile::kOrName}),
-      option("ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
-             "Mapping from human bones to robot bodies: that of the published method, the one "
-             "derived from the robot's model, or a JSON file (default: derived; with " OPTION(
-                 "method") " gmr published for LAFAN1 where there is one)",
-             {.file = OptionFile::kOrName}),
+      option(
+          "ik-config", options.ik_config, kRobotGroup, "published|derived|FILE",
+          "Which robot body follows which bone: the configuration of the published method, the one "
+          "derived from the robot's model, or a JSON file (default: derived; with " OPTION(
+              "method") " gmr published for LAFAN1 where there is one)",
+          {.file = OptionFile::kOrName}),
       option("method", options.method, kRobotGroup, "",
              "fit: a motion that the robot can follow, the whole clip at once; gmr: the published "
              "two-pass inverse kinematics, frame by frame",
@@ -170,7 +173,7 @@ OptionTable solve_table(SolveOptions& options) {
       option(
           "window", options.fit_window_s, kRobotGroup, "SECONDS",
           "Seconds that the fit solves together: memory, and how far it looks ahead (default: 20)",
-          {.least = 0.1, .most = 1e6}),
+          {.min = 0.1, .max = 1e6}),
       option("without", options.without, kRobotGroup, "TERM,...",
              "Terms that the fit leaves out: floor, self-collision, contact, ..."),
       option("engine", options.engine, kRobotGroup, "",
@@ -195,10 +198,11 @@ OptionTable time_table(TimeOptions& options) {
 OptionTable save_table(SaveOptions& options) {
   return {
       option("format", options.formats, kOutputGroup, "FORMAT,...",
-             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go to files named after the output, each with its own extension",
+             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go "
+             "to files named after the output, each with its own extension",
              {.basic = true}),
       option("precision", options.precision, kOutputGroup, "N",
-             "CSV: digits after the decimal point, 0 to 17", {.least = 0.0, .most = 17.0}),
+             "CSV: digits after the decimal point, 0 to 17", {.min = 0.0, .max = 17.0}),
       option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: column separator"),
       option("csv-header", options.header, kOutputGroup, "",
              "CSV: header line with the column names"),
@@ -212,7 +216,7 @@ OptionTable save_table(SaveOptions& options) {
       option("normalize-start", options.normalize_start, kOutputGroup, "",
              "Move and turn the motion so that it starts at x = y = 0, facing +x"),
       option("npz-fps", options.npz_fps, kOutputGroup, "N", "NPZ: frames per second",
-             {.least = 1.0, .most = 1000.0}),
+             {.min = 1.0, .max = 1000.0}),
       option("npz-velocity", options.npz_velocity, kOutputGroup, "",
              "NPZ: linear velocities of the links' origins or of their centres of mass (default: "
              "link for npz-mjlab, mass for npz-beyondmimic, as in their simulators)"),

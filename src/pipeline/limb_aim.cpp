@@ -5,15 +5,15 @@
 namespace retarget {
 namespace {
 
-constexpr double kShortest = 1e-6;  // metres, and of a sine
-constexpr double kOwnShare = 0.1;   // of the upper bone's own axis; the sine of a bend of 6 degrees
+constexpr double kMinLength = 1e-6;  // metres, and of a sine
+constexpr double kOwnShare = 0.1;  // of the upper bone's own axis; the sine of a bend of 6 degrees
 
 // X along a direction, Z as near to a hinge as that allows
 std::optional<Eigen::Quaterniond> bone_along(const Eigen::Vector3d& along,
                                              const Eigen::Vector3d& hinge) {
   const Eigen::Vector3d y = hinge.cross(along);
   const double clear = y.norm();
-  if (!(clear > kShortest)) return std::nullopt;
+  if (!(clear > kMinLength)) return std::nullopt;
   Eigen::Matrix3d axes;
   axes.col(0) = along;
   axes.col(1) = y / clear;
@@ -27,7 +27,7 @@ std::optional<LimbAim> aim_limb(const Pose& upper, const Pose& lower, const Pose
   const Eigen::Vector3d first = lower.translation - upper.translation;
   const Eigen::Vector3d second = end.translation - lower.translation;
   const double first_length = first.norm(), second_length = second.norm();
-  if (!(first_length > kShortest && second_length > kShortest)) return std::nullopt;
+  if (!(first_length > kMinLength && second_length > kMinLength)) return std::nullopt;
   const Eigen::Vector3d u = first / first_length, f = second / second_length;
   const Eigen::Vector3d own = upper.rotation.normalized() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d plane = -u.cross(f);

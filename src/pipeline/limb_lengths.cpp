@@ -14,7 +14,7 @@ namespace {
 
 using enum LimbBone;
 
-// a limb of one side: the bones that it consists of, and what the mapping may use instead
+// a limb of one side: the bones that it consists of, and what the configuration may use instead
 struct MeasuredLimb {
   std::array<Bone, 3> bones, other;  // upper, lower, end
 };
@@ -32,8 +32,8 @@ MeasuredLimb arm_of(Side side) {
 
 class RobotMeasure {
  public:
-  RobotMeasure(const Robot& robot, const ResolvedMapping& tables)
-      : robot_(robot), tables_(tables), posed_(robot.tree(), robot.zero_configuration()) {}
+  RobotMeasure(const Robot& robot, const ResolvedConfig& config)
+      : robot_(robot), config_(config), posed_(robot.tree(), robot.zero_configuration()) {}
 
   Result<RobotLimbs> measure();
   Result<double> measure_leg();
@@ -62,7 +62,7 @@ class RobotMeasure {
   void find_ankle_height();
 
   const Robot& robot_;
-  const ResolvedMapping& tables_;
+  const ResolvedConfig& config_;
   TreeState posed_;
   RobotLimbs limbs_;
   std::vector<double> ankles_;  // heights
@@ -91,7 +91,7 @@ std::vector<int> path_to(const Robot& robot, int body) {
 
 // robots without wrists often have no hand that follows anything
 bool RobotMeasure::has_forearms() const {
-  return tables_.body_of(Bone::kLeftHand) >= 0 || tables_.body_of(Bone::kRightHand) >= 0;
+  return config_.body_of(Bone::kLeftHand) >= 0 || config_.body_of(Bone::kRightHand) >= 0;
 }
 
 std::string text_of(Bone bone) {
@@ -102,18 +102,18 @@ std::string text_of(Bone bone) {
 Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::size_t bones) const {
   std::array<int, 3> bodies{};
   for (std::size_t i = 0; i < bones; ++i) {
-    bodies[i] = tables_.body_of(limb.bones[i]);
-    if (bodies[i] < 0) bodies[i] = tables_.body_of(limb.other[i]);
+    bodies[i] = config_.body_of(limb.bones[i]);
+    if (bodies[i] < 0) bodies[i] = config_.body_of(limb.other[i]);
     if (bodies[i] < 0) {
       return config_failure(
-          tables_.file, "no body follows " + text_of(limb.other[i]) + ": limbs cannot be measured",
+          config_.file, "no body follows " + text_of(limb.other[i]) + ": limbs cannot be measured",
           kOtherScaleHint);
     }
   }
   Chain chain{path_to(robot_, bodies[bones - 1]), 0};
   const auto lower = std::ranges::find(chain.path, bodies[1]);
   if (lower == chain.path.end() || std::find(chain.path.begin(), lower, bodies[0]) == lower) {
-    return config_failure(tables_.file,
+    return config_failure(config_.file,
                           "the bodies of " + text_of(limb.bones[0]) + ", " +
                               text_of(limb.bones[1]) + " and " + text_of(limb.other[2]) +
                               " do not follow each other: limbs cannot be measured",
@@ -125,7 +125,7 @@ Result<RobotMeasure::Chain> RobotMeasure::chain(const MeasuredLimb& limb, std::s
 
 // where a bone's joint lies in the body that follows the bone
 void RobotMeasure::note(Bone bone, const Eigen::Vector3d& centre) {
-  const int body = tables_.body_of(bone);
+  const int body = config_.body_of(bone);
   if (body < 0) return;
   limbs_.body_from_joint[bone] = posed_.world_from_body(body).inverse() * centre;
 }
@@ -177,7 +177,7 @@ void RobotMeasure::find_ankle_height() {
 Result<double> RobotMeasure::measure_leg() {
   TRY_ASSIGN(const Pair legs, measure_pair({leg_of(Side::kLeft), leg_of(Side::kRight)}));
   if (!(legs.length > 0.0)) {
-    return config_failure(tables_.file, "a leg of the robot has no length", kOtherScaleHint);
+    return config_failure(config_.file, "a leg of the robot has no length", kOtherScaleHint);
   }
   return legs.length;
 }
@@ -196,7 +196,7 @@ Result<RobotLimbs> RobotMeasure::measure() {
   limbs_.lengths = {legs.length, arms.length, (arms.middle - legs.middle).norm()};
   const auto& [leg, arm, trunk] = limbs_.lengths;
   if (!(leg > 0.0 && arm > 0.0 && trunk > 0.0)) {
-    return config_failure(tables_.file, "a limb of the robot has no length", kOtherScaleHint);
+    return config_failure(config_.file, "a limb of the robot has no length", kOtherScaleHint);
   }
   return limbs_;
 }
@@ -231,12 +231,12 @@ LimbLengths human_limb_lengths(const HumanPose& world_from_bone, bool forearms) 
   return lengths;
 }
 
-Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedMapping& tables) {
-  return RobotMeasure(robot, tables).measure();
+Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config) {
+  return RobotMeasure(robot, config).measure();
 }
 
-Result<double> robot_leg_length(const Robot& robot, const ResolvedMapping& tables) {
-  return RobotMeasure(robot, tables).measure_leg();
+Result<double> robot_leg_length(const Robot& robot, const ResolvedConfig& config) {
+  return RobotMeasure(robot, config).measure_leg();
 }
 
 }  // namespace retarget

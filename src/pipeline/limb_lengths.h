@@ -6,7 +6,7 @@
 
 #include "base/option_name.h"
 #include "retarget/error.h"
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -18,7 +18,7 @@ struct LimbLengths {
   double trunk = 0.0;  ///< Middle of the hips to the middle of the shoulders.
 };
 
-/// A robot's limbs as its tree and a mapping tell them.
+/// A robot's limbs as its tree and a retargeting configuration tell them.
 struct RobotLimbs {
   LimbLengths lengths;
   bool forearms = true;  ///< False: nothing follows the hands, lengths.arm ends at the elbows.
@@ -56,14 +56,14 @@ inline constexpr std::array kMeasuredBones = {
 /// nearest to each other (least squares, drawn slightly towards the anchors where axes are
 /// parallel). Hips are the joints between the last body that both knees hang from and the knee;
 /// shoulders likewise; ankles and wrists those from there to the mapped foot and hand. Knees and
-/// elbows are the joints of the bodies that the mapping gives to `Leg` and `ForeArm`. Where neither hand
+/// elbows are the joints of the bodies that the configuration gives to `Leg` and `ForeArm`. Where neither hand
 /// has a body, arms are measured to the elbow.
 ///
-/// kConfig error: the mapping has no body for one of these, they do not follow each other, or a
+/// kConfig error: the configuration has no body for one of these, they do not follow each other, or a
 /// limb has no length.
-[[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedMapping& tables);
+[[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config);
 
 /// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.
-[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const ResolvedMapping& tables);
+[[nodiscard]] Result<double> robot_leg_length(const Robot& robot, const ResolvedConfig& config);
 
 }  // namespace retarget

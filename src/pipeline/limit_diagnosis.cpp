@@ -31,7 +31,7 @@ bool is_at(const LimitSet& limits, std::size_t joint, bool upper, double q) {
 }
 
 std::vector<Candidate> find_candidates(const RobotClip& clip, const LimitSet& limits,
-                                       double least_share) {
+                                       double min_share) {
   std::vector<Candidate> candidates;
   const auto& joints = clip.robot().joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -42,7 +42,7 @@ std::vector<Candidate> find_candidates(const RobotClip& clip, const LimitSet& li
         frames += is_at(limits, j, upper, clip.qpos(frame)[joints[j].qpos_address]) ? 1 : 0;
       }
       const double share = static_cast<double>(frames) / std::max(1, clip.frame_count());
-      if (frames == 0 || share < least_share) continue;
+      if (frames == 0 || share < min_share) continue;
       Candidate candidate;
       candidate.found.joint = static_cast<int>(j);
       candidate.found.at_upper = upper;
@@ -158,14 +158,14 @@ void find_passes(const std::vector<PushSum>& sums, std::vector<Candidate>& candi
 
 }  // namespace
 
-std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const ResolvedMapping& tables,
+std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const ResolvedConfig& config,
                                            const TargetBuilder& targets,
                                            const HumanPoseSource& poses, const LimitSet& limits,
-                                           double least_share) {
-  std::vector<Candidate> candidates = find_candidates(clip, limits, least_share);
+                                           double min_share) {
+  std::vector<Candidate> candidates = find_candidates(clip, limits, min_share);
   if (candidates.empty()) return {};
   const Robot& robot = clip.robot();
-  const auto problem = make_problem(clip.shared_robot(), tables, targets, limits);
+  const auto problem = make_problem(clip.shared_robot(), config, targets, limits);
   std::vector<PushSum> sums;
   for (const IkPass& pass : problem->passes) sums.emplace_back(robot, pass);
   find_passes(sums, candidates);
@@ -198,17 +198,17 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
 }
 
 std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
-                                           const HumanMapping& mapping,
-                                           const ResolvedMapping& tables, HeightScale scale,
+                                           const Calibration& calibration,
+                                           const ResolvedConfig& config, HeightScale scale,
                                            TrunkRule trunk, const LimitSet& limits,
-                                           double least_share) {
-  HumanPoser poser(clip, mapping);
+                                           double min_share) {
+  HumanPoser poser(clip, calibration);
   const HumanPoseSource poses = poses_of(poser);
   const auto targets =
-      make_targets(poser.info(), poses, robot_clip.robot(), tables, scale, trunk, &limits);
+      make_targets(poser.info(), poses, robot_clip.robot(), config, scale, trunk, &limits);
   // the clip was solved with these targets: they can be made
   if (!targets) return {};
-  return joints_at_limits(robot_clip, tables, *targets, poses, limits, least_share);
+  return joints_at_limits(robot_clip, config, *targets, poses, limits, min_share);
 }
 
 }  // namespace retarget

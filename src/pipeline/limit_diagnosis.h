@@ -7,8 +7,8 @@
 
 #include "human/human_clip.h"
 #include "pipeline/targets.h"
-#include "retarget/ik_config.h"
 #include "retarget/motion.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -38,8 +38,8 @@ struct JointAtLimit {
 /// A joint this near to a limit (rad or m) was stopped by it.
 inline constexpr double kDiagnosedAtLimit = 1e-6;
 
-/// The joints at a limit in at least `least_share` of the frames, most frames first, each with the
-/// task that pushes most against that limit, of the mapping's last pass or, where that moves the
+/// The joints at a limit in at least `min_share` of the frames, most frames first, each with the
+/// task that pushes most against that limit, of the configuration's last pass or, where that moves the
 /// joint not at all, of the one before. Joints that no task moves and joints whose range is one
 /// value, which are held, are left out.
 ///
@@ -49,14 +49,18 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
 /// @param targets  made from these tables.
 /// @param poses    called for frames at a limit alone, in ascending order.
 /// @param limits   the ones that the clip was solved under.
-[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
-    const RobotClip& clip, const ResolvedMapping& tables, const TargetBuilder& targets,
-    const HumanPoseSource& poses, const LimitSet& limits, double least_share);
+[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip,
+                                                         const ResolvedConfig& config,
+                                                         const TargetBuilder& targets,
+                                                         const HumanPoseSource& poses,
+                                                         const LimitSet& limits, double min_share);
 
-/// The same for a clip that was solved from a clip under a mapping.
-[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(
-    const RobotClip& robot_clip, const Clip& clip, const HumanMapping& mapping,
-    const ResolvedMapping& tables, HeightScale scale, TrunkRule trunk, const LimitSet& limits,
-    double least_share);
+/// The same for a clip that was solved from a clip under a retargeting configuration.
+[[nodiscard]] std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip,
+                                                         const Clip& clip,
+                                                         const Calibration& calibration,
+                                                         const ResolvedConfig& config,
+                                                         HeightScale scale, TrunkRule trunk,
+                                                         const LimitSet& limits, double min_share);
 
 }  // namespace retarget

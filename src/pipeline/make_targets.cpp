@@ -15,17 +15,18 @@ namespace {
 
 // names the mapped bones that the source lacks, and what it has instead
 Result<void> check_bones(const HumanClipInfo& human, const TargetBuilder& targets,
-                         const std::string& mapping) {
+                         const std::string& config) {
   std::vector<std::string> missing;
   for (const Bone bone : targets.bones()) {
     if (!human.has(bone)) missing.emplace_back(bone_name(bone));
   }
   if (missing.empty()) return {};
-  return input_failure({},
-                       fmt::format("the skeleton has no joint for the bone{} {}, which the mapping "
-                                   "{} uses",
-                                   missing.size() == 1 ? "" : "s", list_names(missing), mapping),
-                       "the file has " + list_names(human.source_joints));
+  return input_failure(
+      {},
+      fmt::format("the skeleton has no joint for the bone{} {}, which the configuration "
+                  "{} uses",
+                  missing.size() == 1 ? "" : "s", list_names(missing), config),
+      "the file has " + list_names(human.source_joints));
 }
 
 Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSource& poses,
@@ -44,10 +45,10 @@ Result<LimbLengths> measured_human(const HumanClipInfo& human, const HumanPoseSo
 }
 
 std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                       const Robot& robot, const ResolvedMapping& tables,
+                                       const Robot& robot, const ResolvedConfig& config,
                                        const RobotLimbs& limbs, const LimitSet& limits) {
-  auto trunk = robot_trunk(robot, tables, limbs, limits);
-  const MappedTask* const hips = tables.find_task(Bone::kHips);
+  auto trunk = robot_trunk(robot, config, limbs, limits);
+  const ConfigTask* const hips = config.find_task(Bone::kHips);
   if (!trunk || hips == nullptr) return std::nullopt;
   return TrunkAim(std::move(*trunk), standing_trunk_lines(human, poses), hips->rotation_offset);
 }
@@ -55,17 +56,17 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
 }  // namespace
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
-                                   const Robot& robot, const ResolvedMapping& tables,
+                                   const Robot& robot, const ResolvedConfig& config,
                                    HeightScale scale, TrunkRule trunk, const LimitSet* limits) {
   const double height = scale == HeightScale::kPublished ? human.height : human.size;
-  TargetBuilder targets(tables, height, scale);
-  TRY(check_bones(human, targets, tables.file));
+  TargetBuilder targets(config, height, scale);
+  TRY(check_bones(human, targets, config.file));
   if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
-  TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, tables));
+  TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
   TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));
-  return TargetBuilder(tables, limbs, body,
+  return TargetBuilder(config, limbs, body,
                        trunk == TrunkRule::kLines
-                           ? make_trunk_aim(human, poses, robot, tables, limbs,
+                           ? make_trunk_aim(human, poses, robot, config, limbs,
                                             limits == nullptr ? robot.model_limits() : *limits)
                            : std::nullopt);
 }

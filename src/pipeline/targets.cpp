@@ -24,17 +24,17 @@ bool is_of_leg(std::optional<LimbBone> part) {
 
 }  // namespace
 
-TargetBuilder::TargetBuilder(const ResolvedMapping& tables, double height, HeightScale scale) {
+TargetBuilder::TargetBuilder(const ResolvedConfig& config, double height, HeightScale scale) {
   constexpr double kPublishedHeight = 1.75;
   const double ratio =
       scale == HeightScale::kPublished
-          ? height / tables.human_height_assumption
-          : kPublishedHeight / tables.human_height_assumption * (kPublishedHeight / height);
-  add_rules(tables);
-  for (Rule& rule : rules_) rule.scale = tables.scales[rule.bone] * ratio;
+          ? height / config.human_height_assumption
+          : kPublishedHeight / config.human_height_assumption * (kPublishedHeight / height);
+  add_rules(config);
+  for (Rule& rule : rules_) rule.scale = config.scales[rule.bone] * ratio;
 }
 
-TargetBuilder::TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& robot,
+TargetBuilder::TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot,
                              const LimbLengths& human, std::optional<TrunkAim> trunk)
     : by_limbs_(true),
       leg_scale_(robot.lengths.leg / human.leg),
@@ -43,8 +43,8 @@ TargetBuilder::TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& ro
   constexpr double kAnkleHeightPerLeg = 0.039 / 0.491;
   const double human_ankle = kAnkleHeightPerLeg * human.leg * leg_scale_;
   lift_ = robot.ankle_height.value_or(human_ankle) - human_ankle;
-  add_rules(tables);
-  const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
+  add_rules(config);
+  const Eigen::Vector3d ground(0.0, 0.0, config.ground_height);
   for (Rule& rule : rules_) {
     // the table's position offsets make up for its scales, which are not used here
     rule.position_offset = -ground - robot.body_from_joint[rule.bone];
@@ -59,7 +59,7 @@ TargetBuilder::TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& ro
     }
   }
   if (!trunk_) return;
-  const MappedTask* const torso = torso_task(tables);
+  const ConfigTask* const torso = torso_task(config);
   find_parts(torso == nullptr ? std::nullopt : std::optional(torso->bone));
 }
 
@@ -96,8 +96,8 @@ Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule, const HumanPose&
   return (world_from_bone[rule.bone].rotation.normalized() * rule.bone_from_target).normalized();
 }
 
-void TargetBuilder::add_rules(const ResolvedMapping& tables) {
-  const Eigen::Vector3d ground(0.0, 0.0, tables.ground_height);
+void TargetBuilder::add_rules(const ResolvedConfig& config) {
+  const Eigen::Vector3d ground(0.0, 0.0, config.ground_height);
   const auto add = [&](Bone bone) {
     if (target_of(bone) >= 0) return;
     Rule rule{.bone = bone,
@@ -105,16 +105,16 @@ void TargetBuilder::add_rules(const ResolvedMapping& tables) {
               .position_offset = -ground,
               .bone_from_target = Eigen::Quaterniond::Identity()};
     // table 1 first, in use or not
-    if (const MappedTask* task = tables.find_task(bone); task != nullptr && task->has_weight()) {
+    if (const ConfigTask* task = config.find_task(bone); task != nullptr && task->has_weight()) {
       rule.position_offset += task->position_offset;
       rule.bone_from_target = task->rotation_offset;
     }
     rules_.push_back(rule);
   };
-  add(tables.root_bone);
-  for (const auto& [used, tasks] : tables.tables) {
+  add(config.root_bone);
+  for (const auto& [used, tasks] : config.match_tables) {
     if (!used) continue;
-    for (const MappedTask& task : tasks) {
+    for (const ConfigTask& task : tasks) {
       if (task.has_weight()) add(task.bone);
     }
   }
@@ -170,14 +170,14 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
 }
 
 std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
-                                              const ResolvedMapping& tables,
+                                              const ResolvedConfig& config,
                                               const TargetBuilder& targets,
                                               const LimitSet& limits) {
   auto problem = std::make_shared<IkProblem>();
-  for (const auto& [used, tasks] : tables.tables) {
+  for (const auto& [used, tasks] : config.match_tables) {
     if (!used) continue;
     IkPass pass;
-    for (const MappedTask& task : tasks) {
+    for (const ConfigTask& task : tasks) {
       if (!task.has_weight()) continue;
       pass.push_back(
           {task.body, targets.target_of(task.bone), task.position_weight, task.rotation_weight});

@@ -12,13 +12,13 @@
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_aim.h"
 #include "pipeline/trunk_lines.h"
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 
 namespace retarget {
 
 /// Where the robot's bodies should be: human bones, scaled about the root and offset.
 ///
-/// With the bones of a frame (world poses, metres, Z up) and s_b the scale of a bone in the mapping
+/// With the bones of a frame (world poses, metres, Z up) and s_b the scale of a bone in the configuration
 /// times height / human_height_assumption (kNormalised: 1.75 m / human_height_assumption times
 /// 1.75 m / height):
 ///   root:    p' = s_root p              (about the origin of the world)
@@ -41,11 +41,11 @@ namespace retarget {
 class TargetBuilder {
  public:
   /// @param height  of the human body, metres.
-  TargetBuilder(const ResolvedMapping& tables, double height,
+  TargetBuilder(const ResolvedConfig& config, double height,
                 HeightScale scale = HeightScale::kPublished);
   /// Limb by limb.
   /// @param trunk  how pelvis and torso turn; without: as the bones that they follow.
-  TargetBuilder(const ResolvedMapping& tables, const RobotLimbs& robot, const LimbLengths& human,
+  TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot, const LimbLengths& human,
                 std::optional<TrunkAim> trunk = std::nullopt);
 
   [[nodiscard]] int target_count() const { return static_cast<int>(rules_.size()); }
@@ -70,7 +70,7 @@ class TargetBuilder {
     Eigen::Vector3d position_offset;  // in the target's frame, ground taken off
     Eigen::Quaterniond bone_from_target;
   };
-  void add_rules(const ResolvedMapping& tables);
+  void add_rules(const ResolvedConfig& config);
 
   void find_parts(std::optional<Bone> torso);
   [[nodiscard]] Eigen::Quaterniond rotation_of(const Rule& rule, const HumanPose& world_from_bone,
@@ -94,14 +94,14 @@ class TargetBuilder {
 /// @param limits  how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses, const Robot& robot,
-                                                 const ResolvedMapping& tables, HeightScale scale,
+                                                 const ResolvedConfig& config, HeightScale scale,
                                                  TrunkRule trunk = TrunkRule::kBones,
                                                  const LimitSet* limits = nullptr);
 
-/// The problem that a mapping poses on a robot: one task per row with a weight, in file order;
+/// The problem that a retargeting configuration poses on a robot: one task per row with a weight, in file order;
 /// tables that are not used are left out.
 [[nodiscard]] std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
-                                                            const ResolvedMapping& tables,
+                                                            const ResolvedConfig& config,
                                                             const TargetBuilder& targets,
                                                             const LimitSet& limits);
 

@@ -21,10 +21,10 @@ namespace {
 constexpr double kAcrossWeight = 0.5;  // of residuals; the chord's is 1
 constexpr double kPelvisWeight = 0.2;
 constexpr double kSpare = 0.05;  // of a joint's range, kept free on either side
-constexpr std::size_t kMostJoints = 6;
+constexpr std::size_t kMaxJoints = 6;
 
 using Waist = RobotTrunk::Waist;
-constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMostJoints);
+constexpr Eigen::Index kSize = 3 + static_cast<Eigen::Index>(kMaxJoints);
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSize, 1>;
 
@@ -69,9 +69,9 @@ class Search {
   Eigen::Vector3d wanted_chord_, wanted_across_;
   Eigen::Quaterniond hips_, pelvis_;
   Eigen::Quaterniond waist_ = Eigen::Quaterniond::Identity();  // pelvis from torso
-  std::array<double, kMostJoints> positions_{};
-  Eigen::Vector3d chord_, across_;                                 // world
-  std::array<Eigen::Vector3d, kMostJoints> axes_, chord_changes_;  // world, by joint
+  std::array<double, kMaxJoints> positions_{};
+  Eigen::Vector3d chord_, across_;                                // world
+  std::array<Eigen::Vector3d, kMaxJoints> axes_, chord_changes_;  // world, by joint
   Matrix normal_;
   Vector right_;
 };
@@ -80,8 +80,8 @@ void Search::update() {
   const std::size_t count = robot_.waist.size();
   // from the torso's end: what a joint turns is all that comes behind it
   Eigen::Vector3d chord = robot_.lines.chord;
-  std::array<Eigen::Vector3d, kMostJoints> levers;
-  std::array<Eigen::Quaterniond, kMostJoints> turns;
+  std::array<Eigen::Vector3d, kMaxJoints> levers;
+  std::array<Eigen::Quaterniond, kMaxJoints> turns;
   waist_ = Eigen::Quaterniond::Identity();
   for (std::size_t i = count; i-- > 0;) {
     const Waist& joint = robot_.waist[i];
@@ -136,7 +136,7 @@ double Search::take_step() {
   // Joints that the step would take out of their ranges are held, one after the other. None is let go
   // in the same step, as ActiveSet does: the next step begins with all of them free, so what is left at
   // the end is no different, and a few numbers of fixed size need no memory for each frame.
-  std::array<bool, kMostJoints> held{};
+  std::array<bool, kMaxJoints> held{};
   Vector step(size);
   constexpr double kDamping = 1e-9;
   normal_.diagonal().array() += kDamping;
@@ -191,20 +191,20 @@ void add_waist(const Robot& robot, const LimitSet& limits, const TreeState& pose
 
 }  // namespace
 
-const MappedTask* torso_task(const ResolvedMapping& tables) {
+const ConfigTask* torso_task(const ResolvedConfig& config) {
   for (const Bone bone : {Bone::kSpine2, Bone::kSpine1, Bone::kSpine}) {
-    const MappedTask* const task = tables.find_task(bone);
+    const ConfigTask* const task = config.find_task(bone);
     if (task != nullptr && task->has_weight()) return task;
   }
   return nullptr;
 }
 
-std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedMapping& tables,
+std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedConfig& config,
                                       const RobotLimbs& limbs, const LimitSet& limits) {
-  const int pelvis = tables.body_of(Bone::kHips);
+  const int pelvis = config.body_of(Bone::kHips);
   if (pelvis < 0) return std::nullopt;
   // without a torso of its own, pelvis and torso are one
-  const MappedTask* const spine = torso_task(tables);
+  const ConfigTask* const spine = torso_task(config);
   const int torso = spine == nullptr || spine->body < 0 ? pelvis : spine->body;
   const TreeState posed(robot.tree(), robot.zero_configuration());
   RobotTrunk trunk;
@@ -224,14 +224,14 @@ std::optional<RobotTrunk> robot_trunk(const Robot& robot, const ResolvedMapping&
   const std::vector<int> down(parting.in2, to_torso.end());
   add_waist(robot, limits, posed, limbs.hip_centre, up, -1.0, trunk.waist);
   add_waist(robot, limits, posed, limbs.hip_centre, down, 1.0, trunk.waist);
-  if (trunk.waist.size() > kMostJoints) return std::nullopt;
+  if (trunk.waist.size() > kMaxJoints) return std::nullopt;
   return trunk;
 }
 
 TrunkAim::TrunkAim(RobotTrunk robot, const TrunkLines& standing,
                    const Eigen::Quaterniond& hips_to_pelvis)
     : robot_(std::move(robot)) {
-  // the robot's zero configuration, turned to where the mapping has it in the T-pose
+  // the robot's zero configuration, turned to where the configuration has it in the T-pose
   const Eigen::Quaterniond t_pose(canonical_t_pose(Bone::kHips));
   const Eigen::Quaterniond turn =
       (t_pose * hips_to_pelvis * robot_.world_from_pelvis.conjugate()).normalized();

@@ -7,8 +7,8 @@
 
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_lines.h"
-#include "retarget/ik_config.h"
 #include "retarget/pose.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -30,12 +30,12 @@ struct RobotTrunk {
 };
 
 /// The task of the torso: of Spine2, else Spine1, else Spine; null: none.
-[[nodiscard]] const MappedTask* torso_task(const ResolvedMapping& tables);
+[[nodiscard]] const ConfigTask* torso_task(const ResolvedConfig& config);
 
-/// Nothing for a robot whose mapping has no body for Hips.
+/// Nothing for a robot whose configuration has no body for Hips.
 /// @param limits  of the run: how far the waist turns.
 [[nodiscard]] std::optional<RobotTrunk> robot_trunk(const Robot& robot,
-                                                    const ResolvedMapping& tables,
+                                                    const ResolvedConfig& config,
                                                     const RobotLimbs& limbs,
                                                     const LimitSet& limits);
 
@@ -54,7 +54,7 @@ struct RobotTrunk {
 class TrunkAim {
  public:
   /// @param standing        lines of the human who stands straight.
-  /// @param hips_to_pelvis  rotation of the pelvis in the Hips bone's axes: the mapping's offset.
+  /// @param hips_to_pelvis  rotation of the pelvis in the Hips bone's axes: the configuration's offset.
   TrunkAim(RobotTrunk robot, const TrunkLines& standing, const Eigen::Quaterniond& hips_to_pelvis);
 
   struct Aimed {

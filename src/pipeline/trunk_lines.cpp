@@ -12,7 +12,7 @@
 namespace retarget {
 namespace {
 
-constexpr double kShortestLine = 1e-6;  // metres, and of a sine
+constexpr double kMinLineLength = 1e-6;  // metres, and of a sine
 constexpr double kDegree = 0.017453292519943295;
 // bend of the spine from which on, and at which, a clip's spine is bent as people's are
 constexpr double kStraightSpine = 3.0 * kDegree;
@@ -107,11 +107,11 @@ TrunkLines trunk_lines(const HumanPose& world_from_bone) {
 
 std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
   const double length = lines.chord.norm();
-  if (!(length > kShortestLine)) return std::nullopt;
+  if (!(length > kMinLineLength)) return std::nullopt;
   const Eigen::Vector3d up = lines.chord / length;
   const Eigen::Vector3d forward = lines.across.cross(up);
   const double clear = forward.norm();
-  if (!(clear > kShortestLine)) return std::nullopt;
+  if (!(clear > kMinLineLength)) return std::nullopt;
   Eigen::Matrix3d frame;
   frame.col(0) = forward / clear;
   frame.col(1) = up.cross(frame.col(0));
@@ -120,8 +120,8 @@ std::optional<Eigen::Matrix3d> trunk_frame(const TrunkLines& lines) {
 }
 
 TrunkLines standing_trunk_lines(const HumanClipInfo& human, const HumanPoseSource& poses) {
-  constexpr int kMostFrames = 100;
-  const int step = std::max(1, (human.frame_count + kMostFrames - 1) / kMostFrames);
+  constexpr int kMaxFrames = 100;
+  const int step = std::max(1, (human.frame_count + kMaxFrames - 1) / kMaxFrames);
   const TrunkChain chain(human);
   HumanPose bones;
   TrunkLines sum;

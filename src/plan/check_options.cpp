@@ -47,10 +47,10 @@ Result<void> check_robot_choice(const RobotChoice& robot) {
   return {};
 }
 
-Result<void> check_mapping_choice(const RobotChoice& robot, const SolveOptions& options) {
+Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& options) {
   if (robot.model.empty() || !options.ik_config.empty()) return {};
   return usage_failure(
-      OPTION("robot-xml") " comes without a mapping",
+      OPTION("robot-xml") " comes without a retargeting configuration",
       "add " OPTION("ik-config") " FILE, or make a robot of the model: retarget robots add NAME " OPTION("model") " FILE");
 }
 
@@ -74,7 +74,7 @@ Result<void> check_options(const Options& options) {
   TRY(check_solving_options(options));
   TRY(check_human_options(options.human));
   for (const std::string* file : {&options.human.map, &options.human.tpose_file}) {
-    if (!file->empty()) TRY(read_file(*file, ErrorKind::kConfig, kMostTextBytes));
+    if (!file->empty()) TRY(read_file(*file, ErrorKind::kConfig, kMaxTextBytes));
   }
   const std::string& body = options.source.smpl_model;
   if (!body.empty()) TRY(check_readable(body, ErrorKind::kConfig));

@@ -15,10 +15,10 @@ namespace retarget {
 /// Options of method and time that contradict each other (kUsage).
 [[nodiscard]] Result<void> check_solving_options(const Options& options);
 
-/// One robot, by its name or its model, and a model with a mapping (kUsage).
+/// One robot, by its name or its model, and a model with a retargeting configuration (kUsage).
 [[nodiscard]] Result<void> check_robot_choice(const RobotChoice& robot);
-[[nodiscard]] Result<void> check_mapping_choice(const RobotChoice& robot,
-                                                const SolveOptions& options);
+[[nodiscard]] Result<void> check_config_choice(const RobotChoice& robot,
+                                               const SolveOptions& options);
 
 /// The options of a fit: those given, over them their file, the window, terms that are left out, and
 /// as many digits as are written. Errors: of the file (kConfig), unknown terms (kUsage).

@@ -3,8 +3,8 @@
 
 #include "base/try.h"
 #include "human/human_clip.h"
+#include "plan/config_files.h"
 #include "plan/gates.h"
-#include "plan/mapping_files.h"
 #include "quality/measure.h"
 #include "retarget/motion_io.h"
 #include "retarget/solve.h"
@@ -27,11 +27,11 @@ Result<QualityReport> evaluate(const Motion& motion) {
   RobotClip moved = motion.clip;
   if (plan.options.save.normalize_start) normalize_start(moved);
   TRY_ASSIGN(const RobotClip printed, printed_clip(moved, plan.options.save.precision));
-  const HumanClip human = to_human(*motion.source, plan.human.calibration.mapping);
-  const QualitySource source{&human, &plan.mapping, plan.scale};
+  const HumanClip human = to_human(*motion.source, plan.human.calibration);
+  const QualitySource source{&human, &plan.config, plan.scale};
   QualityReport report = measure_quality(printed, plan.limits, &source);
   report.source = fs::path(motion.source->name()).filename().string();
-  report.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
+  report.config = recorded_name(plan.config.file, plan.robot.data_folder);
   report.fit = motion.fit;
   if (motion.fit) report.contacts = motion.contacts;
   gates.judge(report);

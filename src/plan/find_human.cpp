@@ -39,7 +39,7 @@ Result<CalibrationOptions> calibration_options(const HumanOptions& options, cons
 Result<BoneMap> find_bones(const Clip& clip, const HumanOptions& options,
                            const std::string& data_folder) {
   if (!options.map.empty()) return read_bone_map(options.map, clip.skeleton());
-  TRY_ASSIGN(const auto known, load_dialects(data_folder + "/configs/skeletons"));
+  TRY_ASSIGN(const auto known, load_skeleton_profiles(data_folder + "/configs/skeletons"));
   RecogniseOptions recognise;
   recognise.partial = options.partial;
   return recognise_skeleton(clip, known, recognise);
@@ -53,22 +53,21 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
   const auto doubt = let_directions_win(clip, map);
   TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
-  auto& doubts = calibration.mapping.doubts;
+  auto& doubts = calibration.doubts;
   if (doubt) doubts.insert(doubts.begin(), *doubt);
   return HumanInClip{std::move(map), std::move(calibration)};
 }
 
 std::vector<Bone> HumanInClip::missing_bones() const {
   std::vector<Bone> missing(kAllBones.begin(), kAllBones.end());
-  std::erase_if(missing,
-                [this](Bone bone) { return calibration.mapping.bones[bone].position_joint >= 0; });
+  std::erase_if(missing, [this](Bone bone) { return calibration.bones[bone].position_joint >= 0; });
   return missing;
 }
 
 bool HumanInClip::is_lafan1() const {
-  const std::string& dialect = calibration.mapping.dialect;
+  const std::string& profile = calibration.profile;
   // joints like LAFAN1's of a body that is not as tall are not its
-  return (dialect == "lafan1" || dialect == "lafan1_resolved") &&
+  return (profile == "lafan1" || profile == "lafan1_resolved") &&
          calibration.rest_pose != "lafan1 axes";
 }
 

@@ -26,7 +26,7 @@ Result<Clip> load_bvh_clip(std::string_view bytes, const std::string& name,
   read.motion_optional = skeleton_only;
   read.root = options.root;
   read.source_fps = given_rate(options);
-  read.most_clip_bytes = memory_share(options.memory_gb);
+  read.max_clip_bytes = memory_share(options.memory_gb);
   TRY_ASSIGN(BvhFile file, read_bvh(bytes, name, read));
   file.clip.set_origin({name, bytes.size(), std::nullopt, std::move(file.warnings)});
   return std::move(file.clip);
@@ -36,7 +36,7 @@ Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
                             const SourceOptions& options) {
   SmplReadOptions read;
   read.source_fps = given_rate(options);
-  read.most_clip_bytes = memory_share(options.memory_gb);
+  read.max_clip_bytes = memory_share(options.memory_gb);
   std::optional<SmplBody> body;
   if (!options.smpl_model.empty()) {
     TRY_ASSIGN(body, load_smpl_body(options.smpl_model));

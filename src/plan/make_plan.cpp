@@ -40,8 +40,8 @@ Result<FrameRange> chosen_part(const Clip& clip, const PartOptions& part) {
 }
 
 // How the body's size scales the motion: as the options say, else as is best for the clip.
-HeightScale choose_scale(const HumanInClip& human, const Robot& robot,
-                         const ResolvedMapping& mapping, const Options& options) {
+HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
+                         const Options& options) {
   const SolveOptions& solve = options.solve;
   if (solve.scale == ScaleRule::kTable) return HeightScale::kPublished;
   if (solve.scale == ScaleRule::kHeight) return HeightScale::kNormalised;
@@ -50,11 +50,10 @@ HeightScale choose_scale(const HumanInClip& human, const Robot& robot,
   const bool as_published =
       solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");
   if (as_published && human.is_lafan1()) return HeightScale::kPublished;
-  const bool measurable = std::ranges::all_of(kMeasuredBones, [&](Bone bone) {
-    return human.calibration.mapping.bones[bone].position_joint >= 0;
-  });
+  const bool measurable = std::ranges::all_of(
+      kMeasuredBones, [&](Bone bone) { return human.calibration.bones[bone].position_joint >= 0; });
   if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
-  const auto limbs = robot_limbs(robot, mapping);
+  const auto limbs = robot_limbs(robot, config);
   // robots whose arms end at the elbow: a fit measures them as far as they go
   const bool by_limbs = limbs && (limbs->forearms || solve.method != Method::kGmr);
   return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
@@ -65,10 +64,10 @@ Result<void> leave_out_missing(Plan& plan) {
   const std::vector<Bone> missing = plan.human.missing_bones();
   std::vector<std::string> names;
   for (const Bone bone : missing) names.emplace_back(bone_name(bone));
-  TRY_ASSIGN(const int dropped, leave_out_bones(plan.mapping, missing));
+  TRY_ASSIGN(const int dropped, leave_out_bones(plan.config, missing));
   if (dropped == 0) return {};
-  plan.mapping_notes.push_back(
-      {"partial", fmt::format("{} of the mapping left out, as there is no {}",
+  plan.config_notes.push_back(
+      {"partial", fmt::format("{} of the configuration left out, as there is no {}",
                               count_text(dropped, "row"), list_names(names))});
   return {};
 }
@@ -80,9 +79,10 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
     plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
     const bool one = plan.lead_in_frames == 1;
     plan.clip_notes.push_back(
-        {"lead-in", fmt::format("{} at the start left out, as the motion jumps away from there; " OPTION(
-                                    "lead-in") " keep takes {}",
-                                count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
+        {"lead-in",
+         fmt::format("{} at the start left out, as the motion jumps away from there; " OPTION(
+                         "lead-in") " keep takes {}",
+                     count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
   }
   const auto& fps = options.time.fps;
   plan.rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
@@ -109,12 +109,12 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.fit = robot.fit;
   // rest pose, unit and axes are looked for in the whole clip, whatever part is taken
   TRY_ASSIGN(plan.human, find_human(clip, options.human, robot.loaded.data_folder));
-  const ResolvedMapping& mapping = robot.mapping_for(plan.human);
-  plan.mapping = mapping;
-  plan.is_mapping_of_others = &mapping != &robot.mapping;
+  const ResolvedConfig& config = robot.config_for(plan.human);
+  plan.config = config;
+  plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
-  plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.mapping, options);
+  plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));
   TRY(check_need({plan.frame_count(), plan.rate, bytes, plan.clip->name()},
@@ -128,18 +128,18 @@ Result<Plan> make_plan(Clip clip, const LoadedRobot& robot, const Options& optio
 }
 
 std::vector<SummaryLine> HumanInClip::lines() const {
-  std::vector<SummaryLine> lines = {{"taken as", calibration.mapping.description}};
+  std::vector<SummaryLine> lines = {{"taken as", calibration.description}};
   for (const std::string& note : map.notes) lines.push_back({"", note});
   return lines;
 }
 
 std::vector<SummaryLine> Plan::robot_lines() const {
-  std::vector<SummaryLine> lines = mapping_notes;
-  lines.push_back({"robot", fmt::format("{}, {}, limits {}, mapping {}", robot.robot->name(),
+  std::vector<SummaryLine> lines = config_notes;
+  lines.push_back({"robot", fmt::format("{}, {}, limits {}, configuration {}", robot.robot->name(),
                                         count_text(robot.robot->output_joints().size(), "joint"),
-                                        limits.name, mapping.file)});
-  if (is_mapping_of_others) {
-    lines.push_back({"", "the derived mapping, as the source is not LAFAN1; " OPTION(
+                                        limits.name, config.file)});
+  if (is_config_of_others) {
+    lines.push_back({"", "the derived configuration, as the source is not LAFAN1; " OPTION(
                              "ik-config") " published takes the published one"});
   }
   return lines;

@@ -18,14 +18,14 @@ constexpr std::uint64_t kShares = 4;
 // A frame of the output needs about so many bytes until the motion is written and measured. A few
 // bytes of text must not stand for much more: no motion has fewer than a fortieth of this a frame.
 constexpr std::uint64_t kBytesOfFrame = 5000;
-constexpr std::uint64_t kMostOfFile = 200;
+constexpr std::uint64_t kMaxOfFile = 200;
 // of one that is read and written again; and what a pickle of it takes besides
 constexpr std::uint64_t kBytesOfReadFrame = 1250;
 constexpr std::uint64_t kBytesOfPickledFrame = 2250;
 constexpr std::uint64_t kFreeBytes = 256'000'000;
 // tracking files have all bodies' poses and velocities, at a rate of their own
 constexpr std::uint64_t kBytesOfTrackingFrame = 8500;
-constexpr std::uint64_t kMostOfTrackedFile = 1200;
+constexpr std::uint64_t kMaxOfTrackedFile = 1200;
 
 // whether a file of one of two formats is asked for
 bool makes(const SaveOptions& save, MotionFormat one, MotionFormat other) {
@@ -50,32 +50,31 @@ Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOpti
   const bool pickled = makes(save, MotionFormat::kPklGmr, MotionFormat::kPklPbhc);
   std::uint64_t needed =
       static_cast<std::uint64_t>(need.frames) * (made + (pickled ? kBytesOfPickledFrame : 0));
-  std::uint64_t of_file = kMostOfFile * need.file_bytes;
+  std::uint64_t of_file = kMaxOfFile * need.file_bytes;
   if (makes(save, MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic)) {
     const auto count = static_cast<int>(std::min<std::int64_t>(need.frames, 1 << 30));
     const std::int64_t samples = resampled_frame_count(count, need.rate, {save.npz_fps, 1});
     needed += static_cast<std::uint64_t>(samples) * kBytesOfTrackingFrame;
-    of_file = kMostOfTrackedFile * need.file_bytes;
+    of_file = kMaxOfTrackedFile * need.file_bytes;
   }
   const std::uint64_t by_file = std::max(kFreeBytes, of_file);
   const std::uint64_t given = memory_bound(memory_gb);
-  const std::uint64_t most = given == 0 ? by_file : std::min(given, by_file);
-  if (needed <= most) return {};
+  const std::uint64_t max = given == 0 ? by_file : std::min(given, by_file);
+  if (needed <= max) return {};
   const auto megabytes = [](std::uint64_t bytes) {
     return number_text(static_cast<double>(bytes) / 1e6, 1) + " MB";
   };
   std::string hint =
-      most == given
-          ? OPTION("memory") " allows more"
-          : "is the source's frame rate correct? " OPTION("source-fps") " overrides it";
+      max == given ? OPTION("memory") " allows more"
+                   : "is the source's frame rate correct? " OPTION("source-fps") " overrides it";
   if (need.is_solved) {
-    hint += most == given ? "; or take parts of it with " OPTION("frames")
-                          : "; " OPTION("frames") " takes a part";
+    hint += max == given ? "; or take parts of it with " OPTION("frames")
+                         : "; " OPTION("frames") " takes a part";
   }
   return input_failure(need.file,
                        std::to_string(need.frames) + " frames of output need about " +
-                           megabytes(needed) + " of memory, at most " + megabytes(most) +
-                           " are taken" + (most == given ? "" : " for a file of this size"),
+                           megabytes(needed) + " of memory, at most " + megabytes(max) +
+                           " are taken" + (max == given ? "" : " for a file of this size"),
                        std::move(hint));
 }
 

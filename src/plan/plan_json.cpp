@@ -41,7 +41,7 @@ Json bones_json(const Plan& plan) {
     return joint < 0 ? Json() : Json(valid_utf8(skeleton.joint(joint).name));
   };
   for (const Bone bone : kAllBones) {
-    const BoneSource& source = plan.human.calibration.mapping.bones[bone];
+    const BoneSource& source = plan.human.calibration.bones[bone];
     if (source.position_joint < 0 && plan.human.map.joint(bone) < 0) continue;
     Json& row = json[std::string(bone_name(bone))];
     // the number counts, the name is for people and held against it
@@ -60,21 +60,20 @@ Json bones_json(const Plan& plan) {
 template <typename Human, typename Visit>
 void visit_human(Human& human, const Visit& visit) {
   auto& [map, calibration] = human;
-  auto& mapping = calibration.mapping;
-  visit("description", mapping.description);
-  visit("dialect", mapping.dialect);
-  visit("recognised_by", map.dialect);
+  visit("description", calibration.description);
+  visit("dialect", calibration.profile);
+  visit("recognised_by", map.profile);
   visit("confidence", map.confidence);
   visit("partial", map.partial);
   visit("unit", calibration.unit);
-  visit("metres_per_unit", mapping.metres_per_unit);
+  visit("metres_per_unit", calibration.metres_per_unit);
   visit("up", calibration.up);
   visit("forward", calibration.forward);
   visit("rest_pose", calibration.rest_pose);
   visit("rest_deviation_deg", calibration.rest_deviation);
-  visit("height", mapping.height);
-  visit("size", mapping.size);
-  visit("human_from_source", mapping.human_from_source);
+  visit("height", calibration.height);
+  visit("size", calibration.size);
+  visit("human_from_source", calibration.human_from_source);
 }
 
 template <typename Value>
@@ -162,7 +161,7 @@ void read_bones(const Json& json, const Skeleton& skeleton, HumanInClip& human, 
       continue;
     }
     Reader reader(row, faults);
-    BoneSource& source = human.calibration.mapping.bones[*bone];
+    BoneSource& source = human.calibration.bones[*bone];
     reader.take_joint("joint", skeleton.joint_count(), human.map.joint_of_bone[*bone]);
     reader.take_joint("position_joint", skeleton.joint_count(), source.position_joint);
     reader.take_joint("rotation_joint", skeleton.joint_count(), source.rotation_joint);
@@ -243,7 +242,7 @@ std::string plan_json(const Plan& plan) {
   json["lead_in_frames"] = plan.lead_in_frames;
   json["rate"] = {plan.rate.frames, plan.rate.seconds};
   json["scale"] = enum_name(plan.scale);
-  put_name(json, "mapping", plan.mapping.file);
+  put_name(json, "mapping", plan.config.file);
   Json& limits = json["limits"];
   limits["name"] = plan.limits.name;
   const auto& joints = plan.robot.robot->joints();
@@ -275,14 +274,14 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   read_decisions(json, plan, faults);
   plan.limits = plan.robot.robot->model_limits();
   read_limits(member(json, "limits"), *plan.robot.robot, plan.limits, faults);
-  const std::string mapping = name_from(json, "mapping");
-  if (mapping.empty()) faults.add("\"mapping\" is missing");
+  const std::string calibration = name_from(json, "mapping");
+  if (calibration.empty()) faults.add("\"mapping\" is missing");
   if (!faults.empty()) return faults.failure_in(file, "the plan");
   TRY(read_options(member(json, "fit"), fit_table(plan.fit), file, "the plan's fit"));
   TRY(check_need({plan.frame_count(), plan.rate, plan.clip->origin().bytes, plan.clip->name()},
                  plan.options.source.memory_gb, plan.options.save));
-  TRY_ASSIGN(plan.mapping, load_mapping(mapping, *plan.robot.robot));
-  if (plan.human.map.partial) TRY(leave_out_bones(plan.mapping, plan.human.missing_bones()));
+  TRY_ASSIGN(plan.config, load_config(calibration, *plan.robot.robot));
+  if (plan.human.map.partial) TRY(leave_out_bones(plan.config, plan.human.missing_bones()));
   return plan;
 }
 

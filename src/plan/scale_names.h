@@ -1,7 +1,7 @@
 #pragma once
 
 #include "options/enum_names.h"
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 
 namespace retarget {
 

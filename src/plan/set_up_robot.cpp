@@ -7,7 +7,7 @@
 #include "base/try.h"
 #include "options/fit_options.h"
 #include "plan/check_options.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "retarget/plan.h"
 
 namespace retarget {
@@ -18,10 +18,10 @@ Result<FitOptions> choose_fit(const Options& options) {
   const SolveOptions& solve = options.solve;
   FitOptions fit = solve.fit;
   // limits hold for what is written; coarser numbers than these serve nobody
-  constexpr int kFewestDecimals = 3;
-  fit.decimals = std::max(kFewestDecimals, options.save.precision);
+  constexpr int kMinDecimals = 3;
+  fit.decimals = std::max(kMinDecimals, options.save.precision);
   if (!solve.fit_config.empty()) {
-    TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMostTextBytes));
+    TRY_ASSIGN(const auto file, read_file(solve.fit_config, ErrorKind::kConfig, kMaxTextBytes));
     TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));
   }
   if (solve.fit_window_s > 0.0) fit.window = solve.fit_window_s;
@@ -29,8 +29,8 @@ Result<FitOptions> choose_fit(const Options& options) {
   return fit;
 }
 
-const ResolvedMapping& RobotSetup::mapping_for(const HumanInClip& human) const {
-  return mapping_of_others && !human.is_lafan1() ? *mapping_of_others : mapping;
+const ResolvedConfig& RobotSetup::config_for(const HumanInClip& human) const {
+  return config_of_others && !human.is_lafan1() ? *config_of_others : config;
 }
 
 Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
@@ -42,12 +42,12 @@ Result<RobotSetup> set_up_robot(LoadedRobot loaded, const Options& options) {
   const std::string method(enum_name(solve.method));
   TRY_ASSIGN(setup.limits,
              load_limits(robot, solve.limits.empty() ? robot.limits_for(method) : solve.limits));
-  TRY_ASSIGN(const MappingFiles files,
-             find_mappings(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
-                           loaded.data_folder, fs::path(robot.name()).filename().string()));
-  TRY_ASSIGN(setup.mapping, load_mapping(files.of_lafan1, robot));
+  TRY_ASSIGN(const ConfigFiles files,
+             find_configs(solve.ik_config, solve.method, fs::path(loaded.model).parent_path(),
+                          loaded.data_folder, fs::path(robot.name()).filename().string()));
+  TRY_ASSIGN(setup.config, load_config(files.of_lafan1, robot));
   if (!files.of_others.empty()) {
-    TRY_ASSIGN(setup.mapping_of_others, load_mapping(files.of_others, robot));
+    TRY_ASSIGN(setup.config_of_others, load_config(files.of_others, robot));
   }
   if (solve.method == Method::kFit) {
     TRY_ASSIGN(setup.fit, choose_fit(options));

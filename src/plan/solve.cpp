@@ -7,33 +7,33 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "fit/fit.h"
 #include "motion/resample.h"
-#include "pipeline/retarget.h"
-#include "refine/fit.h"
+#include "pipeline/solve_frames.h"
 
 namespace retarget {
 namespace {
 
 // a motion so far away that no reader of robot motions takes it, and its numbers tell no steps apart
 Result<void> check_place(const Clip& clip, const Plan& plan) {
-  const double metres_per_unit = plan.human.calibration.mapping.metres_per_unit;
-  const double most = plan.options.save.centimetres ? 5e3 : 5e5;
+  const double metres_per_unit = plan.human.calibration.metres_per_unit;
+  const double max = plan.options.save.centimetres ? 5e3 : 5e5;
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const bool far = std::ranges::any_of(clip.translations(frame), [&](const auto& place) {
-      return !(place.cwiseAbs().maxCoeff() * metres_per_unit <= most);
+      return !(place.cwiseAbs().maxCoeff() * metres_per_unit <= max);
     });
     if (!far) continue;
     return input_failure(
         clip.name(),
         "in frame " + std::to_string(frame) + " the body is more than " +
-            number_text(most / 1000.0, 0) + " km away from the origin",
+            number_text(max / 1000.0, 0) + " km away from the origin",
         "move the motion to the origin first; or " OPTION("unit") " gives the unit of its numbers");
   }
   return {};
 }
 
-RetargetOptions pass_options(const Plan& plan, const SolveControl& control, int frames) {
-  RetargetOptions options;
+SolveFramesOptions pass_options(const Plan& plan, const SolveControl& control, int frames) {
+  SolveFramesOptions options;
   options.engine = plan.options.solve.engine;
   options.targets_ahead = control.threads != 1;
   options.height_scale = plan.scale;
@@ -57,8 +57,8 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
       return control.keep_going({Stage::kFit, static_cast<int>(100.0 * done), 100});
     };
   }
-  TRY_ASSIGN(FitResult fitted, fit(*motion.source, plan.human.calibration.mapping, plan.robot.robot,
-                                   plan.mapping, plan.limits, options, run));
+  TRY_ASSIGN(FitResult fitted, fit(*motion.source, plan.human.calibration, plan.robot.robot,
+                                   plan.config, plan.limits, options, run));
   motion.clip = std::move(fitted.clip);
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
@@ -71,10 +71,11 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
 }
 
 Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion& motion) {
-  RetargetOptions options = pass_options(plan, control, motion.source->frame_count());
+  SolveFramesOptions options = pass_options(plan, control, motion.source->frame_count());
   options.frame_solved = control.frame_solved;
-  TRY_ASSIGN(RetargetResult result, retarget(*motion.source, plan.human.calibration.mapping,
-                                             plan.robot.robot, plan.mapping, plan.limits, options));
+  TRY_ASSIGN(SolvedFrames result,
+             solve_frames(*motion.source, plan.human.calibration, plan.robot.robot, plan.config,
+                          plan.limits, options));
   motion.clip = std::move(result.clip);
   motion.ik_steps = result.steps;
   return {};

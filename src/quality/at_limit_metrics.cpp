@@ -78,7 +78,7 @@ Stay stay_at(const JointLimit& limit, const RobotClip& clip, std::vector<char>& 
 
 }  // namespace
 
-void measure_at_limits(const Draft& draft, const LimitSet& limits) {
+void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits) {
   constexpr std::size_t kNamed = 3;
   const RobotClip& clip = draft.clip;
   std::vector<char> any(clip.frame_count(), 0);

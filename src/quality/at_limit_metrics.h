@@ -6,6 +6,6 @@
 namespace retarget {
 
 /// In how many frames joints stand at a limit, and which one most.
-void measure_at_limits(const Draft& draft, const LimitSet& limits);
+void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits);
 
 }  // namespace retarget

@@ -12,7 +12,7 @@ inline constexpr double kInCm = 100.0;  ///< A metre.
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// A report while it is being made. Each group of metrics adds its figures under their keys.
-struct Draft {
+struct ReportBuilder {
   const RobotClip& clip;
   const QualityOptions& options;
   QualityReport& report;

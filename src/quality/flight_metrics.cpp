@@ -12,14 +12,14 @@ constexpr double kFreeFallShare = 0.4;
 
 // how far the lower end of the lower foot is above its standing height
 double clearance(const HumanClip& human, const ContactPlan& contacts, int frame) {
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   const auto look = [&](Bone bone, double standing) {
     if (!human.has(bone)) return;
-    least = std::min(least, human.frame(frame)[bone].translation.z() - standing);
+    min = std::min(min, human.frame(frame)[bone].translation.z() - standing);
   };
   for (const Bone ankle : {Bone::kLeftFoot, Bone::kRightFoot}) look(ankle, contacts.standing.ankle);
   for (const Bone toe : {Bone::kLeftToe, Bone::kRightToe}) look(toe, contacts.standing.toe);
-  return std::isfinite(least) ? least : 0.0;
+  return std::isfinite(min) ? min : 0.0;
 }
 
 bool hips_fall(const HumanClip& human, const SourceFlight& flight) {
@@ -54,24 +54,24 @@ std::vector<SourceFlight> find_flights(const HumanClip& human, const ContactPlan
   return flights;
 }
 
-void measure_flights(const Draft& draft, const BodyTracks& tracks,
+void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
                      const std::vector<SourceFlight>& flights, double scale) {
   if (flights.empty() || tracks.soles.empty()) return;
   constexpr double kFarOff = 0.02;  // metres
   FaultList faults("flight_peak_max_cm", "m");
-  double most = 0.0;
+  double max = 0.0;
   for (const SourceFlight& flight : flights) {
     double peak = -HUGE_VAL;
     for (int frame = flight.begin; frame < flight.end; ++frame) {
       peak = std::max(peak, tracks.lowest_sole[static_cast<std::size_t>(frame)].height);
     }
     const double off = std::abs(peak - scale * flight.peak);
-    most = std::max(most, off);
+    max = std::max(max, off);
     if (off <= kFarOff) continue;
     for (int frame = flight.begin; frame < flight.end; ++frame) faults.add("soles", frame, off);
   }
   draft.set("flights", static_cast<double>(flights.size()));
-  draft.set("flight_peak_max_cm", kInCm * most);
+  draft.set("flight_peak_max_cm", kInCm * max);
   faults.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 

@@ -28,7 +28,7 @@ struct SourceFlight {
 
 /// How high the robot's soles come in the source's flights.
 /// @param scale  of the robot's foot paths against the source's.
-void measure_flights(const Draft& draft, const BodyTracks& tracks,
+void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
                      const std::vector<SourceFlight>& flights, double scale);
 
 }  // namespace retarget

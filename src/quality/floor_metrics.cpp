@@ -14,28 +14,28 @@ namespace {
 constexpr double kDeep = 0.01;  // metres in the floor, or in itself
 constexpr double kHigh = 0.02;  // metres above the floor
 
-const std::string& name_of(const Draft& draft, int body) {
+const std::string& name_of(const ReportBuilder& draft, int body) {
   return draft.clip.robot().bodies()[body].name;
 }
 
 // shares of frames, figures and faults of one list of lowest heights
-void measure_depth(const Draft& draft, const std::vector<Lowest>& lowest, std::string_view share,
-                   std::string_view deepest) {
+void measure_depth(const ReportBuilder& draft, const std::vector<Lowest>& lowest,
+                   std::string_view share, std::string_view deepest) {
   FaultList faults(share, "m");
   int deep = 0;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (std::size_t i = 0; i < lowest.size(); ++i) {
-    least = std::min(least, lowest[i].height);
+    min = std::min(min, lowest[i].height);
     if (lowest[i].height >= -kDeep) continue;
     ++deep;
     faults.add(name_of(draft, lowest[i].body), static_cast<int>(i), -lowest[i].height);
   }
   draft.set(share, percent(deep, static_cast<double>(lowest.size())));
-  draft.set(deepest, -kInCm * least);
+  draft.set(deepest, -kInCm * min);
   faults.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 
-void measure_flat_slip(const Draft& draft, const BodyTracks& tracks) {
+void measure_flat_slip(const ReportBuilder& draft, const BodyTracks& tracks) {
   std::vector<double> slips;
   for (const SoleTrack& track : tracks.soles) {
     for (int frame = 0; frame + 1 < draft.clip.frame_count(); ++frame) {
@@ -49,7 +49,7 @@ void measure_flat_slip(const Draft& draft, const BodyTracks& tracks) {
   draft.set("flat_slip_p95", percentile(std::move(slips), 95.0));
 }
 
-void measure_self_contact(const Draft& draft, const BodyTracks& tracks) {
+void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) {
   if (tracks.self_contact.empty()) return;
   int deep = 0;
   double deepest = 0.0;
@@ -83,7 +83,7 @@ struct ContactFigures {
   std::vector<char> floating;                        // by frame
 };
 
-void add_phase(const Draft& draft, const SoleTrack& track, const ContactPhase& phase,
+void add_phase(const ReportBuilder& draft, const SoleTrack& track, const ContactPhase& phase,
                ContactFigures& figures, FaultList& slipping) {
   std::vector<double> x, y;
   for (int frame = phase.begin; frame < phase.end; ++frame) {
@@ -123,7 +123,7 @@ bool stands(const SoleTrack& track, int frame, int frames, double fps) {
   return (track.middle(after) - track.middle(before)).norm() * fps / (after - before) < kStill;
 }
 
-void add_foot(const Draft& draft, const BodyTracks& tracks, const SoleTrack& track,
+void add_foot(const ReportBuilder& draft, const BodyTracks& tracks, const SoleTrack& track,
               const std::vector<ContactPhase>& phases, ContactFigures& figures,
               FaultList& slipping) {
   const int frames = static_cast<int>(figures.floating.size());
@@ -146,7 +146,7 @@ void add_foot(const Draft& draft, const BodyTracks& tracks, const SoleTrack& tra
 
 }  // namespace
 
-void measure_bodies(const Draft& draft, const BodyTracks& tracks) {
+void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks) {
   const bool soles = !tracks.soles.empty();
   if (soles) {
     measure_depth(draft, tracks.lowest_sole, "foot_pen_1cm_pct", "foot_pen_max_cm");
@@ -167,8 +167,8 @@ void measure_bodies(const Draft& draft, const BodyTracks& tracks) {
   measure_self_contact(draft, tracks);
 }
 
-void measure_contacts(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts,
-                      int frames) {
+void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const ContactPlan& contacts, int frames) {
   ContactFigures figures;
   figures.floating.assign(frames, 0);
   FaultList slipping("contact_slip_mean", "m/s"), floating("float_planted_pct", "m");
@@ -195,7 +195,8 @@ void measure_contacts(const Draft& draft, const BodyTracks& tracks, const Contac
   slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 
-void measure_stances(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts) {
+void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
+                     const ContactPlan& contacts) {
   ContactFigures figures;
   FaultList slipping("stance_slip_mean", "m/s");
   for (const SoleTrack& track : tracks.soles) {

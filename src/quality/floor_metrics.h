@@ -7,14 +7,15 @@
 namespace retarget {
 
 /// Penetration of the floor, floating, slip of flat feet, self-collision: what needs no source.
-void measure_bodies(const Draft& draft, const BodyTracks& tracks);
+void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks);
 
 /// What the robot's feet do while the source's are planted on the floor.
 /// @param frames  of both.
-void measure_contacts(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts,
-                      int frames);
+void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const ContactPlan& contacts, int frames);
 
 /// Slip, drift and height of the robot's soles while the source's feet are on theirs, on the floor.
-void measure_stances(const Draft& draft, const BodyTracks& tracks, const ContactPlan& contacts);
+void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
+                     const ContactPlan& contacts);
 
 }  // namespace retarget

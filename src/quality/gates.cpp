@@ -24,7 +24,7 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
   Gate gate{key, std::nullopt, std::nullopt};
   if (json.is_null()) return gate;
   if (json.is_number()) {
-    gate.most = json.get<double>();
+    gate.max = json.get<double>();
     return gate;
   }
   const bool known =
@@ -45,8 +45,8 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
                                     short_text(json["leg_m"]));
     }
   }
-  if (json.contains("min")) gate.least = json["min"].get<double>();
-  if (json.contains("max")) gate.most = json["max"].get<double>();
+  if (json.contains("min")) gate.min = json["min"].get<double>();
+  if (json.contains("max")) gate.max = json["max"].get<double>();
   return gate;
 }
 
@@ -54,7 +54,7 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
 
 void Gates::set(Gate gate) {
   std::erase_if(gates_, [&gate](const Gate& old) { return old.metric == gate.metric; });
-  if (gate.least || gate.most) gates_.push_back(std::move(gate));
+  if (gate.min || gate.max) gates_.push_back(std::move(gate));
 }
 
 Result<void> Gates::add_json(std::string_view text, const std::string& file) {
@@ -79,7 +79,7 @@ Result<void> Gates::add_json(std::string_view text, const std::string& file) {
 }
 
 Result<void> Gates::add_file(const std::string& path) {
-  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMostTextBytes));
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kConfig, kMaxTextBytes));
   return add_json(content.view(), path);
 }
 
@@ -88,17 +88,17 @@ void Gates::judge(QualityReport& report) const {
   for (const Metric& metric : quality_metrics()) {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
-    GateResult result{gate->metric, gate->least, gate->most, std::nullopt, true};
+    GateResult result{gate->metric, gate->min, gate->max, std::nullopt, true};
     if (gate->leg && report.leg) {
       const double size = *report.leg / *gate->leg;
-      if (result.least) *result.least *= size;
-      if (result.most) *result.most *= size;
+      if (result.min) *result.min *= size;
+      if (result.max) *result.max *= size;
     }
     if (const MetricValue* found = report.find(metric.key)) {
       result.value = found->value;
       // written so that a figure that is no number misses
-      result.passed = (!result.least || found->value >= *result.least) &&
-                      (!result.most || found->value <= *result.most);
+      result.passed = (!result.min || found->value >= *result.min) &&
+                      (!result.max || found->value <= *result.max);
     }
     report.gates.push_back(result);
   }

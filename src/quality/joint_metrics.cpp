@@ -53,7 +53,7 @@ LimitSetResult hold_against(const LimitSet& limits, const RobotClip& clip, Fault
   return result;
 }
 
-void measure_limits(const Draft& draft, const LimitSet& limits) {
+void measure_limits(const ReportBuilder& draft, const LimitSet& limits) {
   FaultList faults("limit_pct", "rad");
   const LimitSetResult chosen = hold_against(limits, draft.clip, &faults);
   draft.set("limit_pct", chosen.frames_pct);
@@ -73,7 +73,7 @@ void measure_limits(const Draft& draft, const LimitSet& limits) {
 }
 
 // by output joint: rad/s or m/s, infinity for slides without one
-std::vector<double> speed_limits(const Draft& draft) {
+std::vector<double> speed_limits(const ReportBuilder& draft) {
   const Robot& robot = draft.clip.robot();
   const auto& given = robot.profile().speed_limits;
   draft.report.assumed_speed_limit = robot.profile().default_speed_limit;
@@ -86,7 +86,7 @@ std::vector<double> speed_limits(const Draft& draft) {
   return limits;
 }
 
-void measure_speeds(const Draft& draft) {
+void measure_speeds(const ReportBuilder& draft) {
   const RobotClip& clip = draft.clip;
   const Robot& robot = clip.robot();
   const std::vector<double> limits = speed_limits(draft);
@@ -95,14 +95,14 @@ void measure_speeds(const Draft& draft) {
   if (steps < 1) return;
   FaultList over_limit("speed_limit_pct", "rad/s"), jumping("jumps", "rad");
   int frames_over = 0, frames_fast = 0, jumps = 0, frames_jumping = 0;
-  double most = 0.0, ratio = 0.0;
+  double max = 0.0, ratio = 0.0;
   for (int frame = 0; frame < steps; ++frame) {
     bool over = false, fast = false, jumped = false;
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const RobotJoint& joint = robot.joints()[robot.output_joints()[i]];
       const double step =
           std::abs(clip.qpos(frame + 1)[joint.qpos_address] - clip.qpos(frame)[joint.qpos_address]);
-      most = std::max(most, step);
+      max = std::max(max, step);
       ratio = std::max(ratio, step * fps / limits[i]);
       fast = fast || step * fps > kFast;
       if (step > limits[i] / fps + kTolerance) {
@@ -121,16 +121,16 @@ void measure_speeds(const Draft& draft) {
   }
   draft.set("speed_limit_pct", percent(frames_over, steps));
   draft.set("speed_limit_max_ratio", ratio);
-  draft.set("peak_speed", most * fps);
+  draft.set("peak_speed", max * fps);
   draft.set("fast_3pi_pct", percent(frames_fast, steps));
   draft.set("jumps", jumps);
   draft.set("jump_frames", frames_jumping);
-  draft.set("max_step_rad", most);
+  draft.set("max_step_rad", max);
   over_limit.move_to(draft.report.faults, draft.options.faults_per_metric);
   jumping.move_to(draft.report.faults, draft.options.faults_per_metric);
 }
 
-void measure_accelerations(const Draft& draft) {
+void measure_accelerations(const ReportBuilder& draft) {
   const RobotClip& clip = draft.clip;
   const Robot& robot = clip.robot();
   const int count = clip.frame_count() - 2;
@@ -161,7 +161,7 @@ Pose root_pose(std::span<const double> qpos) {
   return {Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]), {qpos[0], qpos[1], qpos[2]}};
 }
 
-void measure_root_jerk(const Draft& draft) {
+void measure_root_jerk(const ReportBuilder& draft) {
   const RobotClip& clip = draft.clip;
   const int count = clip.frame_count() - 3;
   if (count < 1) return;
@@ -178,9 +178,9 @@ void measure_root_jerk(const Draft& draft) {
 }
 
 // what no body does: a frame out of another pose, a body that faces the other way at once
-void measure_root_jumps(const Draft& draft) {
-  constexpr double kFastest = 10.0;      // m/s
-  constexpr double kFastestTurn = 20.0;  // rad/s
+void measure_root_jumps(const ReportBuilder& draft) {
+  constexpr double kMaxListed = 10.0;    // m/s
+  constexpr double kMaxTurnRate = 20.0;  // rad/s
   const RobotClip& clip = draft.clip;
   const double fps = clip.rate().fps();
   FaultList moving("root_jumps", "m/s"), turning("root_jumps", "rad/s");
@@ -190,10 +190,10 @@ void measure_root_jumps(const Draft& draft) {
     const double speed = (now.translation - before.translation).norm() * fps;
     const Eigen::Quaterniond step = before.rotation.conjugate() * now.rotation;
     const double turn = 2.0 * portable::atan2(step.vec().norm(), std::abs(step.w())) * fps;
-    if (speed <= kFastest && turn <= kFastestTurn) continue;
+    if (speed <= kMaxListed && turn <= kMaxTurnRate) continue;
     ++jumps;
-    if (speed > kFastest) moving.add("root", frame, speed);
-    if (turn > kFastestTurn) turning.add("root", frame, turn);
+    if (speed > kMaxListed) moving.add("root", frame, speed);
+    if (turn > kMaxTurnRate) turning.add("root", frame, turn);
   }
   draft.set("root_jumps", jumps);
   moving.move_to(draft.report.faults, draft.options.faults_per_metric);
@@ -202,7 +202,7 @@ void measure_root_jumps(const Draft& draft) {
 
 }  // namespace
 
-void measure_joints(const Draft& draft, const LimitSet& limits) {
+void measure_joints(const ReportBuilder& draft, const LimitSet& limits) {
   measure_limits(draft, limits);
   measure_speeds(draft);
   measure_accelerations(draft);

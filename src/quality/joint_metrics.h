@@ -6,6 +6,6 @@
 namespace retarget {
 
 /// Limits, speeds, jumps and accelerations of the output joints, and the root's jerk.
-void measure_joints(const Draft& draft, const LimitSet& limits);
+void measure_joints(const ReportBuilder& draft, const LimitSet& limits);
 
 }  // namespace retarget

@@ -24,7 +24,7 @@ namespace {
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
   const HumanClip& human = *source.human;
   const HumanPoseSource poses = poses_of(human);
-  const auto targets = make_targets(human, poses_of(human), robot, *source.tables, source.scale);
+  const auto targets = make_targets(human, poses_of(human), robot, *source.config, source.scale);
   if (!targets) return std::nullopt;
   for (const Bone bone :
        {Bone::kLeftFootMod, Bone::kLeftFoot, Bone::kRightFootMod, Bone::kRightFoot}) {
@@ -58,17 +58,18 @@ LimitedJoint limited_joint(const JointAtLimit& found, const Robot& robot, int fr
 }
 
 // joints that stand at a limit, and the tasks that push them
-void find_limited_joints(const Draft& draft, const LimitSet& limits, const QualitySource& source) {
-  constexpr double kLeastShare = 0.05;
+void find_limited_joints(const ReportBuilder& draft, const LimitSet& limits,
+                         const QualitySource& source) {
+  constexpr double kMinShare = 0.05;
   const HumanClip& human = *source.human;
   if (human.frame_count < draft.clip.frame_count()) return;
   const HumanPoseSource poses = poses_of(human);
-  const auto targets = make_targets(human, poses, draft.clip.robot(), *source.tables, source.scale,
+  const auto targets = make_targets(human, poses, draft.clip.robot(), *source.config, source.scale,
                                     TrunkRule::kLines, &limits);
-  // a body that lacks what the mapping needs has no targets
+  // a body that lacks what the configuration needs has no targets
   if (!targets) return;
   for (const JointAtLimit& found :
-       joints_at_limits(draft.clip, *source.tables, *targets, poses, limits, kLeastShare)) {
+       joints_at_limits(draft.clip, *source.config, *targets, poses, limits, kMinShare)) {
     draft.report.limited_joints.push_back(
         limited_joint(found, draft.clip.robot(), draft.clip.frame_count()));
   }
@@ -83,16 +84,16 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   report.frames = clip.frame_count();
   report.fps = clip.rate().fps();
   report.limits = limits.name;
-  const Draft draft{clip, options, report};
+  const ReportBuilder draft{clip, options, report};
   measure_joints(draft, limits);
   measure_at_limits(draft, limits);
 
-  const bool tracked = source != nullptr && source->tables != nullptr;
+  const bool tracked = source != nullptr && source->config != nullptr;
   if (tracked) {
-    if (const auto leg = robot_leg_length(clip.robot(), *source->tables)) report.leg = *leg;
+    if (const auto leg = robot_leg_length(clip.robot(), *source->config)) report.leg = *leg;
   }
   const BodyTracks tracks =
-      track_bodies(clip, tracked ? tracked_bodies(*source->tables) : std::vector<int>(),
+      track_bodies(clip, tracked ? tracked_bodies(*source->config) : std::vector<int>(),
                    options.self_collision_stride);
   measure_bodies(draft, tracks);
   if (source != nullptr) {

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "retarget/human.h"
-#include "retarget/ik_config.h"
 #include "retarget/motion.h"
 #include "retarget/report.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {
@@ -14,7 +14,7 @@ namespace retarget {
 /// The movement that a robot's motion came from. Frame i of both is the same instant.
 struct QualitySource {
   const HumanClip* human = nullptr;  ///< At the motion's rate; may be longer or shorter.
-  const ResolvedMapping* tables =
+  const ResolvedConfig* config =
       nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
   /// How the targets were scaled.
   HeightScale scale = HeightScale::kPublished;

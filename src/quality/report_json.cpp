@@ -37,11 +37,11 @@ Json json_of(const std::optional<TrunkLean>& lean) {
           {"robot_standing_deg", lean->robot_standing}};
 }
 
-Json json_of(const std::optional<JointMostAtLimit>& most) {
-  if (!most) return {};
-  return {{"joint", most->joint},
-          {"side", most->at_upper ? "upper" : "lower"},
-          {"frames_pct", most->frames_pct}};
+Json json_of(const std::optional<JointMostAtLimit>& max) {
+  if (!max) return {};
+  return {{"joint", max->joint},
+          {"side", max->at_upper ? "upper" : "lower"},
+          {"frames_pct", max->frames_pct}};
 }
 
 // [first frame, the one after the last, height of what it stands on in metres]
@@ -133,8 +133,8 @@ void add_verdict(Json& json, const QualityReport& report) {
   json["gates"] = Json::array();
   for (const GateResult& gate : report.gates) {
     json["gates"].push_back({{"metric", gate.metric},
-                             {"min", json_of(gate.least)},
-                             {"max", json_of(gate.most)},
+                             {"min", json_of(gate.min)},
+                             {"max", json_of(gate.max)},
                              {"value", json_of(gate.value)},
                              {"passed", gate.passed}});
   }
@@ -159,7 +159,7 @@ Json json_of(const QualityReport& report) {
   json["limits"] = report.limits;
   json["source"] = report.source.empty() ? Json() : Json(report.source);
   json["source_frames"] = report.source_frames;
-  json["mapping"] = report.mapping.empty() ? Json() : Json(report.mapping);
+  json["mapping"] = report.config.empty() ? Json() : Json(report.config);
   json["leg_m"] = json_of(report.leg);
   json["speed_limits"] = {{"given", report.speed_limits_given},
                           {"assumed", report.speed_limits_assumed},

@@ -49,8 +49,8 @@ std::string aligned(const Table& table) {
 }
 
 std::string bounds_of(const GateResult& gate) {
-  if (gate.least && gate.most) return text_of(*gate.least) + " to " + text_of(*gate.most);
-  return gate.most ? "at most " + text_of(*gate.most) : "at least " + text_of(*gate.least);
+  if (gate.min && gate.max) return text_of(*gate.min) + " to " + text_of(*gate.max);
+  return gate.max ? "at most " + text_of(*gate.max) : "at least " + text_of(*gate.min);
 }
 
 std::string frames_of(const Fault& fault) {

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 // a row that can be measured: its bone is there
 struct Row {
-  const MappedTask* task = nullptr;
+  const ConfigTask* task = nullptr;
   int table = 0;  // 0 or 1
   int body = 0;   // index among the kept bodies
   Bone bone = Bone::kHips;
@@ -34,15 +34,15 @@ void append(std::vector<double>& all, const std::vector<double>& more) {
 
 class TrackingMeasure {
  public:
-  TrackingMeasure(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
+  TrackingMeasure(const ReportBuilder& draft, const BodyTracks& tracks, const QualitySource& source,
                   int frames)
       : draft_(draft),
         tracks_(tracks),
         human_(*source.human),
-        tables_(*source.tables),
+        config_(*source.config),
         frames_(frames) {
     collect_rows(size_ratio(source));
-    root_body_ = kept(tables_.root_body).value_or(0);
+    root_body_ = kept(config_.root_body).value_or(0);
     if (source.scale == HeightScale::kLimbs) collect_limb_targets();
     find_yaw();
   }
@@ -75,10 +75,10 @@ class TrackingMeasure {
   [[nodiscard]] Vector3d want(int frame, const Row& row) const {
     if (!limb_targets_.empty()) return limb_target(frame, row).translation;
     return row.scale * (bone_pose(frame, row.bone).translation -
-                        bone_pose(frame, tables_.root_bone).translation);
+                        bone_pose(frame, config_.root_bone).translation);
   }
   [[nodiscard]] bool has_position(const Row& row) const {
-    return row.task->position_weight > 0.0 && row.bone != tables_.root_bone;
+    return row.task->position_weight > 0.0 && row.bone != config_.root_bone;
   }
   // the table that is judged by: the second, or the first where there is no second
   [[nodiscard]] int judged_table() const {
@@ -89,10 +89,10 @@ class TrackingMeasure {
   [[nodiscard]] const Row* row_of(Bone bone) const;
   [[nodiscard]] std::optional<TrunkBodies> trunk_bodies() const;
 
-  const Draft& draft_;
+  const ReportBuilder& draft_;
   const BodyTracks& tracks_;
   const HumanClip& human_;
-  const ResolvedMapping& tables_;
+  const ResolvedConfig& config_;
   const int frames_;
   std::vector<Row> rows_;
   std::vector<HumanPose> limb_targets_;  // by frame, from the root; empty: not by limbs
@@ -102,7 +102,7 @@ class TrackingMeasure {
 
 double TrackingMeasure::size_ratio(const QualitySource& source) const {
   constexpr double kPublishedHeight = 1.75;
-  const double assumed = tables_.human_height_assumption;
+  const double assumed = config_.human_height_assumption;
   return source.scale == HeightScale::kPublished
              ? human_.height / assumed
              : kPublishedHeight / assumed * (kPublishedHeight / human_.size);
@@ -110,19 +110,19 @@ double TrackingMeasure::size_ratio(const QualitySource& source) const {
 
 void TrackingMeasure::collect_rows(double ratio) {
   for (int table = 0; table < 2; ++table) {
-    const auto& [used, tasks] = tables_.tables[table];
+    const auto& [used, tasks] = config_.match_tables[table];
     if (!used) continue;
-    for (const MappedTask& task : tasks) {
+    for (const ConfigTask& task : tasks) {
       const auto index = kept(task.body);
       if (!index || !human_.has(task.bone)) continue;
-      rows_.push_back({&task, table, *index, task.bone, ratio * tables_.scales[task.bone]});
+      rows_.push_back({&task, table, *index, task.bone, ratio * config_.scales[task.bone]});
     }
   }
 }
 
 // limb by limb a target is no multiple of its bone's way from the root
 void TrackingMeasure::collect_limb_targets() {
-  const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), tables_,
+  const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), config_,
                                     HeightScale::kLimbs, TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;
@@ -219,7 +219,7 @@ const Row* TrackingMeasure::row_of(Bone bone) const {
 
 void TrackingMeasure::measure_limbs() const {
   // between the joints' centres where the robot's tree tells them, else between the bodies' origins
-  const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
+  const auto limbs = robot_limbs(draft_.clip.robot(), config_);
   std::vector<double> all;
   for (const LimbSegment& segment : kLimbSegments) {
     BoneArray<const Row*> rows{nullptr};
@@ -250,7 +250,7 @@ void TrackingMeasure::measure_limbs() const {
 // nothing where a hip or a shoulder follows no bone; as limbs, between origins where the tree does
 // not tell where joints are
 std::optional<TrunkBodies> TrackingMeasure::trunk_bodies() const {
-  const auto limbs = robot_limbs(draft_.clip.robot(), tables_);
+  const auto limbs = robot_limbs(draft_.clip.robot(), config_);
   TrunkBodies trunk;
   std::size_t next = 0;
   for (const Bone bone : kTrunkBones) {
@@ -273,10 +273,10 @@ void TrackingMeasure::measure() const {
 
 }  // namespace
 
-std::vector<int> tracked_bodies(const ResolvedMapping& tables) {
-  std::vector<int> bodies = {tables.root_body};
-  for (const auto& [used, tasks] : tables.tables) {
-    for (const MappedTask& task : tasks) {
+std::vector<int> tracked_bodies(const ResolvedConfig& config) {
+  std::vector<int> bodies = {config.root_body};
+  for (const auto& [used, tasks] : config.match_tables) {
+    for (const ConfigTask& task : tasks) {
       if (task.body >= 0 && std::ranges::find(bodies, task.body) == bodies.end()) {
         bodies.push_back(task.body);
       }
@@ -285,8 +285,8 @@ std::vector<int> tracked_bodies(const ResolvedMapping& tables) {
   return bodies;
 }
 
-void measure_tracking(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
-                      int frames) {
+void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const QualitySource& source, int frames) {
   if (frames == 0 || tracks.kept_bodies.empty()) return;
   TrackingMeasure(draft, tracks, source, frames).measure();
 }

@@ -8,12 +8,12 @@
 namespace retarget {
 
 /// The bodies whose poses measure_tracking needs: those of the tables and the root, each once.
-[[nodiscard]] std::vector<int> tracked_bodies(const ResolvedMapping& tables);
+[[nodiscard]] std::vector<int> tracked_bodies(const ResolvedConfig& config);
 
 /// How the mapped bodies follow their bones, row by row, and the limbs the human's.
 /// @param tracks  with tracked_bodies kept.
 /// @param frames  of both.
-void measure_tracking(const Draft& draft, const BodyTracks& tracks, const QualitySource& source,
-                      int frames);
+void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,
+                      const QualitySource& source, int frames);
 
 }  // namespace retarget

@@ -54,9 +54,9 @@ std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human) {
 
 }  // namespace
 
-void measure_trunk_lean(const Draft& draft, const BodyTracks& tracks, const TrunkBodies& trunk,
-                        const HumanClip& human, const Eigen::Quaterniond& robot_from_human,
-                        int frames) {
+void measure_trunk_lean(const ReportBuilder& draft, const BodyTracks& tracks,
+                        const TrunkBodies& trunk, const HumanClip& human,
+                        const Eigen::Quaterniond& robot_from_human, int frames) {
   constexpr double kFarOff = 15.0;  // degrees
   const auto human_standing = standing_trunk(human);
   const auto robot_standing = standing_trunk(draft.clip.robot(), tracks, trunk);

@@ -35,8 +35,8 @@ struct TrunkBodies {
 /// of standing_trunk_lines, the robot's the zero configuration. Nothing of bodies without a trunk.
 /// @param robot_from_human  a yaw.
 /// @param frames            of both.
-void measure_trunk_lean(const Draft& draft, const BodyTracks& tracks, const TrunkBodies& trunk,
-                        const HumanClip& human, const Eigen::Quaterniond& robot_from_human,
-                        int frames);
+void measure_trunk_lean(const ReportBuilder& draft, const BodyTracks& tracks,
+                        const TrunkBodies& trunk, const HumanClip& human,
+                        const Eigen::Quaterniond& robot_from_human, int frames);
 
 }  // namespace retarget

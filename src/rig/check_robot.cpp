@@ -12,7 +12,7 @@
 #include "math/so3.h"
 #include "pipeline/targets.h"
 #include "retarget/human.h"
-#include "rig/derive_mapping.h"
+#include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"
 #include "robot/kinematic_tree.h"
@@ -26,15 +26,15 @@ constexpr double kWrongOffset = 75.0 * kDegree;
 constexpr double kOddReach = 0.03;  // of the leg's length
 constexpr double kWrongReach = 0.25;
 
-const MappedTask* task_of(const ResolvedMapping::Table& table, Bone bone) {
+const ConfigTask* task_of(const ResolvedConfig::Table& table, Bone bone) {
   const auto found = std::ranges::find_if(
-      table.tasks, [&](const MappedTask& task) { return task.bone == bone && task.has_weight(); });
+      table.tasks, [&](const ConfigTask& task) { return task.bone == bone && task.has_weight(); });
   return found == table.tasks.end() ? nullptr : &*found;
 }
 
 class Doctor {
  public:
-  Doctor(const Robot& robot, const IkTables* tables) : robot_(robot), tables_(tables) {}
+  Doctor(const Robot& robot, const RetargetingConfig* config) : robot_(robot), config_(config) {}
 
   std::vector<RobotFinding> examine();
 
@@ -42,33 +42,33 @@ class Doctor {
   void fault(std::string text) { findings_.push_back({true, std::move(text)}); }
   void note(std::string text) { findings_.push_back({false, std::move(text)}); }
 
-  void check_mapping();
+  void check_config();
   void check_offsets();
-  [[nodiscard]] std::optional<BoneAxesError> offset_error(const MappedTask& task) const;
+  [[nodiscard]] std::optional<BoneAxesError> offset_error(const ConfigTask& task) const;
   void check_reach();
   void check_moved_joints();
-  void check_sides_of_mapping();
+  void check_sides_of_config();
   void check_sides_of_ranges();
   void check_limit_sets();
   void check_profile();
   [[nodiscard]] HumanPose human_t_pose() const;
-  [[nodiscard]] std::string body_name(const MappedTask& task) const {
+  [[nodiscard]] std::string body_name(const ConfigTask& task) const {
     return task.body < 0 ? std::string() : robot_.bodies()[task.body].name;
   }
 
   const Robot& robot_;
-  const IkTables* tables_;
-  std::optional<ResolvedMapping> mapping_;  // where it is sound
+  const RetargetingConfig* config_;
+  std::optional<ResolvedConfig> resolved_;  // where it is sound
   std::optional<RobotAnatomy> limbs_;
   std::optional<TPose> t_pose_;
   std::vector<RobotFinding> findings_;
 };
 
-void Doctor::check_mapping() {
-  if (tables_ == nullptr) return note("there is no mapping (ik.json)");
-  auto resolved = resolve_mapping(*tables_, robot_);
+void Doctor::check_config() {
+  if (config_ == nullptr) return note("there is no retargeting configuration (ik.json)");
+  auto resolved = resolve_config(*config_, robot_);
   if (resolved) {
-    mapping_ = std::move(*resolved);
+    resolved_ = std::move(*resolved);
     return;
   }
   const Error& error = resolved.error();
@@ -76,7 +76,7 @@ void Doctor::check_mapping() {
   for (const std::string& detail : error.details) fault(detail);
 }
 
-std::optional<BoneAxesError> Doctor::offset_error(const MappedTask& task) const {
+std::optional<BoneAxesError> Doctor::offset_error(const ConfigTask& task) const {
   if (task.body < 0) return std::nullopt;
   // the bone's axes in the body: as found in it, else as the T-pose has them
   std::optional<Eigen::Matrix3d> body_from_bone;
@@ -96,7 +96,7 @@ std::optional<BoneAxesError> Doctor::offset_error(const MappedTask& task) const 
 }
 
 void Doctor::check_offsets() {
-  for (const MappedTask& task : mapping_->tables[0].tasks) {
+  for (const ConfigTask& task : resolved_->match_tables[0].tasks) {
     if (task.rotation_weight == 0.0) continue;
     const auto error = offset_error(task);
     if (!error || std::max(error->direction, error->twist) < kOddOffset) continue;
@@ -138,17 +138,17 @@ HumanPose Doctor::human_t_pose() const {
 
 // whether the feet's targets lie within the legs' reach when hips and feet stand in the T-pose
 void Doctor::check_reach() {
-  const TargetBuilder targets(*mapping_, HumanLengths{}.height);
+  const TargetBuilder targets(*resolved_, HumanLengths{}.height);
   std::vector<Pose> built(static_cast<std::size_t>(targets.target_count()));
   targets.build(human_t_pose(), built);
   const TreeState posed(robot_.tree(), t_pose_->qpos);
-  const MappedTask* root = task_of(mapping_->tables[1], mapping_->root_bone);
+  const ConfigTask* root = task_of(resolved_->match_tables[1], resolved_->root_bone);
   if (root == nullptr || root->position_weight == 0.0 || root->body < 0) return;
   const int root_target = targets.target_of(root->bone);
   for (std::size_t side = 0; side < 2; ++side) {
     const Limb& leg = limbs_->legs[side];
     for (const LimbBone foot : {LimbBone::kFootMod, LimbBone::kFoot}) {
-      const MappedTask* task = task_of(mapping_->tables[1], side_bone(kSides[side], foot));
+      const ConfigTask* task = task_of(resolved_->match_tables[1], side_bone(kSides[side], foot));
       if (task == nullptr || task->position_weight == 0.0) continue;
       const int target = targets.target_of(task->bone);
       if (target < 0 || root_target < 0 || task->body < 0) continue;
@@ -172,8 +172,8 @@ void Doctor::check_reach() {
 
 void Doctor::check_moved_joints() {
   std::vector<int> bodies;
-  for (const auto& [used, tasks] : mapping_->tables) {
-    for (const MappedTask& task : tasks) {
+  for (const auto& [used, tasks] : resolved_->match_tables) {
+    for (const ConfigTask& task : tasks) {
       if (used && task.has_weight()) bodies.push_back(task.body);
     }
   }
@@ -186,12 +186,12 @@ void Doctor::check_moved_joints() {
   if (!still.empty()) note("no task moves " + list_names(still, 8));
 }
 
-void Doctor::check_sides_of_mapping() {
+void Doctor::check_sides_of_config() {
   for (std::size_t t = 0; t < 2; ++t) {
-    for (const MappedTask& left : mapping_->tables[t].tasks) {
+    for (const ConfigTask& left : resolved_->match_tables[t].tasks) {
       if (side_of(left.bone) != Side::kLeft || !left.has_weight()) continue;
       const std::string bone(bone_name(left.bone)), other(bone_name(mirrored(left.bone)));
-      const MappedTask* right = task_of(mapping_->tables[t], mirrored(left.bone));
+      const ConfigTask* right = task_of(resolved_->match_tables[t], mirrored(left.bone));
       const std::string place = bone + " in table " + std::to_string(t + 1);
       if (right == nullptr) {
         note(place + " has no counterpart on the right");
@@ -201,7 +201,7 @@ void Doctor::check_sides_of_mapping() {
           left.rotation_weight != right->rotation_weight) {
         note("weights of " + place + " differ from those of " + other);
       }
-      if (t == 0 && mapping_->scales[left.bone] != mapping_->scales[right->bone]) {
+      if (t == 0 && resolved_->scales[left.bone] != resolved_->scales[right->bone]) {
         note("the scale of " + bone + " differs from that of " + other);
       }
       const auto error = offset_error(left);
@@ -242,20 +242,20 @@ void Doctor::check_limit_sets() {
   const LimitSet& model = robot_.model_limits();
   for (const LimitSet& set : robot_.profile().limit_sets) {
     int count = 0;
-    double most = 0.0;
+    double max = 0.0;
     std::string worst;
     for (std::size_t j = 0; j < robot_.joints().size(); ++j) {
       const double tighter = std::max(set.lower[j] - model.lower[j], model.upper[j] - set.upper[j]);
       if (!(tighter > kTighter) || set.lower[j] == set.upper[j]) continue;
       ++count;
-      if (tighter <= most) continue;
-      most = tighter;
+      if (tighter <= max) continue;
+      max = tighter;
       worst = robot_.joints()[j].name;
     }
     if (count == 0) continue;
     note("limit set " + set.name + " is tighter than the model on " + std::to_string(count) +
          " joints, most on " + worst +
-         (std::isfinite(most) ? " (" + number_text(rounded(most, 3)) + " rad)" : ""));
+         (std::isfinite(max) ? " (" + number_text(rounded(max, 3)) + " rad)" : ""));
   }
 }
 
@@ -278,7 +278,7 @@ void Doctor::check_profile() {
 }
 
 std::vector<RobotFinding> Doctor::examine() {
-  check_mapping();
+  check_config();
   const auto limbs = find_limbs(robot_, robot_.name());
   if (limbs) {
     limbs_ = *limbs;
@@ -286,12 +286,12 @@ std::vector<RobotFinding> Doctor::examine() {
   } else {
     fault(limbs.error().message);
   }
-  if (limbs_ && mapping_) {
+  if (limbs_ && resolved_) {
     check_offsets();
     check_reach();
-    check_sides_of_mapping();
+    check_sides_of_config();
   }
-  if (mapping_) check_moved_joints();
+  if (resolved_) check_moved_joints();
   if (limbs_) check_sides_of_ranges();
   check_limit_sets();
   check_profile();
@@ -301,8 +301,8 @@ std::vector<RobotFinding> Doctor::examine() {
 
 }  // namespace
 
-std::vector<RobotFinding> check_robot(const Robot& robot, const IkTables* tables) {
-  return Doctor(robot, tables).examine();
+std::vector<RobotFinding> check_robot(const Robot& robot, const RetargetingConfig* config) {
+  return Doctor(robot, config).examine();
 }
 
 }  // namespace retarget

@@ -2,14 +2,15 @@
 
 #include <vector>
 
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "retarget/robot.h"
 
 namespace retarget {
 
-/// check_robot of one mapping.
-/// @param tables  the robot's mapping; null: it has none.
-[[nodiscard]] std::vector<RobotFinding> check_robot(const Robot& robot, const IkTables* tables);
+/// check_robot of one configuration.
+/// @param tables  the robot's configuration; null: it has none.
+[[nodiscard]] std::vector<RobotFinding> check_robot(const Robot& robot,
+                                                    const RetargetingConfig* config);
 
 }  // namespace retarget

@@ -11,22 +11,22 @@
 namespace retarget {
 namespace {
 
-// what a check says of the robot with each of its mappings
+// what a check says of the robot with each of its configurations
 void add_findings(const Robot& robot, const RobotSources& sources, OptionSpelling spelling,
                   std::vector<RobotFinding>& findings) {
-  std::vector<std::string> files = {sources.mapping};
-  if (!sources.mapping_of_others.empty()) files.push_back(sources.mapping_of_others);
+  std::vector<std::string> files = {sources.config};
+  if (!sources.config_of_others.empty()) files.push_back(sources.config_of_others);
   for (const std::string& file : files) {
-    std::optional<IkTables> tables;
+    std::optional<RetargetingConfig> config;
     if (!file.empty()) {
-      auto read = load_ik_tables(file);
+      auto read = load_retargeting_config(file);
       if (!read) findings.push_back({true, describe(read.error(), spelling)});
-      if (read) tables = std::move(*read);
+      if (read) config = std::move(*read);
     }
-    for (RobotFinding& finding : check_robot(robot, tables ? &*tables : nullptr)) {
+    for (RobotFinding& finding : check_robot(robot, config ? &*config : nullptr)) {
       if (std::ranges::find(findings, finding.text, &RobotFinding::text) != findings.end())
         continue;
-      // what only the second mapping is to blame for
+      // what only the second configuration is to blame for
       if (file != files.front()) {
         finding.text = std::filesystem::path(file).filename().string() + ": " + finding.text;
       }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "anatomy/shapes.h"
-#include "rig/derive_mapping.h"
+#include "rig/derive_config.h"
 #include "rig/t_pose.h"
 
 namespace retarget {
@@ -15,7 +15,7 @@ struct RobotFindings {
   const RobotAnatomy& limbs;
   const TPose& t_pose;
   const RobotShapes& shapes;
-  const IkTables& tables;
+  const RetargetingConfig& config;
   std::size_t speed_count = 0;  ///< Joints whose speed limit the model states.
   std::string source;           ///< The model's file name.
 };

@@ -8,7 +8,7 @@
 #include "base/number_text.h"
 #include "base/printable.h"
 #include "base/try.h"
-#include "retarget/ik_config.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
 #include "robot/core_points.h"
 #include "robot/find_robot.h"
@@ -71,12 +71,12 @@ Json joints_json(const Robot& robot) {
   return joints;
 }
 
-Json mapping_json(const IkTables& tables) {
+Json config_json(const RetargetingConfig& config) {
   Json rows = Json::array();
-  for (const IkRow& row : tables.tables[0].rows) {
-    const auto second = std::ranges::find(tables.tables[1].rows, row.body, &IkRow::body);
-    const bool has_second = second != tables.tables[1].rows.end();
-    const double* scale = tables.find_scale(row.bone);
+  for (const IkMatch& row : config.match_tables[0].rows) {
+    const auto second = std::ranges::find(config.match_tables[1].rows, row.body, &IkMatch::body);
+    const bool has_second = second != config.match_tables[1].rows.end();
+    const double* scale = config.find_scale(row.bone);
     rows.push_back(
         {{"body", row.body},
          {"bone", row.bone},
@@ -99,11 +99,11 @@ Json robot_json(const Robot& robot, const RobotSources& files) {
   json["root_body"] = robot.bodies()[robot.root_body()].name;
   json["default_limits"] = robot.limits_for("");
   json["joints"] = joints_json(robot);
-  json["mapping_file"] = files.mapping.empty() ? Json() : Json(files.mapping);
-  if (files.mapping.empty()) return json;
-  const auto tables = load_ik_tables(files.mapping);
-  json["mapping"] = tables ? mapping_json(*tables) : Json();
-  if (!files.mapping_of_others.empty()) json["mapping_file_of_others"] = files.mapping_of_others;
+  json["mapping_file"] = files.config.empty() ? Json() : Json(files.config);
+  if (files.config.empty()) return json;
+  const auto config = load_retargeting_config(files.config);
+  json["mapping"] = config ? config_json(*config) : Json();
+  if (!files.config_of_others.empty()) json["mapping_file_of_others"] = files.config_of_others;
   return json;
 }
 
@@ -188,12 +188,13 @@ Result<std::string> describe_robots(std::span<const RobotSources> robots, TextFo
                    {"description", robot->profile().description},
                    {"joints", joints},
                    {"height_m", heights ? Json(heights->whole) : Json()},
-                   {"mapping", !each.mapping.empty()},
+                   {"mapping", !each.config.empty()},
                    {"licence", robot->profile().licence},
                    {"licence_stated", !is_unverified(each.model)}});
     text += padded(each.name, 26) + padded(count_text(joints, "joint"), 12) +
             padded(heights ? number_text(heights->whole, 2) + " m" : "-", 8) +
-            robot->profile().description + (each.mapping.empty() ? " (no mapping)" : "") +
+            robot->profile().description +
+            (each.config.empty() ? " (no retargeting configuration)" : "") +
             (is_unverified(each.model) ? " (no stated licence)" : "") + "\n";
   }
   return form == TextForm::kJson ? printable_dump(all) : printable(text);

@@ -12,7 +12,7 @@
 #include "anatomy/shapes.h"
 #include "base/try.h"
 #include "base/utf8.h"
-#include "rig/derive_mapping.h"
+#include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
 #include "rig/number_text.h"
@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// profiles and mappings name parts of the model in JSON, which is UTF-8
+// profiles and configurations name parts of the model in JSON, which is UTF-8
 Result<void> check_names(const mjModel& model, const std::string& path) {
   const std::string_view names(model.names, static_cast<std::size_t>(model.nnames));
   for (std::size_t at = 0; at < names.size();) {
@@ -46,10 +46,11 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
   changes.name_all = true;
   TRY_ASSIGN(auto loaded, load_model(path, changes));
   if (!loaded.closed.empty()) {
-    return config_failure(path,
-                          "the model has a closed chain, which a kinematic tree cannot represent: an equality ties " +
-                              loaded.closed.front(),
-                          "remove the equality if the rest of the tree moves without it");
+    return config_failure(
+        path,
+        "the model has a closed chain, which a kinematic tree cannot represent: an equality ties " +
+            loaded.closed.front(),
+        "remove the equality if the rest of the tree moves without it");
   }
   TRY(check_robot_joints(*loaded.model, path));
   TRY(check_names(*loaded.model, path));
@@ -126,14 +127,14 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   const TPose t_pose = solve_t_pose(robot, limbs);
   DeriveOptions options;
   options.sole_height = shapes.ankle_height;
-  const IkTables tables = derive_mapping(robot, limbs, options);
+  const RetargetingConfig config = derive_config(robot, limbs, options);
   const std::map<std::string, double> speeds = urdf_speeds(model_path);
 
   const std::string source = fs::path(model_path).filename().string();
   made.model = format_model(robot, name, shapes.shapes);
   made.profile = profile_text(robot, source, t_pose, shapes.soles, speeds);
-  made.mapping = format_ik_tables(tables);
-  const RobotFindings findings{robot, limbs, t_pose, shapes, tables, speeds.size(), source};
+  made.config = format_retargeting_config(config);
+  const RobotFindings findings{robot, limbs, t_pose, shapes, config, speeds.size(), source};
   const std::vector<std::string> more = notes_about(findings);
   made.notes.insert(made.notes.end(), more.begin(), more.end());
   made.summary = summary_of(findings);

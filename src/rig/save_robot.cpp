@@ -50,8 +50,8 @@ bool is_made_robot(const fs::path& folder, const std::string& name) {
 
 // an empty folder of a name that nothing had; errno where there is none
 int make_new_folder(const fs::path& beside, fs::path& made) {
-  constexpr int kMostNames = 1000;
-  for (int number = 0; number < kMostNames; ++number) {
+  constexpr int kMaxNames = 1000;
+  for (int number = 0; number < kMaxNames; ++number) {
     made = beside.parent_path() / ("." + beside.filename().string() + ".new-" +
                                    std::to_string(::getpid()) + "-" + std::to_string(number));
     if (::mkdir(made.c_str(), 0777) == 0) return 0;
@@ -96,7 +96,7 @@ int exchange(const fs::path& made, const fs::path& there) {
 Result<void> write_files(const MadeRobot& robot, const fs::path& folder) {
   const std::map<std::string, const std::string*> files = {{"model.xml", &robot.model},
                                                            {"robot.json", &robot.profile},
-                                                           {"ik.json", &robot.mapping},
+                                                           {"ik.json", &robot.config},
                                                            {"decisions.md", &robot.decisions}};
   for (const auto& [file, text] : files) {
     TRY(write_file((folder / file).string(), *text));
@@ -135,9 +135,10 @@ Result<fs::path> save_robot(const MadeRobot& robot, const fs::path& into, bool f
                          OPTION("force") " replaces it");
   }
   if (is_there && !is_made_robot(folder, robot.name)) {
-    return usage_failure("\"" + folder.string() +
-                             "\" is not replaced: it was not made by robots add for a robot of this name",
-                         "give another name, or remove it yourself");
+    return usage_failure(
+        "\"" + folder.string() +
+            "\" is not replaced: it was not made by robots add for a robot of this name",
+        "give another name, or remove it yourself");
   }
   // written beside its place, then put there in one step
   fs::path staging;

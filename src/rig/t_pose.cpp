@@ -118,7 +118,7 @@ double TPoseProblem::misfit(const std::vector<double>& qpos) const {
 }
 
 double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<double>& qpos) {
-  constexpr int kMostSteps = 60;
+  constexpr int kMaxSteps = 60;
   constexpr double kConverged = 1e-8;
   const LimitSet& limits = robot.model_limits();
   const auto count = static_cast<Eigen::Index>(robot.joints().size());
@@ -128,7 +128,7 @@ double minimise(const Robot& robot, const TPoseProblem& problem, std::vector<dou
   BoxQp qp(static_cast<int>(count));
   double damping = 1e-2;
   double cost = problem.linearise(qpos, hessian, gradient);
-  for (int n = 0; n < kMostSteps && damping < 1e8; ++n) {
+  for (int n = 0; n < kMaxSteps && damping < 1e8; ++n) {
     for (Eigen::Index j = 0; j < count; ++j) {
       const auto joint = static_cast<std::size_t>(j);
       const double position = qpos[robot.joints()[joint].qpos_address];
@@ -237,15 +237,15 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
   const TPoseProblem problem(robot, limbs);
   TPose best;
   best.qpos = reference_configuration(robot);
-  double least = minimise(robot, problem, best.qpos);
+  double min = minimise(robot, problem, best.qpos);
   for (const int pattern : start_patterns()) {
     // nothing is left to gain
     if (problem.misfit(best.qpos) < 1e-6) break;
     std::vector<double> qpos = start(robot, limbs, pattern);
     const double cost = minimise(robot, problem, qpos);
     // of results that are equally good the one that is found first
-    if (cost >= least - 1e-7) continue;
-    least = cost;
+    if (cost >= min - 1e-7) continue;
+    min = cost;
     best.qpos = std::move(qpos);
   }
   const TreeState posed(robot.tree(), best.qpos);

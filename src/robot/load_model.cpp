@@ -12,8 +12,8 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "robot/check_model.h"
 #include "robot/mujoco_messages.h"
-#include "robot/vet_model.h"
 #include "version_numbers.h"
 
 namespace retarget {
@@ -59,7 +59,7 @@ void keep_kinematics(mjSpec* spec, bool keep_meshes) {
     if (keep_meshes && kind == mjOBJ_MESH) continue;
     for (mjsElement* element : elements_of(spec, kind)) mjs_delete(spec, element);
   }
-  // mappings may name bodies that do not move against their parent
+  // configurations may name bodies that do not move against their parent
   spec->compiler.fusestatic = 0;
   // bodies whose mass came from a mesh are left without any, and a wrong inertia moves no body
   spec->compiler.boundmass = 1e-6;
@@ -201,7 +201,7 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
   TRY(check_version());
   TRY(check_file(path));
-  TRY(vet_model(path, changes.keep_meshes));
+  TRY(check_model(path, changes.keep_meshes));
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;

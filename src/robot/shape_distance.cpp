@@ -136,11 +136,11 @@ PointPair of_edges(const RoundedShape& a, const RoundedShape& b) {
     return {swapped.b, swapped.a};
   }
   PointPair best = by_projections(a, b, kBoundingProjections);
-  double least = (best.b - best.a).norm();
+  double min = (best.b - best.a).norm();
   const auto consider = [&](const PointPair& pair) {
     const double distance = (pair.b - pair.a).norm();
-    if (distance >= least) return;
-    least = distance;
+    if (distance >= min) return;
+    min = distance;
     best = pair;
   };
   for (int signs = 0; signs < 1 << b.axis_count; ++signs) {
@@ -148,7 +148,7 @@ PointPair of_edges(const RoundedShape& a, const RoundedShape& b) {
       // each edge once, from its lower end
       if ((signs >> i & 1) != 0) continue;
       const Vector3d middle = corner(b, signs) + axis(b, i);
-      if ((nearest(a, middle) - middle).norm() - axis(b, i).norm() >= least) continue;
+      if ((nearest(a, middle) - middle).norm() - axis(b, i).norm() >= min) continue;
       consider(to_segment(a, middle, axis(b, i)));
     }
   }

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// what differs from clip to clip or is taken by what it leads to: the robot, its limits, mapping
+// what differs from clip to clip or is taken by what it leads to: the robot, its limits, configuration
 // and fit
 constexpr std::array<std::string_view, 11> kTakenByMeaning = {
     "motion", "smpl",      "output",     "robot",  "robot-xml", "robot-profile",
@@ -102,9 +102,9 @@ Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
   TRY_ASSIGN(print.hashed["model"], model_hash(robot));
   TRY_ASSIGN(print.hashed["soles"], soles_hash(robot));
   TRY(print.add_file("profile", setup.loaded.profile));
-  TRY(print.add_file("mapping", setup.mapping.file));
-  if (setup.mapping_of_others) {
-    TRY(print.add_file("mapping_of_others", setup.mapping_of_others->file));
+  TRY(print.add_file("mapping", setup.config.file));
+  if (setup.config_of_others) {
+    TRY(print.add_file("mapping_of_others", setup.config_of_others->file));
   }
   return {};
 }
@@ -118,9 +118,9 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   TRY(add_options(run, setup, print));
   print.hashed["options"]["sidecar"] = request.sidecar;
   print.hashed["options"]["measured"] = request.measure;
-  // a mapping that is named is scaled by otherwise than the same one that was found
-  const std::string& mapping = run.options.solve.ik_config;
-  print.hashed["options"]["ik-config-named"] = !mapping.empty() && mapping != "derived";
+  // a retargeting configuration that is named is scaled by otherwise than the same one that was found
+  const std::string& config = run.options.solve.ik_config;
+  print.hashed["options"]["ik-config-named"] = !config.empty() && config != "derived";
   TRY(add_robot(setup, print));
   const fs::path configs = fs::path(setup.loaded.data_folder) / "configs";
   TRY_ASSIGN(print.hashed["skeletons"], folder_hash(configs / "skeletons", ""));

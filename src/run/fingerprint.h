@@ -15,7 +15,7 @@ struct RunFingerprint {
 };
 
 /// Options are taken by what they mean, so that a default that is given is none that is changed;
-/// files (mapping, limits, fit options, dialects, ...) by their content, the robot by its compiled
+/// files (configuration, limits, fit options, profiles, ...) by their content, the robot by its compiled
 /// model and its profile, the tool by its version.
 /// @param run      its motion, robot and output do not count.
 /// @param request  whether sidecars are written and motions measured counts.

@@ -17,7 +17,7 @@ namespace {
 
 // joints that are at a limit in less than this share of the frames are not named
 constexpr double kNamedAtLimit = 0.05;
-constexpr std::size_t kMostLines = 5;
+constexpr std::size_t kMaxLines = 5;
 
 std::string push_text(const LimitPush& push) {
   const double degrees = push.shortfall * 180.0 / std::numbers::pi;
@@ -38,10 +38,10 @@ std::vector<SummaryLine> distance_lines(const RobotClip& clip, const LimitSet& l
   const auto nearest = nearest_limit(clip, limits);
   if (!nearest) return {};
   // what rounds to nothing in the file is neither before the limit nor beyond it
-  constexpr double kNothing = 5e-7;
+  constexpr double kEpsilon = 5e-7;
   const std::string side = nearest->at_upper ? "upper limit" : "lower limit";
   const std::string distance = number_text(std::abs(nearest->distance), 6);
-  const std::string where = std::abs(nearest->distance) < kNothing ? " is at its " + side
+  const std::string where = std::abs(nearest->distance) < kEpsilon ? " is at its " + side
                             : nearest->distance > 0.0
                                 ? " comes nearest, " + distance + " from its " + side
                                 : " goes " + distance + " beyond its " + side;
@@ -58,13 +58,13 @@ std::string floor_text(const FitReport& report) {
          size + " cm";
 }
 
-constexpr int kDecimals = 3, kMostDecimals = 9;
+constexpr int kDecimals = 3, kMaxDecimals = 9;
 
 // two digits at least that say something
 std::string bound_text(double bound) {
   int decimals = kDecimals;
-  for (double size = std::abs(bound) * 1000.0;
-       size > 0.0 && size < 10.0 && decimals < kMostDecimals; size *= 10.0) {
+  for (double size = std::abs(bound) * 1000.0; size > 0.0 && size < 10.0 && decimals < kMaxDecimals;
+       size *= 10.0) {
     ++decimals;
   }
   return number_text(bound, decimals);
@@ -73,11 +73,11 @@ std::string bound_text(double bound) {
 // `jumps 3 (at most 0)`
 std::string missed_text(const GateResult& gate) {
   // written so that NaN is below every bound
-  const bool too_little = gate.least && !(*gate.value >= *gate.least);
-  const double bound = too_little ? *gate.least : *gate.most;
+  const bool too_little = gate.min && !(*gate.value >= *gate.min);
+  const double bound = too_little ? *gate.min : *gate.max;
   // as many digits as it takes to see that it was missed
   int decimals = kDecimals;
-  while (decimals < kMostDecimals &&
+  while (decimals < kMaxDecimals &&
          number_text(*gate.value, decimals) == number_text(bound, decimals)) {
     ++decimals;
   }
@@ -128,13 +128,13 @@ std::vector<SummaryLine> limit_lines(const Motion& motion) {
   const LimitSet& limits = plan.limits;
   std::vector<SummaryLine> lines = distance_lines(motion.clip, limits);
   const auto joints = joints_at_limits(
-      motion.clip, *motion.source, plan.human.calibration.mapping, plan.mapping, plan.scale,
+      motion.clip, *motion.source, plan.human.calibration, plan.config, plan.scale,
       plan.options.solve.method == Method::kGmr ? TrunkRule::kBones : TrunkRule::kLines, limits,
       kNamedAtLimit);
   std::size_t named = 0;
   for (const JointAtLimit& found : joints) {
     // where a joint merely rests at a limit, as fingers do, nothing is missed
-    if (!found.push || named++ == kMostLines) continue;
+    if (!found.push || named++ == kMaxLines) continue;
     const RobotJoint& joint = robot.joints()[static_cast<std::size_t>(found.joint)];
     std::string text = joint.name + " at its " + (found.at_upper ? "upper" : "lower") +
                        " limit in " + number_text(100.0 * found.share, 0) + " % of frames";

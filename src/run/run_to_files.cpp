@@ -73,14 +73,14 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
                                  MotionOutputs& outputs, Observer& observer) {
   RunOutcome outcome{motion.clip.frame_count(),
                      motion.clip.rate().fps(),
-                     motion.plan.mapping.file,
+                     motion.plan.config.file,
                      {},
                      {},
                      std::nullopt};
   TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
   SidecarText sidecar;
   if (request.sidecar) {
-    TRY_ASSIGN(auto read, files_read(run, motion.plan.robot, motion.plan.mapping.file));
+    TRY_ASSIGN(auto read, files_read(run, motion.plan.robot, motion.plan.config.file));
     sidecar = [&, read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
       return sidecar_text(run, motion, file, *outcome.quality, read);
     };

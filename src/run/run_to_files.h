@@ -27,7 +27,7 @@ struct RunRequest {
 struct RunOutcome {
   int frames = 0;                        ///< Of the motion that was written,
   double fps = 0.0;                      ///< and its rate.
-  std::string mapping;                   ///< The mapping's file.
+  std::string config;                    ///< The configuration's file.
   std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
   std::vector<std::string> others;       ///< Sidecars and the report.
   std::optional<QualityReport> quality;  ///< Where it was asked for.

@@ -11,7 +11,7 @@
 #include "base/try.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "plan/scale_names.h"
 #include "provenance/hash.h"
 #include "retarget/version.h"
@@ -45,14 +45,14 @@ Result<void> add_file(std::vector<ReadFile>& files, const std::string& role,
 Json found_json(const Plan& plan) {
   const Calibration& calibration = plan.human.calibration;
   Json found;
-  found["skeleton"] = calibration.mapping.description;
-  found["dialect"] = calibration.mapping.dialect;
+  found["skeleton"] = calibration.description;
+  found["dialect"] = calibration.profile;
   found["unit"] = calibration.unit;
-  found["metres_per_unit"] = calibration.mapping.metres_per_unit;
+  found["metres_per_unit"] = calibration.metres_per_unit;
   found["up"] = to_text(calibration.up);
   found["forward"] = to_text(calibration.forward);
   found["rest_pose"] = calibration.rest_pose;
-  found["height"] = calibration.mapping.height;
+  found["height"] = calibration.height;
   found["scale"] = enum_name(plan.scale);
   found["limits"] = plan.limits.name;
   found["fps"] = plan.rate.fps();
@@ -84,13 +84,13 @@ std::string text_of(const Json& json, const char* key) {
 }  // namespace
 
 Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
-                                         const std::string& mapping) {
+                                         const std::string& config) {
   const std::string& data_folder = robot.data_folder;
   std::vector<ReadFile> files;
   TRY(add_file(files, "motion", run.motion, data_folder));
   TRY(add_file(files, "model", robot.model, data_folder));
   TRY(add_file(files, "profile", robot.profile, data_folder));
-  TRY(add_file(files, "mapping", mapping, data_folder));
+  TRY(add_file(files, "mapping", config, data_folder));
   Run copy = run;
   for (const Option& row : run_table(copy)) {
     if (row.info.file == OptionFile::kNone || std::ranges::count(kOfTheRobot, row.name)) continue;
@@ -100,10 +100,10 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
     if (row.info.file == OptionFile::kOrName && !fs::is_regular_file(path, ignored)) continue;
     TRY(add_file(files, row.name, path, data_folder));
   }
-  const fs::path dialects = fs::path(data_folder) / "configs" / "skeletons";
-  TRY_ASSIGN(std::string hash, folder_hash(dialects, ".json"));
+  const fs::path profiles = fs::path(data_folder) / "configs" / "skeletons";
+  TRY_ASSIGN(std::string hash, folder_hash(profiles, ".json"));
   files.push_back(
-      {"skeletons", recorded_name(dialects, data_folder), dialects.string(), std::move(hash)});
+      {"skeletons", recorded_name(profiles, data_folder), profiles.string(), std::move(hash)});
   return files;
 }
 

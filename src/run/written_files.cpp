@@ -10,7 +10,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "options/run_tables.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "plan/output_files.h"
 #include "robot/find_robot.h"
 
@@ -36,7 +36,7 @@ std::string whole_path(const std::string& path) {
   return error ? fs::path(path).lexically_normal().string() : whole.string();
 }
 
-// model, profile and mappings of a robot that has a folder
+// model, profile and configurations of a robot that has a folder
 void append_robot(std::vector<std::string>& files, const std::string& name,
                   const fs::path& data_folder) {
   if (name.empty()) return;
@@ -44,9 +44,9 @@ void append_robot(std::vector<std::string>& files, const std::string& name,
   if (!robot) return;
   files.insert(files.end(), {robot->model.string(), robot->profile.string()});
   const fs::path place = robot->model.parent_path();
-  const auto mappings =
-      find_mappings({}, Method::kGmr, place, data_folder, fs::absolute(place).filename().string());
-  if (mappings) files.insert(files.end(), {mappings->of_lafan1, mappings->of_others});
+  const auto configs =
+      find_configs({}, Method::kGmr, place, data_folder, fs::absolute(place).filename().string());
+  if (configs) files.insert(files.end(), {configs->of_lafan1, configs->of_others});
 }
 
 }  // namespace

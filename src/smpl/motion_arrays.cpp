@@ -69,7 +69,7 @@ class MotionReader {
  private:
   // numbers in one of several widths, of which the first is what is looked at
   Result<Table> read_table(const char* name, std::initializer_list<std::size_t> widths,
-                           double most = std::numeric_limits<double>::infinity()) const {
+                           double max = std::numeric_limits<double>::infinity()) const {
     TRY_ASSIGN(const auto array, file_.read(name));
     const std::size_t width = width_of(array.shape);
     if (!array.is_number() || std::ranges::find(widths, width) == widths.end()) {
@@ -87,7 +87,7 @@ class MotionReader {
     for (std::size_t row = 0; row < rows; ++row) {
       for (std::size_t column = 0; column < used; ++column) {
         const double value = table.values[row * width + column];
-        if (std::abs(value) <= most && std::isfinite(value)) continue;
+        if (std::abs(value) <= max && std::isfinite(value)) continue;
         return file_.array_failure(
             name, fmt::format("{} in frame {}, column {}", fault_of(value), row, column));
       }
@@ -103,15 +103,15 @@ class MotionReader {
 
   Result<void> read_rotations() {
     // no joint turns so often: these are degrees, or no rotations at all
-    constexpr double kMostRadians = 100.0;
+    constexpr double kMaxRadians = 100.0;
     const bool split = file_.has("root_orient") && file_.has("pose_body");
     if (!split && !file_.has("poses")) return no_motion();
     std::vector<Table> tables;
     if (split) {
-      TRY_ASSIGN(Table root, read_table("root_orient", {kRootColumns}, kMostRadians));
+      TRY_ASSIGN(Table root, read_table("root_orient", {kRootColumns}, kMaxRadians));
       // 69: with SMPL's two hand joints
-      TRY_ASSIGN(Table body, read_table("pose_body", {kBodyColumns, kSmplColumns - kRootColumns},
-                                        kMostRadians));
+      TRY_ASSIGN(Table body,
+                 read_table("pose_body", {kBodyColumns, kSmplColumns - kRootColumns}, kMaxRadians));
       if (root.rows != body.rows) {
         return other_length("pose_body", body, "root_orient has", root.rows);
       }
@@ -119,7 +119,7 @@ class MotionReader {
     } else {
       TRY_ASSIGN(Table poses,
                  read_table("poses", {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
-                            kMostRadians));
+                            kMaxRadians));
       pose_width_ = poses.width;
       tables = {std::move(poses)};
     }

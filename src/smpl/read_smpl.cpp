@@ -21,8 +21,8 @@ namespace {
 // the rule of thumb that the first beta goes with the height, and where it makes no human any more
 constexpr double kMeanHeight = 1.66;
 constexpr double kHeightPerBeta = 0.1;
-constexpr double kLeastHeight = 0.5;
-constexpr double kMostHeight = 2.5;
+constexpr double kMinHeight = 0.5;
+constexpr double kMaxHeight = 2.5;
 
 bool is_positive(std::optional<double> value) {
   return !value || (std::isfinite(*value) && *value > 0.0);
@@ -32,7 +32,7 @@ Result<SmplRestBody> generic_rest_body(const NpzFile& file, const std::vector<do
                                        std::optional<double> height) {
   if (height) return generic_smpl_rest_body(*height);
   const double guess = kMeanHeight + (betas.empty() ? 0.0 : kHeightPerBeta * betas.front());
-  if (guess >= kLeastHeight && guess <= kMostHeight) return generic_smpl_rest_body(guess);
+  if (guess >= kMinHeight && guess <= kMaxHeight) return generic_smpl_rest_body(guess);
   return file.array_failure("betas",
                             "the first one, " + std::to_string(betas.front()) +
                                 ", would make a body " + std::to_string(guess) + " m high",
@@ -81,7 +81,7 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body) {
 Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_name,
                                const SmplReadOptions& options) {
   NpzReadOptions npz;
-  npz.max_number_bytes = options.most_clip_bytes;
+  npz.max_number_bytes = options.max_clip_bytes;
   TRY_ASSIGN(const auto file, NpzFile::open(bytes, file_name, npz));
   TRY_ASSIGN(auto arrays, read_motion_arrays(file, options.source_fps));
   TRY_ASSIGN(const auto body, options.body != nullptr
@@ -89,11 +89,11 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
                                   : generic_rest_body(file, arrays.betas, options.height));
   const std::size_t needed =
       static_cast<std::size_t>(arrays.frame_count) * frame_bytes(*smpl_skeleton(body));
-  if (needed > options.most_clip_bytes) {
+  if (needed > options.max_clip_bytes) {
     return file.file_failure(
         std::to_string(arrays.frame_count) + " frames take " +
             number_text(static_cast<double>(needed) / 1e6, 1) + " MB of memory, at most " +
-            number_text(static_cast<double>(options.most_clip_bytes) / 1e6, 1) + " MB are allowed",
+            number_text(static_cast<double>(options.max_clip_bytes) / 1e6, 1) + " MB are allowed",
         OPTION("memory") " allows more; or split the motion");
   }
   return SmplMotion{clip_of(arrays, body),     arrays.family,           std::move(arrays.gender),

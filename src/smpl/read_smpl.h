@@ -18,7 +18,7 @@ struct SmplReadOptions {
   std::optional<double> source_fps;
 
   /// Bytes that the clip may take in memory; a file whose clip would take more is an error.
-  std::size_t most_clip_bytes = std::numeric_limits<std::size_t>::max();
+  std::size_t max_clip_bytes = std::numeric_limits<std::size_t>::max();
 
   /// Height of the generic body in metres, in place of what the betas suggest. Not for a model,
   /// which has its own.

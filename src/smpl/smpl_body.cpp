@@ -23,7 +23,7 @@ constexpr std::string_view kSaveHint =
     "with numpy.savez; docs/smpl.md has the lines";
 
 // a few times the largest there is
-constexpr std::size_t kMostFileBytes = std::size_t{1} << 30U;
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30U;
 constexpr int kSmplxJointCount = 55;
 constexpr int kSole = kSmplTipCount;  // after the tips: the lowest vertex
 constexpr int kPointCount = kSmplJointCount + kSmplTipCount + 1;
@@ -212,7 +212,7 @@ Result<SmplBody> read_smpl_body(std::string_view bytes, const std::string& file_
 }
 
 Result<SmplBody> load_smpl_body(const std::string& path) {
-  TRY_ASSIGN(const auto bytes, read_file(path, ErrorKind::kConfig, kMostFileBytes));
+  TRY_ASSIGN(const auto bytes, read_file(path, ErrorKind::kConfig, kMaxFileBytes));
   return read_smpl_body(bytes.view(), path);
 }
 

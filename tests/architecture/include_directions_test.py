@@ -24,13 +24,13 @@ MAY_INCLUDE = {
     "pipeline": ["human", "ik"],
     "anatomy": ["robot"],
     "rig": ["pipeline", "anatomy"],
-    "refine": ["pipeline"],
-    "quality": ["refine"],
+    "fit": ["pipeline"],
+    "quality": ["fit"],
     "plan": ["anatomy", "quality", "io"],
     "provenance": ["io"],
     "run": ["plan", "provenance"],
     "batch": ["run"],
-    "view": ["refine", "quality", "io"],
+    "view": ["fit", "quality", "io"],
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?!retarget/)([a-z0-9_]+)/[^">]+[">]')

@@ -52,7 +52,7 @@ TEST(ManifestLine, RoundTrips) {
   entry.error = error;
   entry.exit_code = 3;
   entry.taken_as = "CMU";
-  entry.mapping = "robots/r/ik.json";
+  entry.config = "robots/r/ik.json";
   entry.warnings = {"one", "two"};
   entry.quality = ClipQuality{{{"jumps", 2.0}, {"limit_pct", 0.5}}, {"jumps"}, "jumps", HUGE_VAL};
   const std::string line = manifest_line(entry);
@@ -66,7 +66,7 @@ TEST(ManifestLine, RoundTrips) {
   EXPECT_EQ(read->error->location.column, 4U);
   EXPECT_EQ(read->error->hint, "that");
   EXPECT_EQ(read->exit_code, 3);
-  EXPECT_EQ(read->mapping, "robots/r/ik.json");
+  EXPECT_EQ(read->config, "robots/r/ik.json");
   EXPECT_EQ(read->quality->figures.at(1).second, 0.5);
   EXPECT_EQ(read->quality->worst_ratio, HUGE_VAL);
   EXPECT_FALSE(read->done);

@@ -151,7 +151,7 @@ TEST(ProcessPool, KillsAHangingTask) {
 TEST(ProcessPool, LimitsMemoryOfATask) {
   if (kUnderSanitizer) GTEST_SKIP() << "sanitizers take address space beyond any bound";
   ProcessPoolOptions options = with_exit();
-  options.most_memory = std::uint64_t{256} << 20U;
+  options.max_memory = std::uint64_t{256} << 20U;
   const auto ends = ends_of({1, 1}, options, [](std::size_t task) -> std::string {
     try {
       const std::string large(task == 0 ? std::size_t{1} << 30U : std::size_t{1} << 20U, 'x');

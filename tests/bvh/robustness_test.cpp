@@ -155,9 +155,10 @@ TEST(BvhRobustness, JointsWithoutChannelsDoNotExhaustMemory) {
   const long before = peak_kilobytes();
   const Result<BvhFile> file = read_exactly(text);
   ASSERT_FALSE(file.has_value());
-  EXPECT_EQ(file.error().message,
-            "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
-            "file of this size");
+  EXPECT_EQ(
+      file.error().message,
+      "40000 frames of 2001 joints take 2561.3 MB of memory, at most 33.6 MB are allowed for a "
+      "file of this size");
   EXPECT_LT(peak_kilobytes() - before, 80'000);
   // what is not said is not taken either
   EXPECT_FALSE(read_exactly(head + "0\n").has_value());
@@ -170,9 +171,9 @@ TEST(BvhRobustness, ClipStaysWithinTheMemoryLimit) {
   std::string text = "HIERARCHY\nROOT a{OFFSET 0 1 0 CHANNELS 1 Xrotation}\n";
   text += "MOTION\nFrames: 3\nFrame Time: 0.01\n0\n0\n0\n";
   BvhReadOptions options;
-  options.most_clip_bytes = 96;
+  options.max_clip_bytes = 96;
   EXPECT_EQ(clip_of(text, options).frame_count(), 3);
-  options.most_clip_bytes = 95;
+  options.max_clip_bytes = 95;
   const Result<BvhFile> file = read_exactly(text, options);
   ASSERT_FALSE(file.has_value());
   EXPECT_THAT(file.error().hint, ::testing::HasSubstr(OPTION("memory")));

@@ -124,7 +124,7 @@ class BadInput(ToolTest):
 
     def test_robot_folder_without_a_mapping(self):
         self.write("mine/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text())
-        self.assert_refused(self.retarget(robot="mine"), 4, "no mapping", "--ik-config")
+        self.assert_refused(self.retarget(robot="mine"), 4, "no retargeting configuration", "--ik-config")
         self.write("mine/ik.json", (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text())
         self.assertEqual(self.retarget(robot="mine").returncode, 0)
 

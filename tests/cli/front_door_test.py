@@ -89,7 +89,7 @@ class Evaluations(ToolTest):
         told = self.run_tool("evaluate", "wave.csv", *G1, "--bvh", "wave.bvh", "--gate", "none")
         self.assert_done(told)
         self.assertIn("taken as", told.stderr)
-        self.assertNotIn("limits official, mapping", told.stderr)
+        self.assertNotIn("limits official, configuration", told.stderr)
 
     def test_terms_may_be_parted_by_blanks(self):
         self.write("wave.bvh", short_clip("wave", 5))

@@ -109,7 +109,7 @@ class MappingChoice(ToolTest):
 
     def test_what_is_not_there_is_refused(self):
         self.assert_fails(self.retarget("--ik-config", "published", robot="unitree_h1"), 4,
-                          "no published mapping", "unitree_h1")
+                          "no published retargeting configuration", "unitree_h1")
 
     def test_show_names_both(self):
         shown = self.run_tool("robots", "show", "unitree_g1")

@@ -374,9 +374,9 @@ class Messages(ToolTest):
         model = ("--bvh", sample("wave"), "--robot-xml", copy, "-o", "x.csv")
         for kind in ("published", "derived"):
             result = self.run_tool(*model, "--ik-config", kind)
-            self.assert_fails(result, 4, f"no {kind} mapping", "robots add")
+            self.assert_fails(result, 4, f"no {kind} retargeting configuration", "robots add")
             self.assertNotIn("leave out --ik-config", result.stderr)
-        self.assert_fails(self.run_tool(*model), 2, "without a mapping", "robots add")
+        self.assert_fails(self.run_tool(*model), 2, "without a retargeting configuration", "robots add")
 
 
 if __name__ == "__main__":

@@ -153,7 +153,7 @@ class Mistakes(ToolTest):
                 (("walk.bvh",), "no robot and no output are given"),
                 (("g1",), "no motion file and no output are given"),
                 (("walk.bvh", "g1"), "no output is given"),
-                (("--robot-xml", "x.xml"), "no motion file, no output and no mapping are given"),
+                (("--robot-xml", "x.xml"), "no motion file, no output and no retargeting configuration are given"),
                 (("evaluate",), "no motions and no robot are given"),
                 (("convert",), "no input, no robot and no output are given"),
                 (("compare",), "no motion files are given"),

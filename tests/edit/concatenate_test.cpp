@@ -32,11 +32,11 @@ TEST(Concatenation, FindsTheCutOfAClip) {
     Clip b = cut(whole, cut_case.begin_of_b, whole.frame_count());
     // somewhere else, for the alignment to be found
     const GroundPose away{{3.0, -4.0}, 1.3};
-    BodyMover::of(b, sample.mapping).value().move_all(b, away.in_space());
+    BodyMover::of(b, sample.calibration).value().move_all(b, away.in_space());
     for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
       ConcatenateOptions options;
       options.blend = blend;
-      const auto joined = concatenate(a, b, sample.mapping, options, "a", "b");
+      const auto joined = concatenate(a, b, sample.calibration, options, "a", "b");
       ASSERT_TRUE(joined) << describe(joined.error());
       EXPECT_EQ(joined->seam.a_frame, cut_case.begin_of_b) << cut_case.name;
       EXPECT_EQ(joined->seam.b_frame, 0) << cut_case.name;
@@ -52,7 +52,7 @@ TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
     const EditSample& sample = data_sample(name);
     const Clip& whole = sample.clip;
     const auto joined = concatenate(cut(whole, 0, 90), cut(whole, 90, whole.frame_count()),
-                                    sample.mapping, {}, "a", "b");
+                                    sample.calibration, {}, "a", "b");
     ASSERT_TRUE(joined) << describe(joined.error());
     EXPECT_EQ(joined->seam.overlap, 0);
     EXPECT_TRUE(joined->check.faults.empty());
@@ -61,7 +61,7 @@ TEST(Concatenation, JoinsPartsWithoutSharedFrames) {
   // what leaves out frames does not go on from there
   const EditSample& walk = data_sample("walk");
   const auto later =
-      concatenate(cut(walk.clip, 0, 150), cut(walk.clip, 153, 301), walk.mapping, {}, "a", "b");
+      concatenate(cut(walk.clip, 0, 150), cut(walk.clip, 153, 301), walk.calibration, {}, "a", "b");
   EXPECT_GT(later->seam.overlap, 0);
 }
 
@@ -73,8 +73,8 @@ TEST(Concatenation, IgnoresJoltsOfTheRecordingItself) {
   constexpr int kJolt = 151;
   whole.rotations(kJolt)[arm] =
       whole.rotations(kJolt)[arm] * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
-  const auto joined =
-      concatenate(cut(whole, 0, kJolt - 1), cut(whole, kJolt - 1, 301), walk.mapping, {}, "a", "b");
+  const auto joined = concatenate(cut(whole, 0, kJolt - 1), cut(whole, kJolt - 1, 301),
+                                  walk.calibration, {}, "a", "b");
   ASSERT_TRUE(joined) << describe(joined.error());
   EXPECT_EQ(joined->seam.overlap, 0);
   EXPECT_THAT(joined->check.faults, testing::IsEmpty());
@@ -95,7 +95,7 @@ TEST(Concatenation, FindsTheCutOfRecordedClips) {
       for (const int common : {0, 1, 4, 10}) {
         const auto joined =
             concatenate(cut(whole, 0, kLength + common), cut(whole, kLength, 2 * kLength),
-                        sample.mapping, {}, "a", "b");
+                        sample.calibration, {}, "a", "b");
         ASSERT_TRUE(joined) << describe(joined.error());
         EXPECT_EQ(joined->seam.a_frame, kLength) << name << " " << at << " " << common;
         if (joined->clip.frame_count() != whole.frame_count()) continue;
@@ -137,9 +137,9 @@ TEST(Concatenation, JointsAboveTheHipsMayDiffer) {
   for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
     ConcatenateOptions options;
     options.blend = blend;
-    const auto wanted = concatenate(a, b, plain.mapping, options, "a", "b");
+    const auto wanted = concatenate(a, b, plain.calibration, options, "a", "b");
     const auto joined =
-        concatenate(with_root(a, {}), with_root(b, turned), rooted.mapping, options, "a", "b");
+        concatenate(with_root(a, {}), with_root(b, turned), rooted.calibration, options, "a", "b");
     ASSERT_TRUE(wanted && joined);
     EXPECT_EQ(joined->seam.a_frame, wanted->seam.a_frame);
     const HumanClip is = rooted.human_of(joined->clip), as = plain.human_of(wanted->clip);
@@ -160,14 +160,14 @@ TEST(Concatenation, KeepsMostOfBothClips) {
   ConcatenateOptions options;
   options.seam.search_all = true;
   options.seam.cost_of_second = 0.001;
-  const auto twice = concatenate(walk.clip, walk.clip, walk.mapping, options, "a", "b");
+  const auto twice = concatenate(walk.clip, walk.clip, walk.calibration, options, "a", "b");
   ASSERT_TRUE(twice);
   EXPECT_GT(twice->clip.frame_count(), 400);
 }
 
 TEST(Concatenation, FrameCountIsCorrect) {
   const EditSample &walk = data_sample("walk"), &wave = data_sample("wave");
-  const auto joined = concatenate(walk.clip, wave.clip, walk.mapping, {}, "walk", "wave");
+  const auto joined = concatenate(walk.clip, wave.clip, walk.calibration, {}, "walk", "wave");
   ASSERT_TRUE(joined) << describe(joined.error());
   const Seam& seam = joined->seam;
   EXPECT_EQ(joined->clip.frame_count(), seam.a_frame + wave.clip.frame_count() - seam.b_frame);
@@ -187,7 +187,7 @@ TEST(Concatenation, InertialSeamsAreSmooth) {
   ConcatenateOptions options;
   options.blend = SeamBlend::kInertial;
   const auto joined =
-      concatenate(cut(walk.clip, 0, 160), turn.clip, walk.mapping, options, "a", "b");
+      concatenate(cut(walk.clip, 0, 160), turn.clip, walk.calibration, options, "a", "b");
   ASSERT_TRUE(joined) << describe(joined.error());
   // m per frame^2; a jump of a few centimetres would double it
   const auto largest_bend = [](const HumanClip& human, int begin, int end) {
@@ -210,7 +210,8 @@ TEST(Concatenation, ReportsMisfits) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   ConcatenateOptions options;
   options.seam.band = options.widest_band = 0.5;
-  const auto joined = concatenate(walk.clip, up.clip, walk.mapping, options, "walk.bvh", "up.bvh");
+  const auto joined =
+      concatenate(walk.clip, up.clip, walk.calibration, options, "walk.bvh", "up.bvh");
   ASSERT_TRUE(joined);
   EXPECT_EQ(joined->band, 0.5);
   ASSERT_FALSE(joined->check.faults.empty());
@@ -222,7 +223,8 @@ TEST(Concatenation, ReportsMisfits) {
 TEST(Concatenation, WidensTheSearchForAGoodSeam) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
   const ConcatenateOptions options;
-  const auto joined = concatenate(walk.clip, up.clip, walk.mapping, options, "walk.bvh", "up.bvh");
+  const auto joined =
+      concatenate(walk.clip, up.clip, walk.calibration, options, "walk.bvh", "up.bvh");
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->check.faults, testing::IsEmpty());
   EXPECT_GT(joined->band, 2.0);
@@ -230,7 +232,7 @@ TEST(Concatenation, WidensTheSearchForAGoodSeam) {
 }
 
 Clip raised(const EditSample& sample, Clip clip, double height) {
-  BodyMover::of(clip, sample.mapping)
+  BodyMover::of(clip, sample.calibration)
       .value()
       .move_all(clip, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
   return clip;
@@ -243,7 +245,7 @@ TEST(Concatenation, AlignsFloors) {
   for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
     ConcatenateOptions options;
     options.blend = blend;
-    const auto joined = concatenate(a, b, sample.mapping, options, "a", "b");
+    const auto joined = concatenate(a, b, sample.calibration, options, "a", "b");
     ASSERT_TRUE(joined);
     EXPECT_NEAR(joined->lift, -0.9, 0.002);
     EXPECT_LT(largest_distance(joined->clip, sample.clip, 0.01), 0.005);
@@ -254,13 +256,13 @@ TEST(Concatenation, AlignsFloors) {
 TEST(Concatenation, CutStairClipIsRejoinedUnchanged) {
   const EditSample& sample = data_sample("walk");
   Clip climbing = sample.clip;
-  const auto mover = BodyMover::of(climbing, sample.mapping).value();
+  const auto mover = BodyMover::of(climbing, sample.calibration).value();
   for (int frame = 160; frame < climbing.frame_count(); ++frame) {
     const double height = std::min(0.5, 0.01 * (frame - 160));
     mover.move(climbing, frame, {Eigen::Quaterniond::Identity(), {0.0, 0.0, height}});
   }
   const auto joined =
-      concatenate(cut(climbing, 0, 160), cut(climbing, 150, 301), sample.mapping, {}, "a", "b");
+      concatenate(cut(climbing, 0, 160), cut(climbing, 150, 301), sample.calibration, {}, "a", "b");
   ASSERT_TRUE(joined);
   EXPECT_EQ(joined->lift, 0.0);
   EXPECT_LT(largest_distance(joined->clip, climbing, 0.01), 1e-6);
@@ -271,18 +273,18 @@ TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
   const EditSample& sample = data_sample("walk");
   const Clip a = cut(sample.clip, 0, 160);
   const Clip b = raised(sample, cut(sample.clip, 150, 301), 0.015);
-  const auto legs = find_legs(sample.clip.skeleton(), sample.mapping);
+  const auto legs = find_legs(sample.clip.skeleton(), sample.calibration);
   for (const SeamBlend blend : {SeamBlend::kCrossfade, SeamBlend::kInertial}) {
     ConcatenateOptions options;
     options.blend = blend;
-    const auto joined = concatenate(a, b, sample.mapping, options, "a", "b");
+    const auto joined = concatenate(a, b, sample.calibration, options, "a", "b");
     ASSERT_TRUE(joined);
     EXPECT_EQ(joined->lift, 0.0);
     EXPECT_LT(joined->check.jump, 0.1);
     // in one frame the 1.5 cm would be 0.45 m/s
     for (int foot = 0; foot < 2; ++foot) {
-      const auto ankles = ankle_poses(joined->clip, sample.mapping, *legs[foot]);
-      const auto own = ankle_poses(sample.clip, sample.mapping, *legs[foot]);
+      const auto ankles = ankle_poses(joined->clip, sample.calibration, *legs[foot]);
+      const auto own = ankle_poses(sample.clip, sample.calibration, *legs[foot]);
       for (std::size_t i = 145; i < 165; ++i) {
         const double rise = ankles[i + 1].translation.z() - ankles[i].translation.z();
         const double own_rise = own[i + 1].translation.z() - own[i].translation.z();
@@ -291,9 +293,9 @@ TEST(Concatenation, FootPlantedInBothClipsDoesNotJump) {
     }
     // and one that does jump is seen
     options.fade = options.seam.window = 0.01;
-    options.seam.most_seams = 1;
+    options.seam.max_seams = 1;
     const auto jumping =
-        concatenate(a, raised(sample, b, 0.004), sample.mapping, options, "a", "b");
+        concatenate(a, raised(sample, b, 0.004), sample.calibration, options, "a", "b");
     ASSERT_TRUE(jumping);
     EXPECT_THAT(jumping->check.faults, testing::Contains(testing::HasSubstr("jumps")));
   }
@@ -309,14 +311,14 @@ TEST(Concatenation, ReportsJolts) {
     b.rotations(frame)[arm] = b.rotations(frame)[arm] * turn;
   }
   ConcatenateOptions options;
-  options.seam.most_seams = 1;
+  options.seam.max_seams = 1;
   options.seam.band = options.widest_band = 0.3;
   const Clip a = cut(sample.clip, 0, 160);
-  const auto smooth = concatenate(a, b, sample.mapping, options, "a", "b");
+  const auto smooth = concatenate(a, b, sample.calibration, options, "a", "b");
   ASSERT_TRUE(smooth);
   EXPECT_THAT(smooth->check.faults, testing::IsEmpty());
   options.fade = options.seam.window = 0.01;
-  const auto jolted = concatenate(a, b, sample.mapping, options, "a", "b");
+  const auto jolted = concatenate(a, b, sample.calibration, options, "a", "b");
   ASSERT_TRUE(jolted);
   EXPECT_LT(jolted->check.largest_speed, 3.0 * jolted->check.usual_speed);
   EXPECT_GT(jolted->check.largest_acceleration, 3.0 * jolted->check.usual_acceleration);
@@ -326,20 +328,20 @@ TEST(Concatenation, ReportsJolts) {
 TEST(Concatenation, HandlesOddClips) {
   const EditSample& walk = data_sample("walk");
   const Clip none = cut(walk.clip, 0, 0), one = cut(walk.clip, 0, 1);
-  EXPECT_FALSE(concatenate(none, walk.clip, walk.mapping, {}, "a", "b"));
-  EXPECT_FALSE(concatenate(walk.clip, none, walk.mapping, {}, "a", "b"));
-  const auto single = concatenate(one, one, walk.mapping, {}, "a", "b");
+  EXPECT_FALSE(concatenate(none, walk.clip, walk.calibration, {}, "a", "b"));
+  EXPECT_FALSE(concatenate(walk.clip, none, walk.calibration, {}, "a", "b"));
+  const auto single = concatenate(one, one, walk.calibration, {}, "a", "b");
   ASSERT_TRUE(single) << describe(single.error());
   EXPECT_EQ(single->clip.frame_count(), 1);
-  const auto begun = concatenate(one, walk.clip, walk.mapping, {}, "a", "b");
+  const auto begun = concatenate(one, walk.clip, walk.calibration, {}, "a", "b");
   ASSERT_TRUE(begun) << describe(begun.error());
   EXPECT_LT(largest_distance(begun->clip, walk.clip, 0.01), 1e-6);
   Clip faster = walk.clip;
   faster.set_rate({60, 1});
-  EXPECT_FALSE(concatenate(walk.clip, faster, walk.mapping, {}, "a", "b"));
+  EXPECT_FALSE(concatenate(walk.clip, faster, walk.calibration, {}, "a", "b"));
   ConcatenateOptions all;
   all.seam.search_all = true;
-  EXPECT_TRUE(concatenate(walk.clip, walk.clip, walk.mapping, all, "a", "b"));
+  EXPECT_TRUE(concatenate(walk.clip, walk.clip, walk.calibration, all, "a", "b"));
 }
 
 // the walk's skeleton with all joints' axes turned, and other channels
@@ -353,8 +355,8 @@ TransferTarget turned_axes() {
     if (joint.parent < 0) continue;
     joint.channels = {Channel::kXRotation, Channel::kZRotation, Channel::kYRotation};
   }
-  TransferTarget target{std::make_shared<const Skeleton>(joints), walk.map, walk.mapping};
-  for (BoneSource& bone : target.mapping.bones) {
+  TransferTarget target{std::make_shared<const Skeleton>(joints), walk.map, walk.calibration};
+  for (BoneSource& bone : target.calibration.bones) {
     if (bone.rotation_joint >= 0) bone.joint_from_bone = axes;
   }
   return target;
@@ -364,28 +366,31 @@ TransferTarget turned_axes() {
 TEST(EditsAndTransfer, Commute) {
   const EditSample& walk = data_sample("walk");
   const TransferTarget other = turned_axes();
-  const auto transferred = [&](const Clip& clip) { return transfer(clip, walk.mapping, other); };
-  const GroundPath circle = circle_path(fit_path(walk.clip, walk.mapping)->path.at(0.0), 3.0, 7.0);
+  const auto transferred = [&](const Clip& clip) {
+    return transfer(clip, walk.calibration, other);
+  };
+  const GroundPath circle =
+      circle_path(fit_path(walk.clip, walk.calibration)->path.at(0.0), 3.0, 7.0);
   const Clip& waving = data_sample("wave").clip;
-  using EditOf = std::function<Clip(const Clip&, const HumanMapping&)>;
+  using EditOf = std::function<Clip(const Clip&, const Calibration&)>;
   const std::vector<std::pair<const char*, EditOf>> edits = {
-      {"mirror",
-       [](const Clip& clip, const HumanMapping& mapping) { return mirror(clip, mapping).value(); }},
+      {"mirror", [](const Clip& clip,
+                    const Calibration& calibration) { return mirror(clip, calibration).value(); }},
       {"path",
-       [&](const Clip& clip, const HumanMapping& mapping) {
-         return rethread(clip, mapping, circle, {}).value().clip;
+       [&](const Clip& clip, const Calibration& calibration) {
+         return follow_path(clip, calibration, circle, {}).value().clip;
        }},
       {"concatenate",
-       [&](const Clip& clip, const HumanMapping& mapping) {
+       [&](const Clip& clip, const Calibration& calibration) {
          const bool own = clip.skeleton().joint(1).channels[0] == Channel::kZRotation;
          const Clip next = own ? waving : transferred(waving);
-         return concatenate(clip, next, mapping, {}, "a", "b").value().clip;
+         return concatenate(clip, next, calibration, {}, "a", "b").value().clip;
        }},
   };
   for (const auto& [name, edit] : edits) {
-    const Clip one = transferred(edit(walk.clip, walk.mapping));
-    const Clip two = edit(transferred(walk.clip), other.mapping);
-    EXPECT_LT(largest_distance(one, two, other.mapping.metres_per_unit), 1e-6) << name;
+    const Clip one = transferred(edit(walk.clip, walk.calibration));
+    const Clip two = edit(transferred(walk.clip), other.calibration);
+    EXPECT_LT(largest_distance(one, two, other.calibration.metres_per_unit), 1e-6) << name;
   }
 }
 
@@ -399,9 +404,9 @@ TEST(Concatenation, RecordedClipsPassTheSeamChecks) {
   const EditSample walk(cut(load("walk4_subject1"), 0, 600));
   for (const char* name : {"push1_subject2", "dance1_subject2"}) {
     const EditSample next(cut(load(name), 0, 400));
-    const Clip same_body = transfer(next.clip, next.mapping, walk.as_target());
+    const Clip same_body = transfer(next.clip, next.calibration, walk.as_target());
     // both begin with seconds of a T-pose, which no walk goes on to
-    const auto joined = concatenate(walk.clip, same_body, walk.mapping, {}, "walk4", name);
+    const auto joined = concatenate(walk.clip, same_body, walk.calibration, {}, "walk4", name);
     ASSERT_TRUE(joined) << describe(joined.error());
     EXPECT_TRUE(joined->check.faults.empty());
     EXPECT_LT(joined->check.largest_speed, 3.0 * joined->check.usual_speed);

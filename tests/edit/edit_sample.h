@@ -14,26 +14,30 @@
 
 namespace retarget::edit_test {
 
-inline const std::vector<Dialect>& all_dialects() {
-  static const std::vector<Dialect> kDialects =
-      load_dialects(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons").value();
-  return kDialects;
+inline const std::vector<SkeletonProfile>& all_profiles() {
+  static const std::vector<SkeletonProfile> kProfiles =
+      load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons").value();
+  return kProfiles;
 }
 
 /// A clip and the human that is recognised in it.
 struct EditSample {
   Clip clip;
   BoneMap map;
-  HumanMapping mapping;
+  Calibration calibration;
 
   explicit EditSample(Clip from)
       : clip(std::move(from)),
-        map(recognise_skeleton(clip, all_dialects()).value()),
-        mapping(calibrate(clip, map, {}).value().mapping) {}
+        map(recognise_skeleton(clip, all_profiles()).value()),
+        calibration(calibrate(clip, map, {}).value()) {}
 
-  [[nodiscard]] HumanClip human() const { return to_human(clip, mapping); }
-  [[nodiscard]] HumanClip human_of(const Clip& edited) const { return to_human(edited, mapping); }
-  [[nodiscard]] TransferTarget as_target() const { return {clip.shared_skeleton(), map, mapping}; }
+  [[nodiscard]] HumanClip human() const { return to_human(clip, calibration); }
+  [[nodiscard]] HumanClip human_of(const Clip& edited) const {
+    return to_human(edited, calibration);
+  }
+  [[nodiscard]] TransferTarget as_target() const {
+    return {clip.shared_skeleton(), map, calibration};
+  }
 };
 
 inline Clip data_clip(const std::string& name) {

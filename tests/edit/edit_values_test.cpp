@@ -13,7 +13,7 @@ using namespace edit_test;
 using testing::HasSubstr;
 
 Subject subject_of(const EditSample& sample) {
-  return {sample.clip, sample.map, sample.mapping};
+  return {sample.clip, sample.map, sample.calibration};
 }
 
 TEST(Parts, AreGivenByTimesOrFrames) {
@@ -61,19 +61,20 @@ TEST(Seams, AreSearchedAsRequested) {
 
 TEST(Seams, ReportWhyTheyAreNotGood) {
   const EditSample &walk = data_sample("walk"), &up = data_sample("get_up");
-  const Loop loop = make_loop(up.clip, up.mapping, {}).value();
+  const Loop loop = make_loop(up.clip, up.calibration, {}).value();
   ASSERT_TRUE(loop.misfit);
   EXPECT_EQ(loop.misfit->kind, ErrorKind::kRun);
   EXPECT_THAT(loop.misfit->message, HasSubstr("cm apart"));
   EXPECT_EQ(loop.doubts.size(), loop.check.faults.size());
   ConcatenateOptions strict;
   strict.threshold = 0.001;
-  const auto joined = concatenate(walk.clip, up.clip, walk.mapping, strict, "walk", "up").value();
+  const auto joined =
+      concatenate(walk.clip, up.clip, walk.calibration, strict, "walk", "up").value();
   ASSERT_TRUE(joined.misfit);
   EXPECT_EQ(joined.misfit->location.file, "up");
   EXPECT_THAT(joined.misfit->message, HasSubstr("does not fit walk"));
   const auto good =
-      concatenate(cut(walk.clip, 0, 160), cut(walk.clip, 150, 301), walk.mapping, {}, "a", "b");
+      concatenate(cut(walk.clip, 0, 160), cut(walk.clip, 150, 301), walk.calibration, {}, "a", "b");
   EXPECT_FALSE(good.value().misfit);
 }
 

@@ -71,11 +71,11 @@ double largest_knee_acceleration(const HumanClip& human) {
 }
 
 Clip follow(const EditSample& sample, const GroundPath& path) {
-  return rethread(sample.clip, sample.mapping, path, {}).value().clip;
+  return follow_path(sample.clip, sample.calibration, path, {}).value().clip;
 }
 
 GroundPath own_path(const EditSample& sample) {
-  return fit_path(sample.clip, sample.mapping).value().path;
+  return fit_path(sample.clip, sample.calibration).value().path;
 }
 
 TEST(FeetOnPaths, ToesStayPlantedWhileTheHeelIsUp) {
@@ -148,14 +148,14 @@ Clip with_other_legs(const Clip& clip) {
 TEST(FeetAfterATransfer, ContactsMatchTheSource) {
   const EditSample& sample = data_sample("walk");
   const Clip legs = with_other_legs(sample.clip);
-  const auto found = recognise_skeleton(legs, all_dialects());
+  const auto found = recognise_skeleton(legs, all_profiles());
   ASSERT_TRUE(found) << describe(found.error());
   const EditSample other(legs);
   const HumanClip source = sample.human();
-  Clip moved = transfer(sample.clip, sample.mapping, other.as_target());
+  Clip moved = transfer(sample.clip, sample.calibration, other.as_target());
   const HumanClip slid = other.human_of(moved);
   const auto feet =
-      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.mapping, {});
+      plant_transferred_feet(moved, other.as_target(), sample.clip, sample.calibration, {});
   ASSERT_TRUE(feet) << describe(feet.error());
   const HumanClip planted = other.human_of(moved);
   EXPECT_LT(feet->largest_miss, 0.002);
@@ -165,9 +165,9 @@ TEST(FeetAfterATransfer, ContactsMatchTheSource) {
   }
   EXPECT_LT(largest_knee_acceleration(planted), 1.3 * largest_knee_acceleration(source));
   // who has the same body stands already
-  Clip same = transfer(sample.clip, sample.mapping, sample.as_target());
+  Clip same = transfer(sample.clip, sample.calibration, sample.as_target());
   const auto none =
-      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.mapping, {});
+      plant_transferred_feet(same, sample.as_target(), sample.clip, sample.calibration, {});
   ASSERT_TRUE(none);
   EXPECT_LT(none->largest_correction, 1e-9);
 }

@@ -21,12 +21,12 @@ Clip sample(const std::string& name) {
 TEST(Lafan1Clip, RoundTripsTheHuman) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
-    const HumanMapping mapping = lafan1_mapping(clip.skeleton());
-    const HumanClip human = to_human(clip, mapping);
-    const auto shaped = lafan1_clip(clip, mapping);
+    const Calibration calibration = lafan1_calibration(clip.skeleton());
+    const HumanClip human = to_human(clip, calibration);
+    const auto shaped = lafan1_clip(clip, calibration);
     ASSERT_TRUE(shaped) << describe(shaped.error());
     const Clip read = read_bvh(format_bvh(*shaped).value(), name).value().clip;
-    const HumanClip again = to_human(read, lafan1_mapping(read.skeleton()));
+    const HumanClip again = to_human(read, lafan1_calibration(read.skeleton()));
     for (int frame = 0; frame < human.frame_count; ++frame) {
       for (const Bone bone : kAllBones) {
         const Pose &a = human.frame(frame)[bone], &b = again.frame(frame)[bone];
@@ -39,12 +39,12 @@ TEST(Lafan1Clip, RoundTripsTheHuman) {
 
 TEST(Lafan1Clip, ScalesBodiesToOneSize) {
   const Clip clip = sample("walk");
-  HumanMapping mapping = lafan1_mapping(clip.skeleton());
-  const Clip expected = lafan1_clip(clip, mapping).value();
+  Calibration calibration = lafan1_calibration(clip.skeleton());
+  const Clip expected = lafan1_clip(clip, calibration).value();
   // a child that moves alike
-  mapping.size *= 0.5;
-  mapping.metres_per_unit *= 0.5;
-  const Clip child = lafan1_clip(clip, mapping).value();
+  calibration.size *= 0.5;
+  calibration.metres_per_unit *= 0.5;
+  const Clip child = lafan1_clip(clip, calibration).value();
   for (int joint = 0; joint < expected.skeleton().joint_count(); ++joint) {
     EXPECT_LT(
         (child.skeleton().joint(joint).offset - expected.skeleton().joint(joint).offset).norm(),
@@ -55,15 +55,15 @@ TEST(Lafan1Clip, ScalesBodiesToOneSize) {
 
 TEST(Lafan1Clip, FillsMissingBonesExceptLimbs) {
   const Clip clip = sample("walk");
-  HumanMapping mapping = lafan1_mapping(clip.skeleton());
-  mapping.bones[Bone::kNeck] = {};
-  mapping.bones[Bone::kLeftToe] = {};
-  const auto shaped = lafan1_clip(clip, mapping);
+  Calibration calibration = lafan1_calibration(clip.skeleton());
+  calibration.bones[Bone::kNeck] = {};
+  calibration.bones[Bone::kLeftToe] = {};
+  const auto shaped = lafan1_clip(clip, calibration);
   ASSERT_TRUE(shaped);
   EXPECT_EQ(shaped->skeleton().joint_count(), 22);
   EXPECT_EQ(shaped->skeleton().joint(4).offset.norm(), 0.0);
-  mapping.bones[Bone::kLeftArm] = {};
-  const auto armless = lafan1_clip(clip, mapping);
+  calibration.bones[Bone::kLeftArm] = {};
+  const auto armless = lafan1_clip(clip, calibration);
   ASSERT_FALSE(armless);
   EXPECT_NE(armless.error().message.find("LeftArm"), std::string::npos);
 }

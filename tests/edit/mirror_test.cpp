@@ -25,8 +25,8 @@ Bone mate_of_bone(Bone bone) {
 TEST(Mirror, TwiceIsIdentity) {
   for (const char* name : {"walk", "get_up", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
-    const Clip once = mirror(sample.clip, sample.mapping).value();
-    const Clip twice = mirror(once, sample.mapping).value();
+    const Clip once = mirror(sample.clip, sample.calibration).value();
+    const Clip twice = mirror(once, sample.calibration).value();
     EXPECT_LT(largest_distance(twice, sample.clip, 0.01), 1e-8) << name;
     for (int frame = 0; frame < twice.frame_count(); ++frame) {
       for (int joint = 0; joint < twice.skeleton().joint_count(); ++joint) {
@@ -42,7 +42,7 @@ TEST(Mirror, TwiceIsIdentity) {
 // the synthetic body is symmetric: every bone is where the mirror shows its counterpart
 TEST(Mirror, BonesAreMirrorImages) {
   const EditSample& sample = data_sample("wave");
-  const Clip image = mirror(sample.clip, sample.mapping).value();
+  const Clip image = mirror(sample.clip, sample.calibration).value();
   const HumanClip before = sample.human(), after = sample.human_of(image);
   const GroundPose start = hips_over_ground(before).front();
   for (int frame = 0; frame < before.frame_count; frame += 7) {
@@ -63,8 +63,8 @@ TEST(Mirror, IgnoresNames) {
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) joints[i].name = "j" + std::to_string(i);
   const Skeleton nameless(joints);
-  EXPECT_EQ(body_mirror(nameless, sample.mapping).value().mates,
-            body_mirror(sample.clip.skeleton(), sample.mapping).value().mates);
+  EXPECT_EQ(body_mirror(nameless, sample.calibration).value().mates,
+            body_mirror(sample.clip.skeleton(), sample.calibration).value().mates);
 }
 
 TEST(Mirror, PairsOtherJointsByShape) {
@@ -83,12 +83,12 @@ TEST(Mirror, PairsOtherJointsByShape) {
   const int thumb = add(left, "a", {3.0, 2.0, 1.0}), ring = add(left, "b", {9.0, 0.0, -2.0});
   const int other_ring = add(right, "c", {9.0, 0.0, 2.0});
   const int other_thumb = add(right, "d", {3.0, 2.0, -1.0});
-  const auto mates = body_mirror(Skeleton(joints), sample.mapping).value().mates;
+  const auto mates = body_mirror(Skeleton(joints), sample.calibration).value().mates;
   EXPECT_EQ(mates[thumb], other_thumb);
   EXPECT_EQ(mates[other_ring], ring);
   // one finger more on one hand has no counterpart
   add(right, "sixth", {4.0, -2.0, 0.0});
-  const auto lonely = body_mirror(Skeleton(joints), sample.mapping);
+  const auto lonely = body_mirror(Skeleton(joints), sample.calibration);
   ASSERT_FALSE(lonely);
   EXPECT_EQ(lonely.error().kind, ErrorKind::kInput);
   EXPECT_THAT(lonely.error().message, testing::HasSubstr("counterpart"));
@@ -103,11 +103,13 @@ TEST(Mirror, TwiceIsIdentityForEveryDialect) {
     const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
     const Clip clip = load_bvh(path.string()).value().clip;
     const EditSample sample(cut(clip, 0, std::min(clip.frame_count(), 200)));
-    const auto once = mirror(sample.clip, sample.mapping);
+    const auto once = mirror(sample.clip, sample.calibration);
     ASSERT_TRUE(once) << describe(once.error());
-    const Clip twice = mirror(*once, sample.mapping).value();
-    EXPECT_LT(largest_distance(twice, sample.clip, sample.mapping.metres_per_unit), 1e-7) << file;
-    EXPECT_LT(largest_distance(through_bvh(*once), *once, sample.mapping.metres_per_unit), 1e-7);
+    const Clip twice = mirror(*once, sample.calibration).value();
+    EXPECT_LT(largest_distance(twice, sample.clip, sample.calibration.metres_per_unit), 1e-7)
+        << file;
+    EXPECT_LT(largest_distance(through_bvh(*once), *once, sample.calibration.metres_per_unit),
+              1e-7);
     // the mirrored body is a human that walks upright, its left at the left
     const EditSample again(*once);
     EXPECT_EQ(again.map.joint_of_bone, sample.map.joint_of_bone) << file;
@@ -122,18 +124,19 @@ TEST(Mirror, TwiceIsIdentityThroughFiles) {
   for (const auto& entry : std::filesystem::directory_iterator(*shared / "data" / "dialects")) {
     if (entry.path().extension() != ".bvh") continue;
     const auto read = load_bvh(entry.path().string());
-    if (!read || !recognise_skeleton(read->clip, all_dialects())) continue;
+    if (!read || !recognise_skeleton(read->clip, all_profiles())) continue;
     // a part in which the T-pose must be guessed
     const int frames = read->clip.frame_count();
     const EditSample sample(cut(read->clip, std::min(10, frames - 1), std::min(frames, 100)));
     const std::string file = entry.path().filename().string();
-    const auto once = mirror(sample.clip, sample.mapping);
+    const auto once = mirror(sample.clip, sample.calibration);
     if (!once) continue;
     ++tried;
     const EditSample again(through_bvh(*once));
-    const auto twice = mirror(again.clip, again.mapping);
+    const auto twice = mirror(again.clip, again.calibration);
     ASSERT_TRUE(twice) << describe(twice.error());
-    EXPECT_LT(largest_distance(*twice, sample.clip, sample.mapping.metres_per_unit), 1e-4) << file;
+    EXPECT_LT(largest_distance(*twice, sample.clip, sample.calibration.metres_per_unit), 1e-4)
+        << file;
   }
   EXPECT_GT(tried, 10);
 }

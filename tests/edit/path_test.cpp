@@ -20,14 +20,14 @@ using namespace edit_test;
 constexpr double kPi = std::numbers::pi;
 
 PathMotion path_of(const EditSample& sample) {
-  return fit_path(sample.clip, sample.mapping).value();
+  return fit_path(sample.clip, sample.calibration).value();
 }
 
-Rethreaded follow(const EditSample& sample, const GroundPath& path,
-                  PathKeep keep = PathKeep::kTime) {
-  RethreadOptions options;
+FollowedPath follow(const EditSample& sample, const GroundPath& path,
+                    PathKeep keep = PathKeep::kTime) {
+  FollowPathOptions options;
   options.keep = keep;
-  return rethread(sample.clip, sample.mapping, path, options).value();
+  return follow_path(sample.clip, sample.calibration, path, options).value();
 }
 
 double angle_between(double a, double b) {
@@ -140,7 +140,7 @@ TEST(Rethreading, RigidPathMoveMovesTheMotionRigidly) {
   for (const char* name : {"walk", "turn_in_place"}) {
     const EditSample& sample = data_sample(name);
     Clip wanted = sample.clip;
-    BodyMover::of(wanted, sample.mapping).value().move_all(wanted, move.in_space());
+    BodyMover::of(wanted, sample.calibration).value().move_all(wanted, move.in_space());
     const Clip found = follow(sample, path_of(sample).path.moved(move)).clip;
     EXPECT_LT(largest_distance(found, wanted, 0.01), 1e-6) << name;
     EXPECT_LT(largest_distance(through_bvh(found), found, 0.01), 1e-7) << name;
@@ -176,7 +176,7 @@ TEST(Rethreading, WalksAlongACircle) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath circle = circle_path(own.path.at(0.0), 3.0, own.path.length());
-  const Rethreaded round = follow(sample, circle);
+  const FollowedPath round = follow(sample, circle);
   const ContactPlan contacts = find_contacts(sample.human());
   const StepFacts before = steps_of(sample.human(), contacts);
   const StepFacts after = steps_of(sample.human_of(round.clip), contacts);
@@ -208,11 +208,11 @@ TEST(Rethreading, PlantingPreventsSlip) {
   const EditSample& sample = data_sample("walk");
   const PathMotion own = path_of(sample);
   const GroundPath tight = circle_path(own.path.at(0.0), 1.0, own.path.length());
-  const Rethreaded round = follow(sample, tight);
+  const FollowedPath round = follow(sample, tight);
   const ContactPlan contacts = find_contacts(sample.human());
   EXPECT_LT(steps_of(sample.human_of(round.clip), contacts).slip, 0.02);
   Clip slid = sample.clip;
-  const auto mover = BodyMover::of(slid, sample.mapping).value();
+  const auto mover = BodyMover::of(slid, sample.calibration).value();
   const auto frames = path_frames(own.path, own.along, own.still, {0.0, 0.0});
   for (int i = 0; i < slid.frame_count(); ++i) {
     mover.move(slid, i, round.frames[i] * frames[i].inverse());
@@ -336,14 +336,14 @@ TEST(Rethreading, KneesBendForwards) {
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   struct Walk {
     const char* file;
-    double largest_step;  // beyond the source's own, degrees from a frame to the next
+    double max_joint_step;  // beyond the source's own, degrees from a frame to the next
   };
-  for (const auto& [name, largest_step] :
+  for (const auto& [name, max_joint_step] :
        {Walk{"games105_walk60", 4.0}, Walk{"soma_walk_forward_120fps", 1.5}}) {
     const auto file = *shared / "data/dialects" / (std::string(name) + ".bvh");
     const EditSample sample(load_bvh(file.string()).value().clip);
     const PathMotion own = path_of(sample);
-    const auto legs = find_legs(sample.clip.skeleton(), sample.mapping);
+    const auto legs = find_legs(sample.clip.skeleton(), sample.calibration);
     for (const GroundPath& path : {own.path.scaled(0.8), own.path.scaled(1.1),
                                    circle_path(own.path.at(0.0), 3.0, own.path.length()),
                                    circle_path(own.path.at(0.0), 1.0, own.path.length())}) {
@@ -353,7 +353,8 @@ TEST(Rethreading, KneesBendForwards) {
         EXPECT_GT(*std::ranges::min_element(after), *std::ranges::min_element(before) - 0.5);
         for (std::size_t i = 1; i < after.size(); ++i) {
           const double own_step = std::abs(before[i] - before[i - 1]);
-          ASSERT_LT(std::abs(after[i] - after[i - 1]), own_step + largest_step) << name << " " << i;
+          ASSERT_LT(std::abs(after[i] - after[i - 1]), own_step + max_joint_step)
+              << name << " " << i;
         }
       }
     }
@@ -395,9 +396,9 @@ TEST(Rethreading, HeadingFollowsTheBodyWhileStanding) {
 TEST(Rethreading, HandlesOddClipsAndPaths) {
   const EditSample& walk = data_sample("walk");
   const auto try_it = [&](const Clip& clip, const GroundPath& path, PathKeep keep) {
-    RethreadOptions options;
+    FollowPathOptions options;
     options.keep = keep;
-    const auto result = rethread(clip, walk.mapping, path, options);
+    const auto result = follow_path(clip, walk.calibration, path, options);
     if (!result) {
       EXPECT_FALSE(result.error().message.empty());
       return;
@@ -422,13 +423,13 @@ TEST(Rethreading, HandlesOddClipsAndPaths) {
       }
     }
   }
-  EXPECT_FALSE(fit_path(cut(walk.clip, 0, 0), walk.mapping));
+  EXPECT_FALSE(fit_path(cut(walk.clip, 0, 0), walk.calibration));
 }
 
 TEST(PathPictures, AreValidSvg) {
   const EditSample& sample = data_sample("walk");
   const GroundPath path = path_of(sample).path;
-  const std::string svg = draw_paths(sample.mapping, {{&sample.clip, &path}});
+  const std::string svg = draw_paths(sample.calibration, {{&sample.clip, &path}});
   EXPECT_TRUE(svg.starts_with("<svg"));
   EXPECT_THAT(svg, testing::HasSubstr("polyline"));
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr("nan")));

@@ -19,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 
 Clip moved(const EditSample& sample, const GroundPose& move) {
   Clip clip = sample.clip;
-  BodyMover::of(clip, sample.mapping).value().move_all(clip, move.in_space());
+  BodyMover::of(clip, sample.calibration).value().move_all(clip, move.in_space());
   return clip;
 }
 
@@ -68,7 +68,7 @@ TEST(BodyMoves, RequireAJointThatMovesTheBody) {
   std::vector<Joint> joints = sample.clip.skeleton().joints();
   std::erase_if(joints[0].channels, is_position);
   const auto mover = BodyMover::of(
-      Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1), sample.mapping);
+      Clip(std::make_shared<const Skeleton>(joints), sample.clip.rate(), 1), sample.calibration);
   ASSERT_FALSE(mover);
   EXPECT_EQ(mover.error().kind, ErrorKind::kInput);
   EXPECT_THAT(mover.error().message, testing::HasSubstr("no joint moves the body"));
@@ -77,29 +77,29 @@ TEST(BodyMoves, RequireAJointThatMovesTheBody) {
 TEST(Floor, IsAtThePlantedFeet) {
   const EditSample& sample = data_sample("walk");
   Clip raised = sample.clip;
-  const auto mover = BodyMover::of(raised, sample.mapping).value();
+  const auto mover = BodyMover::of(raised, sample.calibration).value();
   mover.move_all(raised, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.37}});
-  const double floor = floor_height(sample.clip, sample.mapping).value();
-  EXPECT_NEAR(floor_height(raised, sample.mapping).value(), floor + 0.37, 1e-9);
-  const Clip grounded = put_on_floor(raised, sample.mapping, floor + 0.37).value();
-  EXPECT_NEAR(floor_height(grounded, sample.mapping).value(), 0.0, 1e-9);
+  const double floor = floor_height(sample.clip, sample.calibration).value();
+  EXPECT_NEAR(floor_height(raised, sample.calibration).value(), floor + 0.37, 1e-9);
+  const Clip grounded = put_on_floor(raised, sample.calibration, floor + 0.37).value();
+  EXPECT_NEAR(floor_height(grounded, sample.calibration).value(), 0.0, 1e-9);
 }
 
 TEST(Floor, FlyingBodyIsAnError) {
   const EditSample& sample = data_sample("walk");
   Clip flying = cut(sample.clip, 0, 60);
-  const auto mover = BodyMover::of(flying, sample.mapping).value();
+  const auto mover = BodyMover::of(flying, sample.calibration).value();
   for (int i = 0; i < flying.frame_count(); ++i)
     mover.move(flying, i, {{}, {0.2 * i, 0.0, 0.1 * i}});
-  const auto floor = floor_height(flying, sample.mapping);
+  const auto floor = floor_height(flying, sample.calibration);
   ASSERT_FALSE(floor);
   EXPECT_THAT(floor.error().hint, testing::HasSubstr(OPTION("floor")));
 }
 
 TEST(Floor, SingleFrameUsesTheLowerFoot) {
   const EditSample& sample = data_sample("walk");
-  const double floor = floor_height(cut(sample.clip, 0, 1), sample.mapping).value();
-  EXPECT_NEAR(floor, floor_height(sample.clip, sample.mapping).value(), 0.01);
+  const double floor = floor_height(cut(sample.clip, 0, 1), sample.calibration).value();
+  EXPECT_NEAR(floor, floor_height(sample.clip, sample.calibration).value(), 0.01);
 }
 
 // frames 100.. of the walk are periodic strides
@@ -109,7 +109,7 @@ TEST(Loops, WalkLoopsWithoutASeam) {
   LoopOptions options;
   options.shortest = 0.6;
   options.times = 3;
-  const Loop loop = make_loop(strides, sample.mapping, options).value();
+  const Loop loop = make_loop(strides, sample.calibration, options).value();
   EXPECT_LT(loop.distance, 0.02);
   EXPECT_EQ(loop.clip.frame_count(), 3 * loop.cycle);
   EXPECT_NEAR(loop.advance.position.norm(), 1.2 * loop.cycle / 30.0, 0.05);
@@ -138,12 +138,12 @@ TEST(Loops, FeetStayPlantedAndBadSeamsAreReported) {
   options.shortest = 2.4;
   options.times = 2;
   const Clip part = cut(sample.clip, 100, 181);
-  const Loop loop = make_loop(part, sample.mapping, options).value();
+  const Loop loop = make_loop(part, sample.calibration, options).value();
   const HumanClip human = sample.human_of(loop.clip), source = sample.human_of(part);
   const ContactPlan contacts = find_contacts(source);
   int seen = 0;
-  const double floor = floor_height(sample.clip, sample.mapping).value();
-  EXPECT_NEAR(floor_height(loop.clip, sample.mapping).value(), floor, 0.01);
+  const double floor = floor_height(sample.clip, sample.calibration).value();
+  EXPECT_NEAR(floor_height(loop.clip, sample.calibration).value(), floor, 0.01);
   for (int foot = 0; foot < 2; ++foot) {
     const Bone bone = *bone_from_name(foot == 0 ? "LeftFoot" : "RightFoot");
     for (const ContactPhase& phase : contacts.phases[foot]) {
@@ -160,7 +160,7 @@ TEST(Loops, FeetStayPlantedAndBadSeamsAreReported) {
   }
   EXPECT_GT(seen, 1);
   const EditSample& up = data_sample("get_up");
-  const Loop bad = make_loop(up.clip, up.mapping, {}).value();
+  const Loop bad = make_loop(up.clip, up.calibration, {}).value();
   EXPECT_GT(bad.distance, 0.2);
   EXPECT_FALSE(bad.check.faults.empty());
 }
@@ -171,7 +171,7 @@ TEST(Loops, InPlaceReturnsToTheStart) {
   options.shortest = 0.6;
   options.in_place = true;
   options.times = 2;
-  const Loop loop = make_loop(cut(sample.clip, 100, 220), sample.mapping, options).value();
+  const Loop loop = make_loop(cut(sample.clip, 100, 220), sample.calibration, options).value();
   EXPECT_LT(largest_distance(cut(loop.clip, 0, loop.cycle),
                              cut(loop.clip, loop.cycle, 2 * loop.cycle), 0.01),
             1e-12);
@@ -183,18 +183,18 @@ TEST(Loops, InPlaceReturnsToTheStart) {
 
 TEST(Loops, HandleOddClips) {
   const EditSample& sample = data_sample("walk");
-  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.mapping, {}));
-  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.mapping, {}));
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 1), sample.calibration, {}));
+  EXPECT_FALSE(make_loop(cut(sample.clip, 0, 0), sample.calibration, {}));
   LoopOptions too_long;
   too_long.shortest = 100.0;
-  EXPECT_FALSE(make_loop(sample.clip, sample.mapping, too_long));
+  EXPECT_FALSE(make_loop(sample.clip, sample.calibration, too_long));
   // who stands still goes on standing
   Clip still = cut(sample.clip, 0, 30);
   for (int i = 0; i < 30; ++i) {
     std::ranges::copy(sample.clip.rotations(0), still.rotations(i).begin());
     std::ranges::copy(sample.clip.translations(0), still.translations(i).begin());
   }
-  const Loop loop = make_loop(still, sample.mapping, {}).value();
+  const Loop loop = make_loop(still, sample.calibration, {}).value();
   EXPECT_LT(largest_distance(loop.clip, cut(still, 0, loop.cycle), 0.01), 1e-12);
 }
 

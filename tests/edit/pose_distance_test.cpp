@@ -35,7 +35,7 @@ double distance_at(const Cloud& a, const Cloud& b, const std::vector<double>& we
   return std::sqrt(squares / sum);
 }
 
-double least_distance(const Cloud& a, const Cloud& b, const std::vector<double>& weights) {
+double min_distance(const Cloud& a, const Cloud& b, const std::vector<double>& weights) {
   double best = 0.0;
   for (double angle = -kPi; angle < kPi; angle += 0.1) {
     if (distance_at(a, b, weights, angle) < distance_at(a, b, weights, best)) best = angle;
@@ -65,7 +65,7 @@ TEST(PoseDistance, AlignmentIsTheNumericOptimum) {
       weights.push_back(0.2 + std::abs(noise(random)));
     }
     const CloudAlignment found = align_clouds(a, b, weights);
-    EXPECT_NEAR(found.distance, least_distance(a, b, weights), 1e-9);
+    EXPECT_NEAR(found.distance, min_distance(a, b, weights), 1e-9);
     EXPECT_NEAR(distance_at(a, b, weights, found.a_from_b.heading), found.distance, 1e-9);
   }
 }

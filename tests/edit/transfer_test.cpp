@@ -19,19 +19,19 @@ std::string source_folder() {
   return RETARGET_SOURCE_DIR;
 }
 
-const std::vector<Dialect>& dialects() {
-  static const std::vector<Dialect> kDialects =
-      load_dialects(source_folder() + "/configs/skeletons").value();
-  return kDialects;
+const std::vector<SkeletonProfile>& dialects() {
+  static const std::vector<SkeletonProfile> kProfiles =
+      load_skeleton_profiles(source_folder() + "/configs/skeletons").value();
+  return kProfiles;
 }
 
 TransferTarget understood(const Clip& clip) {
   const BoneMap map = recognise_skeleton(clip, dialects()).value();
-  return {clip.shared_skeleton(), map, calibrate(clip, map, {}).value().mapping};
+  return {clip.shared_skeleton(), map, calibrate(clip, map, {}).value()};
 }
 
 HumanClip human_of(const Clip& clip, const TransferTarget& target) {
-  return to_human(clip, target.mapping);
+  return to_human(clip, target.calibration);
 }
 
 Clip sample(const std::string& name) {
@@ -42,7 +42,7 @@ TEST(Transfer, SameSkeletonIsIdentity) {
   for (const char* name : {"walk", "get_up"}) {
     const Clip clip = sample(name);
     const TransferTarget target = understood(clip);
-    const Clip same = transfer(clip, target.mapping, target);
+    const Clip same = transfer(clip, target.calibration, target);
     ASSERT_EQ(same.frame_count(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
       EXPECT_LT((same.translation(frame, 0) - clip.translation(frame, 0)).norm(), 1e-9);
@@ -65,8 +65,8 @@ TEST(Transfer, ScalesThePathBySize) {
     for (Eigen::Vector3d& end : joint.end_sites) end *= 0.5;
   }
   target.skeleton = std::make_shared<const Skeleton>(joints);
-  target.mapping.size *= 0.5;
-  const Clip half = transfer(clip, whole.mapping, target);
+  target.calibration.size *= 0.5;
+  const Clip half = transfer(clip, whole.calibration, target);
   EXPECT_LT((half.translation(100, 0) - 0.5 * clip.translation(100, 0)).norm(), 1e-9);
   EXPECT_LT(half.rotations(100)[3].angularDistance(clip.rotations(100)[3]), 1e-7);
 }
@@ -129,7 +129,7 @@ Clip walk_with_more_joints() {
 TEST(Transfer, CopiesSharedJoints) {
   const Clip clip = walk_with_more_joints();
   const TransferTarget same = understood(clip);
-  EXPECT_LT(edit_test::largest_distance(transfer(clip, same.mapping, same), clip, 0.01), 1e-9);
+  EXPECT_LT(edit_test::largest_distance(transfer(clip, same.calibration, same), clip, 0.01), 1e-9);
   // on a skeleton with all axes turned, the same places
   const Eigen::Quaterniond axes(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   std::vector<Joint> joints = clip.skeleton().joints();
@@ -137,11 +137,11 @@ TEST(Transfer, CopiesSharedJoints) {
     joint.offset = axes * joint.offset;
     for (Eigen::Vector3d& end : joint.end_sites) end = axes * end;
   }
-  TransferTarget turned{std::make_shared<const Skeleton>(joints), same.map, same.mapping};
-  for (BoneSource& bone : turned.mapping.bones) {
+  TransferTarget turned{std::make_shared<const Skeleton>(joints), same.map, same.calibration};
+  for (BoneSource& bone : turned.calibration.bones) {
     if (bone.rotation_joint >= 0) bone.joint_from_bone = axes;
   }
-  const Clip other = transfer(clip, same.mapping, turned);
+  const Clip other = transfer(clip, same.calibration, turned);
   std::vector<Pose> is(joints.size()), was(joints.size());
   for (int frame = 0; frame < clip.frame_count(); frame += 25) {
     forward_kinematics(other, frame, is);
@@ -150,7 +150,7 @@ TEST(Transfer, CopiesSharedJoints) {
       ASSERT_LT((is[i].translation - was[i].translation).norm(), 1e-9) << joints[i].name;
     }
   }
-  const UncarriedJoints none = uncarried_joints(clip, same.mapping, turned);
+  const UncarriedJoints none = uncarried_joints(clip, same.calibration, turned);
   EXPECT_TRUE(none.left_out.empty() && none.at_rest.empty());
 }
 
@@ -168,8 +168,8 @@ TEST(Transfer, ZeroLengthHelpersRotateTheirBone) {
       }
     }
   };
-  is_same(human_of(transfer(helped, with.mapping, without), without), human_of(helped, with));
-  is_same(human_of(transfer(plain, without.mapping, with), with), human_of(plain, without));
+  is_same(human_of(transfer(helped, with.calibration, without), without), human_of(helped, with));
+  is_same(human_of(transfer(plain, without.calibration, with), with), human_of(plain, without));
 }
 
 // on a skeleton that hangs from the head, the trunk's joints turn other parts than their own; the
@@ -178,7 +178,7 @@ TEST(Transfer, HandlesTrunksRootedAtTheHead) {
   const Clip walk = with_t_pose_as_zero(sample("walk")), hanging = rooted_at_head(walk);
   const TransferTarget source = understood(walk), target = understood(hanging);
   const HumanClip was = human_of(walk, source),
-                  is = human_of(transfer(walk, source.mapping, target), target);
+                  is = human_of(transfer(walk, source.calibration, target), target);
   for (int frame = 0; frame < was.frame_count; frame += 25) {
     for (const Bone bone : kMappedBones) {
       ASSERT_LT((is.frame(frame)[bone].translation - was.frame(frame)[bone].translation).norm(),
@@ -192,10 +192,10 @@ TEST(Transfer, ReportsJointsThatAreNotCopied) {
   const Clip more = walk_with_more_joints(), plain = sample("walk");
   const TransferTarget with_more = understood(more), without = understood(plain);
   const std::vector<std::string> names{"Bag", "Neck2", "LeftIndex1", "LeftIndex2"};
-  const UncarriedJoints dropped = uncarried_joints(more, with_more.mapping, without);
+  const UncarriedJoints dropped = uncarried_joints(more, with_more.calibration, without);
   EXPECT_EQ(dropped.left_out, names);
   EXPECT_TRUE(dropped.at_rest.empty());
-  const UncarriedJoints lacking = uncarried_joints(plain, without.mapping, with_more);
+  const UncarriedJoints lacking = uncarried_joints(plain, without.calibration, with_more);
   EXPECT_TRUE(lacking.left_out.empty());
   EXPECT_EQ(lacking.at_rest, names);
 }
@@ -207,17 +207,17 @@ TEST(Transfer, HumanIsPreservedThroughEveryDialect) {
   const Clip walk = sample("walk");
   const TransferTarget source = understood(walk);
   const HumanClip human = human_of(walk, source);
-  const double floor = floor_height(walk, source.mapping).value();
+  const double floor = floor_height(walk, source.calibration).value();
   for (const char* file : {"cmu_motionbuilder_12_01_walk", "games105_walk60", "makehuman_walk1",
                            "xsens_boxing_120fps", "vicon_mixed_orders_zup_inch_1"}) {
     const auto path = *shared / "data" / "dialects" / (std::string(file) + ".bvh");
     const Clip clip = load_bvh(path.string()).value().clip;
     const TransferTarget target = understood(clip);
-    const Clip moved = transfer(walk, source.mapping, target);
-    const double scale = target.mapping.size / human.size;
-    EXPECT_NEAR(floor_height(moved, target.mapping).value(), scale * floor, 0.02) << file;
+    const Clip moved = transfer(walk, source.calibration, target);
+    const double scale = target.calibration.size / human.size;
+    EXPECT_NEAR(floor_height(moved, target.calibration).value(), scale * floor, 0.02) << file;
     EXPECT_EQ(moved.skeleton().names(), clip.skeleton().names());
-    const HumanClip again = to_human(moved, target.mapping);
+    const HumanClip again = to_human(moved, target.calibration);
     for (int frame = 0; frame < human.frame_count; frame += 10) {
       for (const Bone bone : kMappedBones) {
         if (target.map.joint_of_bone[bone] < 0) continue;

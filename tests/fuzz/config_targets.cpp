@@ -1,4 +1,4 @@
-// Any bytes as a file of settings: mapping, dialect, bone map, path, options of the fit, gates, limits,
+// Any bytes as a file of settings: configuration, dialect, bone map, path, options of the fit, gates, limits,
 // profile, model.
 
 #include <cmath>
@@ -9,15 +9,15 @@
 
 #include "fuzz/fuzz_target.h"
 #include "human/bone_map_file.h"
-#include "human/dialect.h"
+#include "human/skeleton_profile.h"
 #include "options/fit_options.h"
 #include "retarget/ground_path.h"
-#include "retarget/ik_config.h"
 #include "retarget/report.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 #include "rig/urdf_speeds.h"
+#include "robot/check_model.h"
 #include "robot/load_profile.h"
-#include "robot/vet_model.h"
 
 namespace retarget::fuzz {
 namespace {
@@ -38,14 +38,14 @@ const Skeleton& body() {
 
 }  // namespace
 
-void fuzz_mapping(std::string_view bytes) {
-  if (const auto tables = parse_ik_tables(bytes, "fuzz.json"); good(tables)) {
-    (void)good(resolve_mapping(*tables, *fuzz_robot()));
+void fuzz_retargeting_config(std::string_view bytes) {
+  if (const auto config = parse_retargeting_config(bytes, "fuzz.json"); good(config)) {
+    (void)good(resolve_config(*config, *fuzz_robot()));
   }
 }
 
-void fuzz_dialect(std::string_view bytes) {
-  (void)good(parse_dialect(bytes, "fuzz", "fuzz.json"));
+void fuzz_skeleton_profile(std::string_view bytes) {
+  (void)good(parse_skeleton_profile(bytes, "fuzz", "fuzz.json"));
 }
 
 void fuzz_bone_map(std::string_view bytes) {
@@ -72,8 +72,8 @@ void fuzz_gates(std::string_view bytes) {
   Gates gates;
   if (!good(gates.add_json(bytes, "fuzz.json"))) return;
   for (const Gate& gate : gates.all()) {
-    require(gate.least || gate.most, "gates have a bound");
-    require(std::isfinite(gate.least.value_or(0.0)) && std::isfinite(gate.most.value_or(0.0)),
+    require(gate.min || gate.max, "gates have a bound");
+    require(std::isfinite(gate.min.value_or(0.0)) && std::isfinite(gate.max.value_or(0.0)),
             "bounds are finite");
   }
 }
@@ -93,7 +93,7 @@ void fuzz_profile(std::string_view bytes) {
 
 // not MuJoCo's own reader, which is not ours to mend: what is looked at before it
 void fuzz_model(std::string_view bytes) {
-  (void)good(vet_model(file_of(bytes, "model.xml"), true));
+  (void)good(check_model(file_of(bytes, "model.xml"), true));
 }
 
 void fuzz_urdf(std::string_view bytes) {

@@ -8,30 +8,30 @@
 #include <vector>
 
 #include "bvh/read_bvh.h"
+#include "fit/fit.h"
 #include "fuzz/fuzz_target.h"
 #include "human/calibrate.h"
-#include "human/dialect.h"
 #include "human/limb_directions.h"
 #include "human/recognise.h"
+#include "human/skeleton_profile.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
-#include "pipeline/retarget.h"
-#include "refine/fit.h"
-#include "retarget/ik_config.h"
+#include "pipeline/solve_frames.h"
 #include "retarget/motion_io.h"
+#include "retarget/retargeting_config.h"
 
 namespace retarget::fuzz {
 namespace {
 
 // so small that a run stays far below a second under sanitizers
-constexpr int kMostJoints = 48;
-constexpr int kMostFrames = 6;
+constexpr int kMaxJoints = 48;
+constexpr int kMaxFrames = 6;
 
 // what a run needs beside the motion
 struct Setup {
-  std::vector<Dialect> dialects;
-  ResolvedMapping of_lafan1, of_others;
+  std::vector<SkeletonProfile> dialects;
+  ResolvedConfig of_lafan1, of_others;
   LimitSet limits;
   FitOptions fit;
 };
@@ -46,10 +46,9 @@ const Setup& setup() {
   static const Setup made = [] {
     const std::string root(RETARGET_SOURCE_DIR);
     Setup setup;
-    setup.dialects = take(load_dialects(root + "/configs/skeletons"));
-    setup.of_lafan1 =
-        take(load_mapping(root + "/configs/lafan1_to_unitree_g1.json", *fuzz_robot()));
-    setup.of_others = take(load_mapping(root + "/robots/unitree_g1/ik.json", *fuzz_robot()));
+    setup.dialects = take(load_skeleton_profiles(root + "/configs/skeletons"));
+    setup.of_lafan1 = take(load_config(root + "/configs/lafan1_to_unitree_g1.json", *fuzz_robot()));
+    setup.of_others = take(load_config(root + "/robots/unitree_g1/ik.json", *fuzz_robot()));
     setup.limits = take(load_limits(*fuzz_robot(), "official"));
     setup.fit.iterations = 2;
     setup.fit.anchor_iterations = 1;
@@ -65,10 +64,10 @@ std::optional<Clip> short_clip(std::string_view bytes) {
   if (!good(file)) return std::nullopt;
   Clip clip = std::move(file->clip);
   const int frames = clip.frame_count();
-  if (frames == 0 || clip.skeleton().joint_count() > kMostJoints) return std::nullopt;
+  if (frames == 0 || clip.skeleton().joint_count() > kMaxJoints) return std::nullopt;
   const int first = count_lead_in_frames(clip);
   require(first >= 0 && first < frames, "a motion is left");
-  return cut(std::move(clip), first, std::min(frames, first + kMostFrames));
+  return cut(std::move(clip), first, std::min(frames, first + kMaxFrames));
 }
 
 // what must hold of every motion that is written
@@ -115,13 +114,13 @@ void fuzz_line(std::string_view bytes) {
   const auto calibration = calibrate(*clip, *map, {});
   if (!good(calibration)) return;
   const auto resampled = resample(*clip, FrameRate{30, 1});
-  if (!good(resampled) || resampled->frame_count() > kMostFrames) return;
+  if (!good(resampled) || resampled->frame_count() > kMaxFrames) return;
   const bool is_lafan1 = calibration->rest_pose == "lafan1";
-  const ResolvedMapping& tables = is_lafan1 ? setup().of_lafan1 : setup().of_others;
+  const ResolvedConfig& config = is_lafan1 ? setup().of_lafan1 : setup().of_others;
   FitRun run;
   run.retarget.height_scale = is_lafan1 ? HeightScale::kPublished : HeightScale::kLimbs;
   const auto fitted =
-      fit(*resampled, calibration->mapping, fuzz_robot(), tables, setup().limits, setup().fit, run);
+      fit(*resampled, *calibration, fuzz_robot(), config, setup().limits, setup().fit, run);
   if (!good(fitted)) return;
   check_motion(fitted->clip);
   check_round_trip(fitted->clip);

@@ -28,7 +28,7 @@ void fuzz_sidecar(std::string_view bytes) {
 void fuzz_plan(std::string_view bytes) {
   const std::string root(RETARGET_SOURCE_DIR);
   std::string text(bytes);
-  // clip, robot and mapping are the repository's own; all else is the file's
+  // clip, robot and configuration are the repository's own; all else is the file's
   if (auto json = parse_json(bytes, "plan.json"); json && json->is_object()) {
     auto& run = (*json)["run"];
     if (run.is_object()) {
@@ -47,9 +47,9 @@ void fuzz_plan(std::string_view bytes) {
           "the part lies in the clip");
   require(plan->frame_count() > 0, "a motion is left");
   for (const Bone bone : kAllBones) {
-    require(plan->human.calibration.mapping.bones[bone].position_joint <
-                plan->clip->skeleton().joint_count(),
-            "bones are joints of the clip");
+    require(
+        plan->human.calibration.bones[bone].position_joint < plan->clip->skeleton().joint_count(),
+        "bones are joints of the clip");
   }
   require(load_plan(file_of(plan_json(*plan), "again.json"), {root, {}}).has_value(),
           "what is written is read again");

@@ -20,7 +20,7 @@ TEST(BoneMapFile, RoundTrips) {
   const auto read = read_bone_map(path, skeleton);
   ASSERT_TRUE(read) << describe(read.error());
   EXPECT_EQ(read->joint_of_bone, map.joint_of_bone);
-  EXPECT_EQ(read->dialect, "map file");
+  EXPECT_EQ(read->profile, "map file");
   EXPECT_EQ(read->confidence, 1.0);
   EXPECT_FALSE(read->partial);
 }
@@ -61,7 +61,8 @@ TEST(BoneMapFile, RejectsBonesOutOfLine) {
       R"({"Hips": "Hips", "LeftUpLeg": "LeftUpLeg", "LeftLeg": "LeftFoot", "LeftFoot": "LeftLeg"})",
       "map.json", skeleton);
   ASSERT_FALSE(read);
-  EXPECT_THAT(read.error().message, HasSubstr("\"LeftLeg\" as \"LeftFoot\" is not below the bones"));
+  EXPECT_THAT(read.error().message,
+              HasSubstr("\"LeftLeg\" as \"LeftFoot\" is not below the bones"));
   EXPECT_THAT(parse_bone_map("{}", "map.json", skeleton).error().message,
               HasSubstr("\"Hips\" has no joint"));
 }

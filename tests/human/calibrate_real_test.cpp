@@ -7,10 +7,10 @@
 #include "bvh/read_bvh.h"
 #include "human/calibrate.h"
 #include "human/canonical_pose.h"
-#include "human/dialects.h"
 #include "human/hand_made_maps.h"
 #include "human/limb_angles.h"
 #include "human/recognise.h"
+#include "human/shipped_profiles.h"
 #include "support/shared_data.h"
 
 namespace retarget {
@@ -36,7 +36,7 @@ TEST(CalibrateReal, TheCanonicalTPoseIsThatOfLafan1) {
   for (const auto& [file, number] : frames) {
     const Clip clip = load("lafan1", file);
     const HumanClip human =
-        to_human(cut(clip, number, number + 1), lafan1_mapping(clip.skeleton()));
+        to_human(cut(clip, number, number + 1), lafan1_calibration(clip.skeleton()));
     const HumanPose& pose = human.frame(0);
     const auto at = [&](const char* bone) { return pose[*bone_from_name(bone)].translation; };
     Eigen::Vector3d left = at("LeftUpLeg") - at("RightUpLeg") + at("LeftArm") - at("RightArm");
@@ -60,9 +60,9 @@ TEST(CalibrateReal, Lafan1IsUnchanged) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
   for (const char* file : {"dance1_subject2.bvh", "ground1_subject1.bvh"}) {
     const Clip clip = load("lafan1", file);
-    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value().mapping;
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value();
     const HumanClip a = to_human(clip, found);
-    const HumanClip b = to_human(clip, lafan1_mapping(clip.skeleton()));
+    const HumanClip b = to_human(clip, lafan1_calibration(clip.skeleton()));
     ASSERT_EQ(a.world_from_bone.size(), b.world_from_bone.size());
     EXPECT_EQ(std::memcmp(a.world_from_bone.data(), b.world_from_bone.data(),
                           a.world_from_bone.size() * sizeof(HumanPose)),
@@ -74,15 +74,16 @@ TEST(CalibrateReal, Lafan1IsUnchanged) {
 // parts in which people lie seem to stand along the floor, for what trunk and legs say
 TEST(CalibrateReal, LyingBodyKeepsTheUpAxisOfItsSkeletonKind) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
-  const auto dialects = load_dialects(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
+  const auto profiles =
+      load_skeleton_profiles(std::string(RETARGET_SOURCE_DIR) + "/configs/skeletons");
   for (const char* file : {"ground1_subject1.bvh", "fallAndGetUp2_subject2.bvh"}) {
     const Clip clip = load("lafan1", file);
-    const BoneMap map = recognise_skeleton(clip, *dialects).value();
+    const BoneMap map = recognise_skeleton(clip, *profiles).value();
     constexpr int kFrames = 200;
     for (int begin = 0; begin + kFrames <= clip.frame_count(); begin += kFrames / 2) {
       const auto found = calibrate(cut(clip, begin, begin + kFrames), map, {});
       ASSERT_TRUE(found) << describe(found.error());
-      EXPECT_GT(found->mapping.human_from_source(2, 1), 0.99) << file << " from frame " << begin;
+      EXPECT_GT(found->human_from_source(2, 1), 0.99) << file << " from frame " << begin;
     }
   }
 }
@@ -101,15 +102,14 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
     EXPECT_EQ(found.rest_pose, "learned");
     EXPECT_EQ(found.unit, "cm");
     EXPECT_EQ(found.up, SignedAxis{});
-    EXPECT_NEAR(found.mapping.height, 1.75, 0.01);
-    EXPECT_TRUE(found.mapping.doubts.empty()) << file;
+    EXPECT_NEAR(found.height, 1.75, 0.01);
+    EXPECT_TRUE(found.doubts.empty()) << file;
     // bones that the published tables give weight
     for (const char* bone :
          {"Hips", "Spine2", "LeftUpLeg", "LeftLeg", "LeftFootMod", "RightUpLeg", "RightLeg",
           "RightFootMod", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm"}) {
       const double degrees =
-          Eigen::AngleAxisd(*found.mapping.bones[*bone_from_name(bone)].joint_from_bone).angle() *
-          kDegree;
+          Eigen::AngleAxisd(*found.bones[*bone_from_name(bone)].joint_from_bone).angle() * kDegree;
       const double turn = std::min(degrees, 360.0 - degrees);
       EXPECT_LT(turn, 15.0) << file << " " << bone;
       sum += turn;
@@ -121,17 +121,17 @@ TEST(CalibrateReal, LearnsLafan1sAxesFromItsMovements) {
 
 TEST(CalibrateReal, LimbsOfEveryDialectMatchTheirBoneAxes) {
   if (!shared_folder()) GTEST_SKIP() << kNoSharedFolder;
-  for (const DialectFile& dialect : dialect_files()) {
-    SCOPED_TRACE(dialect.file);
-    const Clip clip = load("dialects", dialect.file);
-    const auto found = calibrate(clip, bone_map(clip.skeleton(), dialect.names), {});
+  for (const ProfileFile& profile : profile_files()) {
+    SCOPED_TRACE(profile.file);
+    const Clip clip = load("dialects", profile.file);
+    const auto found = calibrate(clip, bone_map(clip.skeleton(), profile.names), {});
     ASSERT_TRUE(found) << describe(found.error());
-    EXPECT_EQ(found->unit, dialect.unit);
+    EXPECT_EQ(found->unit, profile.unit);
     // one body is of a child's height, which is doubted
-    EXPECT_EQ(found->mapping.doubts.empty(), found->mapping.height > 1.3);
-    EXPECT_GT(found->mapping.height, 1.1);
-    EXPECT_LT(found->mapping.height, 1.9);
-    const HumanClip human = to_human(clip, found->mapping);
+    EXPECT_EQ(found->doubts.empty(), found->height > 1.3);
+    EXPECT_GT(found->height, 1.1);
+    EXPECT_LT(found->height, 1.9);
+    const HumanClip human = to_human(clip, *found);
     double sum = 0.0;
     const auto angles = limb_angles(human);
     for (const LimbAngle& angle : angles) {

@@ -25,7 +25,7 @@ Clip sample(const std::string& name) {
 }
 
 HumanClip fixed_human(const Clip& clip) {
-  return to_human(clip, lafan1_mapping(clip.skeleton()));
+  return to_human(clip, lafan1_calibration(clip.skeleton()));
 }
 
 Calibration calibrated(const Clip& clip, const CalibrationOptions& options = {}) {
@@ -35,14 +35,14 @@ Calibration calibrated(const Clip& clip, const CalibrationOptions& options = {})
 }
 
 HumanClip human_of(const Clip& clip, const CalibrationOptions& options = {}) {
-  return to_human(clip, calibrated(clip, options).mapping);
+  return to_human(clip, calibrated(clip, options));
 }
 
 TEST(Calibrate, KeepsLafan1BitForBit) {
   for (const std::string& name : kSamples) {
     const Clip clip = sample(name);
     const auto found = calibrate(clip, lafan1_map(clip.skeleton(), "lafan1"), {}).value();
-    const HumanClip human = to_human(clip, found.mapping);
+    const HumanClip human = to_human(clip, found);
     EXPECT_EQ(found.rest_pose, "lafan1");
     EXPECT_EQ(human.height, 1.75);
     // the published formula, written out
@@ -78,9 +78,9 @@ TEST(Calibrate, Lafan1InOtherUnitsAndAxesGivesTheSameHuman) {
       const auto found = calibrate(metres, map, {}).value();
       EXPECT_EQ(found.unit, "m");
       EXPECT_EQ(found.rest_pose, "lafan1");
-      EXPECT_EQ(found.mapping.height, 1.75);
+      EXPECT_EQ(found.height, 1.75);
       EXPECT_EQ(to_text(found.up), turned ? "+z" : "+y") << name;
-      EXPECT_LT(largest_difference(to_human(metres, found.mapping), expected), 1e-12) << name;
+      EXPECT_LT(largest_difference(to_human(metres, found), expected), 1e-12) << name;
     }
   }
 }
@@ -93,9 +93,8 @@ TEST(Calibrate, FindsLafan1AxesWithATPoseAsZeroPose) {
     const Calibration found = calibrated(with_t_pose_as_zero(clip));
     EXPECT_EQ(found.rest_pose, "zero pose");
     EXPECT_LT(found.rest_deviation, 10.0);
-    expected.height = found.mapping.height;
-    EXPECT_LT(largest_difference(to_human(with_t_pose_as_zero(clip), found.mapping), expected),
-              1e-9)
+    expected.height = found.height;
+    EXPECT_LT(largest_difference(to_human(with_t_pose_as_zero(clip), found), expected), 1e-9)
         << name;
   }
 }
@@ -107,7 +106,7 @@ TEST(Calibrate, RaisesArmsOfAPosesAndIPoses) {
     const Clip twin = with_t_pose_as_zero(clip, lowered);
     const Calibration found = calibrated(twin);
     EXPECT_EQ(found.rest_pose, "zero pose");
-    EXPECT_LT(largest_difference(to_human(twin, found.mapping), expected), 1e-9) << lowered;
+    EXPECT_LT(largest_difference(to_human(twin, found), expected), 1e-9) << lowered;
   }
 }
 
@@ -142,7 +141,7 @@ TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
   map.facts.rest = RestPose::kZero;
   auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
-  EXPECT_EQ(found->mapping.metres_per_unit, 0.0127);
+  EXPECT_EQ(found->metres_per_unit, 0.0127);
   EXPECT_EQ(found->rest_pose, "zero pose");
   // 2 m of hips are no person's: the file was converted
   map.facts.metres_per_unit = 0.0254;
@@ -163,18 +162,18 @@ TEST(Calibrate, UsesSkeletonFactsUnlessTheClipContradictsThem) {
 
 TEST(Calibrate, WarnsAboutUnusualHeight) {
   const Clip clip = with_t_pose_as_zero(sample("walk"));
-  EXPECT_TRUE(calibrated(clip).mapping.doubts.empty());
+  EXPECT_TRUE(calibrated(clip).doubts.empty());
   const Clip small = scaled_and_turned(clip, 0.6, Eigen::Quaterniond::Identity());
-  const auto doubts = calibrated(small).mapping.doubts;
+  const auto doubts = calibrated(small).doubts;
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("1.03 m is unusual"));
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("not cm"));
   CalibrationOptions told;
   told.height = 1.05;
-  EXPECT_TRUE(calibrated(small, told).mapping.doubts.empty());
+  EXPECT_TRUE(calibrated(small, told).doubts.empty());
   told = {};
   told.metres_per_unit = 0.01;
-  EXPECT_TRUE(calibrated(small, told).mapping.doubts.empty());
+  EXPECT_TRUE(calibrated(small, told).doubts.empty());
 }
 
 std::vector<Eigen::Quaterniond> random_turns(const Clip& clip) {
@@ -255,7 +254,7 @@ TEST(Calibrate, LearnsAxesFromMovementCloseToTheTrueOnes) {
   const Clip clip = sample("walk");
   const Calibration found = calibrated(clip);
   EXPECT_EQ(found.rest_pose, "learned");
-  const HumanClip human = to_human(clip, found.mapping), expected = fixed_human(clip);
+  const HumanClip human = to_human(clip, found), expected = fixed_human(clip);
   for (const Bone bone : kMappedBones) {
     const double degrees =
         human.frame(0)[bone].rotation.angularDistance(expected.frame(0)[bone].rotation) * 180.0 /
@@ -278,9 +277,9 @@ TEST(Calibrate, HandlesEveryUpAxisWithoutMirroring) {
       const Clip twin = scaled_and_turned(clip, 1, turn);
       const Calibration found = calibrated(twin);
       EXPECT_EQ(found.up, up) << to_text(found.up);
-      EXPECT_NEAR(found.mapping.human_from_source.determinant(), 1.0, 1e-15);
-      EXPECT_TRUE(found.mapping.doubts.empty());
-      const HumanClip human = to_human(twin, found.mapping);
+      EXPECT_NEAR(found.human_from_source.determinant(), 1.0, 1e-15);
+      EXPECT_TRUE(found.doubts.empty());
+      const HumanClip human = to_human(twin, found);
       const auto head = human.frame(0)[Bone::kHead].translation;
       const auto hips = human.frame(0)[Bone::kHips].translation;
       EXPECT_GT(head.z() - hips.z(), 0.4);
@@ -307,8 +306,8 @@ TEST(Calibrate, UsesGivenOptions) {
   options.rest = RestPose::kFrame;
   options.rest_frame = 3;
   const Calibration found = calibrated(clip, options);
-  EXPECT_EQ(found.mapping.metres_per_unit, 0.02);
-  EXPECT_EQ(found.mapping.height, 1.9);
+  EXPECT_EQ(found.metres_per_unit, 0.02);
+  EXPECT_EQ(found.height, 1.9);
   EXPECT_EQ(found.rest_pose, "frame 3");
   options.rest_frame = 100000;
   const auto map = lafan1_map(clip.skeleton(), "test");
@@ -332,8 +331,8 @@ TEST(Calibrate, UsesTheTPoseOfAnotherFile) {
   const Calibration found = calibrated(clip, options);
   EXPECT_EQ(found.rest_pose, "T-pose file");
   HumanClip expected = fixed_human(clip);
-  expected.height = found.mapping.height;
-  EXPECT_LT(largest_difference(to_human(clip, found.mapping), expected), 1e-9);
+  expected.height = found.height;
+  EXPECT_LT(largest_difference(to_human(clip, found), expected), 1e-9);
 }
 
 TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
@@ -346,7 +345,7 @@ TEST(Calibrate, MissingBonesFollowTheirNeighbours) {
   }
   const auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found) << describe(found.error());
-  const HumanClip human = to_human(clip, found->mapping), whole = fixed_human(sample("walk"));
+  const HumanClip human = to_human(clip, *found), whole = fixed_human(sample("walk"));
   for (const Bone bone : kAllBones) EXPECT_TRUE(human.has(bone)) << bone_name(bone);
   // the wrist and the toes are where they were, and the foot without toes is turned as before
   for (const char* bone : {"LeftHand", "RightToe"}) {
@@ -375,7 +374,7 @@ TEST(Calibrate, RejectsInvalidInput) {
   map.partial = true;
   const auto partial = calibrate(clip, map, {});
   ASSERT_TRUE(partial);
-  EXPECT_FALSE(to_human(clip, partial->mapping).has(Bone::kLeftForeArm));
+  EXPECT_FALSE(to_human(clip, *partial).has(Bone::kLeftForeArm));
   BoneMap none;
   EXPECT_FALSE(calibrate(clip, none, {}));
 }
@@ -389,8 +388,8 @@ TEST(Calibrate, WarnsAboutSwappedSides) {
   }
   const auto found = calibrate(clip, map, {});
   ASSERT_TRUE(found);
-  ASSERT_FALSE(found->mapping.doubts.empty());
-  EXPECT_THAT(found->mapping.doubts.back().message, testing::HasSubstr("swapped"));
+  ASSERT_FALSE(found->doubts.empty());
+  EXPECT_THAT(found->doubts.back().message, testing::HasSubstr("swapped"));
 }
 
 TEST(Calibrate, HandlesAClipWithoutFrames) {

@@ -11,9 +11,9 @@ namespace retarget {
 
 /// A bone map from joint names in the order of the bones; `-` for a bone that is not there.
 inline BoneMap bone_map(const Skeleton& skeleton, const std::vector<std::string>& names,
-                        const std::string& dialect = "test") {
+                        const std::string& profile = "test") {
   BoneMap map;
-  map.dialect = dialect;
+  map.profile = profile;
   map.confidence = 1.0;
   for (std::size_t bone = 0; bone < names.size(); ++bone) {
     map.joint_of_bone[kAllBones[bone]] = skeleton.find(names[bone]).value_or(-1);

@@ -77,17 +77,18 @@ double largest_turn_of(const HumanClip& a, const HumanClip& b) {
 }
 
 // how bones are found
-enum class Way { kDialect, kNames, kShape, kMapFile };
+enum class Way { kProfile, kNames, kShape, kMapFile };
 
 Result<HumanClip> human_in(const Clip& clip, Way way) {
-  const auto map = way == Way::kMapFile
-                       ? Result<BoneMap>(lafan1_map(clip.skeleton(), "map file"))
-                       : recognise_skeleton(clip, way == Way::kDialect ? shipped_dialects()
-                                                                       : std::vector<Dialect>());
+  const auto map =
+      way == Way::kMapFile
+          ? Result<BoneMap>(lafan1_map(clip.skeleton(), "map file"))
+          : recognise_skeleton(
+                clip, way == Way::kProfile ? shipped_profiles() : std::vector<SkeletonProfile>());
   if (!map) return failure(map.error());
   const auto found = calibrate(clip, *map, {});
   if (!found) return failure(found.error());
-  return to_human(clip, found->mapping);
+  return to_human(clip, *found);
 }
 
 const std::vector<std::vector<std::string>>& splits() {
@@ -134,7 +135,7 @@ TEST(HelperJoints, RotateTheirBoneByMapFile) {
 
 // LAFAN1's own axes, which are kept
 TEST(HelperJoints, RotateTheirBoneByDialect) {
-  expect_same(sample("walk"), Way::kDialect);
+  expect_same(sample("walk"), Way::kProfile);
 }
 
 TEST(HelperJoints, RotateTheirBoneByShape) {

@@ -90,8 +90,8 @@ TEST(HumanProportions, RejectsQuadrupedsWhateverTheirNames) {
       SCOPED_TRACE(std::string(name) + (reared > 0.0 ? ", on its hind legs for a while" : ""));
       const Clip clip = walk_of(body_of(beast), reared);
       for (const Clip& named : {clip, without_names(clip)}) {
-        const auto map = recognise_skeleton(named, shipped_dialects());
-        ASSERT_FALSE(map) << map->dialect << " " << map->confidence;
+        const auto map = recognise_skeleton(named, shipped_profiles());
+        ASSERT_FALSE(map) << map->profile << " " << map->confidence;
         EXPECT_THAT(map.error().message, HasSubstr("the skeleton is not human"));
         EXPECT_THAT(map.error().hint, HasSubstr(OPTION("map")));
       }
@@ -105,7 +105,7 @@ TEST(HumanProportions, UprightBodyWithLongArmsOnlyRaisesDoubts) {
   for (const char* length : {"-42 0.5", "-41 -0.5"}) body = replaced(body, length, "-24 0");
   const Skeleton skeleton = tiny_skeleton(body);
   const Clip clip(std::make_shared<const Skeleton>(skeleton), {30, 1}, 30);
-  const auto map = recognise_skeleton(clip, shipped_dialects());
+  const auto map = recognise_skeleton(clip, shipped_profiles());
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_THAT(map->notes, Contains(HasSubstr("unusual for a human: the arms")));
   EXPECT_LT(map->confidence, 0.8);
@@ -131,7 +131,7 @@ TEST(HumanProportions, AcceptsPeopleOnAllFours) {
     turn("RightArm", about_x(-90 + swing) * about_z(85));
   }
   for (const Clip& named : {clip, without_names(clip)}) {
-    const auto map = recognise_skeleton(named, shipped_dialects());
+    const auto map = recognise_skeleton(named, shipped_profiles());
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_THAT(map->notes, Contains(HasSubstr("the trunk never rises over the legs")));
     EXPECT_THAT(map->notes, Not(Contains(HasSubstr("narrow"))));

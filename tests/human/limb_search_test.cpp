@@ -53,7 +53,7 @@ TEST(LimbSearch, ChoosesAmongDuplicatesOfOptionalBones) {
   const Skeleton skeleton = tiny_skeleton(body);
   const auto map = by_names(body);
   ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->dialect, "names");
+  EXPECT_EQ(map->profile, "names");
   for (const char* bone : {"LeftToe", "RightToe", "LeftHand", "RightHand", "Head"}) {
     EXPECT_GE(map->joint(bone_from_name(bone).value()), 0) << bone;
     EXPECT_THAT(map->notes, Contains(HasSubstr("may each be the " + std::string(bone)))) << bone;
@@ -85,8 +85,8 @@ TEST(LimbSearch, OmitsAToeWithADuplicateName) {
   const std::string body = with_lines(kBody, [](const std::string& line) {
     return line.find("LeftToeBase") == std::string::npos ? line + "\n" : line + "\n" + line + "\n";
   });
-  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(tiny_skeleton(body), dialects);
+  for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
+    const auto map = recognise_skeleton(tiny_skeleton(body), profiles);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(map->joint(Bone::kLeftToe), -1);
     EXPECT_GE(map->joint(Bone::kRightToe), 0);
@@ -138,10 +138,10 @@ root 0 9 0
 
 TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
   const Skeleton skeleton = tiny_skeleton(makehuman_body());
-  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(skeleton, dialects);
+  for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
+    const auto map = recognise_skeleton(skeleton, profiles);
     ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->dialect, dialects.empty() ? "names" : "makehuman_default");
+    EXPECT_EQ(map->profile, profiles.empty() ? "names" : "makehuman_default");
     for (const auto& [bone, joint] :
          std::vector<std::pair<const char*, const char*>>{{"Hips", "root"},
                                                           {"LeftUpLeg", "upperleg01.L"},
@@ -155,7 +155,7 @@ TEST(LimbSearch, SplitSegmentUsesItsUpperJoint) {
                                                           {"RightArm", "upperarm01.R"},
                                                           {"RightForeArm", "lowerarm01.R"},
                                                           {"RightHand", "wrist.R"}}) {
-      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->dialect;
+      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->profile;
     }
     EXPECT_THAT(map->notes, Contains(HasSubstr("folded into the limbs: \"upperleg02.L\"")));
   }
@@ -181,13 +181,13 @@ std::string without_forearm(const std::string& body, const std::string& side) {
 
 void expect_no_arm(const std::string& body, const std::string& missing, const std::string& side) {
   const Skeleton skeleton = tiny_skeleton(body);
-  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    SCOPED_TRACE(dialects.size());
-    const auto refused = recognise_skeleton(skeleton, dialects);
+  for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
+    SCOPED_TRACE(profiles.size());
+    const auto refused = recognise_skeleton(skeleton, profiles);
     ASSERT_FALSE(refused) << "LeftArm is " << joint_name(*refused, skeleton, "LeftArm");
     EXPECT_EQ(refused.error().message, "no " + missing + " found in the skeleton");
     EXPECT_THAT(refused.error().hint, HasSubstr(OPTION("partial")));
-    const auto map = recognise_skeleton(skeleton, dialects, {.partial = true});
+    const auto map = recognise_skeleton(skeleton, profiles, {.partial = true});
     ASSERT_TRUE(map) << describe(map.error());
     for (const std::string part : {"Shoulder", "Arm"}) {
       EXPECT_EQ(joint_name(*map, skeleton, (side + part).c_str()), side + part);

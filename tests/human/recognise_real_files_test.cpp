@@ -14,7 +14,7 @@ namespace {
 // from notes on the data sets and from looking at the files' trees
 struct Expected {
   const char* file;
-  const char* dialect;
+  const char* profile;
   const char* hips;
   const char* torso;
   const char* arm;
@@ -77,13 +77,13 @@ TEST_F(RealFiles, AreRecognisedWithTheRightDialect) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
-    const auto map = recognise_skeleton(clip, shipped_dialects());
+    const auto map = recognise_skeleton(clip, shipped_profiles());
     if (!map) {
       ADD_FAILURE() << describe(map.error());
       continue;
     }
     const auto name = [&](const char* bone) { return joint_name(*map, clip.skeleton(), bone); };
-    EXPECT_EQ(map->dialect, expected.dialect);
+    EXPECT_EQ(map->profile, expected.profile);
     EXPECT_EQ(name("Hips"), expected.hips);
     EXPECT_EQ(name("Spine2"), expected.torso);
     EXPECT_EQ(name("LeftArm"), expected.arm);
@@ -93,7 +93,7 @@ TEST_F(RealFiles, AreRecognisedWithTheRightDialect) {
   }
 }
 
-// the dialect files give the answer above; names alone and the shape alone must agree with it
+// the profile files give the answer above; names alone and the shape alone must agree with it
 TEST_F(RealFiles, AreRecognisedWithoutAnyDialectFile) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
@@ -115,14 +115,14 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
   for (const Expected& expected : kExpected) {
     SCOPED_TRACE(expected.file);
     const Clip clip = load(expected.file);
-    const auto named = recognise_skeleton(clip, shipped_dialects());
-    const auto shaped = recognise_skeleton(without_names(clip), shipped_dialects());
+    const auto named = recognise_skeleton(clip, shipped_profiles());
+    const auto shaped = recognise_skeleton(without_names(clip), shipped_profiles());
     ASSERT_TRUE(named);
     if (!shaped) {
       ADD_FAILURE() << describe(shaped.error());
       continue;
     }
-    EXPECT_EQ(shaped->dialect, "topology");
+    EXPECT_EQ(shaped->profile, "topology");
     for (const Bone bone : kMappedBones) {
       EXPECT_EQ(shaped->joint_of_bone[bone], named->joint_of_bone[bone]) << bone_name(bone);
     }
@@ -131,16 +131,16 @@ TEST_F(RealFiles, AreRecognisedByShapeAlone) {
 
 TEST_F(RealFiles, HeadsetWithoutArmsNeedsPartial) {
   const Clip clip = load("dialects/slimevr_hmd_root.bvh");
-  const auto refused = recognise_skeleton(clip, shipped_dialects());
+  const auto refused = recognise_skeleton(clip, shipped_profiles());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
   EXPECT_EQ(refused.error().message, "no arms found in the skeleton");
   EXPECT_NE(refused.error().hint.find(OPTION("partial")), std::string::npos);
 
-  const auto map = recognise_skeleton(clip, shipped_dialects(), {.partial = true});
+  const auto map = recognise_skeleton(clip, shipped_profiles(), {.partial = true});
   ASSERT_TRUE(map) << describe(map.error());
   EXPECT_TRUE(map->partial);
-  EXPECT_EQ(map->dialect, "slimevr");
+  EXPECT_EQ(map->profile, "slimevr");
   const auto name = [&](const char* bone) { return joint_name(*map, clip.skeleton(), bone); };
   EXPECT_EQ(name("Hips"), "Hip");
   EXPECT_EQ(name("Spine2"), "Chest");
@@ -163,7 +163,7 @@ TEST_F(RealFiles, RejectsFilesThatAreNotHuman) {
     SCOPED_TRACE(file);
     const Clip clip = load(file);
     for (const bool partial : {false, true}) {
-      const auto map = recognise_skeleton(clip, shipped_dialects(), {.partial = partial});
+      const auto map = recognise_skeleton(clip, shipped_profiles(), {.partial = partial});
       ASSERT_FALSE(map);
       EXPECT_EQ(map.error().kind, ErrorKind::kInput);
       EXPECT_EQ(map.error().message.find('\n'), std::string::npos);
@@ -174,7 +174,7 @@ TEST_F(RealFiles, RejectsFilesThatAreNotHuman) {
 
 TEST_F(RealFiles, RejectsDuplicateJointNames) {
   const Clip clip = load("quirks/28_duplicate_names.bvh");
-  const auto map = recognise_skeleton(clip, shipped_dialects());
+  const auto map = recognise_skeleton(clip, shipped_profiles());
   ASSERT_FALSE(map);
   EXPECT_NE(map.error().message.find("\"LeftUpArm\""), std::string::npos) << map.error().message;
 }
@@ -184,7 +184,7 @@ TEST_F(RealFiles, ConformanceFilesAreNotHuman) {
     if (entry.path().extension() != ".bvh") continue;
     const auto file = load_bvh(entry.path().string());
     if (!file) continue;
-    EXPECT_FALSE(recognise_skeleton(file->clip, shipped_dialects(), {.partial = true}))
+    EXPECT_FALSE(recognise_skeleton(file->clip, shipped_profiles(), {.partial = true}))
         << entry.path();
   }
 }

@@ -22,12 +22,12 @@ using ::testing::Not;
 void expect_bones(const std::string& body,
                   const std::vector<std::pair<const char*, const char*>>& expected) {
   const Skeleton skeleton = tiny_skeleton(body);
-  // with the dialects and by names alone
-  for (const auto& dialects : {shipped_dialects(), std::vector<Dialect>()}) {
-    const auto map = recognise_skeleton(skeleton, dialects);
+  // with the profiles and by names alone
+  for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
+    const auto map = recognise_skeleton(skeleton, profiles);
     ASSERT_TRUE(map) << describe(map.error());
     for (const auto& [bone, joint] : expected) {
-      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->dialect;
+      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->profile;
     }
   }
 }
@@ -211,8 +211,8 @@ TEST(Recognise, IgnoresPrefixes) {
     const auto map = recognise(skeleton);
     ASSERT_TRUE(map) << describe(map.error());
     EXPECT_EQ(joint_name(*map, skeleton, "LeftArm"), prefix + "LeftArm");
-    EXPECT_NE(map->dialect, "topology");
-    EXPECT_EQ(map->dialect == "mixamo", prefix.starts_with("mixamo"));
+    EXPECT_NE(map->profile, "topology");
+    EXPECT_EQ(map->profile == "mixamo", prefix.starts_with("mixamo"));
   }
 }
 
@@ -254,14 +254,14 @@ TEST(Recognise, NumberedSegmentsHaveNoSide) {
                                     {"RightArm", "RightUpperArm"},
                                     {"ToeBase", "Toe"}});
   expect_bones(body, {{"Hips", "Pelvis"}, {"Spine", "L5"}, {"Spine1", "L3"}, {"Spine2", "T8"}});
-  EXPECT_EQ(recognise(tiny_skeleton(body))->dialect, "xsens_mvn");
+  EXPECT_EQ(recognise(tiny_skeleton(body))->profile, "xsens_mvn");
 }
 
 TEST(Recognise, UsesShapeIfNamesAreMeaningless) {
   const Skeleton body = tiny_skeleton(kBody);
   const auto map = recognise(with_names(body, meaningless_names(body)));
   ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->dialect, "topology");
+  EXPECT_EQ(map->profile, "topology");
   EXPECT_EQ(map->joint_of_bone, recognise(body)->joint_of_bone);
 }
 
@@ -468,10 +468,10 @@ TEST(Recognise, WarnsAboutBackwardToes) {
   const auto clip_of = [](const std::string& body) {
     return Clip(std::make_shared<const Skeleton>(tiny_skeleton(body)), FrameRate{30, 1}, 2);
   };
-  const auto sane = recognise_skeleton(clip_of(kBody), shipped_dialects());
+  const auto sane = recognise_skeleton(clip_of(kBody), shipped_profiles());
   const auto odd = recognise_skeleton(
       clip_of(renamed({{"Left", "Middle"}, {"Right", "Left"}, {"Middle", "Right"}})),
-      shipped_dialects());
+      shipped_profiles());
   ASSERT_TRUE(sane && odd);
   EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("exchanged"))));
   EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be swapped")));
@@ -483,12 +483,12 @@ TEST(Recognise, IncludedSamplesAreLafan1) {
     SCOPED_TRACE(name);
     const auto path = std::filesystem::path(RETARGET_SOURCE_DIR) / "data" / name;
     const Clip clip = load_bvh(path.string() + ".bvh").value().clip;
-    const auto map = recognise_skeleton(clip, shipped_dialects());
+    const auto map = recognise_skeleton(clip, shipped_profiles());
     ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->dialect, "lafan1");
+    EXPECT_EQ(map->profile, "lafan1");
     EXPECT_EQ(map->notes, std::vector<std::string>());
     // the motion tells the sides where the names do not, and the zero pose does not either
-    const auto by_shape = recognise_skeleton(without_names(clip), shipped_dialects());
+    const auto by_shape = recognise_skeleton(without_names(clip), shipped_profiles());
     ASSERT_TRUE(by_shape) << describe(by_shape.error());
     EXPECT_EQ(by_shape->joint_of_bone, map->joint_of_bone);
   }
@@ -527,8 +527,8 @@ TEST(Recognise, Lafan1MatchesThePublishedMethod) {
     const Skeleton skeleton = tiny_skeleton(body);
     const auto map = recognise(skeleton);
     ASSERT_TRUE(map) << describe(map.error());
-    EXPECT_EQ(map->dialect, "lafan1");
-    const HumanMapping published = lafan1_mapping(skeleton);
+    EXPECT_EQ(map->profile, "lafan1");
+    const Calibration published = lafan1_calibration(skeleton);
     for (const Bone bone : kMappedBones) {
       EXPECT_EQ(map->joint_of_bone[bone], published.bones[bone].position_joint) << bone_name(bone);
     }
@@ -536,8 +536,8 @@ TEST(Recognise, Lafan1MatchesThePublishedMethod) {
 }
 
 TEST(Recognise, Lafan1NamesOnOtherAxesAreAnotherDialect) {
-  EXPECT_NE(recognise(tiny_skeleton(kBody))->dialect, "lafan1");
-  EXPECT_NE(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")))->dialect, "lafan1");
+  EXPECT_NE(recognise(tiny_skeleton(kBody))->profile, "lafan1");
+  EXPECT_NE(recognise(tiny_skeleton(replaced(kBody, "ToeBase", "Toe")))->profile, "lafan1");
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "human/bone_map.h"
-#include "human/dialect.h"
 #include "human/recognise.h"
+#include "human/skeleton_profile.h"
 #include "retarget/clip.h"
 
 namespace retarget {
@@ -59,10 +59,11 @@ inline std::string joint_name(const BoneMap& map, const Skeleton& skeleton, cons
   return joint < 0 ? std::string() : skeleton.joint(joint).name;
 }
 
-inline const std::vector<Dialect>& shipped_dialects() {
-  static const std::vector<Dialect> kDialects =
-      load_dialects(std::filesystem::path(RETARGET_SOURCE_DIR) / "configs" / "skeletons").value();
-  return kDialects;
+inline const std::vector<SkeletonProfile>& shipped_profiles() {
+  static const std::vector<SkeletonProfile> kProfiles =
+      load_skeleton_profiles(std::filesystem::path(RETARGET_SOURCE_DIR) / "configs" / "skeletons")
+          .value();
+  return kProfiles;
 }
 
 /// A body that stands in a T-pose, y up, z forward, its left at +x; centimetres.
@@ -147,9 +148,9 @@ inline Clip without_names(const Clip& clip) {
   return same;
 }
 
-/// recognise_skeleton with the shipped dialects.
+/// recognise_skeleton with the shipped profiles.
 inline Result<BoneMap> recognise(const Skeleton& skeleton, bool partial = false) {
-  return recognise_skeleton(skeleton, shipped_dialects(), {.partial = partial});
+  return recognise_skeleton(skeleton, shipped_profiles(), {.partial = partial});
 }
 
 }  // namespace retarget

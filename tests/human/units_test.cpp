@@ -100,9 +100,9 @@ TEST(CalibrateSize, RejectsUnknownUnitUnlessHeightIsGiven) {
     const auto found = calibrated(twice, lafan1, told);
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "scaled");
-    EXPECT_EQ(found->mapping.height, 1.75);
-    EXPECT_NEAR(found->mapping.metres_per_unit, 0.005, 2e-4);
-    EXPECT_THAT(found->mapping.doubts, IsEmpty());
+    EXPECT_EQ(found->height, 1.75);
+    EXPECT_NEAR(found->metres_per_unit, 0.005, 2e-4);
+    EXPECT_THAT(found->doubts, IsEmpty());
   }
 }
 
@@ -114,9 +114,9 @@ TEST(CalibrateSize, OptionalUnitAssumesAnAverageBody) {
     const auto found = calibrated(twice, lafan1, any);
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "unknown");
-    EXPECT_NEAR(found->mapping.height, 1.7, 0.051);
-    ASSERT_EQ(found->mapping.doubts.size(), 1U);
-    EXPECT_THAT(found->mapping.doubts[0].message, HasSubstr("no known unit"));
+    EXPECT_NEAR(found->height, 1.7, 0.051);
+    ASSERT_EQ(found->doubts.size(), 1U);
+    EXPECT_THAT(found->doubts[0].message, HasSubstr("no known unit"));
     EXPECT_EQ(calibrated(sample_in(1.0, lafan1), lafan1, any)->unit, "cm");
   }
 }
@@ -133,16 +133,16 @@ TEST(CalibrateSize, SmallMixamoCharacterIsInCentimetres) {
     std::ranges::copy(small.rotations(frame), clip.rotations(frame).begin());
     std::ranges::copy(small.translations(frame), clip.translations(frame).begin());
   }
-  const auto map = recognise_skeleton(clip, shipped_dialects());
+  const auto map = recognise_skeleton(clip, shipped_profiles());
   ASSERT_TRUE(map) << describe(map.error());
-  EXPECT_EQ(map->dialect, "mixamo");
+  EXPECT_EQ(map->profile, "mixamo");
   const auto found = calibrate(clip, *map, {});
   ASSERT_TRUE(found) << describe(found.error());
   EXPECT_EQ(found->unit, "cm");
-  EXPECT_NEAR(found->mapping.height, 1.72 * 0.45, 0.03);
+  EXPECT_NEAR(found->height, 1.72 * 0.45, 0.03);
   // the size is odd, which is said
-  ASSERT_FALSE(found->mapping.doubts.empty());
-  EXPECT_THAT(found->mapping.doubts.back().message, HasSubstr("height"));
+  ASSERT_FALSE(found->doubts.empty());
+  EXPECT_THAT(found->doubts.back().message, HasSubstr("height"));
 }
 
 TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
@@ -152,13 +152,13 @@ TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
     const auto found = calibrated(clip, true, {});
     ASSERT_TRUE(found) << describe(found.error());
     EXPECT_EQ(found->unit, "cm");
-    EXPECT_NEAR(found->mapping.height, 1.75 * scale, 0.035 * scale) << scale;
+    EXPECT_NEAR(found->height, 1.75 * scale, 0.035 * scale) << scale;
     EXPECT_NE(found->rest_pose, "lafan1");
-    EXPECT_THAT(found->mapping.description,
-                HasSubstr("body height " + std::to_string(found->mapping.height).substr(0, 3)));
+    EXPECT_THAT(found->description,
+                HasSubstr("body height " + std::to_string(found->height).substr(0, 3)));
     // its axes are LAFAN1's all the same
-    const HumanClip human = to_human(clip, found->mapping);
-    const HumanClip grown = to_human(sample_in(1.0, true), adult.mapping);
+    const HumanClip human = to_human(clip, *found);
+    const HumanClip grown = to_human(sample_in(1.0, true), adult);
     EXPECT_LT(human.frame(7)[Bone::kLeftArm].rotation.angularDistance(
                   grown.frame(7)[Bone::kLeftArm].rotation),
               1e-9);
@@ -166,7 +166,7 @@ TEST(CalibrateSize, ChildWithLafan1NamesKeepsItsOwnHeight) {
   // within what people of one data set differ by the published height stays
   for (const double scale : {0.995, 1.0, 1.01}) {
     const auto found = calibrated(sample_in(scale, true), true, {}).value();
-    EXPECT_EQ(found.mapping.height, 1.75) << scale;
+    EXPECT_EQ(found.height, 1.75) << scale;
     EXPECT_EQ(found.rest_pose, "lafan1") << scale;
   }
 }

@@ -58,7 +58,7 @@ TEST(UpAxis, UsesTheZeroPoseOfTumblingBodies) {
 }
 
 TEST(UpAxis, WarnsIfTheBodyHardlyStands) {
-  const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).mapping.doubts;
+  const auto doubts = calibrated(tumbling("turn_in_place", 3.0, true)).doubts;
   ASSERT_FALSE(doubts.empty());
   EXPECT_THAT(doubts[0].message, testing::HasSubstr("+y was taken as the up axis"));
 }

@@ -48,7 +48,7 @@ Eigen::VectorXd minimise_slowly(const Problem& problem) {
 
 TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
   std::mt19937 engine(3);
-  int most_active = 0;
+  int max_active = 0;
   for (int repeat = 0; repeat < 2000; ++repeat) {
     const int size = 1 + repeat % 40;
     // from nearly all variables at a bound to nearly none
@@ -61,9 +61,9 @@ TEST(BoxQp, SatisfiesKktConditionsOnRandomProblems) {
     ASSERT_TRUE((x.array() <= problem.upper.array()).all());
     ASSERT_LT(box_qp_residual(problem.H, problem.g, problem.lower, problem.upper, x), 1e-9)
         << "problem " << repeat;
-    most_active = std::max(most_active, stats.active);
+    max_active = std::max(max_active, stats.active);
   }
-  EXPECT_GT(most_active, 20);
+  EXPECT_GT(max_active, 20);
 }
 
 TEST(BoxQp, AgreesWithProjectedGradients) {

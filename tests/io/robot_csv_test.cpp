@@ -80,11 +80,11 @@ TEST(RobotCsv, IsTheSameInEveryLocale) {
 TEST(RobotCsv, ClampsPrecision) {
   RobotCsvOptions options;
   options.precision = 2'000'000'000;
-  RobotCsvOptions most;
-  most.precision = 17;
+  RobotCsvOptions max;
+  max.precision = 17;
   RobotClip clip = two_frames();
   clip.qpos(0)[0] = -1.7e308;
-  EXPECT_EQ(format_robot_csv(clip, options), format_robot_csv(clip, most));
+  EXPECT_EQ(format_robot_csv(clip, options), format_robot_csv(clip, max));
   options.precision = -5;
   EXPECT_EQ(format_robot_csv(two_frames(), options).substr(0, 5), "2,-2,");
 }

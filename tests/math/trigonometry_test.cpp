@@ -21,13 +21,13 @@ double ulps(double found, long double exact) {
 TEST(SinCos, IsWithinAFewUlps) {
   std::mt19937_64 random(1);
   for (const double range : {1e-8, 0.1, 1.0, 4.0, 100.0, 9e5}) {
-    const double most = range > 100.0 ? 3.0 : 2.0;
+    const double max = range > 100.0 ? 3.0 : 2.0;
     std::uniform_real_distribution<double> angles(-range, range);
     for (int i = 0; i < 100'000; ++i) {
       const double angle = angles(random);
       const auto [sine, cosine] = sin_cos(angle);
-      ASSERT_LT(ulps(sine, std::sin(static_cast<long double>(angle))), most) << angle;
-      ASSERT_LT(ulps(cosine, std::cos(static_cast<long double>(angle))), most) << angle;
+      ASSERT_LT(ulps(sine, std::sin(static_cast<long double>(angle))), max) << angle;
+      ASSERT_LT(ulps(cosine, std::cos(static_cast<long double>(angle))), max) << angle;
     }
   }
 }
@@ -108,11 +108,11 @@ TEST(Atan2, IsWithinTwoUlps) {
 }
 
 TEST(Atan2, MatchesStdAtan2AtSpecialValues) {
-  const double least = std::numeric_limits<double>::denorm_min();
+  const double min = std::numeric_limits<double>::denorm_min();
   const double small = std::numeric_limits<double>::min();
-  const double most = std::numeric_limits<double>::max();
-  for (const double y : {0.0, -0.0, 1.0, -1.0, least, -small, most, -most, 0.4375, 0.6875}) {
-    for (const double x : {0.0, -0.0, 1.0, -1.0, least, -small, most, -most}) {
+  const double max = std::numeric_limits<double>::max();
+  for (const double y : {0.0, -0.0, 1.0, -1.0, min, -small, max, -max, 0.4375, 0.6875}) {
+    for (const double x : {0.0, -0.0, 1.0, -1.0, min, -small, max, -max}) {
       const double found = atan2(y, x);
       EXPECT_EQ(std::signbit(found), std::signbit(y)) << y << " " << x;
       EXPECT_NEAR(found, std::atan2(y, x), 5e-16) << y << " " << x;

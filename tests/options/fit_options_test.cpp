@@ -24,16 +24,27 @@ TEST(FitOptions, ReadsByName) {
 
 TEST(FitOptions, ReportsAllErrors) {
   const auto options = parse_fit_options(
-      R"({"hand_rotaton": 1, "floor": 1, "window": -2, "iterations": 1.5, "speed_soft": "x"})",
+      R"({"hand_rotaton": 1, "floor": 1, "window": -2, "iterations": 1.5, "soft_joint_speed": "x"})",
       "a.json");
   ASSERT_FALSE(options.has_value());
   const std::string text = describe(options.error());
   for (const char* part : {"hand_rotation", "\"floor\" must be true or false", "\"window\"",
-                           "\"iterations\" must be a whole number", "\"speed_soft\""}) {
+                           "\"iterations\" must be a whole number", "\"soft_joint_speed\""}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_FALSE(parse_fit_options("[1]", "a.json").has_value());
   EXPECT_FALSE(parse_fit_options("{", "a.json").has_value());
+}
+
+TEST(FitOptions, ReadsFormerNames) {
+  const auto options = parse_fit_options(
+      R"({"speed_soft": 7.5, "speed_most": 12.5, "largest_step": 0.25})", "a.json");
+  ASSERT_TRUE(options.has_value()) << describe(options.error());
+  EXPECT_EQ(options->soft_joint_speed, 7.5);
+  EXPECT_EQ(options->max_joint_speed, 12.5);
+  EXPECT_EQ(options->max_joint_step, 0.25);
+  // ranges hold for them, too
+  EXPECT_FALSE(parse_fit_options(R"({"speed_most": 0})", "a.json").has_value());
 }
 
 TEST(FitOptions, DisablesTermsByName) {

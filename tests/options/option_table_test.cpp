@@ -28,7 +28,7 @@ struct Extended {
   Extended() {
     table.push_back(
         option("new-depth", depth,
-               {.type = "M", .group = "Input", .help = "How deep", .least = 0.0, .most = 10.0}));
+               {.type = "M", .group = "Input", .help = "How deep", .min = 0.0, .max = 10.0}));
   }
 };
 

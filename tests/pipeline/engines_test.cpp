@@ -1,11 +1,11 @@
 // The fast engine against the reference engine on real robots and clips: each frame from the same
-// pose, and whole clips; and every robot with a published mapping against the reference
+// pose, and whole clips; and every robot with a published configuration against the reference
 // trajectories.
 
 #include <gtest/gtest.h>
 
 #include "bvh/read_bvh.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "pipeline/targets.h"
 #include "retarget/motion_io.h"
 #include "robot/find_robot.h"
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct RobotCase {
   const char* robot;      // of the repository, and folder of reference trajectories
-  const char* published;  // its mapping, below reference
+  const char* published;  // its configuration, below reference
 };
 
 void PrintTo(const RobotCase& robot_case, std::ostream* out) {
@@ -39,13 +39,13 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
     const auto robot = load_robot_files(files.model.string(), files.profile.string());
     ASSERT_TRUE(robot) << describe(robot.error());
     robot_ = *robot;
-    const std::string mapping = "lafan1_to_" + std::string(GetParam().robot) + ".json";
-    const auto tables = load_ik_tables((source / "configs" / mapping).string());
-    ASSERT_TRUE(tables) << describe(tables.error());
-    tables_ = *tables;
-    const auto resolved = resolve_mapping(*tables, *robot_);
+    const std::string file = "lafan1_to_" + std::string(GetParam().robot) + ".json";
+    const auto config = load_retargeting_config((source / "configs" / file).string());
+    ASSERT_TRUE(config) << describe(config.error());
+    read_ = *config;
+    const auto resolved = resolve_config(*config, *robot_);
     ASSERT_TRUE(resolved) << describe(resolved.error());
-    mapping_ = *resolved;
+    config_ = *resolved;
     const auto limits = load_limits(*robot_, robot_->limits_for("gmr"));
     ASSERT_TRUE(limits) << describe(limits.error());
     limits_ = *limits;
@@ -54,31 +54,32 @@ class Engines : public ::testing::TestWithParam<RobotCase> {
   [[nodiscard]] HumanClip human(const std::string& clip, int frames) const {
     const auto file = load_bvh((shared_ / "data/lafan1" / (clip + ".bvh")).string()).value();
     return to_human(cut(file.clip, 0, std::min(frames, file.clip.frame_count())),
-                    lafan1_mapping(file.clip.skeleton()));
+                    lafan1_calibration(file.clip.skeleton()));
   }
 
   fs::path shared_;
   std::shared_ptr<const Robot> robot_;
-  IkTables tables_;
-  ResolvedMapping mapping_;
+  RetargetingConfig read_;  // what config_ was made from
+  ResolvedConfig config_;
   LimitSet limits_;  // of the published method
 };
 
 TEST_P(Engines, UseThePublishedMapping) {
-  const auto published = load_ik_tables((shared_ / "reference" / GetParam().published).string());
+  const auto published =
+      load_retargeting_config((shared_ / "reference" / GetParam().published).string());
   ASSERT_TRUE(published) << describe(published.error());
-  EXPECT_EQ(tables_.robot_root, published->robot_root);
-  EXPECT_EQ(tables_.human_root, published->human_root);
-  EXPECT_EQ(tables_.ground_height, published->ground_height);
-  EXPECT_EQ(tables_.human_height_assumption, published->human_height_assumption);
-  EXPECT_EQ(tables_.scales, published->scales);
+  EXPECT_EQ(read_.robot_root, published->robot_root);
+  EXPECT_EQ(read_.human_root, published->human_root);
+  EXPECT_EQ(read_.ground_height, published->ground_height);
+  EXPECT_EQ(read_.human_height_assumption, published->human_height_assumption);
+  EXPECT_EQ(read_.scales, published->scales);
   for (int number = 0; number < 2; ++number) {
-    const IkTable& ours = tables_.tables[number];
-    const IkTable& theirs = published->tables[number];
+    const IkMatchTable& ours = read_.match_tables[number];
+    const IkMatchTable& theirs = published->match_tables[number];
     EXPECT_EQ(ours.used, theirs.used);
     ASSERT_EQ(ours.rows.size(), theirs.rows.size());
     for (std::size_t i = 0; i < ours.rows.size(); ++i) {
-      const IkRow &row = ours.rows[i], &expected = theirs.rows[i];
+      const IkMatch &row = ours.rows[i], &expected = theirs.rows[i];
       EXPECT_EQ(row.body, expected.body);
       EXPECT_EQ(row.bone, expected.bone);
       EXPECT_EQ(row.position_weight, expected.position_weight);
@@ -92,8 +93,8 @@ TEST_P(Engines, UseThePublishedMapping) {
 TEST_P(Engines, AgreeInEveryFrameFromTheSameStart) {
   for (const char* clip : {"walk4_subject1", "dance1_subject2"}) {
     const HumanClip source = human(clip, 400);
-    const TargetBuilder targets(mapping_, source.height);
-    const auto problem = make_problem(robot_, mapping_, targets, limits_);
+    const TargetBuilder targets(config_, source.height);
+    const auto problem = make_problem(robot_, config_, targets, limits_);
     const auto reference = make_reference_solver(problem);
     const auto fast = make_fast_solver(problem);
     std::vector<Pose> world_from_target(targets.target_count());
@@ -131,10 +132,10 @@ TEST_P(Engines, MatchReferenceTrajectories) {
     RobotCsvOptions csv_options;
     csv_options.precision = 17;
     for (const IkEngine engine : {IkEngine::kFast, IkEngine::kReference}) {
-      RetargetOptions options;
+      SolveFramesOptions options;
       options.engine = engine;
-      const auto result = retarget(human(clip, static_cast<int>(expected.size())), robot_, mapping_,
-                                   limits_, options);
+      const auto result = solve_frames(human(clip, static_cast<int>(expected.size())), robot_,
+                                       config_, limits_, options);
       ASSERT_TRUE(result) << describe(result.error());
       const auto difference =
           compare_tables(parse_csv(format_robot_csv(result->clip, csv_options)), expected, 1e-6);

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "pipeline/targets.h"
-#include "support/limbed_tables.h"
+#include "support/limbed_config.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -62,7 +62,7 @@ TEST(RobotLimbs, AreZeroIfNotMeasured) {
 
 TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
   const auto robot = robot_from_text(kLimbed);
-  const auto limbs = robot_limbs(*robot, resolved(limbed_tables(), *robot));
+  const auto limbs = robot_limbs(*robot, resolved(limbed_config(), *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
   // the hip's axes meet at its second body, 12 cm over the thigh's origin; the pull towards the
   // anchors moves the centre by millimetres
@@ -80,30 +80,31 @@ TEST(RobotLimbs, AreMeasuredBetweenAxisIntersections) {
 
 TEST(RobotLegLength, DoesNotNeedArms) {
   const auto robot = robot_from_text(kLimbed);
-  IkTables tables = limbed_tables();
-  EXPECT_EQ(robot_leg_length(*robot, resolved(tables, *robot)).value(),
-            robot_limbs(*robot, resolved(tables, *robot)).value().lengths.leg);
+  RetargetingConfig config = limbed_config();
+  EXPECT_EQ(robot_leg_length(*robot, resolved(config, *robot)).value(),
+            robot_limbs(*robot, resolved(config, *robot)).value().lengths.leg);
   const auto leave_out = [&](std::string_view ending) {
-    std::erase_if(tables.tables[0].rows,
-                  [&](const IkRow& row) { return row.bone.ends_with(ending); });
+    std::erase_if(config.match_tables[0].rows,
+                  [&](const IkMatch& row) { return row.bone.ends_with(ending); });
   };
   leave_out("Arm");
-  EXPECT_FALSE(robot_limbs(*robot, resolved(tables, *robot)));
-  EXPECT_NEAR(robot_leg_length(*robot, resolved(tables, *robot)).value(), 0.30 + 0.25, 2e-3);
+  EXPECT_FALSE(robot_limbs(*robot, resolved(config, *robot)));
+  EXPECT_NEAR(robot_leg_length(*robot, resolved(config, *robot)).value(), 0.30 + 0.25, 2e-3);
   leave_out("FootMod");
-  EXPECT_FALSE(robot_leg_length(*robot, resolved(tables, *robot)));
+  EXPECT_FALSE(robot_leg_length(*robot, resolved(config, *robot)));
 }
 
 TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
   const auto robot = robot_from_text(kLimbed);
-  IkTables tables = limbed_tables();
-  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone.ends_with("Hand"); });
-  const auto limbs = robot_limbs(*robot, resolved(tables, *robot));
+  RetargetingConfig config = limbed_config();
+  std::erase_if(config.match_tables[0].rows,
+                [](const IkMatch& row) { return row.bone.ends_with("Hand"); });
+  const auto limbs = robot_limbs(*robot, resolved(config, *robot));
   ASSERT_TRUE(limbs) << describe(limbs.error());
   EXPECT_FALSE(limbs->forearms);
   EXPECT_NEAR(limbs->lengths.arm, 0.20, 2e-3);
   EXPECT_NEAR(limbs->lengths.leg, 0.30 + 0.25, 2e-3);
-  EXPECT_TRUE(robot_limbs(*robot, resolved(limbed_tables(), *robot))->forearms);
+  EXPECT_TRUE(robot_limbs(*robot, resolved(limbed_config(), *robot))->forearms);
   // the human's arms are then measured as far
   HumanPose bones;
   bones[Bone::kLeftForeArm].translation = {0, 0.3, 0};
@@ -116,9 +117,8 @@ TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
 
 TEST(RobotLimbs, MatchTheG1) {
   const auto robot = load_g1();
-  const auto tables =
-      load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
-  const auto limbs = robot_limbs(*robot, *tables);
+  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
+  const auto limbs = robot_limbs(*robot, *config);
   ASSERT_TRUE(limbs) << describe(limbs.error());
   // from the figures of the model: hips 3 cm below the pitch axis, shins of 300 mm
   EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);
@@ -131,18 +131,19 @@ TEST(RobotLimbs, MatchTheG1) {
 
 TEST(RobotLimbs, NeedTheMappedBodies) {
   const auto robot = robot_from_text(kLimbed);
-  IkTables tables = limbed_tables();
-  std::erase_if(tables.tables[0].rows, [](const IkRow& row) { return row.bone == "LeftHand"; });
-  const auto missing = robot_limbs(*robot, resolved(tables, *robot));
+  RetargetingConfig config = limbed_config();
+  std::erase_if(config.match_tables[0].rows,
+                [](const IkMatch& row) { return row.bone == "LeftHand"; });
+  const auto missing = robot_limbs(*robot, resolved(config, *robot));
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().kind, ErrorKind::kConfig);
   EXPECT_THAT(missing.error().message, testing::HasSubstr("no body follows LeftHand"));
 
-  tables = limbed_tables();
-  for (IkRow& row : tables.tables[0].rows) {
+  config = limbed_config();
+  for (IkMatch& row : config.match_tables[0].rows) {
     if (row.bone == "RightLeg") row.body = "l_shin";
   }
-  const auto crossed = robot_limbs(*robot, resolved(tables, *robot));
+  const auto crossed = robot_limbs(*robot, resolved(config, *robot));
   ASSERT_FALSE(crossed);
   EXPECT_THAT(crossed.error().message, testing::HasSubstr("do not follow each other"));
 }
@@ -151,8 +152,8 @@ TEST(RobotLimbs, NeedTheMappedBodies) {
 // whatever pose both are in
 TEST(TargetBuilder, LimbScalingReproducesTheRobotPose) {
   const auto robot = robot_from_text(kLimbed);
-  const IkTables tables = limbed_tables();
-  const auto limbs = robot_limbs(*robot, resolved(tables, *robot)).value();
+  const RetargetingConfig config = limbed_config();
+  const auto limbs = robot_limbs(*robot, resolved(config, *robot)).value();
   std::vector<double> qpos = robot->zero_configuration();
   // knees and elbows bend; the shoulders' and hips' centres stay where their axes meet
   for (const RobotJoint& joint : robot->joints()) {
@@ -166,7 +167,7 @@ TEST(TargetBuilder, LimbScalingReproducesTheRobotPose) {
   constexpr double kLeg = 1.4, kTrunk = 1.25, kArm = 1.7;  // the human's over the robot's
   HumanPose bones;
   BoneArray<Eigen::Vector3d> centre;
-  for (const IkRow& row : tables.tables[0].rows) {
+  for (const IkMatch& row : config.match_tables[0].rows) {
     const Bone bone = bone_from_name(row.bone).value();
     const Pose& body = world_from_body[robot->find_body(row.body).value()];
     bones[bone].rotation = body.rotation;
@@ -190,10 +191,10 @@ TEST(TargetBuilder, LimbScalingReproducesTheRobotPose) {
   }
   const LimbLengths human = {kLeg * limbs.lengths.leg, kArm * limbs.lengths.arm,
                              kTrunk * limbs.lengths.trunk};
-  const TargetBuilder builder(resolved(tables, *robot), limbs, human);
+  const TargetBuilder builder(resolved(config, *robot), limbs, human);
   std::vector<Pose> targets(static_cast<std::size_t>(builder.target_count()));
   builder.build(bones, targets);
-  for (const IkRow& row : tables.tables[0].rows) {
+  for (const IkMatch& row : config.match_tables[0].rows) {
     const Pose& body = world_from_body[robot->find_body(row.body).value()];
     const Pose& target = targets[builder.target_of(index(row.bone))];
     EXPECT_LT((target.translation - body.translation).norm(), 1e-12) << row.bone;

@@ -14,7 +14,7 @@
 #include "human/calibrate.h"
 #include "human/recognise.h"
 #include "motion/resample.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "smpl/read_smpl.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
@@ -116,11 +116,11 @@ class LimbSegments : public ::testing::Test {
     data_ = *shared / "data";
     const fs::path source(RETARGET_SOURCE_DIR);
     robot_ = load_g1();
-    dialects_ = load_dialects(source / "configs" / "skeletons").value();
+    dialects_ = load_skeleton_profiles(source / "configs" / "skeletons").value();
     published_ =
-        load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot_).value();
+        load_config((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot_).value();
     derived_ =
-        load_mapping((source / "robots" / "unitree_g1" / "ik.json").string(), *robot_).value();
+        load_config((source / "robots" / "unitree_g1" / "ik.json").string(), *robot_).value();
   }
 
   Result<Outcome> run(const fs::path& file) {
@@ -147,14 +147,14 @@ class LimbSegments : public ::testing::Test {
     const auto at_30 = resample(cut(*clip, 0, frames), FrameRate{30, 1});
     if (!at_30) return failure(at_30.error());
     Outcome outcome;
-    outcome.human = to_human(*at_30, calibration->mapping);
-    RetargetOptions retarget_options;
+    outcome.human = to_human(*at_30, *calibration);
+    SolveFramesOptions retarget_options;
     if (calibration->rest_pose != "lafan1") {
       retarget_options.height_scale = HeightScale::kLimbs;
     }
-    const bool is_lafan1 = map->dialect.starts_with("lafan1");
-    auto result = retarget(outcome.human, robot_, is_lafan1 ? published_ : derived_,
-                           robot_->model_limits(), retarget_options);
+    const bool is_lafan1 = map->profile.starts_with("lafan1");
+    auto result = solve_frames(outcome.human, robot_, is_lafan1 ? published_ : derived_,
+                               robot_->model_limits(), retarget_options);
     if (!result) return failure(result.error());
     outcome.robot = std::move(result->clip);
     outcome.angles = angles(outcome.human, outcome.robot);
@@ -205,8 +205,8 @@ class LimbSegments : public ::testing::Test {
   }
 
   fs::path data_;
-  std::vector<Dialect> dialects_;
-  ResolvedMapping published_, derived_;  // of LAFAN1, of all others
+  std::vector<SkeletonProfile> dialects_;
+  ResolvedConfig published_, derived_;  // of LAFAN1, of all others
   std::shared_ptr<const Robot> robot_;
 };
 

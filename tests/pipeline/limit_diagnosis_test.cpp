@@ -40,8 +40,9 @@ constexpr const char* kStiffArm = R"(
   </worldbody>
 </mujoco>)";
 
-IkRow task_row(const std::string& body, const std::string& bone, double position, double rotation) {
-  IkRow row;
+IkMatch task_row(const std::string& body, const std::string& bone, double position,
+                 double rotation) {
+  IkMatch row;
   row.body = body;
   row.bone = bone;
   row.position_weight = position;
@@ -49,32 +50,32 @@ IkRow task_row(const std::string& body, const std::string& bone, double position
   return row;
 }
 
-IkTables tables_of(std::vector<IkRow> rows) {
-  IkTables tables;
-  tables.robot_root = "base";
-  tables.human_root = "Hips";
-  tables.human_height_assumption = 1.0;
-  tables.scales = {{"Hips", 1.0}, {"LeftArm", 1.0}, {"LeftForeArm", 1.0}, {"RightArm", 1.0}};
+RetargetingConfig tables_of(std::vector<IkMatch> rows) {
+  RetargetingConfig config;
+  config.robot_root = "base";
+  config.human_root = "Hips";
+  config.human_height_assumption = 1.0;
+  config.scales = {{"Hips", 1.0}, {"LeftArm", 1.0}, {"LeftForeArm", 1.0}, {"RightArm", 1.0}};
   // the first pass must not count
-  tables.tables[0].rows = {task_row("base", "Hips", 100, 100)};
-  tables.tables[1].rows = std::move(rows);
-  return tables;
+  config.match_tables[0].rows = {task_row("base", "Hips", 100, 100)};
+  config.match_tables[1].rows = std::move(rows);
+  return config;
 }
 
 // bones that all are where a body of the robot is, but for a shift and a turn of each
 struct Scene {
   std::shared_ptr<const Robot> robot;
   RobotClip clip;
-  IkTables tables;
+  RetargetingConfig config;
   HumanPose world_from_bone;
 
   [[nodiscard]] std::vector<JointAtLimit> diagnose(const LimitSet& limits,
-                                                   double least_share = 0.05) const {
-    const ResolvedMapping mapping = resolve_mapping(tables, *robot).value();
-    const TargetBuilder targets(mapping, 1.0);
+                                                   double min_share = 0.05) const {
+    const ResolvedConfig resolved = resolve_config(config, *robot).value();
+    const TargetBuilder targets(resolved, 1.0);
     return joints_at_limits(
-        clip, mapping, targets, [&](int, HumanPose& bones) { bones = world_from_bone; }, limits,
-        least_share);
+        clip, resolved, targets, [&](int, HumanPose& bones) { bones = world_from_bone; }, limits,
+        min_share);
   }
 };
 
@@ -83,11 +84,11 @@ void set_joint(Scene& scene, int frame, const char* name, double q) {
   scene.clip.qpos(frame)[joint.qpos_address] = q;
 }
 
-Scene stiff_arm(std::vector<IkRow> rows, int frames) {
+Scene stiff_arm(std::vector<IkMatch> rows, int frames) {
   Scene scene;
   scene.robot = robot_from_text(kStiffArm);
   scene.clip = RobotClip(scene.robot, {30, 1}, frames);
-  scene.tables = tables_of(std::move(rows));
+  scene.config = tables_of(std::move(rows));
   return scene;
 }
 
@@ -148,7 +149,7 @@ TEST(JointsAtLimits, RestingJointHasNoPushingTask) {
 
 TEST(JointsAtLimits, UsesAnEarlierPassIfTheLastDoesNotMoveTheJoint) {
   Scene scene = stiff_arm({task_row("base", "Hips", 10, 10)}, 1);
-  scene.tables.tables[0].rows = {task_row("upper", "LeftArm", 0, 10)};
+  scene.config.match_tables[0].rows = {task_row("upper", "LeftArm", 0, 10)};
   set_joint(scene, 0, "shoulder", 0.25);
   scene.world_from_bone[Bone::kLeftArm].rotation =
       Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
@@ -165,9 +166,9 @@ TEST(JointsAtLimits, SortsByFramesAndDropsRareOnes) {
     if (frame == 5) set_joint(scene, frame, "shoulder", -0.25);
     if (frame > 4) set_joint(scene, frame, "slide", 0.1);
   }
-  const auto shares = [&](double least_share) {
+  const auto shares = [&](double min_share) {
     std::vector<double> all;
-    for (const auto& found : scene.diagnose(scene.robot->model_limits(), least_share)) {
+    for (const auto& found : scene.diagnose(scene.robot->model_limits(), min_share)) {
       all.push_back(found.share);
     }
     return all;
@@ -184,10 +185,10 @@ TEST(JointsAtLimits, ReportsTheWiderLimitSet) {
   Scene scene;
   scene.robot = g1;
   scene.clip = RobotClip(g1, {30, 1}, 1);
-  scene.tables = tables_of({task_row("left_elbow_link", "LeftForeArm", 0, 1),
+  scene.config = tables_of({task_row("left_elbow_link", "LeftForeArm", 0, 1),
                             task_row("right_elbow_link", "RightArm", 0, 1)});
-  scene.tables.robot_root = "pelvis";
-  scene.tables.tables[0].rows.clear();  // there is no such body
+  scene.config.robot_root = "pelvis";
+  scene.config.match_tables[0].rows.clear();  // there is no such body
   const LimitSet gmr = load_limits(*g1, "gmr").value();
   set_joint(scene, 0, "left_elbow_joint", 1.7);
   set_joint(scene, 0, "right_elbow_joint", -1.0472);
@@ -208,7 +209,7 @@ TEST(JointsAtLimits, IgnoresHeldJoints) {
 // one task on the two arms, in a random configuration and with a random target
 struct RandomTask {
   Scene scene;
-  IkRow row;
+  IkMatch row;
   Pose target;
 };
 
@@ -221,8 +222,8 @@ RandomTask random_task(int trial, std::mt19937& random) {
   const bool rotates = trial % 2 == 0;
   task.row = task_row(trial % 3 == 0 ? "right_upper" : "left_lower", "LeftArm", rotates ? 0.0 : 3.0,
                       rotates ? 2.0 : 0.0);
-  scene.tables = tables_of({task.row});
-  scene.tables.tables[0].used = false;
+  scene.config = tables_of({task.row});
+  scene.config.match_tables[0].used = false;
   const auto qpos = scene.clip.qpos(0);
   for (double& q : qpos) q = 0.5 * uniform(random);
   const double norm = std::hypot(std::hypot(qpos[3], qpos[4]), std::hypot(qpos[5], qpos[6]));

@@ -8,7 +8,7 @@
 #include "bvh/read_bvh.h"
 #include "ik/box_qp.h"
 #include "math/so3.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "pipeline/targets.h"
 #include "retarget/motion_io.h"
 #include "support/box_qp_residual.h"
@@ -26,11 +26,11 @@ using Json = nlohmann::json;
 const fs::path kSource = RETARGET_SOURCE_DIR;
 constexpr double kTolerance = 1e-6;  // rad and m
 
-ResolvedMapping g1_tables(const Robot& robot) {
-  const auto tables =
-      load_mapping((kSource / "configs" / "lafan1_to_unitree_g1.json").string(), robot);
-  EXPECT_TRUE(tables) << describe(tables.error());
-  return *tables;
+ResolvedConfig g1_tables(const Robot& robot) {
+  const auto config =
+      load_config((kSource / "configs" / "lafan1_to_unitree_g1.json").string(), robot);
+  EXPECT_TRUE(config) << describe(config.error());
+  return *config;
 }
 
 LimitSet gmr_limits(const Robot& robot) {
@@ -45,15 +45,15 @@ HumanClip load_human(const fs::path& bvh, int frames) {
   EXPECT_TRUE(file) << (file ? "" : describe(file.error()));
   const Clip& clip = file->clip;
   return to_human(cut(clip, 0, std::min(frames, clip.frame_count())),
-                  lafan1_mapping(clip.skeleton()));
+                  lafan1_calibration(clip.skeleton()));
 }
 
 std::vector<std::vector<double>> retarget_rows(const fs::path& bvh, int frames, IkEngine engine) {
   const auto robot = load_g1();
-  RetargetOptions retarget_options;
+  SolveFramesOptions retarget_options;
   retarget_options.engine = engine;
-  const auto result = retarget(load_human(bvh, frames), robot, g1_tables(*robot),
-                               gmr_limits(*robot), retarget_options);
+  const auto result = solve_frames(load_human(bvh, frames), robot, g1_tables(*robot),
+                                   gmr_limits(*robot), retarget_options);
   EXPECT_TRUE(result) << describe(result.error());
   RobotCsvOptions options;
   options.precision = 17;
@@ -78,9 +78,9 @@ TEST_P(Samples, MatchTheOracleInEveryFrame) {
 TEST_P(Samples, SolveEveryQp) {
   const auto robot = load_g1();
   const HumanClip human = load_human(kSource / "data" / (std::string(GetParam()) + ".bvh"), 100000);
-  const ResolvedMapping tables = g1_tables(*robot);
-  const TargetBuilder targets(tables, human.height);
-  const auto problem = make_problem(robot, tables, targets, gmr_limits(*robot));
+  const ResolvedConfig config = g1_tables(*robot);
+  const TargetBuilder targets(config, human.height);
+  const auto problem = make_problem(robot, config, targets, gmr_limits(*robot));
   long count = 0, bounded = 0;
   double worst = 0.0;
   const auto solver = make_reference_solver(problem, {}, [&](const QpRecord& qp) {
@@ -144,11 +144,11 @@ TEST(Reference, EveryStageMatches) {
   std::ifstream file(*shared / "reference/gmr_output/unitree_g1/walk4_subject1_stages.json");
   const Json stages = Json::parse(file);
   const auto robot = load_g1();
-  const ResolvedMapping tables = g1_tables(*robot);
+  const ResolvedConfig config = g1_tables(*robot);
   const HumanClip human = load_human(*shared / "data/lafan1/walk4_subject1.bvh",
                                      static_cast<int>(stages["frames"].size()));
-  const TargetBuilder targets(tables, human.height);
-  const auto problem = make_problem(robot, tables, targets, gmr_limits(*robot));
+  const TargetBuilder targets(config, human.height);
+  const auto problem = make_problem(robot, config, targets, gmr_limits(*robot));
   const auto solver = make_reference_solver(problem);
   std::vector<double> qpos = robot->zero_configuration();
   std::vector<Pose> world_from_target(targets.target_count());

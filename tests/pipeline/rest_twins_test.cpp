@@ -8,7 +8,7 @@
 #include "human/calibrate.h"
 #include "human/hand_made_maps.h"
 #include "human/twins.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -19,11 +19,10 @@ RobotClip robot_motion(const Clip& clip) {
   const auto found = calibrate(clip, map, {});
   EXPECT_TRUE(found) << describe(found.error());
   const auto robot = load_g1();
-  const auto tables =
-      load_mapping(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
-  RetargetOptions options;
+  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
+  SolveFramesOptions options;
   options.height_scale = HeightScale::kLimbs;
-  auto result = retarget(clip, found->mapping, robot, *tables, robot->model_limits(), options);
+  auto result = solve_frames(clip, *found, robot, *config, robot->model_limits(), options);
   EXPECT_TRUE(result) << describe(result.error());
   return std::move(result->clip);
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bvh/read_bvh.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "support/lafan1_map.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
@@ -30,35 +30,36 @@ Clip first_frame(const std::filesystem::path& bvh, int frames) {
 
 RobotClip solved(const Clip& clip, const std::string& name,
                  const std::shared_ptr<const Robot>& robot, bool settle) {
-  const auto tables =
-      load_mapping((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
-  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
-  EXPECT_TRUE(tables.has_value());
-  RetargetOptions options;
+  const auto config =
+      load_config((kRoot / "configs" / ("lafan1_to_" + name + ".json")).string(), *robot);
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
+  EXPECT_TRUE(config.has_value());
+  SolveFramesOptions options;
   options.settle = settle;
-  const auto result = retarget(clip, mapping, robot, *tables, robot->model_limits(), options);
+  const auto result =
+      solve_frames(clip, calibration, robot, *config, robot->model_limits(), options);
   EXPECT_TRUE(result.has_value());
   return result->clip;
 }
 
 // how far the joints go from the first frame to the last
 double way(const RobotClip& clip) {
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t i = 7; i < clip.qpos(0).size(); ++i) {
-    most = std::max(most, std::abs(clip.qpos(clip.frame_count() - 1)[i] - clip.qpos(0)[i]));
+    max = std::max(max, std::abs(clip.qpos(clip.frame_count() - 1)[i] - clip.qpos(0)[i]));
   }
-  return most;
+  return max;
 }
 
 // frames may still change for two seconds, and are told when they do not any more
 TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
   const auto robot = load_g1();
-  const auto tables = load_mapping((kRoot / "robots/unitree_g1/ik.json").string(), *robot);
+  const auto config = load_config((kRoot / "robots/unitree_g1/ik.json").string(), *robot);
   const Clip whole = load_bvh((kRoot / "data/wave.bvh").string())->clip;
   for (const int frames : {0, 1, 59, 60, 61, 121}) {
     const Clip clip = cut(whole, 0, frames);
-    const HumanMapping mapping = lafan1_mapping(clip.skeleton());
-    RetargetOptions options;
+    const Calibration calibration = lafan1_calibration(clip.skeleton());
+    SolveFramesOptions options;
     options.settle = true;
     options.height_scale = HeightScale::kLimbs;
     options.trunk = TrunkRule::kLines;
@@ -70,7 +71,8 @@ TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
     for (const bool ahead : {false, true}) {
       told.clear();
       options.targets_ahead = ahead;
-      const auto result = retarget(clip, mapping, robot, *tables, robot->model_limits(), options);
+      const auto result =
+          solve_frames(clip, calibration, robot, *config, robot->model_limits(), options);
       ASSERT_TRUE(result) << describe(result.error());
       ASSERT_EQ(static_cast<int>(told.size()), frames);
       for (int frame = 0; frame < frames; ++frame) {

@@ -7,17 +7,17 @@
 #include <thread>
 
 #include "bvh/read_bvh.h"
-#include "pipeline/retarget.h"
+#include "pipeline/solve_frames.h"
 #include "support/lafan1_map.h"
 #include "support/test_robots.h"
 
 namespace retarget {
 namespace {
 
-ResolvedMapping one_bone_tables() {
-  ResolvedMapping tables;
-  tables.human_height_assumption = 1.0;
-  return tables;
+ResolvedConfig one_bone_config() {
+  ResolvedConfig config;
+  config.human_height_assumption = 1.0;
+  return config;
 }
 
 // the root of frame n stands at x = n
@@ -36,7 +36,7 @@ void expect_frames(TargetStream& stream, int count, std::chrono::microseconds pa
 }
 
 TEST(TargetStream, YieldsEveryFrameInOrder) {
-  const TargetBuilder targets(one_bone_tables(), 1.0);
+  const TargetBuilder targets(one_bone_config(), 1.0);
   for (const bool ahead : {false, true}) {
     for (const int count : {0, 1, 31, 32, 33, 255, 256, 257, 5000}) {
       TargetStream stream(count, stand_at_frame, targets, ahead);
@@ -46,7 +46,7 @@ TEST(TargetStream, YieldsEveryFrameInOrder) {
 }
 
 TEST(TargetStream, SynchronisesProducerAndConsumer) {
-  const TargetBuilder targets(one_bone_tables(), 1.0);
+  const TargetBuilder targets(one_bone_config(), 1.0);
   const auto slow = [](int frame, HumanPose& world_from_bone) {
     if (frame % 50 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
     stand_at_frame(frame, world_from_bone);
@@ -58,7 +58,7 @@ TEST(TargetStream, SynchronisesProducerAndConsumer) {
 }
 
 TEST(TargetStream, RunAheadIsBounded) {
-  const TargetBuilder targets(one_bone_tables(), 1.0);
+  const TargetBuilder targets(one_bone_config(), 1.0);
   std::atomic<int> latest = 0;
   const auto source = [&](int frame, HumanPose& world_from_bone) {
     latest = frame;
@@ -72,7 +72,7 @@ TEST(TargetStream, RunAheadIsBounded) {
 
 // a run that is interrupted leaves frames unread
 TEST(TargetStream, CanBeAbandonedAnywhere) {
-  const TargetBuilder targets(one_bone_tables(), 1.0);
+  const TargetBuilder targets(one_bone_config(), 1.0);
   for (const int read : {0, 1, 32, 33, 300}) {
     TargetStream stream(100'000, stand_at_frame, targets, true);
     expect_frames(stream, read, std::chrono::microseconds(0));
@@ -83,19 +83,19 @@ TEST(TargetStream, CanBeAbandonedAnywhere) {
 TEST(Retarget, TargetStreamDoesNotChangeTheResult) {
   const std::filesystem::path source(RETARGET_SOURCE_DIR);
   const auto clip = load_bvh((source / "data" / "walk.bvh").string()).value().clip;
-  const HumanMapping mapping = lafan1_mapping(clip.skeleton());
+  const Calibration calibration = lafan1_calibration(clip.skeleton());
   const auto robot = load_g1();
-  const auto tables =
-      load_mapping((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot).value();
+  const auto config =
+      load_config((source / "configs" / "lafan1_to_unitree_g1.json").string(), *robot).value();
   const auto& limits = robot->model_limits();
-  RetargetOptions alone, ahead;
+  SolveFramesOptions alone, ahead;
   ahead.targets_ahead = true;
   int solved = 0;
   ahead.frame_solved = [&](int frame, std::span<const double>) { EXPECT_EQ(frame, solved++); };
-  const auto expected = retarget(to_human(clip, mapping), robot, tables, limits, alone);
+  const auto expected = solve_frames(to_human(clip, calibration), robot, config, limits, alone);
   ASSERT_TRUE(expected) << describe(expected.error());
-  for (const RetargetOptions& options : {alone, ahead}) {
-    const auto result = retarget(clip, mapping, robot, tables, limits, options);
+  for (const SolveFramesOptions& options : {alone, ahead}) {
+    const auto result = solve_frames(clip, calibration, robot, config, limits, options);
     ASSERT_TRUE(result) << describe(result.error());
     ASSERT_EQ(result->clip.frame_count(), clip.frame_count());
     for (int frame = 0; frame < clip.frame_count(); ++frame) {

@@ -9,9 +9,9 @@
 namespace retarget {
 namespace {
 
-IkRow row(const std::string& body, const std::string& bone, Eigen::Vector3d offset,
-          Eigen::Quaterniond turn) {
-  IkRow result;
+IkMatch row(const std::string& body, const std::string& bone, Eigen::Vector3d offset,
+            Eigen::Quaterniond turn) {
+  IkMatch result;
   result.body = body;
   result.bone = bone;
   result.position_weight = 1.0;
@@ -21,27 +21,27 @@ IkRow row(const std::string& body, const std::string& bone, Eigen::Vector3d offs
   return result;
 }
 
-IkTables small_tables() {
-  IkTables tables;
-  tables.robot_root = "base";
-  tables.human_root = "Hips";
-  tables.ground_height = 0.25;
-  tables.human_height_assumption = 2.0;
-  tables.scales = {{"Hips", 0.8}, {"LeftArm", 0.6}, {"RightArm", 0.4}};
+RetargetingConfig small_tables() {
+  RetargetingConfig config;
+  config.robot_root = "base";
+  config.human_root = "Hips";
+  config.ground_height = 0.25;
+  config.human_height_assumption = 2.0;
+  config.scales = {{"Hips", 0.8}, {"LeftArm", 0.6}, {"RightArm", 0.4}};
   const double half = std::sqrt(0.5);
-  tables.tables[0].rows = {
+  config.match_tables[0].rows = {
       row("left_upper", "LeftArm", {0.1, 0, 0}, Eigen::Quaterniond(half, 0, 0, half)),
       row("base", "Hips", {0, 0, 0}, Eigen::Quaterniond::Identity())};
   // other offsets for a bone of table 1, which must not count; a bone of its own, whose must
-  tables.tables[1].rows = {
+  config.match_tables[1].rows = {
       row("left_upper", "LeftArm", {9, 9, 9}, Eigen::Quaterniond::Identity()),
       row("right_upper", "RightArm", {0, 0.5, 0}, Eigen::Quaterniond::Identity())};
-  return tables;
+  return config;
 }
 
 TEST(TargetBuilder, ScalesAboutTheRootAndAppliesOffsets) {
   const auto robot = robot_from_text(kTwoArms);
-  const TargetBuilder builder(resolve_mapping(small_tables(), *robot).value(), 1.0);
+  const TargetBuilder builder(resolve_config(small_tables(), *robot).value(), 1.0);
   HumanPose bones;
   const Bone hips = Bone::kHips, left = Bone::kLeftArm, right = Bone::kRightArm;
   bones[hips].translation = {1, 2, 3};
@@ -68,11 +68,11 @@ TEST(TargetBuilder, ScalesAboutTheRootAndAppliesOffsets) {
 
 TEST(MakeProblem, OmitsUnusedTablesAndRowsWithoutWeight) {
   const auto robot = robot_from_text(kTwoArms);
-  ResolvedMapping tables = resolve_mapping(small_tables(), *robot).value();
-  MappedTask& first = tables.tables[0].tasks[0];
+  ResolvedConfig config = resolve_config(small_tables(), *robot).value();
+  ConfigTask& first = config.match_tables[0].tasks[0];
   first.position_weight = first.rotation_weight = 0.0;
   const auto problem =
-      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+      make_problem(robot, config, TargetBuilder(config, 1.0), robot->model_limits());
   ASSERT_EQ(problem->passes.size(), 2u);
   ASSERT_EQ(problem->passes[0].size(), 1u);
   const FrameTask& task = problem->passes[0][0];
@@ -81,9 +81,9 @@ TEST(MakeProblem, OmitsUnusedTablesAndRowsWithoutWeight) {
   EXPECT_EQ(task.position_weight, 1.0);
   EXPECT_EQ(task.rotation_weight, 2.0);
   EXPECT_EQ(problem->lower[0], -1.0);
-  tables.tables[0].used = false;
+  config.match_tables[0].used = false;
   const auto second =
-      make_problem(robot, tables, TargetBuilder(tables, 1.0), robot->model_limits());
+      make_problem(robot, config, TargetBuilder(config, 1.0), robot->model_limits());
   EXPECT_EQ(second->passes.size(), 1u);
 }
 

@@ -59,13 +59,13 @@ struct AimedRobot {
 AimedRobot aimed_robot(const std::string& name) {
   const RobotFiles files = find_robot(name, RETARGET_SOURCE_DIR "/robots").value();
   auto robot = load_robot_files(files.model.string(), files.profile.string()).value();
-  const ResolvedMapping tables =
-      load_mapping((files.model.parent_path() / "ik.json").string(), *robot).value();
-  const RobotLimbs limbs = robot_limbs(*robot, tables).value();
-  auto trunk = robot_trunk(*robot, tables, limbs, robot->model_limits()).value();
-  const Quaterniond offset = tables.find_task(Bone::kHips)->rotation_offset;
-  const int pelvis = tables.body_of(Bone::kHips);
-  const MappedTask* const spine = tables.find_task(Bone::kSpine2);
+  const ResolvedConfig config =
+      load_config((files.model.parent_path() / "ik.json").string(), *robot).value();
+  const RobotLimbs limbs = robot_limbs(*robot, config).value();
+  auto trunk = robot_trunk(*robot, config, limbs, robot->model_limits()).value();
+  const Quaterniond offset = config.find_task(Bone::kHips)->rotation_offset;
+  const int pelvis = config.body_of(Bone::kHips);
+  const ConfigTask* const spine = config.find_task(Bone::kSpine2);
   const int torso = spine == nullptr ? pelvis : spine->body;
   TrunkAim aim(std::move(trunk), trunk_lines(human(kStill, kStill)), offset);
   return {std::move(robot), limbs, std::move(aim), pelvis, torso, offset};
@@ -181,14 +181,14 @@ TEST(TrunkAim, IsOptimalForTheWaist) {
     EXPECT_LE(std::abs(best.yaw_roll_pitch.y()), pitch_range + 1e-9);
     EXPECT_LE(std::abs(best.yaw_roll_pitch.z()), pitch_range + 1e-9);
     at_limit += std::abs(best.yaw_roll_pitch.z()) > pitch_range - 1e-9 ? 1 : 0;
-    const double least = cost(best);
+    const double min = cost(best);
     for (int other = 0; other < 60; ++other) {
       WaistPose near{exp_so3(noise(0.01)) * best.pelvis, best.yaw_roll_pitch + noise(0.01)};
       for (const int bounded : {1, 2}) {
         near.yaw_roll_pitch[bounded] =
             std::clamp(near.yaw_roll_pitch[bounded], -pitch_range, pitch_range);
       }
-      EXPECT_GE(cost(near), least - 1e-9) << i;
+      EXPECT_GE(cost(near), min - 1e-9) << i;
     }
   }
   // some of them need more than the waist has
@@ -197,8 +197,8 @@ TEST(TrunkAim, IsOptimalForTheWaist) {
 
 TEST(RobotTrunk, RespectsTheLimitSet) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  const ResolvedMapping tables =
-      load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
+  const ResolvedConfig config =
+      load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
   LimitSet limits = of.robot->model_limits();
   const std::size_t yaw = of.robot->find_joint("waist_yaw_joint").value();
   const std::size_t roll = of.robot->find_joint("waist_roll_joint").value();
@@ -209,7 +209,7 @@ TEST(RobotTrunk, RespectsTheLimitSet) {
   limits.lower[roll] = limits.upper[roll] = 0.0;
   limits.lower[pitch] = -0.1;
   limits.upper[pitch] = 0.3;
-  auto trunk = robot_trunk(*of.robot, tables, of.limbs, limits).value();
+  auto trunk = robot_trunk(*of.robot, config, of.limbs, limits).value();
   ASSERT_EQ(trunk.waist.size(), 2u);
   EXPECT_EQ(trunk.waist[0].upper, limits.upper[yaw]);
   EXPECT_NEAR(trunk.waist[1].lower, -0.08, 1e-12);
@@ -226,8 +226,8 @@ TEST(RobotTrunk, RespectsTheLimitSet) {
 
 TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
   const AimedRobot of = aimed_robot("unitree_g1");
-  const ResolvedMapping tables =
-      load_mapping(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
+  const ResolvedConfig config =
+      load_config(RETARGET_SOURCE_DIR "/robots/unitree_g1/ik.json", *of.robot).value();
   // hips 18 cm apart, legs straight down
   HumanPose bones = human(kStill, kStill);
   for (const std::string side : {"Left", "Right"}) {
@@ -240,7 +240,7 @@ TEST(TrunkAim, PlacesLegsBelowTheRobotsHips) {
     put("FootMod", -0.9);
   }
   const LimbLengths lengths{0.9, 0.5, 0.5};
-  const TargetBuilder targets(tables, of.limbs, lengths, of.aim);
+  const TargetBuilder targets(config, of.limbs, lengths, of.aim);
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets.target_count()));
   targets.build(bones, world_from_target);
   for (const std::string side : {"Left", "Right"}) {

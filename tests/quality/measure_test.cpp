@@ -434,9 +434,9 @@ TEST(GatesTest, ReadsReplacesAndRemovesGates) {
   ASSERT_TRUE(gates.add_json(R"({"gates": {"jumps": 5, "limit_pct": null}})", "h.json"));
   ASSERT_EQ(gates.all().size(), 2u);
   EXPECT_EQ(gates.all()[0].metric, "contact_height_p50_cm");
-  EXPECT_EQ(gates.all()[0].least, -1.0);
+  EXPECT_EQ(gates.all()[0].min, -1.0);
   EXPECT_EQ(gates.all()[1].metric, "jumps");
-  EXPECT_EQ(gates.all()[1].most, 5.0);
+  EXPECT_EQ(gates.all()[1].max, 5.0);
 }
 
 TEST(GatesTest, JudgeByInclusiveBounds) {
@@ -470,8 +470,8 @@ TEST(GatesTest, BoundsScaleWithLegLength) {
     gates.judge(report);
     std::vector<std::optional<double>> found;
     for (const GateResult& gate : report.gates) {
-      found.push_back(gate.least);
-      found.push_back(gate.most);
+      found.push_back(gate.min);
+      found.push_back(gate.max);
     }
     return found;
   };

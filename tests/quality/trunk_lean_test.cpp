@@ -11,7 +11,7 @@
 
 #include "human/canonical_pose.h"
 #include "quality/measure.h"
-#include "support/limbed_tables.h"
+#include "support/limbed_config.h"
 #include "support/test_robots.h"
 
 namespace retarget {
@@ -116,7 +116,7 @@ class TrunkLeanTest : public ::testing::Test {
       qpos[6] = root.z();
       qpos[at] = waist * kDegree;
     }
-    const QualitySource source{&human, &tables_, HeightScale::kPublished};
+    const QualitySource source{&human, &config_, HeightScale::kPublished};
     return measure_quality(clip, robot_->model_limits(), &source);
   }
   static HumanClip standing() {
@@ -129,7 +129,7 @@ class TrunkLeanTest : public ::testing::Test {
   }
 
   const std::shared_ptr<const Robot> robot_ = robot_from_text(kLeaning);
-  const ResolvedMapping tables_ = resolved(limbed_tables(), *robot_);
+  const ResolvedConfig config_ = resolved(limbed_config(), *robot_);
 };
 
 const MetricValue& error_of(const QualityReport& report) {
@@ -201,10 +201,10 @@ TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
 }
 
 TEST_F(TrunkLeanTest, DoesNotNeedMappedHands) {
-  ResolvedMapping tables = tables_;
-  EXPECT_EQ(leave_out_bones(tables, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
+  ResolvedConfig config = config_;
+  EXPECT_EQ(leave_out_bones(config, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
   const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
-  const QualitySource source{&human, &tables, HeightScale::kPublished};
+  const QualitySource source{&human, &config, HeightScale::kPublished};
   const RobotClip clip(robot_, {30, 1}, human.frame_count);
   const QualityReport report = measure_quality(clip, robot_->model_limits(), &source);
   EXPECT_NEAR(error_of(report).value, 30.0, 1e-9);

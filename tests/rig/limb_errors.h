@@ -43,7 +43,7 @@ inline BoneArray<Eigen::Vector3d> limb_points(const RobotAnatomy& limbs,
 
 /// Angles between the segments of human and robot in the same frames: thighs, shins, upper arms,
 /// forearms, trunk, hip and shoulder line; from joint positions alone, so that no offset or weight
-/// of a mapping plays a part.
+/// of a retargeting configuration plays a part.
 inline std::vector<LimbError> limb_errors(const HumanClip& human, const RobotClip& robot,
                                           const RobotAnatomy& limbs) {
   std::vector<LimbError> errors;

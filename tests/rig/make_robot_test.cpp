@@ -68,10 +68,10 @@ TEST(MakeRobot, WrittenFolderHasTheSameKinematics) {
     EXPECT_NEAR((found[b].rotation.coeffs() - expected[b].rotation.coeffs()).norm(), 0.0, 1e-12);
   }
 
-  const auto tables = load_ik_tables((*written / "ik.json").string());
-  ASSERT_TRUE(tables) << describe(tables.error());
-  EXPECT_TRUE(resolve_mapping(*tables, **robot));
-  for (const RobotFinding& finding : check_robot(**robot, &*tables)) {
+  const auto config = load_retargeting_config((*written / "ik.json").string());
+  ASSERT_TRUE(config) << describe(config.error());
+  EXPECT_TRUE(resolve_config(*config, **robot));
+  for (const RobotFinding& finding : check_robot(**robot, &*config)) {
     EXPECT_FALSE(finding.fault) << finding.text;
   }
   EXPECT_TRUE(fs::is_regular_file(*written / "decisions.md"));
@@ -248,7 +248,7 @@ TEST(MakeRobot, ReadsUrdfWithoutMeshes) {
   }
   // the fixed hand is a body of its own, the trunk one body
   EXPECT_TRUE((*robot)->find_body("l_hand"));
-  EXPECT_THAT(made->mapping, HasSubstr("\"l_hand\": [\"LeftHand\""));
+  EXPECT_THAT(made->config, HasSubstr("\"l_hand\": [\"LeftHand\""));
 }
 
 TEST(MakeRobot, RejectsUnsupportedModels) {
@@ -272,10 +272,10 @@ TEST(CheckRobot, ReportsErrorsAndOddities) {
   const auto made = make_robot(folder.write("any.xml", tiny_humanoid(true)), "mine");
   ASSERT_TRUE(made);
   const auto robot = robot_from_text(tiny_humanoid(true));
-  auto tables = parse_ik_tables(made->mapping, "ik.json").value();
+  auto config = parse_retargeting_config(made->config, "ik.json").value();
   const auto texts = [&](bool faults) {
     std::vector<std::string> found;
-    for (const RobotFinding& finding : check_robot(*robot, &tables)) {
+    for (const RobotFinding& finding : check_robot(*robot, &config)) {
       if (finding.fault == faults) found.push_back(finding.text);
     }
     return found;
@@ -285,15 +285,15 @@ TEST(CheckRobot, ReportsErrorsAndOddities) {
   EXPECT_THAT(texts(false), Contains(HasSubstr("soles")));
 
   // one arm turned over, the other side's weight changed, legs twice as long
-  const IkTables sound = tables;
-  for (IkTable& table : tables.tables) {
-    for (IkRow& row : table.rows) {
+  const RetargetingConfig sound = config;
+  for (IkMatchTable& table : config.match_tables) {
+    for (IkMatch& row : table.rows) {
       if (row.bone == "LeftArm")
         row.rotation_offset = Eigen::Quaterniond(0, 0, 1, 0) * row.rotation_offset;
       if (row.bone == "RightLeg") row.rotation_weight = 3.0;
     }
   }
-  for (auto& [bone, scale] : tables.scales) {
+  for (auto& [bone, scale] : config.scales) {
     if (bone.find("Foot") != std::string::npos) scale *= 2.0;
   }
   EXPECT_THAT(texts(true), Contains(HasSubstr("(LeftArm) leaves it 180.0 degrees")));
@@ -301,9 +301,9 @@ TEST(CheckRobot, ReportsErrorsAndOddities) {
   EXPECT_THAT(texts(false), Contains(HasSubstr("weights of LeftLeg")));
 
   // names that do not exist are all told
-  tables = sound;
-  tables.tables[0].rows[0].body = "pelvsi";
-  tables.tables[1].rows[1].bone = "LeftUpLge";
+  config = sound;
+  config.match_tables[0].rows[0].body = "pelvsi";
+  config.match_tables[1].rows[1].bone = "LeftUpLge";
   EXPECT_THAT(texts(true), Contains(HasSubstr("pelvsi")));
   EXPECT_THAT(texts(true), Contains(HasSubstr("LeftUpLge")));
 }

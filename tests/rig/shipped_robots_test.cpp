@@ -1,4 +1,4 @@
-// Mappings that are derived, held against the published ones, and every shipped robot's own.
+// Configurations that are derived, held against the published ones, and every shipped robot's own.
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 #include "human/recognise.h"
 #include "limb_errors.h"
 #include "motion/resample.h"
-#include "pipeline/retarget.h"
-#include "rig/derive_mapping.h"
+#include "pipeline/solve_frames.h"
+#include "rig/derive_config.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "support/shared_data.h"
@@ -42,21 +42,20 @@ fs::path mapping_of(const std::string& name) {
 
 // three seconds of a clip, fifteen frames each
 HumanClip walking(const fs::path& file) {
-  const auto dialects = load_dialects(source_folder() / "configs" / "skeletons").value();
+  const auto dialects = load_skeleton_profiles(source_folder() / "configs" / "skeletons").value();
   const auto bvh = load_bvh(file.string()).value();
   const auto map = recognise_skeleton(bvh.clip, dialects).value();
   const auto calibration = calibrate(bvh.clip, map, {}).value();
   const int begin = std::min(bvh.clip.frame_count() / 4, static_cast<int>(bvh.clip.rate().fps()));
   const int end =
       std::min(bvh.clip.frame_count(), begin + static_cast<int>(3.0 * bvh.clip.rate().fps()));
-  return to_human(resample(cut(bvh.clip, begin, end), FrameRate{15, 1}).value(),
-                  calibration.mapping);
+  return to_human(resample(cut(bvh.clip, begin, end), FrameRate{15, 1}).value(), calibration);
 }
 
 double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>& robot,
-                     const RobotAnatomy& limbs, const IkTables& tables) {
+                     const RobotAnatomy& limbs, const RetargetingConfig& config) {
   const auto result =
-      retarget(human, robot, resolve_mapping(tables, *robot).value(), robot->model_limits(), {});
+      solve_frames(human, robot, resolve_config(config, *robot).value(), robot->model_limits(), {});
   EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error()));
   if (!result) return 180.0;
   const auto errors = limb_errors(human, result->clip, limbs);
@@ -67,10 +66,10 @@ double error_degrees(const HumanClip& human, const std::shared_ptr<const Robot>&
   return mean_limb_error(errors) * kDegrees;
 }
 
-IkTables derived(const Robot& robot, const RobotAnatomy& limbs) {
+RetargetingConfig derived(const Robot& robot, const RobotAnatomy& limbs) {
   DeriveOptions options;
   options.sole_height = find_shapes(robot, limbs, {}).ankle_height;
-  return derive_mapping(robot, limbs, options);
+  return derive_config(robot, limbs, options);
 }
 
 void expect_derived_no_worse(const HumanClip& human) {
@@ -80,7 +79,7 @@ void expect_derived_no_worse(const HumanClip& human) {
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
     const fs::path config = source_folder() / "configs" / ("lafan1_to_" + name + ".json");
-    const auto published = load_ik_tables(config.string());
+    const auto published = load_retargeting_config(config.string());
     ASSERT_TRUE(published) << describe(published.error());
     const double theirs = error_degrees(human, robot, *limbs, *published);
     const double ours = error_degrees(human, robot, *limbs, derived(*robot, *limbs));
@@ -90,11 +89,11 @@ void expect_derived_no_worse(const HumanClip& human) {
   }
 }
 
-TEST(DerivedMapping, IsAtLeastAsGoodAsPublishedOnSampleWalk) {
+TEST(DerivedConfig, IsAtLeastAsGoodAsPublishedOnSampleWalk) {
   expect_derived_no_worse(walking(source_folder() / "data" / "walk.bvh"));
 }
 
-TEST(DerivedMapping, IsAtLeastAsGoodAsPublishedOnLafan1Walk) {
+TEST(DerivedConfig, IsAtLeastAsGoodAsPublishedOnLafan1Walk) {
   const auto shared = shared_folder();
   if (!shared) GTEST_SKIP() << kNoSharedFolder;
   expect_derived_no_worse(walking(*shared / "data" / "lafan1" / "walk4_subject1.bvh"));
@@ -102,13 +101,13 @@ TEST(DerivedMapping, IsAtLeastAsGoodAsPublishedOnLafan1Walk) {
 
 // the first frame is solved from the zero configuration, whichever way the human faces: an arm that
 // is left behind then never comes back
-TEST(DerivedMapping, LimbsFollowFromTheZeroConfiguration) {
+TEST(DerivedConfig, LimbsFollowFromTheZeroConfiguration) {
   const HumanClip walk = walking(source_folder() / "data" / "walk.bvh");
   for (const std::string name : {"unitree_g1", "booster_t1_29dof", "fourier_n1"}) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
-    const IkTables tables = derived(*robot, *limbs);
+    const RetargetingConfig config = derived(*robot, *limbs);
     for (int heading = 0; heading < 360; heading += 30) {
       HumanClip turned = walk;
       const Pose turn{
@@ -117,13 +116,13 @@ TEST(DerivedMapping, LimbsFollowFromTheZeroConfiguration) {
       for (HumanPose& frame : turned.world_from_bone) {
         for (Pose& world_from_bone : frame) world_from_bone = turn * world_from_bone;
       }
-      EXPECT_LT(error_degrees(turned, robot, *limbs, tables), 5.0) << name << ", " << heading;
+      EXPECT_LT(error_degrees(turned, robot, *limbs, config), 5.0) << name << ", " << heading;
     }
   }
 }
 
 // offsets of rows on the same body and bone, as angles between the rotations
-TEST(DerivedMapping, MatchesPublishedOffsets) {
+TEST(DerivedConfig, MatchesPublishedOffsets) {
   // T1's elbow chain and N1's are plain; G1's thigh frames stand 10 degrees aslant in theirs
   const std::map<std::string, double> tolerance = {{"unitree_g1", 11.0},
                                                    {"booster_t1_29dof", 4.0},
@@ -133,13 +132,13 @@ TEST(DerivedMapping, MatchesPublishedOffsets) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs);
-    const IkTables ours = derived(*robot, *limbs);
-    const auto published =
-        load_ik_tables((source_folder() / "configs" / ("lafan1_to_" + name + ".json")).string());
+    const RetargetingConfig ours = derived(*robot, *limbs);
+    const auto published = load_retargeting_config(
+        (source_folder() / "configs" / ("lafan1_to_" + name + ".json")).string());
     ASSERT_TRUE(published);
     int compared = 0;
-    for (const IkRow& theirs : published->tables[0].rows) {
-      for (const IkRow& row : ours.tables[0].rows) {
+    for (const IkMatch& theirs : published->match_tables[0].rows) {
+      for (const IkMatch& row : ours.match_tables[0].rows) {
         if (row.body != theirs.body || row.bone != theirs.bone) continue;
         ++compared;
         const Eigen::Quaterniond apart = row.rotation_offset.conjugate() * theirs.rotation_offset;
@@ -158,9 +157,9 @@ TEST(ShippedRobots, WalkWithTheirOwnMappings) {
     const auto robot = shipped(name);
     const auto limbs = find_limbs(*robot, name);
     ASSERT_TRUE(limbs) << describe(limbs.error());
-    const auto tables = load_ik_tables(file.string());
-    ASSERT_TRUE(tables) << describe(tables.error());
-    const double error = error_degrees(human, robot, *limbs, *tables);
+    const auto config = load_retargeting_config(file.string());
+    ASSERT_TRUE(config) << describe(config.error());
+    const double error = error_degrees(human, robot, *limbs, *config);
     std::cout << name << ": limbs " << error << " degrees off\n";
     EXPECT_LT(error, 5.0) << name;
   }
@@ -173,7 +172,7 @@ TEST(ShippedRobots, MappingsMatchTheDerivedOnes) {
     ASSERT_TRUE(limbs) << describe(limbs.error());
     const auto file = read_file(mapping_of(name).string());
     ASSERT_TRUE(file) << describe(file.error());
-    EXPECT_EQ(std::string(file->view()), format_ik_tables(derived(*robot, *limbs)))
+    EXPECT_EQ(std::string(file->view()), format_retargeting_config(derived(*robot, *limbs)))
         << name << ": retarget robots add " << name << " makes the file anew";
   }
 }

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "rig/derive_mapping.h"
+#include "rig/derive_config.h"
 #include "support/humanoids.h"
 
 namespace retarget {
@@ -65,7 +65,7 @@ TEST(SolveTPose, ReportsDeviationsCausedByLimits) {
   }
 }
 
-TEST(DeriveMapping, OffsetsMapTheHumanTPoseToTheRobotTPose) {
+TEST(DeriveConfig, OffsetsMapTheHumanTPoseToTheRobotTPose) {
   for (const bool arms_down : {false, true}) {
     const auto robot = robot_from_text(tiny_humanoid(arms_down));
     const auto limbs = find_limbs(*robot, "");
@@ -73,11 +73,11 @@ TEST(DeriveMapping, OffsetsMapTheHumanTPoseToTheRobotTPose) {
     const TPose pose = solve_t_pose(*robot, *limbs);
     std::vector<Pose> world_from_body(robot->bodies().size());
     forward_kinematics(*robot, pose.qpos, world_from_body);
-    const IkTables tables = derive_mapping(*robot, *limbs);
-    ASSERT_EQ(tables.tables[0].rows.size(), 14U);
+    const RetargetingConfig config = derive_config(*robot, *limbs);
+    ASSERT_EQ(config.match_tables[0].rows.size(), 14U);
     for (const BonePart& part : bone_parts(*limbs)) {
       const std::string& body = robot->bodies()[static_cast<std::size_t>(part.part.body)].name;
-      for (const IkRow& row : tables.tables[0].rows) {
+      for (const IkMatch& row : config.match_tables[0].rows) {
         if (row.body != body) continue;
         const Eigen::Matrix3d target =
             t_pose_of(*limbs, part.bone) * row.rotation_offset.toRotationMatrix();
@@ -89,7 +89,7 @@ TEST(DeriveMapping, OffsetsMapTheHumanTPoseToTheRobotTPose) {
   }
 }
 
-TEST(DeriveMapping, StraightLegsStayStraight) {
+TEST(DeriveConfig, StraightLegsStayStraight) {
   const auto robot = robot_from_text(tiny_humanoid(true));
   const auto limbs = find_limbs(*robot, "");
   ASSERT_TRUE(limbs);
@@ -99,20 +99,20 @@ TEST(DeriveMapping, StraightLegsStayStraight) {
   EXPECT_NEAR(scales.arm * (human.upper_arm + human.forearm), 0.33, 1e-9);
 }
 
-TEST(DeriveMapping, RoundTrips) {
+TEST(DeriveConfig, RoundTrips) {
   const auto robot = robot_from_text(tiny_humanoid(true));
   const auto limbs = find_limbs(*robot, "");
   ASSERT_TRUE(limbs);
-  const IkTables tables = derive_mapping(*robot, *limbs);
-  const auto read = parse_ik_tables(format_ik_tables(tables), "ik.json");
+  const RetargetingConfig config = derive_config(*robot, *limbs);
+  const auto read = parse_retargeting_config(format_retargeting_config(config), "ik.json");
   ASSERT_TRUE(read) << describe(read.error());
-  EXPECT_TRUE(resolve_mapping(*read, *robot));
-  ASSERT_EQ(read->scales, tables.scales);
+  EXPECT_TRUE(resolve_config(*read, *robot));
+  ASSERT_EQ(read->scales, config.scales);
   for (std::size_t t = 0; t < 2; ++t) {
-    ASSERT_EQ(read->tables[t].rows.size(), tables.tables[t].rows.size());
-    for (std::size_t i = 0; i < tables.tables[t].rows.size(); ++i) {
-      const IkRow& found = read->tables[t].rows[i];
-      const IkRow& expected = tables.tables[t].rows[i];
+    ASSERT_EQ(read->match_tables[t].rows.size(), config.match_tables[t].rows.size());
+    for (std::size_t i = 0; i < config.match_tables[t].rows.size(); ++i) {
+      const IkMatch& found = read->match_tables[t].rows[i];
+      const IkMatch& expected = config.match_tables[t].rows[i];
       EXPECT_EQ(found.body, expected.body);
       EXPECT_EQ(found.position_weight, expected.position_weight);
       EXPECT_EQ(found.rotation_weight, expected.rotation_weight);

@@ -94,12 +94,12 @@ TEST(ShapeDistance, FindsLowestPoints) {
               1.0 - 0.1 - 0.5 * std::cos(0.5), 1e-15);
   const Pose tilted = at(0, 0, 1, {0.4, -0.3, 0.7});
   const Vector3d lowest = lowest_point(place(box({0.3, 0.2, 0.1}), tilted));
-  double least = 10.0;
+  double min = 10.0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3d signs((corner & 1) ? 1 : -1, (corner & 2) ? 1 : -1, (corner & 4) ? 1 : -1);
-    least = std::min(least, (tilted * signs.cwiseProduct(Vector3d(0.3, 0.2, 0.1))).z());
+    min = std::min(min, (tilted * signs.cwiseProduct(Vector3d(0.3, 0.2, 0.1))).z());
   }
-  EXPECT_NEAR(lowest.z(), least, 1e-15);
+  EXPECT_NEAR(lowest.z(), min, 1e-15);
 }
 
 // two shapes that float, for MuJoCo

@@ -344,14 +344,14 @@ TEST(ReadSmpl, ReadsHeightFromBetas) {
 
 TEST(ReadSmpl, ClipStaysWithinTheMemoryLimit) {
   SmplReadOptions options;
-  options.most_clip_bytes = 500;
+  options.max_clip_bytes = 500;
   EXPECT_THAT(error_of(Amass{}, options), HasSubstr("of memory, at most 500 are allowed"));
   Amass narrow;
   narrow.width = 66;
   narrow.poses.resize(kFrames * 66);
-  options.most_clip_bytes = kFrames * (22 * 32 + 24);
+  options.max_clip_bytes = kFrames * (22 * 32 + 24);
   EXPECT_EQ(motion_of(narrow, options).clip.frame_count(), kFrames);
-  --options.most_clip_bytes;
+  --options.max_clip_bytes;
   EXPECT_THAT(error_of(narrow, options), HasSubstr("4 frames take 0 MB of memory"));
 }
 

@@ -9,9 +9,9 @@
 namespace retarget {
 
 /// The bones of a skeleton with LAFAN1's joint names; the toes may be called ToeBase.
-inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) {
+inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& profile) {
   BoneMap map;
-  map.dialect = dialect;
+  map.profile = profile;
   for (const Bone bone : kMappedBones) {
     const std::string name(bone_name(bone));
     auto joint = skeleton.find(name);
@@ -21,10 +21,10 @@ inline BoneMap lafan1_map(const Skeleton& skeleton, const std::string& dialect) 
   return map;
 }
 
-/// The published method's mapping of such a skeleton, whatever its axes and lengths.
-inline HumanMapping lafan1_mapping(const Skeleton& skeleton) {
+/// The published method's calibration of such a skeleton, whatever its axes and lengths.
+inline Calibration lafan1_calibration(const Skeleton& skeleton) {
   const BoneMap map = lafan1_map(skeleton, "lafan1");
-  return lafan1_mapping(map.joint_of_bone, map.joint_of_bone);
+  return lafan1_calibration(map.joint_of_bone, map.joint_of_bone);
 }
 
 }  // namespace retarget

@@ -7,7 +7,8 @@ namespace retarget::cli {
 namespace {
 
 constexpr const char* kBatchGroup = "Batch";
-constexpr const char* kFoundGroup = "Motion files (detected and printed; these options override it)";
+constexpr const char* kFoundGroup =
+    "Motion files (detected and printed; these options override it)";
 
 Option row(const char* name, auto& member, const char* group, const char* type, const char* help,
            OptionInfo info = {}) {
@@ -26,7 +27,7 @@ OptionTable common_table(CommonArguments& arguments) {
 
 Option write_map_row(std::string& file) {
   return row("write-map", file, kHumanGroup, "FILE",
-             "Write the mapping that was used, for editing");
+             "Write the bone map that was used, for editing");
 }
 
 OptionTable request_table(RunArguments& arguments) {
@@ -68,13 +69,14 @@ OptionTable batch_table(BatchArguments& arguments) {
           {.basic = true, .letter = "o", .required = true}),
       row("jobs", arguments.jobs, kBatchGroup, "N",
           "Clips to process at once (default: one per processor)",
-          {.least = 1.0, .most = 4096.0, .basic = true, .letter = "j"}),
+          {.min = 1.0, .max = 4096.0, .basic = true, .letter = "j"}),
       row("memory", arguments.run.run.options.source.memory_gb, kBatchGroup, "GB",
-          "Memory for all running clips together, GB: a clip waits for room, and none may take more (default: three quarters of what is available)",
-          {.least = 0.001, .most = 1e6}),
+          "Memory for all running clips together, GB: a clip waits for room, and none may take "
+          "more (default: three quarters of what is available)",
+          {.min = 0.001, .max = 1e6}),
       row("clip-timeout", arguments.clip_timeout_s, kBatchGroup, "SECONDS",
           "A clip that takes longer fails; the others continue (default: no limit)",
-          {.least = 0.001, .most = 1e9}),
+          {.min = 0.001, .max = 1e9}),
       row("resume", arguments.resume, kBatchGroup, "",
           "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       row("redo", arguments.redo, kBatchGroup, "",
@@ -91,7 +93,7 @@ OptionTable reading_table(ReadingArguments& arguments) {
   OptionTable table = {
       row("source-fps", arguments.source_fps, kFoundGroup, "N",
           "Frames per second of the file (default: the file's own; CSV 30, SOMA 120)",
-          {.least = 0.001, .most = 1e6}),
+          {.min = 0.001, .max = 1e6}),
       row("from", arguments.from, kFoundGroup, "", "NPZ: joint order of the file"),
       row("source-quat", arguments.quaternion, kFoundGroup, "",
           "Order of the root quaternion in the file"),
@@ -113,12 +115,14 @@ OptionTable reading_table(ReadingArguments& arguments) {
 
 OptionTable evaluate_table(EvaluateArguments& arguments) {
   return {row("fps", arguments.fps, kTimeGroup, "N|source",
-              "Rate of motions whose files give none, in frames per second, or `source`; the source is resampled to it (default: 30; SOMA 120)"),
+              "Rate of motions whose files give none, in frames per second, or `source`; the "
+              "source is resampled to it (default: 30; SOMA 120)"),
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
           row("gate", arguments.gates, kOutputGroup, "FILE|METRIC=N",
-              "Gates beyond configs/quality/default.json, or instead: a file like it, METRIC=MAX, METRIC=none, or none for no gates at all; repeatable",
+              "Gates beyond configs/quality/default.json, or instead: a file like it, METRIC=MAX, "
+              "METRIC=none, or none for no gates at all; repeatable",
               {.basic = true})};
 }
 
@@ -136,7 +140,7 @@ OptionTable convert_table(ConvertArguments& arguments) {
 OptionTable compare_table(CompareArguments& arguments) {
   OptionTable table = {row("tolerance", arguments.tolerance, kGeneralGroup, "X",
                            "Largest difference to accept, in the files' units",
-                           {.least = 0.0, .most = 1e6, .basic = true}),
+                           {.min = 0.0, .max = 1e6, .basic = true}),
                        memory_row(arguments.memory_gb)};
   append(table, robot_table(arguments.robot));
   append(table, reading_table(arguments.reading));
@@ -163,7 +167,7 @@ OptionTable inspect_table(InspectArguments& arguments) {
 OptionTable view_table(ViewArguments& arguments) {
   OptionTable table = {row("strip", arguments.strip, kOutputGroup, "N",
                            "How many poses, from the first frame to the last",
-                           {.least = 1.0, .most = 100.0, .basic = true})};
+                           {.min = 1.0, .max = 100.0, .basic = true})};
   append(table, only(run_command_table(arguments.run),
                      {"output",     "bvh",     "smpl",      "smpl-model",    "start",
                       "lead-in",    "map",     "partial",   "rest",          "tpose-frame",

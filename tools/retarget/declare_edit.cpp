@@ -41,9 +41,9 @@ constexpr std::array<EditKind, 12> kEdits = {{
     {Edit::kPath, "path", "The path over the ground: fit it, draw it, follow another"},
 }};
 
-Option number(const char* name, auto& member, const char* type, double least, double most,
+Option number(const char* name, auto& member, const char* type, double min, double max,
               const char* help) {
-  return option(name, member, kTimeGroup, type, help, {.least = least, .most = most});
+  return option(name, member, kTimeGroup, type, help, {.min = min, .max = max});
 }
 
 Option choice(const char* name, auto& member, const char* help) {
@@ -79,7 +79,7 @@ OptionTable resample_table(EditArguments& arguments) {
 }
 
 OptionTable loop_table(EditArguments& arguments) {
-  return {number("shortest", arguments.loop.shortest, "S", 0.0, kLongestTime,
+  return {number("shortest", arguments.loop.shortest, "S", 0.0, kMaxTime,
                  "Shortest length of the cycle, seconds (default: half the clip)"),
           number("times", arguments.loop.times, "N", std::numeric_limits<int>::min(),
                  std::numeric_limits<int>::max(), "How many times the cycle is played"),
@@ -89,7 +89,8 @@ OptionTable loop_table(EditArguments& arguments) {
 
 OptionTable concat_table(EditArguments& arguments) {
   return {option("search", arguments.search, kTimeGroup, "S|all",
-                 "Where the seam is searched: this many seconds at the end of one and the beginning of the other, or `all` (default: 2, and more while no seam is good)"),
+                 "Where the seam is searched: this many seconds at the end of one and the "
+                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
           number("window", arguments.concat.seam.window, "S", 0.0, 10.0,
                  "Length of the part compared and blended, seconds (default: a third)"),
           choice("blend", arguments.concat.blend,
@@ -106,17 +107,18 @@ OptionTable path_table(EditArguments& arguments) {
       file("fit", arguments.fit, "Write the motion's own path, JSON, for editing"),
       file("svg", arguments.svg, "Draw the paths and the feet, seen from above"),
       option("to", arguments.path.to, kTimeGroup, "FILE|line|circle|figure8",
-             "Path to follow: JSON, or a ready-made one with the length and start of the motion's own (default: its own)"),
+             "Path to follow: JSON, or a ready-made one with the length and start of the motion's "
+             "own (default: its own)"),
       number("radius", arguments.path.radius, "M", -1e6, 1e6,
              "Radius of --to circle, metres; negative turns right"),
       number("scale", arguments.path.scale, "N", 0.001, 1000.0,
              "Make the path larger or smaller, from its beginning"),
       number("rotate", arguments.path.degrees, "DEG", -1e6, 1e6,
              "Turn the path about its beginning, degrees to the left"),
-      choice("keep", arguments.rethread.keep,
+      choice("keep", arguments.follow_path.keep,
              "On a longer or shorter path: the duration (longer strides), the speed over the "
              "ground (slower motion), or the strides (the motion ends where its own way would)"),
-      number("tolerance", arguments.rethread.fit.tolerance, "M", 0.001, 100.0,
+      number("tolerance", arguments.follow_path.fit.tolerance, "M", 0.001, 100.0,
              "How far the fitted path may be from the track, metres")};
 }
 
@@ -132,12 +134,12 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
     case Edit::kGround:
       return {option("floor", arguments.floor, kInputGroup, "H",
                      "Height of the floor in the source, metres (default: where the feet stand)",
-                     {.least = -1e6, .most = 1e6})};
+                     {.min = -1e6, .max = 1e6})};
     case Edit::kTurn: {
       OptionTable table = {
           word("degrees", arguments.degrees, "DEG", "Angle; positive to the left")};
-      table.front().info.least = -1e6;
-      table.front().info.most = 1e6;
+      table.front().info.min = -1e6;
+      table.front().info.max = 1e6;
       return table;
     }
     case Edit::kMove:

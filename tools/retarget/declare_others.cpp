@@ -16,15 +16,13 @@ CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
 }
 
 CLI::App* add_convert_command(CLI::App& app, ConvertArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("convert", "Convert a robot motion to other file formats");
+  CLI::App* command = app.add_subcommand("convert", "Convert a robot motion to other file formats");
   declare(*command,
           {word("input", arguments.input, "IN", "CSV, NPZ or pickle; - reads standard input"),
            word("out", arguments.output, "OUT", "File to write, as -o", false)});
   declare(*command, convert_table(arguments));
   command->get_option("--interpolation")->description("Between frames");
-  command->get_option("--no-antialias")
-      ->description("Do not low-pass when lowering the rate");
+  command->get_option("--no-antialias")->description("Do not low-pass when lowering the rate");
   return command;
 }
 
@@ -45,8 +43,7 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   command->get_option("--output")
       ->description("SVG to write; - writes standard output")
       ->required();
-  command->get_option("--bvh")->description(
-      "The source of the motion, drawn above it");
+  command->get_option("--bvh")->description("The source of the motion, drawn above it");
   command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
   command->get_option("--start")->description("Where in the source the motion begins, seconds");
   return command;
@@ -66,7 +63,7 @@ CLI::App* add_robots_command(CLI::App& app, RobotsArguments& arguments) {
   };
   const Option json = option("json", arguments.json, kOutputGroup, "", "Print JSON");
   add(RobotsAction::kList, "list", "List the robots", {json});
-  add(RobotsAction::kShow, "show", "A robot's joints, limits, mapping and size",
+  add(RobotsAction::kShow, "show", "A robot's joints, limits, retargeting configuration and size",
       {robot("ROBOT", "Name or folder"), json});
   add(RobotsAction::kCheck, "check", "List errors and oddities of a robot; exit code 4 on errors",
       {robot("ROBOT", "Name, folder or model file")});

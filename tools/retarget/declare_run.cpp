@@ -59,7 +59,8 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   describe_as("--source-fps",
               "Frames per second of the source, whatever its header says; without a source: of the "
               "motions");
-  describe_as("--ik-config", "Mapping whose targets are tracked (default: as in a run)");
+  describe_as("--ik-config",
+              "Retargeting configuration whose targets are tracked (default: as in a run)");
   describe_as(
       "--limits",
       "Joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
@@ -68,8 +69,8 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
 }
 
 CLI::App* add_verify_command(CLI::App& app, VerifyArguments& arguments) {
-  CLI::App* command = app.add_subcommand(
-      "verify", "Check that a recorded run still gives the same bytes");
+  CLI::App* command =
+      app.add_subcommand("verify", "Check that a recorded run still gives the same bytes");
   declare(*command, {word("file", arguments.file, "FILE", "The sidecar, such as walk.csv.json")});
   declare(*command, common_table(arguments.common));
   return command;

@@ -28,7 +28,7 @@ Option word(const char* name, T& member, const char* type, const char* help, boo
 }
 
 /// Longest time that an option may say, seconds: more than any motion, less than any slip.
-inline constexpr double kLongestTime = 1e9;
+inline constexpr double kMaxTime = 1e9;
 
 /// Makes an empty word an error in place of a value, in all options of a command and its
 /// subcommands: a shell's variable that is not set must not read as an option left out.

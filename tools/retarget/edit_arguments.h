@@ -50,7 +50,7 @@ struct EditArguments {
   double threshold_cm = 20.0;  ///< Of a seam.
   bool force = false;
   PathChange path;
-  RethreadOptions rethread;
+  FollowPathOptions follow_path;
   std::string fit;  ///< JSON to write; empty: none.
   std::string svg;  ///< Picture to write; empty: none.
   std::string output;

@@ -26,8 +26,8 @@ struct EditSource {
   Clip clip;
   HumanInClip human;
 
-  [[nodiscard]] const HumanMapping& mapping() const { return human.calibration.mapping; }
-  [[nodiscard]] Subject subject() const { return {clip, human.map, mapping()}; }
+  [[nodiscard]] const Calibration& calibration() const { return human.calibration; }
+  [[nodiscard]] Subject subject() const { return {clip, human.map, calibration()}; }
 };
 
 // an error of the motion itself, at its file
@@ -172,38 +172,38 @@ class EditRun {
 
   Result<Clip> edit_body() {
     TRY_ASSIGN(auto source, read(options_.file, options_.human, options_.write_map));
-    const HumanMapping& mapping = source.mapping();
+    const Calibration& calibration = source.calibration();
     switch (options_.edit) {
       case Edit::kTransfer:
         return to_other(source);
       case Edit::kLafan1:
-        return lafan1_clip(source.clip, mapping);
+        return lafan1_clip(source.clip, calibration);
       case Edit::kMirror:
-        return mirror(source.clip, mapping);
+        return mirror(source.clip, calibration);
       case Edit::kTurn:
-        return turn_clip(std::move(source.clip), mapping,
+        return turn_clip(std::move(source.clip), calibration,
                          options_.degrees / 180.0 * std::numbers::pi);
       case Edit::kLoop: {
         LoopOptions how = options_.loop;
         how.seam.threshold = 0.01 * options_.threshold_cm;
-        return told(make_loop(source.clip, mapping, how), file_);
+        return told(make_loop(source.clip, calibration, how), file_);
       }
       case Edit::kMove: {
         TRY_ASSIGN(const auto way, way_from_text(options_.shift));
-        return move_clip(std::move(source.clip), mapping, way);
+        return move_clip(std::move(source.clip), calibration, way);
       }
       default: {
         TRY_ASSIGN(const double floor, options_.floor ? Result<double>(*options_.floor)
-                                                      : floor_height(source.clip, mapping));
+                                                      : floor_height(source.clip, calibration));
         console_.line("floor", "was at " + number_text(floor, 4) + " m");
-        return put_on_floor(std::move(source.clip), mapping, floor);
+        return put_on_floor(std::move(source.clip), calibration, floor);
       }
     }
   }
 
   Result<EditSource> read_one(std::size_t index) {
     HumanOptions human = options_.human;
-    // a mapping file is of the first clip's joints
+    // a bone map is of the first clip's joints
     if (index > 0) human.map.clear();
     console_.line("motion", options_.files[index]);
     return read(options_.files[index], human, index > 0 ? std::string() : options_.write_map);
@@ -223,7 +223,7 @@ class EditRun {
       TRY_ASSIGN(const auto source, read_one(i));
       TRY_ASSIGN(const auto next, told(like_first(source.subject(), first.subject()), files[i]));
       const std::string before = i == 1 ? files[0] : "what goes before";
-      auto joined = concatenate(first.clip, next, first.mapping(), how, before, files[i]);
+      auto joined = concatenate(first.clip, next, first.calibration(), how, before, files[i]);
       if (joined && i == 1 && !options_.matrix.empty()) {
         TRY(write_file(options_.matrix, format_pgm(joined->map)));
       }
@@ -251,7 +251,8 @@ class EditRun {
   Result<std::optional<Clip>> path() {
     TRY(check_path());
     TRY_ASSIGN(const auto source, read(options_.file, options_.human, options_.write_map));
-    TRY_ASSIGN(const auto own, fit_path(source.clip, source.mapping(), options_.rethread.fit));
+    TRY_ASSIGN(const auto own,
+               fit_path(source.clip, source.calibration(), options_.follow_path.fit));
     console_.line("path", own.summary());
     if (!options_.fit.empty()) TRY(write_file(options_.fit, format_path(own.path)));
     std::vector<PathDrawing> drawings = {{&source.clip, &own.path}};
@@ -259,12 +260,13 @@ class EditRun {
     std::optional<Clip> clip;
     if (options_.path.any()) {
       TRY_ASSIGN(path, change_path(own.path, options_.path));
-      TRY_ASSIGN(clip,
-                 told(rethread(source.clip, source.mapping(), *path, options_.rethread), file_));
+      TRY_ASSIGN(
+          clip,
+          told(follow_path(source.clip, source.calibration(), *path, options_.follow_path), file_));
       drawings.push_back({&*clip, &*path});
     }
     if (!options_.svg.empty())
-      TRY(write_file(options_.svg, draw_paths(source.mapping(), drawings)));
+      TRY(write_file(options_.svg, draw_paths(source.calibration(), drawings)));
     if (options_.output.empty()) return std::nullopt;
     return clip;
   }

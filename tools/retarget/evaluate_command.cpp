@@ -14,8 +14,8 @@
 #include "human/human_clip.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
+#include "plan/config_files.h"
 #include "plan/gates.h"
-#include "plan/mapping_files.h"
 #include "quality/measure.h"
 #include "read_motion.h"
 #include "retarget/motion_io.h"
@@ -38,10 +38,10 @@ struct Measures {
   FrameRate rate;  // of the source
   std::optional<HumanClip> human;
   std::optional<HumanClip> human_with_lead_in;  // where there is one
-  std::optional<ResolvedMapping> tables;
+  std::optional<ResolvedConfig> config;
   HeightScale scale = HeightScale::kPublished;
-  std::string source;   // file name
-  std::string mapping;  // file
+  std::string source;  // file name
+  std::string config_file;
   Gates gates;
 };
 
@@ -72,13 +72,13 @@ Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
   }
   const std::string_view number = std::string_view(text).substr(equals + 1);
   if (number == "none") return gate;
-  const auto most = parse_number<double>(number);
-  if (!most) {
+  const auto max = parse_number<double>(number);
+  if (!max) {
     return usage_failure("--gate " + gate.metric +
                          "= must be followed by a number or none, found \"" + std::string(number) +
                          "\"");
   }
-  gate.most = most;
+  gate.max = max;
   return gate;
 }
 
@@ -101,7 +101,7 @@ Result<Gates> gates_of(const EvaluateArguments& arguments, const std::string& da
 
 Result<HumanClip> human_of(const Plan& plan) {
   TRY_ASSIGN(const auto clip, prepare_clip(plan));
-  return to_human(*clip, plan.human.calibration.mapping);
+  return to_human(*clip, plan.human.calibration);
 }
 
 Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
@@ -109,8 +109,8 @@ Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measur
   const Run& run = arguments.run;
   TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
   TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
-  measures.tables = setup.mapping_for(plan.human);
-  measures.mapping = recorded_name(plan.mapping.file, plan.robot.data_folder);
+  measures.config = setup.config_for(plan.human);
+  measures.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
   measures.scale = plan.scale;
   measures.rate = plan.rate;
   measures.source = fs::path(plan.clip->name()).filename().string();
@@ -149,7 +149,7 @@ Result<Measures> load_measures(const EvaluateArguments& arguments, Console& cons
 
 QualityReport measure_beside(const RobotClip& motion, const Measures& measures,
                              const HumanClip& human) {
-  const QualitySource source{&human, &*measures.tables, measures.scale};
+  const QualitySource source{&human, &*measures.config, measures.scale};
   return measure_quality(motion, measures.limits, &source);
 }
 
@@ -173,8 +173,7 @@ QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
         (needs_it && limb_angle(with_lead_in) == limb_angle(report))) {
       report = std::move(with_lead_in);
       human = &*whole;
-      console.line("lead-in",
-                   file + " follows the source with its leading frames: they are kept");
+      console.line("lead-in", file + " follows the source with its leading frames: they are kept");
     }
   }
   if (human->frame_count < motion.frame_count()) {
@@ -212,7 +211,7 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
   report.source = measures.source;
-  report.mapping = measures.mapping;
+  report.config = measures.config_file;
   measures.gates.judge(report);
   console.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
                                number_text(time.count(), 2) + " s");

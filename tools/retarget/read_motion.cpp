@@ -7,7 +7,7 @@ namespace retarget::cli {
 
 ReadMotionOptions read_motion_options(const ReadingArguments& arguments, double memory_gb) {
   ReadMotionOptions read;
-  read.most_bytes = memory_share(memory_gb);
+  read.max_bytes = memory_share(memory_gb);
   read.format = arguments.from;
   if (arguments.source_fps > 0.0) read.rate = frame_rate_from_fps(arguments.source_fps);
   read.quaternion = arguments.quaternion;

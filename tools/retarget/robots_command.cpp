@@ -7,7 +7,7 @@
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
-#include "plan/mapping_files.h"
+#include "plan/config_files.h"
 #include "retarget/rig.h"
 #include "robot/find_robot.h"
 #include "shared_arguments.h"
@@ -17,20 +17,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// with the mappings that lie beside it and in the data folder
-RobotSources with_mappings(const fs::path& model, const fs::path& profile,
-                           const std::string& data_folder) {
+// with the configurations that lie beside it and in the data folder
+RobotSources with_configs(const fs::path& model, const fs::path& profile,
+                          const std::string& data_folder) {
   const fs::path named = model.parent_path();
   const fs::path folder = named.empty() ? fs::path(".") : named;
-  const auto found = find_mappings({}, Method::kGmr, folder, data_folder,
-                                   fs::absolute(folder).filename().string());
-  const MappingFiles mappings = found.value_or(MappingFiles{});
-  return {{}, model.string(), profile.string(), mappings.of_lafan1, mappings.of_others};
+  const auto found =
+      find_configs({}, Method::kGmr, folder, data_folder, fs::absolute(folder).filename().string());
+  const ConfigFiles configs = found.value_or(ConfigFiles{});
+  return {{}, model.string(), profile.string(), configs.of_lafan1, configs.of_others};
 }
 
 Result<RobotSources> find_sources(const std::string& robot, const std::string& data_folder) {
   TRY_ASSIGN(const auto files, find_robot(robot, fs::path(data_folder) / "robots"));
-  return with_mappings(files.model, files.profile, data_folder);
+  return with_configs(files.model, files.profile, data_folder);
 }
 
 Result<ExitCode> list_or_show(const RobotsArguments& arguments) {
@@ -56,7 +56,7 @@ Result<std::vector<RobotFinding>> examine(const RobotsArguments& arguments) {
   const fs::path model = arguments.robot;
   if ((model.extension() == ".xml" || model.extension() == ".urdf") && is_file(model)) {
     const fs::path profile = model.parent_path() / "robot.json";
-    return check_robot(with_mappings(model, is_file(profile) ? profile : fs::path(), data_folder),
+    return check_robot(with_configs(model, is_file(profile) ? profile : fs::path(), data_folder),
                        option_as_flag);
   }
   TRY_ASSIGN(const auto robot, find_sources(arguments.robot, data_folder));

@@ -77,7 +77,7 @@ Result<void> check_all_given(const Run& run) {
   }
   if (run.output.empty()) needs.push_back({"output", "-o FILE, or -o - for standard output"});
   if (!needs.empty() && !run.robot.model.empty() && run.options.solve.ik_config.empty()) {
-    needs.push_back({"mapping", "--ik-config FILE"});
+    needs.push_back({"retargeting configuration", "--ik-config FILE"});
   }
   return check_needs(needs, "as in retarget walk.bvh g1 -o walk.csv");
 }
@@ -88,7 +88,7 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   TRY(check_no_folder(run.motion));
   TRY(check_all_given(run));
   TRY(check_robot_choice(run.robot));
-  TRY(check_mapping_choice(run.robot, run.options.solve));
+  TRY(check_config_choice(run.robot, run.options.solve));
   TRY(check_solving_options(run.options));
   if (request.report == "-") {
     return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");

@@ -29,7 +29,7 @@ namespace retarget::cli {
                                              const CommonArguments& common, Console& console,
                                              Soles soles = Soles::kFound);
 
-/// The same with limits, mappings and the fit's options.
+/// The same with limits, configurations and the fit's options.
 [[nodiscard]] Result<RobotSetup> set_up_robot(const Run& run, const CommonArguments& common,
                                               Console& console);
 

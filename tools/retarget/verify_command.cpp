@@ -42,7 +42,7 @@ Result<Sidecar> load_sidecar(const std::string& file) {
         file, "expected the sidecar of a run, found a directory",
         "name a sidecar in it, such as " + (fs::path(file) / "walk.csv.json").string());
   }
-  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMostTextBytes));
+  TRY_ASSIGN(const auto content, read_file(file, ErrorKind::kInput, kMaxTextBytes));
   return read_sidecar(content.view(), file);
 }
 
@@ -70,7 +70,7 @@ Result<Run> run_of(const Sidecar& sidecar, const fs::path& beside, const std::st
     return input_failure(file, "the motion came from standard input and cannot be read again");
   }
   for (auto check :
-       {check_robot_choice(run.robot), check_mapping_choice(run.robot, run.options.solve),
+       {check_robot_choice(run.robot), check_config_choice(run.robot, run.options.solve),
         check_solving_options(run.options)}) {
     if (check) continue;
     check.error().kind = ErrorKind::kInput;
@@ -105,8 +105,8 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
   RunRequest request;
   request.hashes_only = true;
   const auto outcome = run_to_files(run, request, setup, console);
-  // which mapping is read is known from the source only
-  const auto files = files_read(run, setup.loaded, outcome ? outcome->mapping : setup.mapping.file);
+  // which configuration is read is known from the source only
+  const auto files = files_read(run, setup.loaded, outcome ? outcome->config : setup.config.file);
   if (!files) return failure(outcome ? files.error() : outcome.error());
   const std::vector<std::string> changed = changes(sidecar, *files);
   for (const std::string& change : changed) console.line("changed", change);
@@ -117,8 +117,7 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
   if (fs::exists(output, ignored)) {
     TRY_ASSIGN(const std::string there, hash_file(output));
     if (there != sidecar.hash) {
-      return run_failure(output,
-                         "the file has changed since the sidecar was written");
+      return run_failure(output, "the file has changed since the sidecar was written");
     }
   }
   if (outcome->motions.front().hash == sidecar.hash) {

@@ -44,7 +44,7 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
   TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(robot, run.options));
   TRY_ASSIGN(const Plan plan, read_and_plan(run, arguments.request, setup, console));
   TRY_ASSIGN(const auto clip, prepare_clip(plan));
-  return std::optional(to_human(*clip, plan.human.calibration.mapping));
+  return std::optional(to_human(*clip, plan.human.calibration));
 }
 
 }  // namespace

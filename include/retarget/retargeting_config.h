@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "retarget/error.h"
+#include "retarget/export.h"
+#include "retarget/human.h"
+#include "retarget/robot.h"
+
+namespace RETARGET_API retarget {
+
+/// How the height of the body scales a human to a robot.
+enum class HeightScale : unsigned char {
+  /// As in the published method: in proportion to the height, which it assumes to be 1.75 m for
+  /// everyone.
+  kPublished,
+  /// Inversely: every body is brought to the size of the published one first, so that a child and a
+  /// giant moving alike give the same robot motion.
+  kNormalised,
+  /// Not at all: legs, trunk and arms take the robot's lengths; the table's scales are not used.
+  kLimbs,
+};
+
+/// How pelvis and torso turn when limbs are scaled individually (kLimbs).
+enum class TrunkRule : unsigned char {
+  kBones,  ///< As the bones Hips and Spine2, as published.
+  kLines,  ///< So that the lines of trunk and limbs lean and turn as the human's.
+};
+
+/// How a robot's body follows a bone.
+struct IkTask {
+  double position_weight = 0.0;
+  double rotation_weight = 0.0;
+  Eigen::Vector3d position_offset = Eigen::Vector3d::Zero();  ///< In the target's frame, metres.
+  /// bone_from_body: turns the bone's axes into the body's.
+  Eigen::Quaterniond rotation_offset = Eigen::Quaterniond::Identity();
+
+  [[nodiscard]] bool has_weight() const { return position_weight != 0.0 || rotation_weight != 0.0; }
+};
+
+/// One row of a retargeting configuration: a robot body follows a human bone.
+struct IkMatch : IkTask {
+  std::string body;
+  std::string bone;
+};
+
+/// A table of a retargeting configuration, in file order: the order of the tasks.
+struct IkMatchTable {
+  bool used = true;  ///< `use_ik_match_tableN`; a table that is not used is left out.
+  std::vector<IkMatch> rows;
+};
+
+/// A retargeting configuration from a human to a robot as read, in the schema of GMR (General Motion
+/// Retargeting). Its names are not checked here; resolve_config resolves them for a robot.
+///
+/// | key | meaning |
+/// |---|---|
+/// | `robot_root_name`, `human_root_name` | root body, root bone |
+/// | `ground_height` | metres that every target is lowered by, in the target's frame |
+/// | `human_height_assumption` | body height the scales are made for, metres |
+/// | `human_scale_table` | scale of each bone's distance from the root (the root's own: from the
+/// origin) | | `use_ik_match_table1`, `2` | whether the pass takes place | | `ik_match_table1`, `2`
+/// | body: [bone, position weight, rotation weight, [x, y, z], [w, x, y, z]] |
+struct RetargetingConfig {
+  std::string file;  ///< Where it was read from, for messages.
+  std::string robot_root;
+  std::string human_root;
+  double ground_height = 0.0;
+  double human_height_assumption = 1.8;
+  std::vector<std::pair<std::string, double>> scales;  ///< By bone.
+  std::array<IkMatchTable, 2> match_tables;
+
+  [[nodiscard]] const double* find_scale(std::string_view bone) const;
+};
+
+/// Reads a retargeting configuration. Syntax errors come with line and column; wrong types, missing keys and
+/// quaternions whose norm is not 1 within 1e-3 are reported all at once. Quaternions are
+/// normalised.
+[[nodiscard]] Result<RetargetingConfig> parse_retargeting_config(std::string_view text,
+                                                                 const std::string& file);
+[[nodiscard]] Result<RetargetingConfig> load_retargeting_config(const std::string& path);
+
+/// A robot's body follows a bone.
+struct ConfigTask : IkTask {
+  int body = -1;  ///< Index into Robot::bodies(); -1 in an unused table: the robot has no such
+                  ///< body.
+  Bone bone = Bone::kHips;
+};
+
+/// A retargeting configuration for one robot, all names resolved and checked against robot and human.
+struct ResolvedConfig {
+  struct Table {
+    bool used = true;
+    std::vector<ConfigTask> tasks;  ///< In file order.
+  };
+  std::string file;  ///< Where it was read from, for messages.
+  int root_body = 0;
+  Bone root_bone = Bone::kHips;
+  double ground_height = 0.0;            ///< As in RetargetingConfig.
+  double human_height_assumption = 1.8;  ///< Metres.
+  BoneArray<double> scales{1.0};         ///< Of bones with tasks in use, and of the root bone.
+  std::array<Table, 2> match_tables;
+
+  /// The first task of a bone with a weight, else its first task; null: none. Includes unused
+  /// tables.
+  [[nodiscard]] const ConfigTask* find_task(Bone bone) const;
+  /// The body of that task; -1: none.
+  [[nodiscard]] int body_of(Bone bone) const;
+};
+
+/// Finds bodies and bones of a retargeting configuration and reports all errors at once (kConfig): unknown bodies and
+/// bones (with the nearest name), bones without a scale, two bodies on one bone, a missing root, no
+/// task at all. Unused tables are not checked; only their rows with a known bone are kept.
+[[nodiscard]] Result<ResolvedConfig> resolve_config(const RetargetingConfig& config,
+                                                    const Robot& robot);
+/// Reads a retargeting configuration for a robot; errors in the file and in its names are reported together.
+[[nodiscard]] Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot);
+
+/// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
+/// @return the number of removed tasks; kConfig error: nothing is left.
+[[nodiscard]] Result<int> leave_out_bones(ResolvedConfig& config, std::span<const Bone> bones);
+
+}  // namespace retarget

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "edit/fit_path.h"
+#include "edit/foot_stands.h"
+#include "edit/seam.h"
+
+namespace retarget {
+namespace {
+
+// shorter than this a path gives no speed, metres
+constexpr double kMinPathLength = 0.01;
+
+// how fast a motion is to be played on its new path, to go as fast as on its own
+Result<double> playing_speed(PathKeep keep, double own_length, double length) {
+  if (keep != PathKeep::kSpeed) return 1.0;
+  if (own_length < kMinPathLength || length < kMinPathLength) {
+    return usage_failure(
+        "a path of " + number_text(std::min(own_length, length), 3) + " m has no speed to keep",
+        "keep the time instead");
+  }
+  return own_length / length;
+}
+
+// where feet stand: each contact as a whole, as its middle frame is moved
+// `clip` and its human are the source, `speed` times as fast as what `moves` has one of per frame
+std::vector<PlantedFoot> moved_plants(const Clip& clip, const Calibration& calibration,
+                                      const HumanClip& human, const std::vector<GroundPose>& moves,
+                                      double speed, double same_stand) {
+  std::vector<PlantedFoot> plants;
+  const auto stands = find_foot_stands(human, same_stand);
+  const auto last_move = static_cast<double>(moves.size() - 1);
+  const auto legs = find_legs(clip.skeleton(), calibration);
+  for (int foot = 0; foot < 2; ++foot) {
+    if (!legs[foot]) continue;
+    const auto ankles = ankle_poses(clip, calibration, *legs[foot]);
+    for (const FootStand& stand : stands[foot]) {
+      const int middle = (stand.begin + stand.end) / 2;
+      const double moved_as = std::min(std::round(speed * middle), last_move);
+      const Pose move = moves[static_cast<std::size_t>(moved_as)].in_space();
+      PlantedFoot plant = plant_of(stand, foot, middle, ankles, human);
+      for (Pose& pose : plant.world_from_foot) pose = move * pose;
+      plants.push_back(std::move(plant));
+    }
+  }
+  return plants;
+}
+
+std::vector<Warning> doubts_about(const PlantSummary& feet) {
+  std::vector<Warning> doubts;
+  constexpr double kNotedMiss = 0.005, kNotedCorrection = 0.15;
+  if (feet.largest_miss > kNotedMiss) {
+    doubts.push_back({0, 0,
+                      "a leg is too short to reach its place by " +
+                          number_text(100.0 * feet.largest_miss, 1) + " cm"});
+  }
+  if (feet.largest_correction > kNotedCorrection) {
+    doubts.push_back({0, 0,
+                      "a foot had to be moved by " +
+                          number_text(100.0 * feet.largest_correction, 0) +
+                          " cm to stand: the new path turns or speeds up where these steps do not; "
+                          "a gentler path or " OPTION("keep") " stride suits them better"});
+  }
+  return doubts;
+}
+
+}  // namespace
+
+Result<FollowedPath> follow_path(const Clip& clip, const Calibration& calibration,
+                                 const GroundPath& path, const FollowPathOptions& options) {
+  TRY_ASSIGN(const auto mover, BodyMover::of(clip, calibration));
+  const HumanClip human = to_human(clip, calibration);
+  TRY_ASSIGN(auto own, fit_path(human, options.fit));
+  TRY_ASSIGN(const double speed, playing_speed(options.keep, own.path.length(), path.length()));
+
+  // turns while standing: of the own path as the body turns, of the new one as the own path does
+  std::vector<double> body_turns, own_turns;
+  for (const StillPhase& phase : own.still) body_turns.push_back(phase.turn);
+  auto own_frames = path_frames(own.path, own.along, own.still, body_turns);
+  spread_turns(own_frames, clip.rate());
+  const auto last = static_cast<int>(own_frames.size()) - 1;
+  for (const StillPhase& phase : own.still) {
+    own_turns.push_back(own_frames[std::min(phase.end, last)].heading -
+                        own_frames[std::max(phase.begin - 1, 0)].heading);
+  }
+  const double stretch =
+      options.keep == PathKeep::kStride ? 1.0 : path.length() / own.path.length();
+  std::vector<double> along;
+  for (const double place : own.along) along.push_back(stretch * place);
+
+  FollowedPath result{{clip}, std::move(own), {}, {}, {}};
+  result.frames = path_frames(path, along, result.source.still, own_turns);
+  spread_turns(result.frames, clip.rate());
+  std::vector<GroundPose> moves;
+  for (std::size_t frame = 0; frame < own_frames.size(); ++frame) {
+    moves.push_back(result.frames[frame] * own_frames[frame].inverse());
+    mover.move(result.clip, static_cast<int>(frame), moves.back());
+  }
+  // feet are planted in what is played: no filter comes after
+  std::vector<PlantedFoot> plants;
+  if (speed == 1.0) {
+    plants = moved_plants(clip, calibration, human, moves, 1.0, options.same_stand);
+  } else {
+    TRY_ASSIGN(const auto played, change_timing(clip, {.speed = speed}));
+    TRY_ASSIGN(result.clip, change_timing(std::move(result.clip), {.speed = speed}));
+    plants = moved_plants(played, calibration, to_human(played, calibration), moves, speed,
+                          options.same_stand);
+  }
+  TRY_ASSIGN(result.feet, plant_feet(result.clip, calibration, plants, options.plant));
+  result.check = check_motion(human, human, to_human(result.clip, calibration),
+                              {0, result.clip.frame_count(), 0, 0, 0}, options.limits);
+  result.notes = {
+      {"new path", path_text(path) + ", " + number_text(result.clip.duration(), 3) + " s"},
+      {"feet", planted_text(result.feet)}};
+  result.doubts = as_warnings(result.check.faults);
+  for (Warning& doubt : doubts_about(result.feet)) result.doubts.push_back(std::move(doubt));
+  return result;
+}
+
+}  // namespace retarget

@@ -1,0 +1,354 @@
+#include "fit/clip_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "fit/block_chain.h"
+#include "fit/joint_speeds.h"
+#include "fit/shorthand.h"
+#include "ik/active_set.h"
+#include "math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kBase = KinematicTree::kBaseDofs;
+
+// constant damping, on the diagonal: joints and the root's rotation, the root's position
+constexpr double kDamping = 1.0, kPositionDamping = 100.0;
+// damping of single frames, times the diagonal: raised where a step made the frame's cost rise.
+// A faster decay lets frames swing between two states.
+constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7,
+                 kDampingMost = 2.0, kDampingLeast = 1e-3;
+constexpr double kCostRise = 1.02, kCostNoise = 0.1;
+// largest change of a variable by one step: joints and the root's rotation (rad), its position (m)
+constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
+constexpr int kPairsEvery = 4;         // steps between two looks for near shapes
+constexpr double kPairsWithin = 0.04;  // metres
+// Share of their weight that the places of contacts have at first. They move with the feet that they
+// hold, so while they hold them hard neither gets anywhere.
+constexpr double kFirstHold = 0.12;
+
+// the solver of one window
+class WindowFitter {
+ public:
+  WindowFitter(const FitModel& model, const FitOptions& options, const FitWindow& window,
+               FitClip& clip);
+
+  FitStatus run(const std::function<bool()>& keep_going);
+
+ private:
+  // a variable that is held at its limit, with its row of the system
+  struct Held {
+    int frame, dof;
+    std::vector<double> row;  // the frame's Hessian
+    double gradient, before, after;
+  };
+
+  void iterate(bool move_anchors, bool look_for_pairs);
+  std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
+  double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
+  void adapt_damping(int local, double cost);
+  void add_steps(int frame, double* h, double* g);
+  void hold_limits(int frame, double* h, double* g);
+  void release_limits();
+  void apply(int frame);
+  void add_to_anchors(int frame);
+  void push_anchors_apart(int frame);
+  void place_own_anchors();
+  [[nodiscard]] bool owns(int phase) const;
+  [[nodiscard]] int local(int frame) const { return frame - window_.begin; }
+  BoundSide& held(int frame, int dof) { return held_[at(local(frame)) * at(dofs_) + at(dof)]; }
+  bool is_held(int frame, int dof) { return held(frame, dof) != BoundSide::kFree; }
+
+  const FitModel& model_;
+  const FitOptions& options_;
+  const FitWindow& window_;
+  FitClip& clip_;
+  int dofs_;
+  bool before_, after_;  // whether a fixed frame lies next to the window
+  FrameTerms terms_;
+  TreeState pose_;
+  JointSpeeds speeds_;
+  BlockChain chain_;
+  std::vector<std::vector<std::uint32_t>> pairs_;  // by frame
+  std::vector<double> damping_, cost_;             // by frame
+  std::vector<BoundSide> held_;                    // by frame and dof: at which limit
+  std::vector<Held> rows_;
+  std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
+  double anchor_hold_ = 1.0;
+  std::vector<Eigen::Vector2d> anchor_sums_;
+  std::vector<Eigen::Vector2d> anchor_pushes_;
+  std::vector<int> anchor_counts_;
+  FitStatus status_;
+};
+
+WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
+                           const FitWindow& window, FitClip& clip)
+    : model_(model),
+      options_(options),
+      window_(window),
+      clip_(clip),
+      dofs_(model.dof_count()),
+      before_(window.fixed_ends && window.begin > 0),
+      after_(window.fixed_ends && window.end < clip.frame_count),
+      terms_(model, options),
+      pose_(model.tree),
+      speeds_(model, options, clip.frame_time),
+      chain_(dofs_),
+      pairs_(at(window.end - window.begin)),
+      damping_(pairs_.size(), 0.0),
+      cost_(pairs_.size(), 1e300),
+      held_(pairs_.size() * at(dofs_), BoundSide::kFree),
+      steps_before_(at(dofs_)),
+      steps_after_(at(dofs_)),
+      anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
+      anchor_pushes_(anchor_sums_),
+      anchor_counts_(clip.anchors.size(), 0),
+      status_{.begin = window.begin, .end = window.end} {}
+
+FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
+  for (int i = 0; i < options_.iterations; ++i) {
+    if (keep_going && !keep_going()) break;
+    const bool move_anchors = i < options_.anchor_iterations;
+    anchor_hold_ = 1.0;
+    if (move_anchors) {
+      place_own_anchors();
+      anchor_hold_ =
+          1.0 - (1.0 - kFirstHold) * (options_.anchor_iterations - i) / options_.anchor_iterations;
+    }
+    iterate(move_anchors, i % kPairsEvery == 0);
+  }
+  status_.converged = status_.predicted_decrease <= kFitTolerance;
+  return status_;
+}
+
+bool WindowFitter::owns(int phase) const {
+  const PlantedPhase& p = clip_.feet.phases[at(phase)];
+  return p.begin >= window_.begin && p.end <= window_.end;
+}
+
+void WindowFitter::iterate(bool move_anchors, bool look_for_pairs) {
+  const int first = std::max(window_.begin - (before_ ? 1 + window_.context : 0), 0);
+  const int last = std::min(window_.end + (after_ ? 1 + window_.context : 0), clip_.frame_count);
+  speeds_.update(model_, clip_, first, last);
+  chain_.begin(window_.end - window_.begin);
+  rows_.clear();
+  if (before_) speeds_.terms(window_.begin - 1, steps_after_);
+  const auto decrease = eliminate(move_anchors, look_for_pairs);
+  status_.predicted_decrease = decrease.value_or(1.0);
+  if (!decrease) return;
+  ++status_.steps;
+  chain_.substitute();
+  release_limits();
+  for (int frame = window_.begin; frame < window_.end; ++frame) apply(frame);
+}
+
+// By how much of the cost the step is predicted to lower it. Nothing where a block is not positive
+// definite: its frame is damped as much as any, for the next step.
+std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_pairs) {
+  double cost = 0.0, decrease = 0.0;
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const int t = local(frame);
+    cost += fill_frame(frame, move_anchors, look_for_pairs);
+    const bool positive = chain_.eliminate(t);
+    // b' H^-1 b, block by block: what the blocks before leave of b, times its own solution
+    for (int i = 0; positive && i < dofs_; ++i) {
+      decrease += chain_.right(t)[i] * chain_.solution(t)[at(i)];
+    }
+    if (positive && std::isfinite(decrease)) continue;
+    ++status_.failed_blocks;
+    damping_[at(t)] = kDampingMost;
+    return std::nullopt;
+  }
+  return cost > 0.0 ? decrease / cost : 0.0;
+}
+
+// @return the frame's cost, its step to the next one included
+double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pairs) {
+  const int t = local(frame);
+  pose_.update(clip_.frame(frame, model_.configuration_size));
+  if (look_for_pairs && options_.self_collision) {
+    terms_.find_near_pairs(pose_, kPairsWithin, pairs_[at(t)]);
+  }
+  double* const h = chain_.block(t);
+  double* const g = chain_.right(t);
+  TermCosts costs{};
+  FrameGoals goals = clip_.goals(frame, model_.tasks.size());
+  goals.anchor_hold = anchor_hold_;
+  terms_.assemble(pose_, goals, pairs_[at(t)], g, h, chain_.stride(), costs);
+  if (move_anchors) push_anchors_apart(frame);
+  // places move and their weight changes: what they cost says nothing of the step
+  double cost = -costs[kTermContactPlace];
+  for (const double part : costs) cost += part;
+  adapt_damping(t, cost);
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
+  }
+  add_steps(frame, h, g);
+  hold_limits(frame, h, g);
+  for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
+  if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+void WindowFitter::adapt_damping(int t, double cost) {
+  double& damping = damping_[at(t)];
+  if (cost > kCostRise * cost_[at(t)] + kCostNoise) {
+    damping = std::min(kDampingMost, std::max(damping, kDampingStart) * kDampingGrowth);
+  } else {
+    damping = damping < kDampingLeast ? 0.0 : damping * kDampingDecay;
+  }
+  cost_[at(t)] = cost;
+}
+
+// the steps to this frame and from it
+void WindowFitter::add_steps(int frame, double* h, double* g) {
+  std::swap(steps_before_, steps_after_);
+  const bool from = frame > window_.begin || before_;
+  const bool to = frame + 1 < window_.end || after_;
+  if (to) speeds_.terms(frame, steps_after_);
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = 0; i < dofs_; ++i) {
+    double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
+    if (from) {
+      diagonal += steps_before_[at(i)].weight;
+      g[i] += steps_before_[at(i)].force;
+    }
+    if (to) {
+      diagonal += steps_after_[at(i)].weight;
+      g[i] -= steps_after_[at(i)].force;
+    }
+    if (frame > window_.begin) coupling[i] = -steps_before_[at(i)].weight;
+  }
+}
+
+// Variables at a limit stay there for this step; their rows tell afterwards which way they want. What
+// one row has lost to another that is held counts for nothing, for that does not move.
+void WindowFitter::hold_limits(int frame, double* h, double* g) {
+  const int stride = chain_.stride();
+  const bool from = frame > window_.begin, to = frame + 1 < window_.end;
+  double* const coupling = chain_.coupling(local(frame));
+  for (int i = kBase; i < dofs_; ++i) {
+    if (from && is_held(frame - 1, i)) coupling[i] = 0.0;
+    if (!is_held(frame, i)) continue;
+    Held row{frame, i, std::vector<double>(at(dofs_)), g[i], 0.0, 0.0};
+    for (int j = 0; j < dofs_; ++j) {
+      row.row[at(j)] = h[static_cast<std::ptrdiff_t>(std::max(i, j)) * stride + std::min(i, j)];
+    }
+    row.before = from ? -steps_before_[at(i)].weight : 0.0;
+    row.after = to ? -steps_after_[at(i)].weight : 0.0;
+    rows_.push_back(std::move(row));
+    double* const own = h + static_cast<std::ptrdiff_t>(i) * stride;
+    std::fill_n(own, i, 0.0);
+    for (int j = i + 1; j < dofs_; ++j) h[static_cast<std::ptrdiff_t>(j) * stride + i] = 0.0;
+    own[i] = 1.0;
+    g[i] = coupling[i] = 0.0;
+  }
+}
+
+// Lets go of variables that the solved step, not the gradient before it, draws back inside. That is
+// ActiveSet's rule, but not its loop, which would factorise the whole clip again for each of the many
+// bounds that change: here each step is one round.
+void WindowFitter::release_limits() {
+  for (const Held& row : rows_) {
+    const auto x = chain_.solution(local(row.frame));
+    double force = row.gradient;
+    for (int j = 0; j < dofs_; ++j) force += row.row[at(j)] * x[at(j)];
+    if (row.before != 0.0) {
+      force += row.before * chain_.solution(local(row.frame) - 1)[at(row.dof)];
+    }
+    if (row.after != 0.0) force += row.after * chain_.solution(local(row.frame) + 1)[at(row.dof)];
+    BoundSide& side = held(row.frame, row.dof);
+    const bool fixed = model_.lower[at(row.dof)] == model_.upper[at(row.dof)];
+    if (inward_pull(side, force) > 0.0 && !fixed) side = BoundSide::kFree;
+  }
+}
+
+void WindowFitter::apply(int frame) {
+  const auto x = chain_.solution(local(frame));
+  const auto qpos = clip_.frame(frame, model_.configuration_size);
+  for (int k = 0; k < 3; ++k) qpos[at(k)] += std::clamp(x[at(k)], -kMaxMove, kMaxMove);
+  Vector3d turn(x[3], x[4], x[5]);
+  const double angle = turn.norm();
+  if (angle > kMaxTurn) turn *= kMaxTurn / angle;
+  const Quaterniond rotation =
+      (Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) * exp_so3(turn)).normalized();
+  qpos[3] = rotation.w();
+  qpos[4] = rotation.x();
+  qpos[5] = rotation.y();
+  qpos[6] = rotation.z();
+  for (int i = kBase; i < dofs_; ++i) {
+    if (is_held(frame, i)) continue;
+    double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
+    value += std::clamp(x[at(i)], -kMaxTurn, kMaxTurn);
+    held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
+  }
+}
+
+void WindowFitter::add_to_anchors(int frame) {
+  const auto ends = clip_.feet.ends_of(frame);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i].phase < 0 || !owns(ends[i].phase)) continue;
+    const FitFoot& foot = model_.feet[i / 2];
+    anchor_sums_[at(ends[i].phase)] +=
+        (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
+    ++anchor_counts_[at(ends[i].phase)];
+  }
+}
+
+// Two feet that stand in each other have places in each other: their means alone would come apart
+// too slowly, for the frames in which one foot stands alone hold it back.
+void WindowFitter::push_anchors_apart(int frame) {
+  const FootOverlap& overlap = terms_.foot_overlap();
+  if (overlap.depth <= 0.0) return;
+  const auto ends = clip_.feet.ends_of(frame);
+  const auto planted = [&](int foot) {
+    return ends[at(2 * foot)].phase >= 0 || ends[at(2 * foot + 1)].phase >= 0;
+  };
+  if (!planted(overlap.foot_a) || !planted(overlap.foot_b)) return;
+  const Eigen::Vector2d half = 0.5 * overlap.depth * overlap.normal;
+  const auto push = [&](int foot, const Eigen::Vector2d& way) {
+    for (int end = 2 * foot; end < 2 * foot + 2; ++end) {
+      const int phase = ends[at(end)].phase;
+      if (phase < 0 || !owns(phase)) continue;
+      if (way.squaredNorm() > anchor_pushes_[at(phase)].squaredNorm()) {
+        anchor_pushes_[at(phase)] = way;
+      }
+    }
+  };
+  push(overlap.foot_a, half);
+  push(overlap.foot_b, -half);
+}
+
+void WindowFitter::place_own_anchors() {
+  std::ranges::fill(anchor_counts_, 0);
+  std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
+  for (int frame = window_.begin; frame < window_.end; ++frame) {
+    const auto ends = clip_.feet.ends_of(frame);
+    if (std::ranges::none_of(ends, [](const FootEndGoal& end) { return end.phase >= 0; })) continue;
+    pose_.update(clip_.frame(frame, model_.configuration_size));
+    add_to_anchors(frame);
+  }
+  for (std::size_t i = 0; i < anchor_sums_.size(); ++i) {
+    if (anchor_counts_[i] > 0) {
+      clip_.anchors[i] = anchor_sums_[i] / anchor_counts_[i] + anchor_pushes_[i];
+    }
+  }
+  std::ranges::fill(anchor_pushes_, Eigen::Vector2d::Zero());
+}
+
+}  // namespace
+
+FitStatus fit_window(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                     FitClip& clip, const std::function<bool()>& keep_going) {
+  return WindowFitter(model, options, window, clip).run(keep_going);
+}
+
+}  // namespace retarget

@@ -1,0 +1,398 @@
+#include "fit/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "base/located.h"
+#include "base/number_text.h"
+#include "base/try.h"
+#include "fit/clip_fitter.h"
+#include "fit/fit_model.h"
+#include "fit/fit_windows.h"
+#include "fit/foot_plan.h"
+#include "fit/shorthand.h"
+#include "fit/speed_bounds.h"
+#include "fit/start_frames.h"
+#include "fit/window_solver.h"
+#include "math/so3.h"
+#include "math/statistics.h"
+
+namespace retarget {
+namespace {
+
+// scales of the root's and the feet's paths, by what the targets do when bones are lifted
+struct PathScales {
+  double root = 1.0, foot = 1.0;
+};
+PathScales path_scales(const TargetBuilder& targets) {
+  HumanPose low, high, all;
+  for (Pose& pose : all) pose.translation.z() = 1.0;
+  int foot = targets.target_of(Bone::kLeftFootMod);
+  // of a body with one leg, that one
+  const Bone foot_bone = foot < 0 ? Bone::kRightFootMod : Bone::kLeftFootMod;
+  foot = targets.target_of(foot_bone);
+  std::vector<Pose> at_rest(at(targets.target_count())), raised = at_rest;
+  targets.build(low, at_rest);
+  targets.build(all, raised);
+  const auto rise = [&](int target) {
+    return (raised[at(target)].translation - at_rest[at(target)].translation).z();
+  };
+  // everything raised, the feet are raised as the root is; by the feet alone, by their own scale
+  PathScales scales{rise(0), rise(0)};
+  if (foot >= 0) {
+    high[foot_bone].translation.z() = 1.0;
+    targets.build(high, raised);
+    scales.foot = rise(foot);
+  }
+  return scales;
+}
+
+// The limits of the first stage: where the robot has a narrower set for the published method,
+// limbs have fewer ways to bend, and the frame-by-frame solver stays on the one that people take.
+LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
+  LimitSet result = limits;
+  const auto own = load_limits(robot, robot.limits_for("gmr"));
+  if (!own) return result;
+  for (std::size_t i = 0; i < result.lower.size(); ++i) {
+    const double lower = std::max(limits.lower[i], own->lower[i]);
+    const double upper = std::min(limits.upper[i], own->upper[i]);
+    if (lower > upper) continue;
+    result.lower[i] = lower;
+    result.upper[i] = upper;
+  }
+  return result;
+}
+
+// Weights per metre are those of a robot with legs (hip to knee to ankle, metres) as long as the
+// G1's; of one half as large, whose limbs move half as far for the same angles, they count twice.
+// Contacts, floor and overlaps, whose amounts matter in metres, never count less.
+FitOptions sized_options(FitOptions options, double leg) {
+  constexpr double kUsualLeg = 0.632;  // metres
+  const double size = kUsualLeg / leg;
+  TrackingWeights& w = options.weights;
+  for (double* weight :
+       {&w.hips_position, &w.thigh_position, &w.shank_position, &w.foot_position,
+        &w.upper_arm_position, &w.forearm_position, &w.hand_position, &w.other_position,
+        &options.foot_height_near, &options.foot_height_far, &options.smoothness_root_position}) {
+    *weight *= size;
+  }
+  for (double* weight :
+       {&options.contact_weight, &options.contact_height_weight, &options.sole_floor_weight,
+        &options.body_floor_weight, &options.self_collision_weight}) {
+    *weight *= std::max(size, 1.0);
+  }
+  return options;
+}
+
+// one clip on its way through all stages
+class Fit {
+ public:
+  Fit(const Clip& clip, const Calibration& calibration, const std::shared_ptr<const Robot>& robot,
+      const ResolvedConfig& config, const LimitSet& limits, const FitOptions& options,
+      const FitRun& run)
+      : source_(clip),
+        calibration_(calibration),
+        robot_(robot),
+        config_(config),
+        limits_(limits),
+        options_(options),
+        run_(run) {}
+
+  Result<FitResult> run();
+
+ private:
+  bool read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made);
+  double floor_height(const StandingHeights& standing, double scale) const;
+  Result<void> solve(const MadeTargets& made, FitResult& result);
+  void keep_bounds(FitReport& report);
+  void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                    FitReport& report) const;
+
+  const Clip& source_;
+  const Calibration& calibration_;
+  const std::shared_ptr<const Robot>& robot_;
+  const ResolvedConfig& config_;
+  const LimitSet& limits_;
+  FitOptions options_;
+  const FitRun& run_;
+
+  SourceSides sides_;
+  FitModel model_;
+  FitClip clip_;
+  SourceFeet feet_;
+  std::vector<Eigen::Vector3d> path_;  // by frame: what is added to the published targets
+};
+
+// the source's foot that one of the robot's goes after
+int source_foot(const FitFoot& foot) {
+  return foot.left ? 0 : 1;
+}
+
+// the sides on which the source has what foot contacts are found from
+SourceSides sides_with_feet(const HumanClipInfo& info) {
+  const auto has_foot = [&](Side side) {
+    return std::ranges::all_of(
+        std::array{LimbBone::kUpLeg, LimbBone::kLeg, LimbBone::kFoot, LimbBone::kToe},
+        [&](LimbBone part) { return info.has(side_bone(side, part)); });
+  };
+  return {has_foot(Side::kLeft), has_foot(Side::kRight)};
+}
+
+// why the robot's feet have less to hold on to than they could
+void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& report) {
+  if (robot.profile().soles.empty()) {
+    report.notes.emplace_back("the robot has no soles: no contacts, no floor height");
+  } else if (!sides.left && !sides.right) {
+    report.notes.emplace_back("the source has no feet: no contacts, no floor height");
+  } else if (!sides.left || !sides.right) {
+    report.notes.emplace_back(std::string("the source has no ") + (sides.left ? "right" : "left") +
+                              " foot: only contacts of the other");
+  }
+}
+
+// @return whether all targets are numbers that can be computed with
+bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
+  constexpr double kTooLarge = 1e50;  // metres
+  const PathScales scales = path_scales(made.targets);
+  bool usable = true;
+  HumanPose bones;
+  const std::size_t count = at(made.targets.target_count());
+  made.world_from_target.resize(at(info.frame_count) * count);
+  feet_ = SourceFeet(info);
+  clip_.frame_time = info.rate.frame_time();
+  clip_.frame_count = info.frame_count;
+  for (int frame = 0; frame < info.frame_count; ++frame) {
+    const auto world_from_target =
+        std::span(made.world_from_target).subspan(at(frame) * count, count);
+    poser.pose(frame, bones);
+    made.targets.build(bones, world_from_target);
+    feet_.add(bones);
+    // the whole robot goes as its feet go: feet that stand stay in one place
+    path_.emplace_back((scales.foot - scales.root) * bones[config_.root_bone].translation);
+    for (const FitTask& task : model_.tasks) {
+      const Pose& pose = world_from_target[at(task.target)];
+      clip_.targets.push_back({pose.translation + path_.back(),
+                               pose.rotation.normalized() * task.link_from_body.conjugate()});
+    }
+    for (const Pose& pose : world_from_target) {
+      usable = usable && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
+               pose.translation.cwiseAbs().maxCoeff() < kTooLarge;
+    }
+  }
+  return usable;
+}
+
+// where the sole of a standing foot's target lies
+double Fit::floor_height(const StandingHeights& standing, double scale) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    if (task.foot < 0) continue;
+    const int side = source_foot(model_.feet[at(task.foot)]);
+    // the target is the scaled ankle but for the configuration's offsets
+    std::vector<double> offsets;
+    offsets.reserve(at(clip_.frame_count));
+    for (int frame = 0; frame < clip_.frame_count; ++frame) {
+      offsets.push_back(clip_.targets[at(frame) * model_.tasks.size() + k].position.z() -
+                        scale * feet_.at(frame, side).ankle.z());
+    }
+    sum += scale * standing.ankle + median(std::move(offsets)) -
+           model_.feet[at(task.foot)].body_height;
+    ++count;
+  }
+  return count == 0 ? 0.0 : sum / count;
+}
+
+double sum_of(const std::vector<TermCosts>& costs, int begin, int end) {
+  double sum = 0.0;
+  for (int t = begin; t < end; ++t) {
+    sum = std::accumulate(costs[at(t)].begin(), costs[at(t)].end(), sum);
+  }
+  return sum;
+}
+
+void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
+                   const std::vector<TermCosts>& after, FitReport& report) {
+  FitStatus& all = report.status;
+  all = {0, static_cast<int>(after.size()), true, 0, 0, 0.0};
+  for (FitStatus& part : parts) {
+    part.cost_before = sum_of(before, part.begin, part.end);
+    part.cost_after = sum_of(after, part.begin, part.end);
+  }
+  all.cost_before = sum_of(before, all.begin, all.end);
+  all.cost_after = sum_of(after, all.begin, all.end);
+  for (const FitStatus& part : parts) {
+    all.converged = all.converged && part.converged;
+    all.steps = std::max(all.steps, part.steps);
+    all.failed_blocks += part.failed_blocks;
+    all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
+  }
+  const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
+  if (!all.converged) {
+    report.notes.push_back(
+        fmt::format("not converged after {}: the last was still predicted to lower the cost of "
+                    "frames {} to {} by {} %",
+                    count_text(all.steps, "step"), worst->begin, worst->end - 1,
+                    number_text(100.0 * worst->predicted_decrease, 1)));
+  }
+  report.windows = std::move(parts);
+}
+
+// The first stage and the windows behind it, side by side: each window begins when the frames that
+// it looks at have their start.
+Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
+  const FitWindows plan = plan_windows(clip_, options_);
+  const int threads = options_.threads > 0 ? options_.threads
+                                           : static_cast<int>(std::thread::hardware_concurrency());
+  StartFrames starts(model_, path_, options_.floor, clip_);
+  WindowSolver crew(model_, options_, plan, clip_, threads);
+  SolveFramesOptions options = run_.retarget;
+  options.settle = true;
+  options.frame_solved = [&](int frame, std::span<const double> qpos) {
+    starts.take(frame, qpos);
+    crew.starts_are_there(frame + 1);
+  };
+  TRY_ASSIGN(const auto first,
+             solve_frames(made, robot_, config_, first_limits(*robot_, limits_), options));
+  result.steps = first.steps;
+  crew.starts_are_there(clip_.frame_count);
+  if (!crew.finish(run_.keep_going)) return interrupted_failure();
+  keep_bounds(result.report);
+  const std::vector<TermCosts> costs = crew.costs_now();
+  report_terms(crew.costs_before(), costs, result.report);
+  report_status(crew.statuses(), crew.costs_before(), costs, result.report);
+  return {};
+}
+
+void Fit::keep_bounds(FitReport& report) {
+  constexpr double kNoChange = 1e-4;  // rad or m; less is not told
+  constexpr double kRounding = 1e-12;
+  double grid = 1.0;
+  for (int i = 0; i < options_.decimals; ++i) grid *= 0.1;
+  const double per_unit = std::round(1.0 / grid);
+  std::vector<double> before, now(at(clip_.frame_count));
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const std::size_t dof = link + KinematicTree::kBaseDofs - 1;
+    const auto address = at(model_.tree.links()[link].qpos_address);
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      now[at(t)] = clip_.frame(t, model_.configuration_size)[address];
+    }
+    before = now;
+    // bounds that hold for rounded numbers too
+    double lower = std::ceil(model_.lower[dof] * per_unit) / per_unit;
+    double upper = std::floor(model_.upper[dof] * per_unit) / per_unit;
+    if (lower > upper) lower = upper = 0.5 * (model_.lower[dof] + model_.upper[dof]);
+    double step = model_.speed_limit[dof] * clip_.frame_time;
+    if (!model_.tree.links()[link].slides) {
+      step = std::min({step, options_.max_joint_speed * clip_.frame_time, options_.max_joint_step});
+    }
+    step = std::max(step - grid - kRounding, 0.5 * step);
+    if (bound_steps(now, lower, upper, step) == 0.0) continue;
+    FitBoundReport bound{robot_->joints()[at(model_.tree.links()[link].joint)].name, 0, 0, 0.0};
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      const double change = std::abs(now[at(t)] - before[at(t)]);
+      clip_.frame(t, model_.configuration_size)[address] = now[at(t)];
+      if (change > kNoChange) ++bound.frames;
+      if (change > bound.largest) {
+        bound.largest = change;
+        bound.worst_frame = t;
+      }
+    }
+    if (bound.frames > 0) report.bounded.push_back(bound);
+  }
+}
+
+void Fit::report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
+                       FitReport& report) const {
+  constexpr std::array kNames = {"position",       "rotation",       "foot-height",
+                                 "contact",        "contact-height", "floor",
+                                 "self-collision", "smoothness",     "speed"};
+  static_assert(kNames.size() == kTermCount);
+  constexpr std::size_t kWorst = 5;
+  const int apart = static_cast<int>(std::lround(0.5 / clip_.frame_time));
+  for (std::size_t term = 0; term < kTermCount; ++term) {
+    FitTermReport entry;
+    entry.name = kNames[term];
+    std::vector<int> order;
+    for (int t = 0; t < clip_.frame_count; ++t) {
+      entry.before += before[at(t)][term] / clip_.frame_count;
+      entry.after += after[at(t)][term] / clip_.frame_count;
+      if (after[at(t)][term] > 0.0) order.push_back(t);
+    }
+    std::ranges::stable_sort(order,
+                             [&](int a, int b) { return after[at(a)][term] > after[at(b)][term]; });
+    for (const int t : order) {
+      if (entry.worst.size() == kWorst) break;
+      const bool near =
+          std::ranges::any_of(entry.worst, [&](int other) { return std::abs(other - t) < apart; });
+      if (!near) entry.worst.push_back(t);
+    }
+    report.terms.push_back(std::move(entry));
+  }
+}
+
+Result<FitResult> Fit::run() {
+  FitResult result;
+  HumanPoser poser(source_, calibration_);
+  const HumanClipInfo info = poser.info();
+  const HumanPoseSource poses = poses_of(poser);
+  TRY_ASSIGN(const TargetBuilder targets,
+             make_targets(info, poses, *robot_, config_, run_.retarget.height_scale,
+                          TrunkRule::kLines, &limits_));
+  const auto limbs = robot_limbs(*robot_, config_);
+  if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
+  BoneArray<int> target_of_bone;
+  for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
+  sides_ = sides_with_feet(info);
+  model_ = make_fit_model(*robot_, config_, limits_, target_of_bone, options_, sides_);
+  FitReport& report = result.report;
+  note_missing_feet(*robot_, sides_, report);
+  if (model_.shapes.empty()) {
+    report.notes.emplace_back("the robot has no collision shapes: no self-collision");
+  }
+  MadeTargets made{targets, info.rate, {}};
+  if (!read_source(info, poser, made)) {
+    // the first stage tells what is wrong with it
+    TRY(solve_frames(source_, calibration_, robot_, config_, first_limits(*robot_, limits_),
+                     run_.retarget));
+  }
+  result.contacts = find_contacts(feet_, contact_options(options_));
+  if (!model_.feet.empty()) {
+    const double scale = path_scales(targets).foot;
+    report.floor_found = result.contacts.standing.found;
+    report.floor_height = floor_height(result.contacts.standing, scale);
+    std::vector<int> source_feet;
+    for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
+    clip_.feet = plan_feet(feet_, result.contacts, source_feet, scale);
+  }
+  for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
+  for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;
+  report.contact_phases = static_cast<int>(clip_.feet.phases.size());
+  TRY(solve(made, result));
+  result.clip = RobotClip(robot_, info.rate, info.frame_count);
+  Eigen::Vector4d before = Eigen::Vector4d::UnitX();  // no rotation, w first
+  for (int t = 0; t < clip_.frame_count; ++t) {
+    const auto now = clip_.frame(t, model_.configuration_size);
+    Eigen::Map<Eigen::Vector4d> root(now.data() + 3);
+    align_sign(before, root);
+    before = root;
+    std::ranges::copy(now, result.clip.qpos(t).begin());
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<FitResult> fit(const Clip& clip, const Calibration& calibration,
+                      const std::shared_ptr<const Robot>& robot, const ResolvedConfig& config,
+                      const LimitSet& limits, const FitOptions& options, const FitRun& run) {
+  return located(Fit(clip, calibration, robot, config, limits, options, run).run(), clip.name());
+}
+
+}  // namespace retarget

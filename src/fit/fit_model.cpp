@@ -1,0 +1,384 @@
+#include "fit/fit_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "robot/core_points.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class ModelMaker {
+ public:
+  ModelMaker(const Robot& robot, const ResolvedConfig& config, const LimitSet& limits,
+             const BoneArray<int>& target_of_bone, const FitOptions& options,
+             const SourceSides& sides)
+      : robot_(robot),
+        config_(config),
+        limits_(limits),
+        target_of_bone_(target_of_bone),
+        options_(options),
+        sides_(sides) {}
+
+  FitModel make();
+
+ private:
+  void add_dofs();
+  void add_smoothness();
+  void add_tasks();
+  void add_feet();
+  void hold_unmapped_joints();
+  void add_shapes();
+  void add_foot_shapes();
+  void add_pairs();
+  void group_pairs();
+  [[nodiscard]] int link_of_bone(Bone bone) const;
+  [[nodiscard]] int body_above(int link) const;
+  /// The link itself or the next one above that moves.
+  [[nodiscard]] int carrier(int link) const;
+  [[nodiscard]] int parent(int link) const { return model_.tree.links()[link].parent; }
+  [[nodiscard]] const KinematicTree::Attachment& attachment(int body) const {
+    return model_.tree.attachment(body);
+  }
+
+  const Robot& robot_;
+  const ResolvedConfig& config_;
+  const LimitSet& limits_;
+  const BoneArray<int>& target_of_bone_;
+  const FitOptions& options_;
+  const SourceSides& sides_;
+  FitModel model_;
+  std::vector<int> shape_body_;  // by shape
+};
+
+FitModel ModelMaker::make() {
+  model_.configuration_size = robot_.configuration_size();
+  add_dofs();
+  add_smoothness();
+  add_tasks();
+  add_feet();
+  hold_unmapped_joints();
+  add_shapes();
+  add_foot_shapes();
+  add_pairs();
+  group_pairs();
+  return std::move(model_);
+}
+
+void ModelMaker::add_dofs() {
+  model_.tree = robot_.tree();
+  model_.lower.assign(KinematicTree::kBaseDofs, -kInfinity);
+  model_.upper.assign(KinematicTree::kBaseDofs, kInfinity);
+  model_.speed_limit.assign(KinematicTree::kBaseDofs, kInfinity);
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    const int joint = model_.tree.links()[link].joint;
+    model_.lower.push_back(limits_.lower[joint]);
+    model_.upper.push_back(limits_.upper[joint]);
+    model_.speed_limit.push_back(robot_.speed_limit(joint));
+  }
+}
+
+int ModelMaker::link_of_bone(Bone bone) const {
+  const int body = config_.body_of(bone);
+  return body < 0 ? KinematicTree::kWorld : attachment(body).link;
+}
+
+// arms are what carries one hand and not the other; wrists what comes behind the forearm
+void ModelMaker::add_smoothness() {
+  const auto& o = options_;
+  model_.smoothness.assign(model_.dof_count(), o.smoothness_leg);
+  std::fill_n(model_.smoothness.begin(), 3, o.smoothness_root_position);
+  std::fill_n(model_.smoothness.begin() + 3, 3, o.smoothness_root_rotation);
+  const int left = link_of_bone(Bone::kLeftHand), right = link_of_bone(Bone::kRightHand);
+  const auto mark = [&](int hand, int other, int forearm) {
+    bool wrist = forearm > 0 && model_.tree.carries(forearm, hand);
+    for (int link = hand; link > 0 && !model_.tree.carries(link, other); link = parent(link)) {
+      if (link == forearm) wrist = false;
+      model_.smoothness[KinematicTree::dof_of(link)] =
+          wrist ? o.smoothness_wrist : o.smoothness_arm;
+    }
+  };
+  mark(left, right, link_of_bone(Bone::kLeftForeArm));
+  mark(right, left, link_of_bone(Bone::kRightForeArm));
+}
+
+// what a retargeting configuration holds less important than usual is less important here too
+double importance(double weight, double usual) {
+  return weight > 0.0 ? std::sqrt(std::min(1.0, weight / usual)) : 0.0;
+}
+
+// how well a kind of bone is tracked
+struct Tracking {
+  double position, rotation;
+  double usual_position, usual_rotation;  // weights of the configuration that these are for
+};
+
+Tracking tracking_of(Bone bone, const TrackingWeights& w) {
+  if (bone == Bone::kHips) return {w.hips_position, w.hips_rotation, 100.0, 5.0};
+  if (bone == Bone::kSpine2) return {w.hips_position, w.torso_rotation, 10.0, 10.0};
+  const std::optional<LimbBone> part = limb_bone(bone);
+  if (part == LimbBone::kUpLeg) return {w.thigh_position, w.thigh_rotation, 10.0, 5.0};
+  if (part == LimbBone::kLeg) return {w.shank_position, w.shank_rotation, 10.0, 5.0};
+  if (part == LimbBone::kFoot || part == LimbBone::kFootMod) {
+    return {w.foot_position, w.foot_rotation, 50.0, 10.0};
+  }
+  if (part == LimbBone::kForeArm) return {w.forearm_position, w.forearm_rotation, 10.0, 5.0};
+  if (part == LimbBone::kArm) return {w.upper_arm_position, w.upper_arm_rotation, 5.0, 100.0};
+  if (part == LimbBone::kHand) return {w.hand_position, w.hand_rotation, 10.0, 5.0};
+  return {w.other_position, w.other_rotation, 10.0, 5.0};
+}
+
+void ModelMaker::add_tasks() {
+  if (!options_.tracking) return;
+  for (const ConfigTask& mapped :
+       config_.match_tables[config_.match_tables[1].used ? 1 : 0].tasks) {
+    if (!mapped.has_weight() || target_of_bone_[mapped.bone] < 0) continue;
+    const KinematicTree::Attachment& attached = attachment(mapped.body);
+    if (attached.link < 0) continue;
+    const Tracking kind = tracking_of(mapped.bone, options_.weights);
+    FitTask task;
+    task.body = robot_.bodies()[mapped.body].name;
+    task.link = attached.link;
+    task.target = target_of_bone_[mapped.bone];
+    task.position = attached.link_from_body.translation;
+    task.link_from_body = attached.link_from_body.rotation.normalized();
+    task.horizontal_weight = task.height_weight =
+        kind.position * importance(mapped.position_weight, kind.usual_position);
+    task.rotation_weight = kind.rotation * importance(mapped.rotation_weight, kind.usual_rotation);
+    model_.tasks.push_back(task);
+  }
+}
+
+Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
+  const Eigen::Vector3d sum =
+      std::accumulate(points.begin(), points.end(), Eigen::Vector3d(0.0, 0.0, 0.0));
+  return sum / static_cast<double>(points.size());
+}
+
+// the points of one end of a sole, in the body's frame
+FitFoot::End make_end(const std::vector<Eigen::Vector3d>& corners,
+                      const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& outwards,
+                      const Pose& link_from_body) {
+  FitFoot::End end;
+  end.middle = mean_of(corners);
+  double reach = 0.0;
+  for (const auto& point : all) reach = std::max(reach, outwards.dot(point - end.middle));
+  end.tip = link_from_body * (end.middle + reach * outwards);
+  end.middle = link_from_body * end.middle;
+  for (const auto& point : all) end.points.push_back(link_from_body * point);
+  return end;
+}
+
+// which end of a sole each of its points belongs to: by its label, else by where it lies
+std::vector<int> ends_of_points(const Sole& sole) {
+  std::vector<int> ends;
+  if (sole.labels.size() == sole.points.size()) {
+    for (const std::string& label : sole.labels) {
+      const bool heel = label.starts_with("heel"), toe = label.starts_with("toe");
+      ends.push_back(heel ? kHeel : toe ? kToe : -1);
+    }
+    if (std::ranges::count(ends, kHeel) > 0 && std::ranges::count(ends, kToe) > 0) return ends;
+  }
+  // the sole's longest line runs from heel to toe, and the ankle stands nearer to the heel
+  ends.assign(sole.points.size(), kHeel);
+  double longest = 0.0;
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = from;
+  for (const auto& a : sole.points) {
+    for (const auto& b : sole.points) {
+      if ((b - a).norm() <= longest) continue;
+      longest = (b - a).norm();
+      from = a.norm() <= b.norm() ? a : b;
+      to = a.norm() <= b.norm() ? b : a;
+    }
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if ((sole.points[i] - 0.5 * (from + to)).dot(to - from) > 0.0) ends[i] = kToe;
+  }
+  return ends;
+}
+
+void ModelMaker::add_feet() {
+  model_.is_foot.assign(model_.tree.links().size(), 0);
+  model_.foot_of_link.assign(model_.tree.links().size(), -1);
+  for (const Sole& sole : robot_.profile().soles) {
+    const KinematicTree::Attachment& attached = attachment(sole.body);
+    const bool followed = sole.side == "left" ? sides_.left : sides_.right;
+    if (!followed || attached.link < 0 || sole.points.size() < 2) continue;
+    const std::vector<int> ends = ends_of_points(sole);
+    std::array<std::vector<Eigen::Vector3d>, 2> all, corners;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (ends[i] < 0) continue;
+      const auto end = ends[i];
+      all[end].push_back(sole.points[i]);
+      const bool tip = i < sole.labels.size() && sole.labels[i].ends_with("_tip");
+      if (!tip) corners[end].push_back(sole.points[i]);
+    }
+    FitFoot foot;
+    if (all[kHeel].empty() || all[kToe].empty()) continue;
+    for (const std::size_t end : {kHeel, kToe}) {
+      if (corners[end].empty()) corners[end] = all[end];
+    }
+    const Eigen::Vector3d forward = (mean_of(corners[kToe]) - mean_of(corners[kHeel])).normalized();
+    const Pose& link_from_body = attached.link_from_body;
+    foot.link = attached.link;
+    foot.left = sole.side == "left";
+    foot.body = sole.body;
+    foot.ends[kHeel] = make_end(corners[kHeel], all[kHeel], -forward, link_from_body);
+    foot.ends[kToe] = make_end(corners[kToe], all[kToe], forward, link_from_body);
+    // distance of the origin from the heel-toe line is its height, for ankles stand above it
+    const Eigen::Vector3d heel = mean_of(corners[kHeel]);
+    const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
+    const Eigen::Vector3d sideways = above.cross(forward).normalized();
+    foot.sideways = link_from_body.rotation * sideways;
+    for (const std::size_t end : {kHeel, kToe}) {
+      for (const auto& corner : corners[end]) {
+        foot.ends[end].half_width = std::max(
+            foot.ends[end].half_width, std::abs(sideways.dot(corner - mean_of(corners[end]))));
+      }
+    }
+    foot.body_height = (heel - forward * forward.dot(heel)).norm();
+    for (FitTask& task : model_.tasks) {
+      if (task.link == foot.link) task.foot = static_cast<int>(model_.feet.size());
+    }
+    model_.is_foot[foot.link] = 1;
+    for (const int link : {foot.link, parent(foot.link)}) {
+      if (link >= 0) model_.foot_of_link[link] = static_cast<int>(model_.feet.size());
+    }
+    model_.feet.push_back(foot);
+  }
+}
+
+// a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
+constexpr double kMaxRounding = 0.008;
+
+// Fingers and other joints that carry neither a mapped body nor a sole stay where the robot's zero
+// configuration has them: only smoothness and collisions would move them.
+void ModelMaker::hold_unmapped_joints() {
+  std::vector<bool> moves(model_.tree.links().size(), false);
+  const auto mark = [&](int link) {
+    for (; link > 0; link = parent(link)) moves[link] = true;
+  };
+  for (const auto& [used, tasks] : config_.match_tables) {
+    for (const ConfigTask& task : tasks) {
+      if (used && task.has_weight()) mark(attachment(task.body).link);
+    }
+  }
+  for (const FitFoot& foot : model_.feet) mark(foot.link);
+  const std::vector<double> zero = robot_.zero_configuration();
+  for (std::size_t link = 1; link < model_.tree.links().size(); ++link) {
+    if (moves[link]) continue;
+    const int dof = KinematicTree::dof_of(static_cast<int>(link));
+    double &lower = model_.lower[dof], &upper = model_.upper[dof];
+    const double position = zero[model_.tree.links()[link].qpos_address];
+    lower = upper = std::max(lower, std::min(position, upper));
+  }
+}
+
+void ModelMaker::add_shapes() {
+  model_.floor_points.resize(model_.tree.links().size());
+  model_.floor_reach.assign(model_.tree.links().size(), 0.0);
+  for (const CollisionShape& shape : robot_.collision_shapes()) {
+    const KinematicTree::Attachment& attached = attachment(shape.body);
+    if (attached.link < 0) continue;
+    model_.shapes.push_back(
+        {placed(rounded(shape, kMaxRounding), attached.link_from_body), attached.link});
+    shape_body_.push_back(shape.body);
+    for (const Eigen::Vector3d& point : core_points(shape)) {
+      const Eigen::Vector3d place = attached.link_from_body * point;
+      model_.floor_points[attached.link].push_back({place, shape.radius});
+      double& reach = model_.floor_reach[attached.link];
+      reach = std::max(reach, place.norm() + shape.radius);
+    }
+  }
+}
+
+// what of a foot's shapes belongs to its heel, and what to its toe
+void ModelMaker::add_foot_shapes() {
+  for (FitFoot& foot : model_.feet) {
+    const Eigen::Vector3d forward = foot.ends[kToe].middle - foot.ends[kHeel].middle;
+    const Eigen::Vector3d middle = 0.5 * (foot.ends[kToe].middle + foot.ends[kHeel].middle);
+    for (const FloorPoint& point : model_.floor_points[foot.link]) {
+      const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToe : kHeel;
+      foot.ends[end].shape_points.push_back(point);
+    }
+  }
+}
+
+// the link that carries a link's body; a body may have several joints
+int ModelMaker::body_above(int link) const {
+  return attachment(robot_.bodies()[model_.tree.links()[link].body].parent).link;
+}
+
+int ModelMaker::carrier(int link) const {
+  const auto held = [&](int of) {
+    const int dof = KinematicTree::dof_of(of);
+    return model_.lower[dof] == model_.upper[dof];
+  };
+  while (link > 0 && held(link)) link = parent(link);
+  return link;
+}
+
+// all pairs but those of one link, of neighbours in the tree, and those whose contact is no fault
+void ModelMaker::add_pairs() {
+  std::set<std::pair<int, int>> allowed;
+  for (const auto& [a, b] : robot_.profile().allowed_self_contact) {
+    allowed.insert({a, b});
+    allowed.insert({b, a});
+  }
+  const int count = static_cast<int>(model_.shapes.size());
+  for (int a = 0; a < count; ++a) {
+    const int link_a = model_.shapes[a].link;
+    for (int b = a + 1; b < count; ++b) {
+      const int link_b = model_.shapes[b].link;
+      // what is held has no say in whether it touches
+      if (carrier(link_a) == carrier(link_b)) continue;
+      if (body_above(link_a) == link_b || body_above(link_b) == link_a) continue;
+      if (allowed.contains({shape_body_[a], shape_body_[b]})) {
+        continue;
+      }
+      model_.pairs.push_back({a, b});
+    }
+  }
+}
+
+// pairs of the same two links side by side, and a ball around each link's shapes: most links are
+// far from each other
+void ModelMaker::group_pairs() {
+  const auto links = [&](const FitPair& pair) {
+    return std::pair(model_.shapes[pair.a].link, model_.shapes[pair.b].link);
+  };
+  std::ranges::stable_sort(model_.pairs, {}, links);
+  for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
+    const auto [link_a, link_b] = links(model_.pairs[i]);
+    if (i == 0 || links(model_.pairs[i - 1]) != std::pair(link_a, link_b)) {
+      model_.pair_groups.push_back({link_a, link_b, i, i});
+    }
+    model_.pair_groups.back().end = i + 1;
+  }
+  model_.link_spheres.resize(model_.tree.links().size());
+  for (std::size_t link = 0; link < model_.tree.links().size(); ++link) {
+    Eigen::AlignedBox3d box;
+    for (const FloorPoint& point : model_.floor_points[link]) box.extend(point.position);
+    if (box.isEmpty()) continue;
+    BoundingSphere& ball = model_.link_spheres[link];
+    ball.centre = box.center();
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      ball.radius = std::max(ball.radius, (point.position - ball.centre).norm() + point.radius);
+    }
+  }
+}
+
+}  // namespace
+
+FitModel make_fit_model(const Robot& robot, const ResolvedConfig& config, const LimitSet& limits,
+                        const BoneArray<int>& target_of_bone, const FitOptions& options,
+                        const SourceSides& sides) {
+  return ModelMaker(robot, config, limits, target_of_bone, options, sides).make();
+}
+
+}  // namespace retarget

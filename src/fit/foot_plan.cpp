@@ -1,0 +1,119 @@
+#include "fit/foot_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+// height of a foot's up vector: none of its clearance counts below the first, all beyond both
+constexpr double kLyingFoot = 0.2, kUprightRange = 0.35;
+// metres that a foot's middle line rises when it leans on its edge
+constexpr double kHalfWidth = 0.03;
+
+// While all feet are in the air nothing but their clearance says how high the body flies, and of a
+// foot its lower end: the robot's foot is not as long as the source's, so that of a tucked one both
+// cannot be had. What lasts longer stands on something, what does not fall lies or sits.
+void stress_flights(const SourceFeet& source, FootPlan& plan) {
+  constexpr double kAloft = 0.02, kWholly = 0.05;  // metres
+  constexpr double kMaxFlightTime = 1.0;           // seconds
+  constexpr double kFreeFallShare = 0.25;
+  constexpr double kImportance = 5.0;
+  constexpr double kLowerEnd = 0.05;  // metres; an end so much higher than the other has no stress
+  const auto feet = static_cast<std::size_t>(plan.foot_count);
+  const int frames = source.frame_count();
+  const auto at_frame = [&](int frame) {
+    return std::span(plan.ends).subspan(2 * feet * static_cast<std::size_t>(frame), 2 * feet);
+  };
+  const auto lowest = [&](int frame) {
+    double min = HUGE_VAL;
+    for (const FootEndGoal& goal : at_frame(frame)) {
+      min = std::min(min, goal.level ? 0.0 : goal.clearance);
+    }
+    return min;
+  };
+  for (int begin = 0; begin < frames;) {
+    int end = begin;
+    while (end < frames && lowest(end) > kAloft) ++end;
+    const bool flies = begin < end && (end - begin) * source.frame_time <= kMaxFlightTime &&
+                       (source.hips.empty() ||
+                        falls_freely(std::span(source.hips).subspan(at(begin), at(end - begin)),
+                                     source.frame_time, kFreeFallShare));
+    for (int frame = begin; flies && frame < end; ++frame) {
+      const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
+      for (std::size_t foot = 0; foot < feet; ++foot) {
+        const auto ends = at_frame(frame).subspan(2 * foot, 2);
+        const double low = std::min(ends[kHeel].clearance, ends[kToe].clearance);
+        for (FootEndGoal& goal : ends) {
+          const double stress = share * std::max(0.0, 1.0 - (goal.clearance - low) / kLowerEnd);
+          goal.importance += stress * (kImportance - goal.importance);
+        }
+        double& upright = plan.upright[static_cast<std::size_t>(frame) * feet + foot];
+        upright = std::max(upright, share);
+      }
+    }
+    begin = end + 1;
+  }
+}
+
+}  // namespace
+
+std::span<const FootEndGoal> FootPlan::ends_of(int frame) const {
+  const auto feet = static_cast<std::size_t>(foot_count);
+  return {ends.data() + static_cast<std::size_t>(frame) * 2 * feet, 2 * feet};
+}
+
+std::span<const double> FootPlan::upright_of(int frame) const {
+  const auto feet = static_cast<std::size_t>(foot_count);
+  return {upright.data() + static_cast<std::size_t>(frame) * feet, feet};
+}
+
+ContactOptions contact_options(const FitOptions& options) {
+  return {.begin_speed = options.contact_speed,
+          .begin_height = options.contact_height,
+          .end_speed = options.contact_release_speed,
+          .end_height = options.contact_release_height,
+          .shortest = options.contact_time,
+          .support_time = options.support_time,
+          .support_drift = options.support_drift};
+}
+
+FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+                   std::span<const int> source_feet, double scale) {
+  FootPlan plan;
+  plan.foot_count = static_cast<int>(source_feet.size());
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    for (const int side : source_feet) {
+      const SourceFoot& foot = source.at(frame, side);
+      const double upright = std::clamp((foot.up - kLyingFoot) / kUprightRange, 0.0, 1.0);
+      plan.upright.push_back(upright);
+      for (const int end : {kHeel, kToe}) {
+        FootEndGoal goal;
+        goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end))) +
+                         kHalfWidth * scale * std::abs(foot.side);
+        goal.importance = std::sqrt(upright);
+        plan.ends.push_back(goal);
+      }
+    }
+  }
+  for (int foot = 0; foot < plan.foot_count; ++foot) {
+    for (const int end : {kHeel, kToe}) {
+      const EndContacts& of_end = contacts.ends[at(source_feet[at(foot)])][at(end)];
+      for (const ContactPhase& phase : of_end.phases) {
+        for (int frame = phase.begin; frame < phase.end; ++frame) {
+          FootEndGoal& goal = plan.ends[at(2 * (frame * plan.foot_count + foot) + end)];
+          goal.support = scale * phase.support;
+          goal.phase = static_cast<int>(plan.phases.size());
+          goal.level = of_end.level[at(frame)] != 0;
+        }
+        plan.phases.push_back({phase.begin, phase.end, foot, end});
+      }
+    }
+  }
+  if (plan.foot_count > 0) stress_flights(source, plan);
+  return plan;
+}
+
+}  // namespace retarget

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "fit/frame_terms.h"
+#include "human/contact_plan.h"
+#include "retarget/options.h"
+
+namespace retarget {
+
+/// A time in which one end of a foot stays where it is.
+struct PlantedPhase {
+  int begin = 0, end = 0;  ///< Frames [begin, end).
+  int foot = 0;            ///< Index of the robot's foot.
+  int foot_end = kHeel;
+};
+
+/// What the robot's feet should do, clip-wide.
+struct FootPlan {
+  int foot_count = 0;
+  std::vector<FootEndGoal> ends;  ///< Frame-major, two a foot.
+  std::vector<double> upright;    ///< Frame-major, one a foot.
+  std::vector<PlantedPhase> phases;
+
+  [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
+  [[nodiscard]] std::span<const double> upright_of(int frame) const;
+};
+
+/// When feet count as planted, as a fit's options have it.
+[[nodiscard]] ContactOptions contact_options(const FitOptions& options);
+
+/// What the robot's feet do for the source's contacts, and their clearances where there are none.
+/// @param source_feet  of each foot of the robot, the source's: 0 left, 1 right.
+/// @param scale        of the robot's foot paths against the source's.
+[[nodiscard]] FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
+                                 std::span<const int> source_feet, double scale);
+
+}  // namespace retarget

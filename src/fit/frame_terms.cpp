@@ -1,0 +1,271 @@
+#include "fit/frame_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/one_sided.h"
+#include "fit/shorthand.h"
+#include "math/so3.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// up to this slope a foot's middle line is as good as its edge
+constexpr double kLevelLean = 0.1;
+// metres that a foot's shapes may stick out of its sole
+constexpr double kShapeBelowSole = 0.005;
+// metres around their margins over which points begin to stand on the floor
+constexpr double kSoleBand = 0.001, kBodyBand = 0.003;
+
+ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitShape& b) {
+  const auto in_world = [&](const FitShape& shape) {
+    return placed(shape, pose.world_from_link[at(shape.link)]);
+  };
+  return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
+}
+
+}  // namespace
+
+FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
+    : model_(model),
+      options_(options),
+      composites_(model.tree.links().size()),
+      tree_hessian_(at(model.tree.row_begin().back())),
+      centres_(model.shapes.size()),
+      sphere_centres_(model.tree.links().size()),
+      row_(at(model.dof_count()), 0.0) {
+  row_dofs_.reserve(row_.size());
+}
+
+// the coordinate `axis` of a point of a link at `from_root` of the root's origin: residual r with
+// the Jacobian n.(v + w x d), where v is the linear and w the angular velocity
+void FrameTerms::add_row(int link, int axis, const Vector3d& from_root, double weight,
+                         double residual) {
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  // d x n has two entries
+  const double at_next = from_root[last], at_last = -from_root[next];
+  Composite& sum = composites_[at(link)];
+  const double w_next = weight * at_next, w_last = weight * at_last, force = weight * residual;
+  sum.linear(axis, axis) += weight;
+  sum.mixed(axis, next) += w_next;
+  sum.mixed(axis, last) += w_last;
+  sum.angular(next, next) += w_next * at_next;
+  sum.angular(last, last) += w_last * at_last;
+  sum.angular(next, last) += w_next * at_last;
+  sum.angular(last, next) += w_next * at_last;
+  sum.force[axis] += force;
+  sum.torque[next] += force * at_next;
+  sum.torque[last] += force * at_last;
+}
+
+void FrameTerms::add_targets(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  for (std::size_t k = 0; k < model_.tasks.size(); ++k) {
+    const FitTask& task = model_.tasks[k];
+    const TaskTarget& target = goals.targets[k];
+    const Pose& world = pose.world_from_link[at(task.link)];
+    if (task.horizontal_weight > 0.0 || task.height_weight > 0.0) {
+      const Vector3d point = world * task.position;
+      const Vector3d error = point - target.position, arm = point - origin;
+      // an upright foot has its height from the clearance of heel and toe
+      const double lying = task.foot >= 0 ? 1.0 - goals.upright[at(task.foot)] : 1.0;
+      const double horizontal = square(task.horizontal_weight);
+      const double vertical = square(task.height_weight) * lying;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double weight = axis < 2 ? horizontal : vertical;
+        add_row(task.link, axis, arm, weight, error[axis]);
+        costs[kTermPosition] += weight * square(error[axis]);
+      }
+    }
+    if (task.rotation_weight > 0.0) {
+      const double weight = square(task.rotation_weight);
+      const Vector3d error = log_so3(world.rotation * target.world_from_link.conjugate());
+      composites_[at(task.link)].angular.diagonal().array() += weight;
+      composites_[at(task.link)].torque += weight * error;
+      costs[kTermRotation] += weight * error.squaredNorm();
+    }
+  }
+}
+
+void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
+                              const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs) {
+  const Pose& world = pose.world_from_link[at(foot.link)];
+  const Vector3d& origin = pose.origin();
+  const Matrix3d rotation = world.rotation.toRotationMatrix();
+  const auto place = [&](const Vector3d& point) -> Vector3d {
+    return world.translation + rotation * point;
+  };
+  const Vector3d middle = place(end.middle), tip = place(end.tip);
+  // a rolling foot stands on the tip beyond its corners
+  const Vector3d& low = tip.z() < middle.z() ? tip : middle;
+  const bool pinned = options_.contact && goal.phase >= 0, level = pinned && goal.level;
+  if (pinned) {
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
+    const double weight = square(goals.anchor_hold * options_.contact_weight);
+    for (int axis = 0; axis < 2; ++axis) {
+      add_row(foot.link, axis, middle - origin, weight, error[axis]);
+    }
+    costs[kTermContactPlace] += weight * error.squaredNorm();
+  }
+  if (level) {
+    // a foot on its edge stands on its corners
+    const Vector3d sideways = rotation * foot.sideways;
+    Vector3d stands = low;
+    double error = low.z();
+    if (std::abs(sideways.z()) > kLevelLean) {
+      stands -= std::copysign(end.half_width, sideways.z()) * sideways;
+      error = stands.z() + kLevelLean * end.half_width;
+    }
+    // a shape around the sole that ends beyond it is what touches when the foot rolls
+    for (const FloorPoint& point : end.shape_points) {
+      const Vector3d touching = place(point.position);
+      const double height = touching.z() - point.radius + kShapeBelowSole;
+      if (height >= error) continue;
+      error = height;
+      stands = touching;
+    }
+    error -= goal.support;
+    const double weight = square(options_.contact_height_weight);
+    add_row(foot.link, 2, stands - origin, weight, error);
+    costs[kTermContactHeight] += weight * square(error);
+  } else if (options_.foot_height && goal.importance > 0.0) {
+    const double error = low.z() - goal.clearance;
+    const double far = std::clamp(goal.clearance / options_.foot_height_range, 0.0, 1.0);
+    const double near = options_.foot_height_near;
+    const double weight =
+        square(goal.importance * (near + far * (options_.foot_height_far - near)));
+    add_row(foot.link, 2, low - origin, weight, error);
+    costs[kTermFootHeight] += weight * square(error);
+  }
+  if (!options_.floor) return;
+  const double weight = square(options_.sole_floor_weight);
+  for (const Vector3d& point : end.points) {
+    const Vector3d touching = place(point);
+    const double depth = touching.z() - (level ? 0.0 : options_.sole_margin);
+    const OneSidedRow row = one_sided(depth, kSoleBand);
+    if (row.weight <= 0.0) continue;
+    add_row(foot.link, 2, touching - origin, weight * row.weight, row.residual);
+    costs[kTermFloor] += weight * row.cost;
+  }
+}
+
+void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    const FitFoot& foot = model_.feet[f];
+    for (const std::size_t end : {kHeel, kToe}) {
+      add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals, costs);
+    }
+  }
+}
+
+void FrameTerms::add_floor(const TreeState& pose, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  const double weight = square(options_.body_floor_weight);
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
+    // the bottom of a foot's shapes is its sole, which has its own rows
+    const double margin = model_.is_foot[link] != 0 ? -options_.sole_margin : options_.body_margin;
+    const Pose& world = pose.world_from_link[link];
+    if (model_.floor_points[link].empty() ||
+        world.translation.z() > model_.floor_reach[link] + margin + kBodyBand) {
+      continue;
+    }
+    const Matrix3d rotation = world.rotation.toRotationMatrix();
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      const double depth =
+          world.translation.z() + rotation.row(2).dot(point.position) - point.radius - margin;
+      const OneSidedRow row = one_sided(depth, kBodyBand);
+      if (row.weight <= 0.0) continue;
+      add_row(static_cast<int>(link), 2, world * point.position - origin, weight * row.weight,
+              row.residual);
+      costs[kTermFloor] += weight * row.cost;
+    }
+  }
+}
+
+void FrameTerms::find_near_pairs(const TreeState& pose, double within,
+                                 std::vector<std::uint32_t>& pairs) {
+  for (std::size_t i = 0; i < model_.shapes.size(); ++i) {
+    const FitShape& shape = model_.shapes[i];
+    centres_[i] = pose.world_from_link[at(shape.link)] * shape.centre;
+  }
+  for (std::size_t link = 0; link < composites_.size(); ++link) {
+    sphere_centres_[link] = pose.world_from_link[link] * model_.link_spheres[link].centre;
+  }
+  pairs.clear();
+  for (const FitPairGroup& group : model_.pair_groups) {
+    const double apart = model_.link_spheres[at(group.link_a)].radius +
+                         model_.link_spheres[at(group.link_b)].radius + within;
+    if ((sphere_centres_[at(group.link_a)] - sphere_centres_[at(group.link_b)]).squaredNorm() >
+        square(apart)) {
+      continue;
+    }
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+      const FitShape& a = model_.shapes[at(model_.pairs[i].a)];
+      const FitShape& b = model_.shapes[at(model_.pairs[i].b)];
+      const Vector3d between = centres_[at(model_.pairs[i].a)] - centres_[at(model_.pairs[i].b)];
+      if (between.squaredNorm() < square(a.bounding_radius + b.bounding_radius + within) &&
+          distance_of(pose, a, b).distance < within) {
+        pairs.push_back(i);
+      }
+    }
+  }
+}
+
+// a row over the two chains below their common carrier
+void FrameTerms::add_pair(const TreeState& pose, const FitPair& pair, double* gradient,
+                          double* hessian, int stride, TermCosts& costs) {
+  const FitShape &a = model_.shapes[at(pair.a)], &b = model_.shapes[at(pair.b)];
+  const ShapeDistance found = distance_of(pose, a, b);
+  const double apart = found.distance - options_.self_collision_margin;
+  const OneSidedRow row = one_sided(apart, kOverlapBand);
+  if (row.weight <= 0.0) return;
+  const double weight = square(options_.self_collision_weight) * row.weight;
+  costs[kTermSelfCollision] += square(options_.self_collision_weight) * row.cost;
+  const int foot_a = model_.foot_of_link[at(a.link)], foot_b = model_.foot_of_link[at(b.link)];
+  if (foot_a >= 0 && foot_b >= 0 && foot_a != foot_b && -apart > foot_overlap_.depth) {
+    foot_overlap_ = {-apart, foot_a, foot_b, -found.normal.head<2>()};
+  }
+  const Vector3d& origin = pose.origin();
+  // the same about both points, which lie on one line along the normal
+  const Vector3d torque = (found.on_a - origin).cross(found.normal);
+  const auto chain_a = model_.tree.carriers(KinematicTree::dof_of(a.link));
+  const auto chain_b = model_.tree.carriers(KinematicTree::dof_of(b.link));
+  const auto parting = std::ranges::mismatch(chain_a, chain_b);
+  row_dofs_.assign(parting.in1, chain_a.end());
+  for (const int i : row_dofs_) {
+    row_[at(i)] = -(found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]));
+  }
+  for (const int i : std::span(parting.in2, chain_b.end())) {
+    row_[at(i)] = found.normal.dot(pose.linear[at(i)]) + torque.dot(pose.angular[at(i)]);
+    row_dofs_.push_back(i);
+  }
+  for (const int i : row_dofs_) {
+    const double scaled = weight * row_[at(i)];
+    gradient[i] += scaled * row.residual;
+    double* const out = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    for (const int j : row_dofs_) {
+      if (j <= i) out[j] += scaled * row_[at(j)];
+    }
+  }
+}
+
+void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
+                          std::span<const std::uint32_t> pairs, double* gradient, double* hessian,
+                          int stride, TermCosts& costs) {
+  std::ranges::fill(composites_, Composite{});
+  foot_overlap_ = {};
+  add_targets(pose, goals, costs);
+  add_feet(pose, goals, costs);
+  if (options_.floor) add_floor(pose, costs);
+  retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
+  write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
+  if (!options_.self_collision) return;
+  for (const std::uint32_t pair : pairs) {
+    add_pair(pose, model_.pairs[pair], gradient, hessian, stride, costs);
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,62 @@
+#include "fit/start_frames.h"
+
+#include <algorithm>
+
+#include "fit/shorthand.h"
+
+namespace retarget {
+
+StartFrames::StartFrames(const FitModel& model, std::span<const Eigen::Vector3d> path, bool lift,
+                         FitClip& clip)
+    : model_(model), path_(path), lift_(lift), clip_(clip), pose_(model.tree) {
+  clip.qpos.resize(at(clip.frame_count) * at(model.configuration_size));
+  clip.anchors.assign(clip.feet.phases.size(), Eigen::Vector2d::Zero());
+}
+
+void StartFrames::take(int frame, std::span<const double> qpos) {
+  const auto now = clip_.frame(frame, model_.configuration_size);
+  std::ranges::copy(qpos, now.begin());
+  for (std::size_t k = 0; k < 3; ++k) now[k] += path_[at(frame)][static_cast<int>(k)];
+  if (lift_) {
+    pose_.update(now);
+    now[2] -= below_floor();
+  }
+  add_to_anchors(frame);
+}
+
+// height of the lowest point, negative, or 0
+double StartFrames::below_floor() const {
+  double lowest = 0.0;
+  for (std::size_t link = 0; link < model_.tree.links().size(); ++link) {
+    const Pose& world = pose_.world_from_link[link];
+    const Eigen::Matrix3d rotation = world.rotation.toRotationMatrix();
+    for (const FloorPoint& point : model_.floor_points[link]) {
+      const double height = world.translation.z() + rotation.row(2).dot(point.position);
+      lowest = std::min(lowest, height - point.radius);
+    }
+  }
+  for (const FitFoot& foot : model_.feet) {
+    for (const FitFoot::End& end : foot.ends) {
+      for (const auto& point : end.points) {
+        lowest = std::min(lowest, (pose_.world_from_link[at(foot.link)] * point).z());
+      }
+    }
+  }
+  return lowest;
+}
+
+void StartFrames::add_to_anchors(int frame) {
+  const auto ends = clip_.feet.ends_of(frame);
+  if (std::ranges::all_of(ends, [](const FootEndGoal& end) { return end.phase < 0; })) return;
+  pose_.update(clip_.frame(frame, model_.configuration_size));
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i].phase < 0) continue;
+    const FitFoot& foot = model_.feet[i / 2];
+    Eigen::Vector2d& anchor = clip_.anchors[at(ends[i].phase)];
+    anchor += (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
+    const PlantedPhase& phase = clip_.feet.phases[at(ends[i].phase)];
+    if (frame + 1 == phase.end) anchor /= phase.end - phase.begin;
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "fit/clip_fitter.h"
+#include "fit/fit_model.h"
+
+namespace retarget {
+
+/// Takes the start of a clip's frames, one after the other, as the first stage solves them: raises
+/// the root until nothing is below the floor, and finds the place of each contact, the mean of the
+/// planted point over its phase, with the phase's last frame.
+class StartFrames {
+ public:
+  /// @param path  by frame: what is added to the root's position.
+  StartFrames(const FitModel& model, std::span<const Eigen::Vector3d> path, bool lift,
+              FitClip& clip);
+
+  /// Writes the frame's configuration, and the places of contacts that end with it.
+  void take(int frame, std::span<const double> qpos);
+
+ private:
+  [[nodiscard]] double below_floor() const;
+  void add_to_anchors(int frame);
+
+  const FitModel& model_;
+  std::span<const Eigen::Vector3d> path_;
+  bool lift_;
+  FitClip& clip_;
+  TreeState pose_;
+};
+
+}  // namespace retarget

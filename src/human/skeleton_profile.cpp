@@ -1,0 +1,195 @@
+#include "human/skeleton_profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "base/faults.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/suggest.h"
+#include "base/text_size.h"
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::string> kKeys = {"description",     "joints",  "others",     "required",
+                                        "marks",           "parents", "directions", "height_m",
+                                        "metres_per_unit", "up",      "rest_pose"};
+
+std::string in_quotes(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+// reads the parts of a profile one by one and notes what is wrong with them
+class SkeletonProfileReader {
+ public:
+  SkeletonProfileReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+
+  SkeletonProfile read(const std::string& name) {
+    for (const auto& [key, value] : json_.items()) {
+      if (std::ranges::find(kKeys, key) == kKeys.end()) {
+        faults_.add("unknown key " + in_quotes(key) + faults_.suggestion(key, kKeys));
+      }
+    }
+    profile_.name = name;
+    profile_.description = text("description");
+    read_joints();
+    profile_.others = texts("others");
+    profile_.required = texts("required");
+    profile_.marks = texts("marks");
+    read_parents();
+    read_directions();
+    profile_.facts.height = positive("height_m");
+    profile_.facts.metres_per_unit = positive("metres_per_unit");
+    if (const Json* up = find("up")) profile_.facts.up = direction(*up, "\"up\"");
+    read_rest_pose();
+    return std::move(profile_);
+  }
+
+ private:
+  const Json* find(const std::string& key) const {
+    const auto found = json_.find(key);
+    return found == json_.end() ? nullptr : &*found;
+  }
+
+  std::string text(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr) return {};
+    if (value->is_string()) return value->get<std::string>();
+    faults_.add(in_quotes(key) + " must be a string, found " + short_text(*value));
+    return {};
+  }
+
+  // a text, or a list of texts
+  std::vector<std::string> texts(const Json& value, const std::string& what) {
+    std::vector<std::string> result;
+    const auto is_text = [](const Json& v) {
+      return v.is_string() && !v.get_ref<const std::string&>().empty();
+    };
+    if (is_text(value)) return {value.get<std::string>()};
+    if (!value.is_array() || !std::ranges::all_of(value, is_text)) {
+      faults_.add(what + " must be a string or a list of strings, found " + short_text(value));
+      return {};
+    }
+    for (const Json& entry : value) result.push_back(entry.get<std::string>());
+    return result;
+  }
+  std::vector<std::string> texts(const std::string& key) {
+    const Json* value = find(key);
+    return value == nullptr ? std::vector<std::string>() : texts(*value, in_quotes(key));
+  }
+
+  const Json& object(const std::string& key) {
+    static const Json kNone = Json::object();
+    const Json* value = find(key);
+    if (value == nullptr || value->is_object()) return value == nullptr ? kNone : *value;
+    faults_.add(in_quotes(key) + " must be an object, found " + short_text(*value));
+    return kNone;
+  }
+
+  std::optional<double> positive(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    if (value->is_number() && value->get<double>() > 0.0) return value->get<double>();
+    faults_.add(in_quotes(key) + " must be a number greater than 0, found " + short_text(*value));
+    return std::nullopt;
+  }
+
+  std::optional<Eigen::Vector3d> direction(const Json& value, const std::string& what) {
+    const auto is_number = [](const Json& v) { return v.is_number(); };
+    if (value.is_array() && value.size() == 3 && std::ranges::all_of(value, is_number)) {
+      const Eigen::Vector3d vector(value[0].get<double>(), value[1].get<double>(),
+                                   value[2].get<double>());
+      if (vector.norm() > 0.0 && std::isfinite(vector.norm())) return vector.normalized();
+    }
+    faults_.add(what + " must be a direction [x, y, z], found " + short_text(value));
+    return std::nullopt;
+  }
+
+  void read_rest_pose() {
+    // of a canonical one, LAFAN1's, all bones have their axes: nothing is to be found
+    static const std::vector<std::string> kNames = {"canonical", "zero", "first"};
+    const std::string name = text("rest_pose");
+    if (name == "zero") profile_.facts.rest = RestPose::kZero;
+    if (name == "first") profile_.facts.rest = RestPose::kFirst;
+    if (name.empty() || std::ranges::find(kNames, name) != kNames.end()) return;
+    faults_.add("\"rest_pose\" is one of " + list_names(kNames) + ", found " + in_quotes(name) +
+                did_you_mean(name, kNames));
+  }
+
+  void read_joints() {
+    if (!json_.contains("joints")) faults_.add("\"joints\" is missing");
+    for (const auto& [bone, value] : object("joints").items()) {
+      const auto& known = mapped_bone_names();
+      const auto found = std::ranges::find(known, bone);
+      if (found == known.end()) {
+        faults_.add("\"joints\": no bone " + in_quotes(bone) + faults_.suggestion(bone, known));
+      } else {
+        profile_.names[kAllBones[found - known.begin()]] =
+            texts(value, "\"joints\", " + in_quotes(bone));
+      }
+    }
+  }
+
+  void read_parents() {
+    for (const auto& [joint, parent] : object("parents").items()) {
+      if (parent.is_string()) {
+        profile_.parents.emplace_back(joint, parent.get<std::string>());
+      } else {
+        faults_.add("\"parents\", " + in_quotes(joint) + " must be a string, found " +
+                    short_text(parent));
+      }
+    }
+  }
+
+  void read_directions() {
+    for (const auto& [joint, value] : object("directions").items()) {
+      const auto vector = direction(value, "\"directions\", " + in_quotes(joint));
+      if (vector) profile_.directions.emplace_back(joint, *vector);
+    }
+  }
+
+  const Json& json_;
+  Faults& faults_;
+  SkeletonProfile profile_;
+};
+
+}  // namespace
+
+Result<SkeletonProfile> parse_skeleton_profile(std::string_view text, const std::string& name,
+                                               const std::string& file) {
+  TRY_ASSIGN(const auto json, parse_json(text, file));
+  if (!json.is_object()) return config_failure(file, "a skeleton profile must be a JSON object");
+  Faults faults;
+  SkeletonProfile profile = SkeletonProfileReader(json, faults).read(name);
+  if (!faults.empty()) return faults.failure_in(file, "the skeleton profile");
+  return profile;
+}
+
+Result<std::vector<SkeletonProfile>> load_skeleton_profiles(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == ".json") files.push_back(entry->path());
+  }
+  if (error) return config_failure(folder.string(), "cannot read the folder: " + error.message());
+  if (files.empty())
+    return config_failure(folder.string(), "the folder holds no skeleton profile (*.json)");
+  std::ranges::sort(files);
+
+  std::vector<SkeletonProfile> profiles;
+  for (const std::filesystem::path& path : files) {
+    TRY_ASSIGN(const auto text, read_file(path.string(), ErrorKind::kConfig, kMaxTextBytes));
+    TRY_ASSIGN(auto profile,
+               parse_skeleton_profile(text.view(), path.stem().string(), path.string()));
+    profiles.push_back(std::move(profile));
+  }
+  return profiles;
+}
+
+}  // namespace retarget

@@ -1,0 +1,86 @@
+#include "plan/config_files.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include "base/file.h"
+#include "base/option_name.h"
+#include "base/try.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kPublished = "published";
+constexpr const char* kDerived = "derived";
+constexpr const char* kBoneMapHint = OPTION(
+    "ik-config") " FILE takes a retargeting configuration of your own; retarget robots add makes a robot with one";
+
+// a file that cannot be looked at is none that is not there: another would be taken in its place
+Result<void> check_look(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::status_known(status)) return {};
+  return config_failure(path.string(), "cannot access the file: " + error.message());
+}
+
+// a robot of the data folder, not one of that name that somebody made
+bool is_of_folder(const fs::path& robot_folder, const fs::path& robots) {
+  const fs::path parent = robot_folder.parent_path();
+  std::error_code ignored;
+  return std::ranges::any_of(std::array{robots, robots / "unverified"}, [&](const fs::path& each) {
+    return fs::equivalent(parent.empty() ? fs::path(".") : parent, each, ignored);
+  });
+}
+
+}  // namespace
+
+bool is_config_kind(const std::string& ik_config) {
+  return ik_config == kPublished || ik_config == kDerived;
+}
+
+Result<ConfigFiles> find_configs(const std::string& ik_config, Method method,
+                                 const fs::path& robot_folder, const fs::path& data_folder,
+                                 const std::string& robot) {
+  if (!ik_config.empty() && !is_config_kind(ik_config)) return ConfigFiles{ik_config, {}};
+  const fs::path own = robot_folder / "ik.json";
+  const fs::path published = data_folder / "configs" / ("lafan1_to_" + robot + ".json");
+  for (const fs::path& path : {own, published}) {
+    TRY(check_look(path));
+  }
+  if (!ik_config.empty()) {
+    const fs::path& chosen = ik_config == kPublished ? published : own;
+    const fs::path& other = ik_config == kPublished ? own : published;
+    if (is_file(chosen)) return ConfigFiles{chosen.string(), {}};
+    return config_failure(
+        "",
+        "there is no " + ik_config + " retargeting configuration for the robot \"" + robot +
+            "\": no " + chosen.string(),
+        is_file(other) ? std::string(OPTION("ik-config") " ") +
+                             (ik_config == kPublished ? kDerived : kPublished) +
+                             " takes the existing one, " OPTION("ik-config") " FILE one of your own"
+                       : kBoneMapHint);
+  }
+  if (method == Method::kGmr && is_file(own) && is_file(published) &&
+      is_of_folder(robot_folder, data_folder / "robots")) {
+    return ConfigFiles{published.string(), own.string()};
+  }
+  for (const fs::path& path : {own, published}) {
+    if (is_file(path)) return ConfigFiles{path.string(), {}};
+  }
+  return config_failure("",
+                        "there is no retargeting configuration for the robot \"" + robot +
+                            "\": neither " + own.string() + " nor " + published.string(),
+                        kBoneMapHint);
+}
+
+std::string recorded_name(const fs::path& path, const fs::path& data_folder) {
+  const fs::path relative = path.lexically_relative(data_folder);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return below ? relative.generic_string() : path.string();
+}
+
+}  // namespace retarget

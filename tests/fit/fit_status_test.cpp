@@ -1,0 +1,118 @@
+// How the steps of a fit end: what converges is not told, what does not is.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "bvh/read_bvh.h"
+#include "fit/clip_fitter.h"
+#include "fit/fit.h"
+#include "motion/clip_range.h"
+#include "pipeline/targets.h"
+#include "support/lafan1_map.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+class FitStatusTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    robot_ = load_g1();
+    const auto config =
+        load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
+    ASSERT_TRUE(config.has_value());
+    config_ = *config;
+  }
+
+  FitReport report_of(const FitOptions& options) {
+    const auto file = load_bvh(RETARGET_SOURCE_DIR "/data/walk.bvh");
+    const Clip clip = cut(file->clip, 60, 120);
+    const Calibration calibration = lafan1_calibration(clip.skeleton());
+    const auto result = fit(clip, calibration, robot_, config_, robot_->model_limits(), options);
+    EXPECT_TRUE(result.has_value()) << describe(result.error());
+    return result->report;
+  }
+
+  std::shared_ptr<const Robot> robot_;
+  ResolvedConfig config_;
+};
+
+TEST_F(FitStatusTest, AClipThatConvergesIsNotTold) {
+  const FitReport report = report_of({});
+  EXPECT_TRUE(report.status.converged);
+  EXPECT_EQ(report.status.steps, FitOptions{}.iterations);
+  EXPECT_EQ(report.status.failed_blocks, 0);
+  EXPECT_LE(report.status.predicted_decrease, kFitTolerance);
+  EXPECT_GT(report.status.predicted_decrease, 0.0);
+  EXPECT_LT(report.status.cost_after, 0.7 * report.status.cost_before);
+  EXPECT_THAT(report.notes, Not(Contains(HasSubstr("converged"))));
+}
+
+TEST_F(FitStatusTest, OneStepIsNotEnough) {
+  FitOptions options;
+  options.iterations = 1;
+  const FitReport report = report_of(options);
+  EXPECT_FALSE(report.status.converged);
+  EXPECT_EQ(report.status.steps, 1);
+  EXPECT_GT(report.status.predicted_decrease, kFitTolerance);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("not converged after 1 step")));
+}
+
+TEST_F(FitStatusTest, WindowsAddUp) {
+  FitOptions options;
+  options.window = 0.7;
+  const FitReport report = report_of(options);
+  double before = 0.0, after = 0.0, decrease = 0.0;
+  int frames = 0;
+  for (const FitStatus& part : report.windows) {
+    EXPECT_EQ(part.converged, part.predicted_decrease <= kFitTolerance);
+    decrease = std::max(decrease, part.predicted_decrease);
+    // seams come last and begin before the windows' end
+    if (part.begin != frames) break;
+    frames = part.end;
+    before += part.cost_before;
+    after += part.cost_after;
+  }
+  EXPECT_GT(report.windows.size(), 1U);
+  EXPECT_EQ(frames, report.status.end);
+  EXPECT_NEAR(before, report.status.cost_before, 1e-9 * before);
+  EXPECT_NEAR(after, report.status.cost_after, 1e-9 * after);
+  EXPECT_LE(decrease, report.status.predicted_decrease);
+}
+
+// targets that are no numbers make no equations: frames stay as they are, and it is said
+TEST_F(FitStatusTest, BlocksThatAreNotFiniteAreCounted) {
+  const TargetBuilder targets(config_, 1.75);
+  BoneArray<int> target_of_bone;
+  for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
+  FitOptions options;
+  const FitModel model =
+      make_fit_model(*robot_, config_, robot_->model_limits(), target_of_bone, options);
+  FitClip clip;
+  clip.frame_count = 4;
+  clip.feet.foot_count = static_cast<int>(model.feet.size());
+  clip.feet.ends.resize(4 * 2 * model.feet.size());
+  clip.feet.upright.resize(4 * model.feet.size());
+  clip.targets.resize(4 * model.tasks.size());
+  clip.targets.back().position.fill(std::numeric_limits<double>::quiet_NaN());
+  for (int t = 0; t < 4; ++t) {
+    const auto qpos = robot_->zero_configuration();
+    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
+  }
+  const std::vector<double> before = clip.qpos;
+  const FitStatus status = fit_window(model, options, {0, 4}, clip, {});
+  EXPECT_FALSE(status.converged);
+  EXPECT_EQ(status.steps, 0);
+  EXPECT_EQ(status.failed_blocks, options.iterations);
+  EXPECT_EQ(clip.qpos, before);
+}
+
+}  // namespace
+}  // namespace retarget

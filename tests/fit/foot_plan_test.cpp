@@ -1,0 +1,273 @@
+// Standing heights, contact phases and clearances of feet whose paths are known in closed form.
+
+#include "fit/foot_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace retarget {
+namespace {
+
+constexpr double kAnkleHeight = 0.09, kToeHeight = 0.02;  // standing heights, metres
+
+// height and way of a foot at a time; both its ends go alike
+struct FootPlace {
+  double x = 0.0, height = 0.0;
+};
+using FootPath = std::function<FootPlace(double seconds)>;
+
+// one foot that goes along x
+SourceFeet make_feet(double seconds, double fps, const FootPath& path) {
+  SourceFeet feet;
+  feet.foot_count = 1;
+  feet.frame_time = 1.0 / fps;
+  const int frames = static_cast<int>(std::lround(seconds * fps)) + 1;
+  for (int frame = 0; frame < frames; ++frame) {
+    const FootPlace place = path(frame / fps);
+    SourceFoot foot;
+    foot.ankle = {place.x, 0.0, kAnkleHeight + place.height};
+    foot.toe = {place.x + 0.14, 0.0, kToeHeight + place.height};
+    feet.feet.push_back(foot);
+  }
+  return feet;
+}
+
+// stands for a second, goes up at 1 m/s, and down, and stands half a metre ahead
+FootPlace step(double t) {
+  const double up = std::max(0.0, 0.25 - std::abs(t - 1.25));
+  return {0.5 * std::min(1.0, std::max(0.0, 2.0 * (t - 1.0))), up};
+}
+
+FootPlan plan_of(const SourceFeet& feet, double scale = 1.0) {
+  return plan_feet(feet, find_contacts(feet, contact_options({})), std::array{0}, scale);
+}
+
+TEST(FootPlan, FindsStandingHeights) {
+  const StandingHeights found = find_standing_heights(make_feet(3.0, 30.0, step), {});
+  EXPECT_TRUE(found.found);
+  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
+  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+}
+
+TEST(FootPlan, LyingFeetAreNotStanding) {
+  SourceFeet feet = make_feet(3.0, 30.0, [](double) { return FootPlace{}; });
+  // for half of the time the foot lies flat on its back, lower than it stands
+  for (std::size_t frame = 45; frame < feet.feet.size(); ++frame) {
+    feet.feet[frame].ankle.z() = feet.feet[frame].toe.z() = -0.02;
+  }
+  const StandingHeights found = find_standing_heights(feet, {});
+  EXPECT_TRUE(found.found);
+  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
+  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+}
+
+TEST(FootPlan, ShortDipsDoNotDefineTheFloor) {
+  // stands for ten seconds, and sinks in by 18 cm behind a flip
+  const auto feet = make_feet(12.0, 30.0, [](double t) {
+    const bool sunk = t > 10.5 && t < 11.1;
+    return FootPlace{0.0, sunk ? -0.18 : t > 10.0 && t <= 10.5 ? 0.6 : 0.0};
+  });
+  const StandingHeights found = find_standing_heights(feet, {});
+  EXPECT_TRUE(found.found);
+  EXPECT_NEAR(found.ankle, kAnkleHeight, 1e-12);
+  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+}
+
+TEST(FootPlan, FloorIsTheLevelSteppedDownTo) {
+  struct Case {
+    double up, down, height;  // seconds on a box, on the floor; metres
+  };
+  for (const Case& c :
+       {Case{5.0, 2.0, 0.3}, {20.0, 1.7, 0.6}, {12.0, 1.2, 0.2}, {20.0, 0.6, 0.6}}) {
+    const auto feet = make_feet(c.up + c.down, 30.0, [&](double t) {
+      return FootPlace{0.0, t < c.up ? c.height : 0.0};
+    });
+    EXPECT_LT(find_standing_heights(feet, {}).toe, kToeHeight + 0.01) << c.up << " " << c.down;
+  }
+}
+
+TEST(FootPlan, LowestStepOfStairsIsTheFloor) {
+  // fifteen steps, none of which carries for a tenth of the time
+  const auto feet = make_feet(22.5, 30.0, [](double t) {
+    return FootPlace{0.0, 0.15 * std::floor(t / 1.5)};
+  });
+  EXPECT_NEAR(find_standing_heights(feet, {}).toe, kToeHeight, 1e-12);
+}
+
+TEST(FootPlan, GuessesTheFloorIfNoFootStands) {
+  const auto feet = make_feet(2.0, 30.0, [](double t) { return FootPlace{2.0 * t, 0.0}; });
+  const StandingHeights found = find_standing_heights(feet, {});
+  EXPECT_FALSE(found.found);
+  EXPECT_NEAR(found.toe, kToeHeight, 1e-12);
+  EXPECT_GT(found.ankle, found.toe);
+}
+
+TEST(FootPlan, FindsPhasesOfAStep) {
+  const FootPlan plan = plan_of(make_feet(3.0, 30.0, step));
+  ASSERT_EQ(plan.phases.size(), 4U);
+  for (const int end : {kHeel, kToe}) {
+    const PlantedPhase& first = plan.phases[static_cast<std::size_t>(2 * end)];
+    const PlantedPhase& second = plan.phases[static_cast<std::size_t>(2 * end + 1)];
+    EXPECT_EQ(first.foot_end, end);
+    // speeds are those over two frames: the last one at rest already has that of the next step
+    EXPECT_EQ(first.begin, 0);
+    EXPECT_EQ(first.end, 30);
+    EXPECT_EQ(second.begin, 46);
+    EXPECT_EQ(second.end, 91);
+  }
+  EXPECT_TRUE(plan.ends_of(10)[0].level);
+  EXPECT_EQ(plan.ends_of(35)[0].phase, -1);
+}
+
+TEST(FootPlan, PhasesAreIndependentOfTheFrameRate) {
+  for (const double fps : {24.0, 25.0, 60.0, 120.0, 240.0}) {
+    const FootPlan plan = plan_of(make_feet(3.0, fps, step));
+    ASSERT_EQ(plan.phases.size(), 4U) << fps;
+    EXPECT_NEAR(plan.phases[0].end / fps, 1.0, 2.0 / fps) << fps;
+    EXPECT_NEAR(plan.phases[1].begin / fps, 1.5, 2.0 / fps) << fps;
+  }
+}
+
+TEST(FootPlan, PlantedFootIsReleasedAtTheReleaseSpeed) {
+  // 0.2 m/s lies between the speed that plants and the one that releases
+  const auto later = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{t < 1.0 ? 0.0 : 0.2 * (t - 1.0), 0.0};
+  });
+  ASSERT_EQ(plan_of(later).phases.size(), 2U);
+  EXPECT_EQ(plan_of(later).phases[0].end, 91);
+  const auto sooner = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{t < 2.0 ? 0.2 * t : 0.4, 0.0};
+  });
+  ASSERT_EQ(plan_of(sooner).phases.size(), 2U);
+  EXPECT_EQ(plan_of(sooner).phases[0].begin, 60);
+}
+
+TEST(FootPlan, DropsShortContacts) {
+  // at rest for less than a tenth of a second
+  const auto feet = make_feet(3.0, 30.0, [](double t) {
+    return t < 1.0 ? FootPlace{} : FootPlace{t < 1.5 ? t - 1.0 : std::max(0.5, t - 1.1), 0.0};
+  });
+  const FootPlan plan = plan_of(feet);
+  ASSERT_EQ(plan.phases.size(), 2U);
+  EXPECT_EQ(plan.phases[0].begin, 0);
+}
+
+TEST(FootPlan, FootOnItsSideIsPlantedOnlyHorizontally) {
+  SourceFeet feet = make_feet(2.0, 30.0, [](double) { return FootPlace{}; });
+  for (std::size_t frame = 30; frame < feet.feet.size(); ++frame) {
+    feet.feet[frame].up = 0.05;
+    feet.feet[frame].side = 0.99;
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_TRUE(plan.ends_of(10)[0].level);
+  EXPECT_GE(plan.ends_of(50)[0].phase, 0);
+  EXPECT_FALSE(plan.ends_of(50)[0].level);
+  EXPECT_FALSE(plan.ends_of(50)[1].level);
+  EXPECT_EQ(plan.upright_of(10)[0], 1.0);
+  EXPECT_EQ(plan.upright_of(50)[0], 0.0);
+}
+
+TEST(FootPlan, ScalesClearanceAndWeightsFlight) {
+  const FootPlan plan = plan_of(make_feet(3.0, 30.0, step), 0.5);
+  // in the middle of the step, a quarter of a metre up
+  const FootEndGoal& middle = plan.ends_of(38)[0];
+  EXPECT_NEAR(middle.clearance, 0.5 * step(38.0 / 30.0).height, 1e-12);
+  EXPECT_DOUBLE_EQ(middle.importance, 5.0);
+  EXPECT_EQ(plan.ends_of(10)[0].importance, 1.0);
+}
+
+TEST(FootPlan, StandingOnABoxIsNotFlight) {
+  const auto feet = make_feet(4.0, 30.0, [](double t) {
+    return FootPlace{0.0, t < 2.0 ? 0.0 : 0.3};
+  });
+  EXPECT_EQ(plan_of(feet).ends_of(100)[0].importance, 1.0);
+}
+
+// stands for a second, then the foot is 0.3 m higher and half a metre ahead, and stays
+FootPlace step_up(double t) {
+  const double way = std::clamp(2.0 * (t - 1.0), 0.0, 1.0);
+  return {0.5 * way, 0.3 * way};
+}
+
+TEST(FootPlan, StillRaisedFootIsSupported) {
+  for (const double fps : {30.0, 120.0}) {
+    const FootPlan plan = plan_of(make_feet(3.0, fps, step_up), 0.5);
+    ASSERT_EQ(plan.phases.size(), 4U) << fps;
+    const int late = static_cast<int>(2.5 * fps);
+    for (const std::size_t end : {kHeel, kToe}) {
+      const PlantedPhase& raised = plan.phases[2 * end + 1];
+      EXPECT_NEAR(raised.begin / fps, 1.5, 2.0 / fps);
+      EXPECT_EQ(raised.end, static_cast<int>(3.0 * fps) + 1);
+      const FootEndGoal& goal = plan.ends_of(late)[end];
+      EXPECT_TRUE(goal.level);
+      EXPECT_NEAR(goal.support, 0.5 * 0.3, 1e-12);
+      EXPECT_EQ(plan.ends_of(10)[end].support, 0.0);
+    }
+  }
+}
+
+TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {
+  SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  for (SourceFoot& foot : feet.feet) {
+    if (foot.ankle.z() > kAnkleHeight + 0.2) foot.toe.z() += 0.02;
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_NEAR(plan.ends_of(75)[kHeel].support, 0.31, 1e-12);
+  EXPECT_EQ(plan.ends_of(75)[kHeel].support, plan.ends_of(75)[kToe].support);
+}
+
+TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
+  SourceFeet feet = make_feet(3.0, 30.0, step_up);
+  for (std::size_t frame = 75; frame < feet.feet.size(); ++frame) {
+    feet.feet[frame].ankle.z() += 0.5 * (static_cast<double>(frame) / 30.0 - 2.5);
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_EQ(plan.ends_of(85)[kHeel].phase, -1);
+  EXPECT_GE(plan.ends_of(85)[kToe].phase, 0);
+  EXPECT_NEAR(plan.ends_of(85)[kToe].support, 0.3, 1e-12);
+}
+
+TEST(FootPlan, FeetInTheAirAreNotPlanted) {
+  // a foot that lingers at the height of a slow kick, and one that is held there but sways
+  const auto kick = make_feet(3.0, 30.0, [](double t) {
+    return FootPlace{0.0, t < 1.0 ? 0.0 : 0.4 * std::max(0.0, 1.0 - std::abs(t - 2.0))};
+  });
+  const auto sways = make_feet(3.0, 30.0, [](double t) {
+    const double up = std::clamp(t - 1.0, 0.0, 0.5);
+    return FootPlace{0.05 * std::sin(2.5 * (t - 1.0)) * up / 0.5, up};
+  });
+  for (const SourceFeet& feet : {kick, sways}) {
+    const FootPlan plan = plan_of(feet);
+    for (int frame = 40; frame < 88; ++frame) EXPECT_EQ(plan.ends_of(frame)[kHeel].support, 0.0);
+  }
+}
+
+TEST(FootPlan, FlightRequiresFreeFall) {
+  // feet go up and down while the hips stay where they are, or rise by g T^2 / 8
+  SourceFeet feet = make_feet(3.0, 30.0, step);
+  feet.hips.assign(feet.feet.size(), 0.2);
+  EXPECT_EQ(plan_of(feet).ends_of(38)[kToe].importance, 1.0);
+  for (std::size_t frame = 30; frame < 46; ++frame) {
+    const double t = static_cast<double>(frame) / 30.0 - 1.25;
+    feet.hips[frame] += 0.5 * 9.81 * (0.0625 - t * t);
+  }
+  EXPECT_NEAR(plan_of(feet).ends_of(38)[kToe].importance, 5.0, 1e-9);
+}
+
+TEST(FootPlan, TuckedFootInFlightUsesItsLowerEnd) {
+  // a step into the air with the foot pointing down: the ankle a foot's length over the toe
+  SourceFeet feet = make_feet(3.0, 30.0, step);
+  for (std::size_t frame = 34; frame < 42; ++frame) {
+    feet.feet[frame].ankle.z() += 0.12;
+    feet.feet[frame].up = 0.05;
+  }
+  const FootPlan plan = plan_of(feet);
+  EXPECT_DOUBLE_EQ(plan.ends_of(38)[kToe].importance, 5.0);
+  EXPECT_NEAR(plan.ends_of(38)[kHeel].importance, 0.0, 1e-12);
+  EXPECT_EQ(plan.upright_of(38)[0], 1.0);
+}
+
+}  // namespace
+}  // namespace retarget

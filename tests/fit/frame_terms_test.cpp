@@ -1,0 +1,357 @@
+// Gradients and Hessians of the terms of one frame, and of the steps between frames, against
+// finite differences of their costs, on the G1 in random configurations.
+
+#include "fit/frame_terms.h"
+#include "options/fit_options.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "fit/clip_fitter.h"
+#include "fit/joint_speeds.h"
+#include "math/so3.h"
+#include "pipeline/targets.h"
+#include "retarget/human.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// a configuration moved by a small change of its degrees of freedom
+std::vector<double> moved(const FitModel& model, std::vector<double> qpos,
+                          const std::vector<double>& step) {
+  for (std::size_t k = 0; k < 3; ++k) qpos[k] += step[k];
+  const Eigen::Quaterniond q = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) *
+                               exp_so3(Vector3d(step[3], step[4], step[5]));
+  qpos[3] = q.w();
+  qpos[4] = q.x();
+  qpos[5] = q.y();
+  qpos[6] = q.z();
+  for (std::size_t link = 1; link < model.tree.links().size(); ++link) {
+    qpos[static_cast<std::size_t>(model.tree.links()[link].qpos_address)] += step[5 + link];
+  }
+  return qpos;
+}
+
+class FrameTermsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    robot_ = load_g1();
+    const auto config =
+        load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
+    ASSERT_TRUE(config.has_value());
+    config_ = *config;
+    const TargetBuilder targets(config_, 1.75);
+    for (const Bone bone : kAllBones) {
+      target_of_bone_[bone] = targets.target_of(bone);
+    }
+    use(FitOptions{});
+  }
+
+  void use(const FitOptions& options) {
+    options_ = options;
+    model_ = make_fit_model(*robot_, config_, robot_->model_limits(), target_of_bone_, options_);
+    dofs_ = static_cast<std::size_t>(model_.dof_count());
+  }
+
+  std::vector<double> random_configuration(double spread, double height) {
+    std::vector<double> qpos = robot_->zero_configuration();
+    std::normal_distribution<double> normal;
+    std::vector<double> step(dofs_);
+    for (double& x : step) x = spread * normal(random_);
+    qpos = moved(model_, qpos, step);
+    qpos[2] = height;
+    return qpos;
+  }
+
+  // goals at the places of a configuration, then away from them
+  void set_goals(const std::vector<double>& qpos, double away) {
+    TreeState pose(model_.tree);
+    pose.update(qpos);
+    std::normal_distribution<double> normal;
+    const auto noise = [&] {
+      return Vector3d(away * Vector3d(normal(random_), normal(random_), normal(random_)));
+    };
+    targets_.clear();
+    for (const FitTask& task : model_.tasks) {
+      const Pose& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
+      targets_.push_back({world * task.position + noise(), world.rotation * exp_so3(noise())});
+    }
+    ends_.assign(4, FootEndGoal{});
+    anchors_.assign(2, Eigen::Vector2d::Zero());
+    ends_[0] = {0.0, 1.0, 0, true, 0.1};
+    ends_[1] = {0.0, 1.0, 1, false, 0.0};
+    ends_[2] = {0.05, 0.7, -1, false, 0.0};
+    ends_[3] = {0.02, 2.0, -1, false, 0.0};
+    for (const std::size_t end : {0, 1}) {
+      const FitFoot& foot = model_.feet[0];
+      anchors_[end] =
+          (pose.world_from_link[static_cast<std::size_t>(foot.link)] * foot.ends[end].middle)
+              .head<2>() +
+          noise().head<2>();
+    }
+    upright_ = {0.6, 0.3};
+  }
+
+  double assemble(const std::vector<double>& qpos) {
+    FrameTerms terms(model_, options_);
+    TreeState pose(model_.tree);
+    pose.update(qpos);
+    std::vector<std::uint32_t> pairs;
+    terms.find_near_pairs(pose, 0.02, pairs);
+    gradient_.assign(dofs_, 0.0);
+    hessian_.assign(dofs_ * dofs_, 1e30);
+    costs_ = {};
+    terms.assemble(pose, {targets_, ends_, upright_, anchors_}, pairs, gradient_.data(),
+                   hessian_.data(), static_cast<int>(dofs_), costs_);
+    return std::accumulate(costs_.begin(), costs_.end(), 0.0);
+  }
+
+  // largest difference of the gradient from that of the cost, relative to the largest entry
+  double gradient_error(const std::vector<double>& qpos) {
+    assemble(qpos);
+    const std::vector<double> gradient = gradient_;
+    constexpr double kStep = 1e-6;
+    double largest = 0.0, error = 0.0;
+    for (std::size_t i = 0; i < dofs_; ++i) {
+      std::vector<double> step(dofs_, 0.0);
+      step[i] = kStep;
+      const double above = assemble(moved(model_, qpos, step));
+      step[i] = -kStep;
+      const double below = assemble(moved(model_, qpos, step));
+      // the cost is the sum of squares, the gradient that of half of it
+      error = std::max(error, std::abs(0.25 * (above - below) / kStep - gradient[i]));
+      largest = std::max(largest, std::abs(gradient[i]));
+    }
+    return error / largest;
+  }
+
+  std::mt19937 random_{7};
+  std::shared_ptr<const Robot> robot_;
+  ResolvedConfig config_;
+  BoneArray<int> target_of_bone_;
+  FitOptions options_;
+  FitModel model_;
+  std::size_t dofs_ = 0;
+  std::vector<TaskTarget> targets_;
+  std::vector<FootEndGoal> ends_;
+  std::vector<double> upright_;
+  std::vector<Eigen::Vector2d> anchors_;
+  std::vector<double> gradient_, hessian_;
+  TermCosts costs_{};
+};
+
+TEST_F(FrameTermsTest, GradientMatchesTheCost) {
+  FitOptions options;
+  options.self_collision = false;
+  use(options);
+  std::set<int> seen;
+  for (int round = 0; round < 12; ++round) {
+    const auto qpos = random_configuration(0.4, round % 3 == 0 ? 0.2 : 0.75);
+    set_goals(qpos, 0.05);
+    EXPECT_LT(gradient_error(qpos), 1e-5) << round;
+    for (int term = 0; term < kTermSelfCollision; ++term) {
+      if (costs_[static_cast<std::size_t>(term)] > 0.0) seen.insert(term);
+    }
+  }
+  // all terms have had their turn
+  EXPECT_EQ(seen.size(), static_cast<std::size_t>(kTermSelfCollision));
+}
+
+TEST_F(FrameTermsTest, OverlapGradientMatchesTheCost) {
+  FitOptions options;
+  options.tracking = options.floor = options.contact = options.foot_height = false;
+  use(options);
+  int overlaps = 0;
+  for (int round = 0; round < 12; ++round) {
+    const auto qpos = random_configuration(0.35, 0.75);
+    set_goals(qpos, 0.05);
+    if (assemble(qpos) == 0.0) continue;
+    ++overlaps;
+    // nearest points of boxes are found by iteration
+    EXPECT_LT(gradient_error(qpos), 1e-2) << round;
+  }
+  EXPECT_GT(overlaps, 3);
+}
+
+TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
+  FitOptions options;
+  options.floor = options.self_collision = options.foot_height = false;
+  options.contact = true;
+  use(options);
+  const auto qpos = random_configuration(0.3, 1.5);
+  set_goals(qpos, 0.0);
+  // no height: it has no zero in this configuration
+  ends_[0].level = false;
+  assemble(qpos);
+  const std::vector<double> hessian = hessian_;
+  constexpr double kStep = 1e-6;
+  for (std::size_t j = 0; j < dofs_; ++j) {
+    std::vector<double> step(dofs_, 0.0);
+    step[j] = kStep;
+    assemble(moved(model_, qpos, step));
+    for (std::size_t i = j; i < dofs_; ++i) {
+      EXPECT_NEAR(gradient_[i] / kStep, hessian[i * dofs_ + j], 2.0) << i << " " << j;
+    }
+  }
+}
+
+TEST_F(FrameTermsTest, TermsCanBeDisabled) {
+  const auto qpos = random_configuration(0.5, 0.2);
+  FitOptions options;
+  ASSERT_TRUE(leave_out_terms(options, std::vector<std::string>{"tracking", "floor", "contact",
+                                                                "self-collision", "foot-height"}));
+  use(options);
+  set_goals(qpos, 0.05);
+  EXPECT_EQ(assemble(qpos), 0.0);
+}
+
+TEST_F(FrameTermsTest, PosesMatchTheRobot) {
+  for (int round = 0; round < 5; ++round) {
+    const auto qpos = random_configuration(0.8, 1.0);
+    TreeState pose(model_.tree);
+    pose.update(qpos);
+    std::vector<Pose> bodies(robot_->bodies().size());
+    forward_kinematics(*robot_, qpos, bodies);
+    for (const FitTask& task : model_.tasks) {
+      const Pose& world = pose.world_from_link[static_cast<std::size_t>(task.link)];
+      const Pose& body = bodies[static_cast<std::size_t>(robot_->find_body(task.body).value())];
+      EXPECT_LT((world * task.position - body.translation).norm(), 1e-12);
+      EXPECT_LT(log_so3(world.rotation * task.link_from_body * body.rotation.conjugate()).norm(),
+                1e-12);
+    }
+  }
+}
+
+TEST_F(FrameTermsTest, StepGradientMatchesTheCost) {
+  FitClip clip;
+  clip.frame_count = 6;
+  clip.frame_time = 1.0 / 60.0;
+  for (int frame = 0; frame < clip.frame_count; ++frame) {
+    const auto qpos = random_configuration(0.2, 0.8);
+    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
+  }
+  // the smoothed steps count as constant: of the whole cost, minimised over them, the gradient is
+  // the same
+  const auto cost = [&] {
+    JointSpeeds speeds(model_, options_, clip.frame_time);
+    speeds.update(model_, clip, 0, clip.frame_count);
+    return speeds;
+  };
+  const JointSpeeds speeds = cost();
+  std::vector<StepTerm> terms(dofs_);
+  constexpr int kFrame = 2;
+  const std::size_t joint = 20;
+  speeds.terms(kFrame - 1, terms);
+  double gradient = terms[joint].force;
+  speeds.terms(kFrame, terms);
+  gradient -= terms[joint].force;
+  // by hand: the joint's steps, smoothed by a dense solve of the same least squares
+  const auto address = static_cast<std::size_t>(model_.tree.links()[joint - 5].qpos_address);
+  const auto total = [&](double change) {
+    Eigen::VectorXd v(clip.frame_count - 1);
+    for (int t = 0; t + 1 < clip.frame_count; ++t) {
+      const auto value = [&](int frame) {
+        return clip.frame(frame, model_.configuration_size)[address] +
+               (frame == kFrame ? change : 0.0);
+      };
+      v[t] = value(t + 1) - value(t);
+    }
+    const auto count = v.size();
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
+    for (Eigen::Index i = 0; i + 1 < count; ++i) {
+      d(i, i) = -1.0;
+      d(i, i + 1) = 1.0;
+    }
+    const double lambda =
+        options_.smoothing_time * options_.smoothing_time / (clip.frame_time * clip.frame_time);
+    const Eigen::MatrixXd system =
+        Eigen::MatrixXd::Identity(count, count) + lambda * d.transpose() * d;
+    const Eigen::VectorXd s = system.inverse() * v;
+    const double weight = model_.smoothness[joint] / clip.frame_time;
+    double sum = weight * weight * ((v - s).squaredNorm() + lambda * (d * s).squaredNorm());
+    for (const double step : v) {
+      const double soft = options_.soft_joint_speed * clip.frame_time;
+      const double excess = std::max(0.0, std::abs(step) - soft);
+      sum += options_.speed_weight * options_.speed_weight * excess * excess /
+             (clip.frame_time * clip.frame_time);
+    }
+    return sum;
+  };
+  constexpr double kStep = 1e-6;
+  EXPECT_NEAR(0.25 * (total(kStep) - total(-kStep)) / kStep, gradient,
+              1e-4 * std::abs(gradient) + 1e-3);
+}
+
+TEST_F(FrameTermsTest, StepHessianMajorisesTheCost) {
+  FitClip clip;
+  clip.frame_count = 9;
+  for (int frame = 0; frame < clip.frame_count; ++frame) {
+    const auto qpos = random_configuration(0.2, 0.8);
+    clip.qpos.insert(clip.qpos.end(), qpos.begin(), qpos.end());
+  }
+  for (const double fps : {24.0, 30.0, 120.0}) {
+    FitOptions options;
+    options.speed = false;
+    use(options);
+    clip.frame_time = 1.0 / fps;
+    JointSpeeds speeds(model_, options_, clip.frame_time);
+    speeds.update(model_, clip, 0, clip.frame_count);
+    std::vector<StepTerm> terms(dofs_);
+    speeds.terms(3, terms);
+    // what is left of the cost of a joint's steps after the smoothed ones have followed them
+    const Eigen::Index count = clip.frame_count - 1;
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(count - 1, count);
+    for (Eigen::Index i = 0; i + 1 < count; ++i) {
+      d(i, i) = -1.0;
+      d(i, i + 1) = 1.0;
+    }
+    const double lambda = options_.smoothing_time * options_.smoothing_time * fps * fps;
+    const Eigen::MatrixXd l = lambda * d.transpose() * d;
+    const double weight = model_.smoothness[20] * fps;
+    const Eigen::MatrixXd curvature =
+        weight * weight * l * (Eigen::MatrixXd::Identity(count, count) + l).inverse();
+    const double largest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues().maxCoeff();
+    EXPECT_GE(terms[20].weight, largest) << fps;
+    // and not by much: nothing is gained by steps that are too short
+    EXPECT_LT(terms[20].weight, 1.1 * largest) << fps;
+  }
+}
+
+TEST_F(FrameTermsTest, FindsAllNearPairs) {
+  constexpr double kWithin = 0.03;
+  std::size_t max = 0;
+  for (int round = 0; round < 5; ++round) {
+    TreeState pose(model_.tree);
+    pose.update(random_configuration(0.4, 0.8));
+    FrameTerms terms(model_, options_);
+    std::vector<std::uint32_t> found, expected;
+    terms.find_near_pairs(pose, kWithin, found);
+    for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
+      const FitShape& a = model_.shapes[static_cast<std::size_t>(model_.pairs[i].a)];
+      const FitShape& b = model_.shapes[static_cast<std::size_t>(model_.pairs[i].b)];
+      const auto in_world = [&](const FitShape& shape) {
+        return placed(shape, pose.world_from_link[static_cast<std::size_t>(shape.link)]);
+      };
+      const double distance =
+          shape_distance(in_world(a), in_world(b), NearestPoints::kEven).distance;
+      if (distance < kWithin) expected.push_back(i);
+    }
+    EXPECT_EQ(found, expected);
+    max = std::max(max, found.size());
+  }
+  EXPECT_GT(max, 0U);
+}
+
+}  // namespace
+}  // namespace retarget
