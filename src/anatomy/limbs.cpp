@@ -191,7 +191,8 @@ void LimbFinder::find_facing() {
   found_.facing_is_sure = std::abs(votes) > 1.0;
   if (sign * names < 0.0) {
     found_.notes.emplace_back(
-        "the limbs on the robot's left side are named right: its facing is taken from knees and feet");
+        "the limbs on the robot's left side are named right: its facing is taken from knees and "
+        "feet");
   }
   if (!found_.facing_is_sure) {
     found_.notes.emplace_back("knees, feet and names hardly show where the robot faces");
@@ -294,7 +295,8 @@ void LimbFinder::note_limbs() {
   }
   if (found_.arms[0].lower_is_estimated || found_.arms[1].lower_is_estimated) {
     found_.notes.emplace_back(
-        "nothing marks where the forearms end: their direction and length are estimated from their masses");
+        "nothing marks where the forearms end: their direction and length are estimated from their "
+        "masses");
   }
   if (!found_.legs[0].end) {
     found_.notes.emplace_back("the legs end at the knee's body: there is no ankle joint");

@@ -47,8 +47,9 @@ Result<ZipArchive> ZipArchive::open(std::string_view bytes) {
   if (opened == nullptr) {
     zip_source_free(source);
     if (zip_error_code_zip(&error) != ZIP_ER_NOZIP) return damaged_archive(error);
-    return format_failure("no ZIP directory at its end",
-                          "the file was cut off, or it is not an NPZ file (as written by numpy.savez)");
+    return format_failure(
+        "no ZIP directory at its end",
+        "the file was cut off, or it is not an NPZ file (as written by numpy.savez)");
   }
   std::uint64_t unclaimed = bytes.size();
   const zip_int64_t count = zip_get_num_entries(opened, 0);

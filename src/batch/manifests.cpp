@@ -122,9 +122,8 @@ Result<BatchManifests> open_manifests(const std::string& folder, const Shard& sh
     if (shard.count == 1) there = manifests_beside(folder, {});
     for (const std::string& path : there) {
       if (!fs::exists(path, ignored)) continue;
-      return usage_failure(
-          path + " exists: the folder already holds a batch",
-          OPTION("resume") " continues it, " OPTION("redo") " starts over");
+      return usage_failure(path + " exists: the folder already holds a batch",
+                           OPTION("resume") " continues it, " OPTION("redo") " starts over");
     }
     return manifests;
   }

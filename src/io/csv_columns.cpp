@@ -173,11 +173,11 @@ Result<void> check_joints(const CsvColumns& columns, const Robot& robot, const s
       if (missing_of(variant.name).empty()) return {};
     }
   }
-  return input_failure(file,
-                       "the header names " + std::to_string(named.size()) +
-                           " joints, but these of the robot " + robot.name() +
-                           " are missing: " + list_names(missing),
-                       "a file may omit the joints that a variant of the robot omits (retarget robots show)");
+  return input_failure(
+      file,
+      "the header names " + std::to_string(named.size()) + " joints, but these of the robot " +
+          robot.name() + " are missing: " + list_names(missing),
+      "a file may omit the joints that a variant of the robot omits (retarget robots show)");
 }
 
 Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const Robot& robot,
@@ -204,7 +204,8 @@ Result<CsvColumns> columns_by_name(const std::vector<std::string>& header, const
   columns.quaternion_named = complete(columns.quaternion);
   if (!complete(columns.position) || complete(columns.euler) == columns.quaternion_named) {
     return input_failure(file,
-                         "the header names joints, but not the three columns of the root's position and the four of its quaternion",
+                         "the header names joints, but not the three columns of the root's "
+                         "position and the four of its quaternion",
                          "use names such as root_x, root_qx");
   }
   TRY(check_joints(columns, robot, file, options));

@@ -62,7 +62,8 @@ Result<FrameRange> frame_range_from_text(std::string_view text, int frame_count)
   if (!begin || !end) return bad_range(text);
   const std::string quoted = "the frame range \"" + std::string(text) + "\"";
   if (*begin >= frame_count) {
-    return usage_failure(quoted + " begins after the end of the clip, which has " + extent_text(frame_count));
+    return usage_failure(quoted + " begins after the end of the clip, which has " +
+                         extent_text(frame_count));
   }
   if (*begin >= *end) {
     return usage_failure(quoted + " holds no frames",
@@ -86,8 +87,8 @@ Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::op
     const std::string extent = frame_count == 0
                                    ? "has no frames"
                                    : "ends at " + seconds_text(rate.time_of(frame_count - 1));
-    return usage_failure("the start at " + seconds_text(*start) + " is after the end of the clip, which " +
-                         extent);
+    return usage_failure("the start at " + seconds_text(*start) +
+                         " is after the end of the clip, which " + extent);
   }
   if (start && last < first) {
     return usage_failure("no frame lies between " + seconds_text(*start) + " and " +

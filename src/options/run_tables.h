@@ -7,7 +7,8 @@ namespace retarget {
 
 /// Groups of options in help and docs.
 inline constexpr const char* kInputGroup = "Input";
-inline constexpr const char* kHumanGroup = "Human (detected and printed; these options override it)";
+inline constexpr const char* kHumanGroup =
+    "Human (detected and printed; these options override it)";
 inline constexpr const char* kRobotGroup = "Robot and method";
 inline constexpr const char* kTimeGroup = "Time";
 inline constexpr const char* kOutputGroup = "Output";

@@ -77,7 +77,8 @@ std::string t_pose_section(const RobotFindings& findings) {
                     degrees_text(residual.direction), degrees_text(residual.twist));
   }
   text +=
-      "\nRotation offsets are those of an exact T-pose: where a limit keeps a limb from it, the offset is still right.\n";
+      "\nRotation offsets are those of an exact T-pose: where a limit keeps a limb from it, the "
+      "offset is still right.\n";
   return text;
 }
 
@@ -157,7 +158,8 @@ std::vector<std::string> summary_of(const RobotFindings& findings) {
 
 std::string decisions_text(const RobotFindings& findings, const std::vector<std::string>& notes) {
   std::string text = fmt::format(
-      "# {}\n\nMade from {}: {} joints. What was decided, and how sure it is.\n\n## Worth checking\n\n",
+      "# {}\n\nMade from {}: {} joints. What was decided, and how sure it is.\n\n## Worth "
+      "checking\n\n",
       findings.robot.name(), findings.source, findings.robot.joints().size());
   if (notes.empty()) text += "Nothing stands out.\n";
   for (const std::string& note : notes) text += "* " + note + "\n";

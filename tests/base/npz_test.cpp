@@ -308,8 +308,9 @@ TEST(Npz, FalseSizesAllocateNothing) {
   for (const bool compress : {false, true}) {
     style.compress = compress;
     const auto found = read_array(NpzBuilder().add("a", array, style).build(), "a", options);
-    EXPECT_THAT(error_of(found), HasSubstr(compress ? "it is truncated: expected 1099511627776 bytes"
-                                                    : "it is not compressed, but has"));
+    EXPECT_THAT(error_of(found),
+                HasSubstr(compress ? "it is truncated: expected 1099511627776 bytes"
+                                   : "it is not compressed, but has"));
   }
 }
 
@@ -341,8 +342,9 @@ TEST(Npz, MemoryLimitCountsDoubles) {
   Style style;
   style.compress = true;
   const std::string packed = NpzBuilder().add("a", array, style).build();
-  EXPECT_THAT(error_of(read_array(packed, "a", {})),
-              HasSubstr("its 3145728 numbers need 25165824 bytes of memory, but the file has only"));
+  EXPECT_THAT(
+      error_of(read_array(packed, "a", {})),
+      HasSubstr("its 3145728 numbers need 25165824 bytes of memory, but the file has only"));
   EXPECT_TRUE(read_array(NpzBuilder().add("a", array).build(), "a", {}).has_value());
   NpzReadOptions options;
   options.max_number_bytes = (std::size_t{24} << 20) - 1;

@@ -131,7 +131,8 @@ TEST_F(FindInputsTest, SkipsExcludedFilesAndTheOutputFolder) {
   search.output_folder = at("in/out");
   const auto found = find_inputs(search);
   EXPECT_THAT(relatives(found), ElementsAre("a/walk.npz"));
-  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("it is the output folder"), HasSubstr("left out 2")));
+  EXPECT_THAT(found->notes,
+              ElementsAre(HasSubstr("it is the output folder"), HasSubstr("left out 2")));
 }
 
 TEST_F(FindInputsTest, UnreadableFoldersCountAsFailedClips) {

@@ -278,7 +278,8 @@ TEST(ReadBvh, NeverShiftsColumns) {
   // one value too many and one too few: the sum is right
   EXPECT_THAT(error_of(motion("4", row(0) + "1 2 3 10 20 30 40 50 60 70\n" +
                                        "2 3 10 20 30 40 50 60\n" + row(3))),
-              HasSubstr(":20:1: error: expected rows of 9 values, one per channel of HIERARCHY, found 10 on this line"));
+              HasSubstr(":20:1: error: expected rows of 9 values, one per channel of HIERARCHY, "
+                        "found 10 on this line"));
   EXPECT_THAT(error_of(motion("4", row(0) + "1 2 3 10 20 30 40 50\n" +
                                        "2 2 3 10 20 30 40 50 60 70\n" + row(3))),
               HasSubstr(":20:1: error: expected rows of 9 values"));
@@ -316,16 +317,18 @@ TEST(ReadBvh, WarnsOncePerKindInOrder) {
       "End Site\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\n}\n}\n"
       "MOTION\n# three\nFrames: 1\nFrame Time: 1\n# four\n1 0 # five\n1 90\n\nFOOT 1 2\n");
   ASSERT_TRUE(file.has_value()) << describe(file.error());
-  EXPECT_EQ(warnings_of(*file),
-            "test.bvh:2:1: warning: comment lines skipped\n"
-            "test.bvh:5:14: warning: 2 OFFSETs with more than three numbers: the first three are used\n"
-            "test.bvh:7:12: warning: 1 scale channel ignored\n"
-            "test.bvh:8:7: warning: 1 joint without CHANNELS: read as CHANNELS 0\n"
-            "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their place in the file tells them apart\n"
-            "test.bvh:19:1: warning: 1 End Site with CHANNELS: ignored\n"
-            "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
-            "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and what "
-            "follows\n");
+  EXPECT_EQ(
+      warnings_of(*file),
+      "test.bvh:2:1: warning: comment lines skipped\n"
+      "test.bvh:5:14: warning: 2 OFFSETs with more than three numbers: the first three are used\n"
+      "test.bvh:7:12: warning: 1 scale channel ignored\n"
+      "test.bvh:8:7: warning: 1 joint without CHANNELS: read as CHANNELS 0\n"
+      "test.bvh:12:7: warning: several joints have the same name: \"b\"; only their place in the "
+      "file tells them apart\n"
+      "test.bvh:19:1: warning: 1 End Site with CHANNELS: ignored\n"
+      "test.bvh:25:9: warning: Frames declares 1, the file has 2 rows: all are read\n"
+      "test.bvh:31:1: warning: text after the last frame ignored: \"FOOT\" and what "
+      "follows\n");
   EXPECT_EQ(file->clip.frame_count(), 2);
 }
 
@@ -447,8 +450,10 @@ TEST(ReadBvh, LenientSkipsDamagedLines) {
     EXPECT_EQ(file->dropped_rows, 1);
     ASSERT_EQ(file->warnings.size(), 1U);
     EXPECT_EQ(file->warnings[0].line, 21U);
-    EXPECT_THAT(file->warnings[0].message,
-                HasSubstr(": kept 4 of 5 declared rows; dropped 1 damaged line, later frames come earlier"));
+    EXPECT_THAT(
+        file->warnings[0].message,
+        HasSubstr(
+            ": kept 4 of 5 declared rows; dropped 1 damaged line, later frames come earlier"));
   }
 }
 

@@ -62,8 +62,7 @@ TEST(RecogniseRefuses, NonHumanBodiesWithHumanNames) {
   dog += "  Tail 0 0 -10\n";
   const auto map = recognise(tiny_skeleton(dog));
   ASSERT_FALSE(map);
-  EXPECT_THAT(map.error().message,
-              HasSubstr("the skeleton is not human: the legs are shorter"));
+  EXPECT_THAT(map.error().message, HasSubstr("the skeleton is not human: the legs are shorter"));
 }
 
 TEST(RecogniseRefuses, UndecidableSides) {

@@ -49,7 +49,8 @@ TEST(FrameRangeFromText, RangesWithoutFramesAreUsageErrors) {
   for (const std::string text : {"100:200", "100:", "99999999999999999999:"}) {
     const auto range = frame_range_from_text(text, 100);
     ASSERT_FALSE(range.has_value()) << text;
-    EXPECT_THAT(range.error().message, HasSubstr("after the end of the clip, which has frames 0 to 99"));
+    EXPECT_THAT(range.error().message,
+                HasSubstr("after the end of the clip, which has frames 0 to 99"));
   }
   EXPECT_FALSE(frame_range_from_text(":", 0).has_value());
 }
