@@ -58,7 +58,8 @@ enum class BodyPoint : unsigned char {
 
 /// How the body's size scales the motion.
 enum class ScaleRule : unsigned char {
-  kAuto,  ///< kLimbs; kTable for LAFAN1 with the published method or a retargeting configuration made for it.
+  kAuto,    ///< kLimbs; kTable for LAFAN1 with the published method or a retargeting configuration
+            ///< made for it.
   kTable,   ///< By the configuration's table, whatever the body's height.
   kHeight,  ///< The same, every body brought to one size first.
   kLimbs,   ///< Legs, trunk and arms take the robot's lengths.
@@ -90,9 +91,9 @@ enum class RestPose {
              ///< frames of the whole movement.
 };
 
-/// How strongly the robot's bodies are pulled to the bones that a retargeting configuration assigns to them. Weights
-/// of residuals: they enter the cost squared, per frame. Rows of the configuration without a weight stay
-/// unweighted.
+/// How strongly the robot's bodies are pulled to the bones that a retargeting configuration assigns
+/// to them. Weights of residuals: they enter the cost squared, per frame. Rows of the configuration
+/// without a weight stay unweighted.
 struct TrackingWeights {
   double hips_position = 29.0;  ///< Per metre.
   double hips_rotation = 16.0;  ///< Per radian.

@@ -80,8 +80,8 @@ struct RetargetingConfig {
   [[nodiscard]] const double* find_scale(std::string_view bone) const;
 };
 
-/// Reads a retargeting configuration. Syntax errors come with line and column; wrong types, missing keys and
-/// quaternions whose norm is not 1 within 1e-3 are reported all at once. Quaternions are
+/// Reads a retargeting configuration. Syntax errors come with line and column; wrong types, missing
+/// keys and quaternions whose norm is not 1 within 1e-3 are reported all at once. Quaternions are
 /// normalised.
 [[nodiscard]] Result<RetargetingConfig> parse_retargeting_config(std::string_view text,
                                                                  const std::string& file);
@@ -115,12 +115,14 @@ struct ResolvedConfig {
   [[nodiscard]] int body_of(Bone bone) const;
 };
 
-/// Finds bodies and bones of a retargeting configuration and reports all errors at once (kConfig): unknown bodies and
-/// bones (with the nearest name), bones without a scale, two bodies on one bone, a missing root, no
-/// task at all. Unused tables are not checked; only their rows with a known bone are kept.
+/// Finds bodies and bones of a retargeting configuration and reports all errors at once (kConfig):
+/// unknown bodies and bones (with the nearest name), bones without a scale, two bodies on one bone,
+/// a missing root, no task at all. Unused tables are not checked; only their rows with a known bone
+/// are kept.
 [[nodiscard]] Result<ResolvedConfig> resolve_config(const RetargetingConfig& config,
                                                     const Robot& robot);
-/// Reads a retargeting configuration for a robot; errors in the file and in its names are reported together.
+/// Reads a retargeting configuration for a robot; errors in the file and in its names are reported
+/// together.
 [[nodiscard]] Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot);
 
 /// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.

@@ -72,12 +72,12 @@ struct RobotFinding {
 
 /// Lists everything wrong or odd about a robot, its profile and its configurations; errors come first.
 ///
-/// Errors: files that cannot be read; bodies and bones of a retargeting configuration that do not exist; offsets that
-/// leave a limb more than 75 degrees off the T-pose; feet more than a quarter of a leg out of
-/// reach; no legs or arms to map to. Notes: offsets more than 8 degrees off, targets slightly out
-/// of reach, joints that no task moves, differences between left and right (weights, scales,
-/// offsets, ranges), limit sets tighter than the model's ranges, joints without a speed limit,
-/// missing soles or T-pose.
+/// Errors: files that cannot be read; bodies and bones of a retargeting configuration that do not
+/// exist; offsets that leave a limb more than 75 degrees off the T-pose; feet more than a quarter
+/// of a leg out of reach; no legs or arms to map to. Notes: offsets more than 8 degrees off,
+/// targets slightly out of reach, joints that no task moves, differences between left and right
+/// (weights, scales, offsets, ranges), limit sets tighter than the model's ranges, joints without a
+/// speed limit, missing soles or T-pose.
 /// Errors (kConfig): a model that cannot be loaded.
 [[nodiscard]] Result<std::vector<RobotFinding>> check_robot(
     const RobotSources& robot, OptionSpelling spelling = option_as_field);

@@ -55,8 +55,8 @@ class FinishedClips {
   [[nodiscard]] std::string last_finished(const std::string& relative,
                                           const std::string& robot) const;
 
-  /// Of outputs_of those that are what was recorded, by size and content, and that lie in the output folder
-  /// when links are followed: the only files that may be removed.
+  /// Of outputs_of those that are what was recorded, by size and content, and that lie in the
+  /// output folder when links are followed: the only files that may be removed.
   [[nodiscard]] std::vector<std::string> verified_outputs_of(const std::string& relative,
                                                              const std::string& robot) const;
 

@@ -27,7 +27,8 @@ struct RecogniseOptions {
 /// proportion, head, torso, hips and feet one above the other, human proportions.
 /// The tree is seen from the hips, wherever the file has its root; see rotation_joint.
 ///
-/// @return kInput errors, without a file where only the skeleton is known: no human, limbs missing, ambiguous names, sides that cannot be told.
+/// @return kInput errors, without a file where only the skeleton is known: no human, limbs missing,
+/// ambiguous names, sides that cannot be told.
 [[nodiscard]] Result<BoneMap> recognise_skeleton(const Skeleton& skeleton,
                                                  const std::vector<SkeletonProfile>& profiles,
                                                  const RecogniseOptions& options = {});

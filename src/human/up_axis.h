@@ -20,9 +20,10 @@ struct UpChoice {
 };
 
 /// The up axis of a file. That of its kind counts unless the body plainly stands along another one.
-/// Else the movement tells, by how trunk and legs stand and how the lowest joint wanders; where it does so with little certainty, as of bodies that
-/// tumble, roll or crawl, the zero pose counts more, unless the floor speaks for what was guessed.
-/// Without poses the zero pose tells, else y, by custom.
+/// Else the movement tells, by how trunk and legs stand and how the lowest joint wanders; where it
+/// does so with little certainty, as of bodies that tumble, roll or crawl, the zero pose counts
+/// more, unless the floor speaks for what was guessed. Without poses the zero pose tells, else y,
+/// by custom.
 [[nodiscard]] UpChoice choose_up(const Body& body, const std::vector<JointPoses>& poses,
                                  const KnownUp& known);
 

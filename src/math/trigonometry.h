@@ -10,9 +10,9 @@
 /// bits: C libraries choose their code by the processor (glibc takes another one where fused
 /// multiply-adds are there), and their results differ in the last place.
 ///
-/// Errors stay below 2 units in the last place (3 for the sine of angles above 100). Polynomials and constants are those of Sun's
-/// fdlibm (k_sin.c, k_cos.c, s_atan.c; 1993). Callers must be compiled without contraction of
-/// products and sums into fused operations, as the library is.
+/// Errors stay below 2 units in the last place (3 for the sine of angles above 100). Polynomials
+/// and constants are those of Sun's fdlibm (k_sin.c, k_cos.c, s_atan.c; 1993). Callers must be
+/// compiled without contraction of products and sums into fused operations, as the library is.
 namespace retarget::portable {
 
 struct SineCosine {

@@ -56,11 +56,11 @@ inline constexpr std::array kMeasuredBones = {
 /// nearest to each other (least squares, drawn slightly towards the anchors where axes are
 /// parallel). Hips are the joints between the last body that both knees hang from and the knee;
 /// shoulders likewise; ankles and wrists those from there to the mapped foot and hand. Knees and
-/// elbows are the joints of the bodies that the configuration gives to `Leg` and `ForeArm`. Where neither hand
-/// has a body, arms are measured to the elbow.
+/// elbows are the joints of the bodies that the configuration gives to `Leg` and `ForeArm`. Where
+/// neither hand has a body, arms are measured to the elbow.
 ///
-/// kConfig error: the configuration has no body for one of these, they do not follow each other, or a
-/// limb has no length.
+/// kConfig error: the configuration has no body for one of these, they do not follow each other, or
+/// a limb has no length.
 [[nodiscard]] Result<RobotLimbs> robot_limbs(const Robot& robot, const ResolvedConfig& config);
 
 /// Length of the legs alone, as robot_limbs has it; also of a robot whose arms cannot be measured.

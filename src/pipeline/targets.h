@@ -88,8 +88,9 @@ class TargetBuilder {
 
 /// The targets of a human's clip under a way of scaling.
 ///
-/// Errors, of which those of kInput name no file: a mapped bone that the clip lacks, for kLimbs also bones without which its limbs cannot
-/// be measured (kInput); a robot whose limbs cannot be (kConfig).
+/// Errors, of which those of kInput name no file: a mapped bone that the clip lacks, for kLimbs
+/// also bones without which its limbs cannot be measured (kInput); a robot whose limbs cannot be
+/// (kConfig).
 /// @param poses   asked for single frames when limbs are measured.
 /// @param limits  how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
@@ -98,8 +99,8 @@ class TargetBuilder {
                                                  TrunkRule trunk = TrunkRule::kBones,
                                                  const LimitSet* limits = nullptr);
 
-/// The problem that a retargeting configuration poses on a robot: one task per row with a weight, in file order;
-/// tables that are not used are left out.
+/// The problem that a retargeting configuration poses on a robot: one task per row with a weight,
+/// in file order; tables that are not used are left out.
 [[nodiscard]] std::shared_ptr<const IkProblem> make_problem(std::shared_ptr<const Robot> robot,
                                                             const ResolvedConfig& config,
                                                             const TargetBuilder& targets,

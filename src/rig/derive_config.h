@@ -32,9 +32,9 @@ struct DerivedScales {
 ///
 /// Rotation offsets are canonical_bone(T)^-1 world_from_body(T) with the robot in an exact T-pose,
 /// body by body: what the bone's axes in the body (LimbPart) say, so that joint limits which keep
-/// a robot from the pose do not spoil them. Position offsets lead from the joint (hip, knee, ...) to the body's
-/// origin, and take up that the robot's hips are wider and its ankles higher or lower than the
-/// scaled human's. Scales: a straight human leg is a straight robot leg; arms likewise.
+/// a robot from the pose do not spoil them. Position offsets lead from the joint (hip, knee, ...)
+/// to the body's origin, and take up that the robot's hips are wider and its ankles higher or lower
+/// than the scaled human's. Scales: a straight human leg is a straight robot leg; arms likewise.
 /// Weights: the first pass turns everything and places the feet, the second places all.
 [[nodiscard]] RetargetingConfig derive_config(const Robot& robot, const RobotAnatomy& limbs,
                                               const DeriveOptions& options = {});

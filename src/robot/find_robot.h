@@ -18,7 +18,8 @@ struct RobotFiles {
 
 /// The files of a robot that is named or given by its folder.
 ///
-/// @param name_or_folder  a robot in `robots_folder` or its `unverified`, else a folder with a model, else a short name:
+/// @param name_or_folder  a robot in `robots_folder` or its `unverified`, else a folder with a
+/// model, else a short name:
 ///   words of one robot's name (`g1`, `toddy`, `adam-lite`), in any letter case. Names that end with
 ///   the words go before others: `g1` is unitree_g1 and not unitree_g1_with_hands.
 /// Errors (kConfig): an unknown name suggests the nearest one and lists all, a short name of

@@ -1,5 +1,5 @@
-// Any bytes as a file of settings: configuration, dialect, bone map, path, options of the fit, gates, limits,
-// profile, model.
+// Any bytes as a file of settings: configuration, dialect, bone map, path, options of the fit,
+// gates, limits, profile, model.
 
 #include <cmath>
 #include <string>

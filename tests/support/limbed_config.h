@@ -12,8 +12,8 @@ inline ResolvedConfig resolved(const RetargetingConfig& config, const Robot& rob
   return resolve_config(config, robot).value();
 }
 
-/// A retargeting configuration of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot, l_arm, l_elbow,
-/// l_hand and r_ likewise.
+/// A retargeting configuration of bodies that are called pelvis, torso, l_thigh, l_shin, l_foot,
+/// l_arm, l_elbow, l_hand and r_ likewise.
 inline RetargetingConfig limbed_config() {
   RetargetingConfig config;
   config.file = "ik.json";
