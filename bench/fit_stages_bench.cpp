@@ -32,11 +32,11 @@ struct StagesCase {
     BoneArray<int> target_of_bone;
     for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
     model = make_fit_model(*bench.robot, bench.config, bench.limits, target_of_bone, options);
-    first = solve_frames(bench.human, kClip, bench.robot, bench.config, bench.limits).value().clip;
+    first = solve_frames(bench.human, bench.robot, bench.config, bench.limits).value().clip;
     clip.frame_count = bench.human.frame_count;
-    clip.frame_time = feet.frame_time = bench.human.rate.frame_time();
+    clip.frame_time = bench.human.rate.frame_time();
+    feet = SourceFeet(bench.human, bench.human.frame_count);
     take_targets(targets);
-    take_feet();
     plan();
     start();
   }
@@ -53,22 +53,11 @@ struct StagesCase {
     }
   }
 
-  void take_feet() {
-    feet.foot_count = static_cast<int>(model.feet.size());
-    for (int frame = 0; frame < clip.frame_count; ++frame) {
-      const HumanPose& bones = bench.human.frame(frame);
-      for (const FitFoot& foot : model.feet) {
-        const Side side = foot.left ? Side::kLeft : Side::kRight;
-        const Pose& toe = bones[side_bone(side, LimbBone::kToe)];
-        feet.feet.push_back({bones[side_bone(side, LimbBone::kFoot)].translation, toe.translation,
-                             (toe.rotation * Eigen::Vector3d::UnitY()).z(),
-                             (toe.rotation * Eigen::Vector3d::UnitZ()).z()});
-      }
-      feet.hips.push_back(bones[Bone::kHips].translation.z());
-    }
+  void plan() {
+    std::vector<int> source_feet;
+    for (const FitFoot& foot : model.feet) source_feet.push_back(foot.left ? 0 : 1);
+    clip.feet = plan_feet(feet, find_contacts(feet, contact_options(options)), source_feet, 0.75);
   }
-
-  void plan() { clip.feet = plan_feet(feet, find_standing_heights(feet, options), 0.75, options); }
 
   void start() {
     const std::vector<Eigen::Vector3d> path(static_cast<std::size_t>(clip.frame_count),
@@ -113,8 +102,8 @@ void fit_first_stage(benchmark::State& state) {
   SolveFramesOptions options;
   options.settle = true;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(solve_frames(work.bench.human, kClip, work.bench.robot,
-                                          work.bench.config, work.bench.limits, options));
+    benchmark::DoNotOptimize(solve_frames(work.bench.human, work.bench.robot, work.bench.config,
+                                          work.bench.limits, options));
   }
   per_frame(state, work.clip.frame_count);
 }
@@ -192,8 +181,8 @@ void fit_bounds(benchmark::State& state) {
   const auto frames = static_cast<std::size_t>(work.clip.frame_count);
   std::vector<double> values(frames);
   for (auto _ : state) {
-    for (std::size_t link = 1; link < work.model.links.size(); ++link) {
-      const auto address = static_cast<std::size_t>(work.model.links[link].qpos_address);
+    for (std::size_t link = 1; link < work.model.tree.links().size(); ++link) {
+      const auto address = static_cast<std::size_t>(work.model.tree.links()[link].qpos_address);
       for (std::size_t t = 0; t < frames; ++t) {
         values[t] = work.clip.frame(static_cast<int>(t), work.model.configuration_size)[address];
       }
