@@ -19,8 +19,8 @@ BENCHMARK(read_clip)->Unit(benchmark::kMillisecond);
 
 void human_poses(benchmark::State& state) {
   const auto file = load_bvh(clip_path("walk4_subject1").string()).value();
-  const Calibration config = lafan1_calibration(file.clip.skeleton());
-  for (auto _ : state) benchmark::DoNotOptimize(to_human(file.clip, config));
+  const Calibration calibration = lafan1_calibration(file.clip.skeleton());
+  for (auto _ : state) benchmark::DoNotOptimize(to_human(file.clip, calibration));
   state.SetItemsProcessed(static_cast<std::int64_t>(file.clip.frame_count()) * state.iterations());
 }
 BENCHMARK(human_poses)->Unit(benchmark::kMillisecond);

@@ -188,7 +188,7 @@ struct SourceOptions {
 
 /// How the human in a clip is recognised and measured; what is not given is detected.
 struct HumanOptions {
-  std::string map;       ///< Configuration file (which joint is which bone) instead of recognition.
+  std::string map;       ///< Bone map (which joint is which bone) instead of recognition.
   bool partial = false;  ///< Arms or legs may be missing.
   RestPose rest = RestPose::kAuto;
   int tpose_frame = -1;    ///< Frame of the source that is the T-pose; negative: not given.

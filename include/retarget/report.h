@@ -171,14 +171,14 @@ struct QualityReport {
   std::string robot;
   int frames = 0;
   double fps = 30.0;
-  std::string limits;            ///< Name of the limit set used for limit_pct.
-  std::string source;            ///< The source clip's file, without folder; empty: none.
-  std::string config;            ///< File of the configuration that is tracked; empty: no source.
-  int source_frames = 0;         ///< Frames of the motion that the source covers.
-  std::optional<double> leg;     ///< Hip to knee to ankle, metres; with a source and tables.
-  int speed_limits_given = 0;    ///< Output joints with a speed limit of the robot's profile,
-  int speed_limits_assumed = 0;  ///< and without: their hinges are compared with
-                                 ///< assumed_speed_limit.
+  std::string limits;          ///< Name of the limit set used for limit_pct.
+  std::string source;          ///< The source clip's file, without folder; empty: none.
+  std::string config;          ///< File of the configuration that is tracked; empty: no source.
+  int source_frames = 0;       ///< Frames of the motion that the source covers.
+  std::optional<double> leg;   ///< Hip to knee to ankle, metres; with a source and a configuration.
+  int speed_limits_given = 0;  ///< Output joints with a speed limit of the robot's profile,
+  int speed_limits_assumed = 0;      ///< and without: their hinges are compared with
+                                     ///< assumed_speed_limit.
   double assumed_speed_limit = 0.0;  ///< rad/s
   std::vector<MetricValue> values;   ///< In the order of quality_metrics().
   std::vector<LimitSetResult> limit_sets;
@@ -187,7 +187,7 @@ struct QualityReport {
   std::optional<TrunkLean> trunk_lean;       ///< With a source whose hips and shoulders are known.
   std::optional<JointMostAtLimit> at_limit;  ///< Empty: no joint ever is.
   SourceContacts contacts;                   ///< Of the source's heels and toes.
-  /// At a limit in at least a twentieth of the frames, most frames first; with a source and tables.
+  /// At a limit in at least a twentieth of the frames, most frames first; with a source and a configuration.
   std::vector<LimitedJoint> limited_joints;
   /// If the motion has just been fitted: the cost of its terms, and what had to be bounded.
   std::optional<FitReport> fit;

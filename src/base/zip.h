@@ -48,7 +48,7 @@ class ZipArchive {
 
   [[nodiscard]] const std::vector<ZipEntry>& entries() const { return entries_; }
 
-  /// Errors: encryption, another method than stored and deflate, a local header that is not there.
+  /// Errors: encryption, another method than stored and deflate.
   [[nodiscard]] Result<ZipEntryReader> entry_reader(std::size_t index) const;
 
  private:

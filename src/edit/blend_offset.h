@@ -30,8 +30,8 @@ namespace retarget {
 
 /// As many frames as seconds are, one at least.
 [[nodiscard]] inline int frames_in(double seconds, const FrameRate& rate) {
-  constexpr double kLongest = 1e5;
-  return std::max(1, static_cast<int>(std::lround(std::min(seconds, kLongest) * rate.fps())));
+  constexpr double kMaxSeconds = 1e5;
+  return std::max(1, static_cast<int>(std::lround(std::min(seconds, kMaxSeconds) * rate.fps())));
 }
 
 }  // namespace retarget

@@ -56,10 +56,10 @@ bool continues_motion(const HumanClip& a, const HumanClip& b) {
   // a step, rather than the same frame again
   constexpr double kStep = 1e-5;
   if (samples.row(kBeside).cwiseAbs().maxCoeff() <= kStep) return false;
-  constexpr int kMaxDistance = 24;  // quarters of a frame
+  constexpr int kMaxOffset = 24;  // quarters of a frame
   double min = std::numeric_limits<double>::infinity();
   int best = 0;
-  for (int quarters = -kMaxDistance; quarters <= kMaxDistance; ++quarters) {
+  for (int quarters = -kMaxOffset; quarters <= kMaxOffset; ++quarters) {
     const double left = roughness(samples, 0.25 * quarters);
     if (left >= min) continue;
     min = left;

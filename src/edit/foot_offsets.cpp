@@ -55,7 +55,7 @@ FootStance stance_at(const PlantedFoot& plant, int frame) {
 // to the hip, as it does when a step is long
 Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
                  const Eigen::Vector3d& hip, const LegReach& stretch, double share) {
-  constexpr double kMaxDistance = 0.6;  // radians; beyond, the leg is too short
+  constexpr double kMaxTurn = 0.6;  // radians; beyond, the leg is too short
   const Eigen::Vector3d toes = wanted * toes_in_foot;
   const Eigen::Vector3d foot = wanted.translation - toes, leg = hip - toes;
   const Eigen::Vector3d axis = foot.cross(leg);
@@ -67,7 +67,7 @@ Pose on_its_toes(const Pose& wanted, const Eigen::Vector3d& toes_in_foot,
   const double angle = portable::atan2(std::sqrt(1.0 - cosine * cosine), cosine);
   const double turn = portable::atan2(axis.norm(), foot.dot(leg)) - angle;
   const Eigen::Quaterniond about =
-      exp_so3(axis.normalized() * share * std::clamp(turn, 0.0, kMaxDistance));
+      exp_so3(axis.normalized() * share * std::clamp(turn, 0.0, kMaxTurn));
   return {(about * wanted.rotation).normalized(), toes + about * foot};
 }
 

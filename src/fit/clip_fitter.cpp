@@ -23,8 +23,8 @@ constexpr int kBase = KinematicTree::kBaseDofs;
 constexpr double kDamping = 1.0, kPositionDamping = 100.0;
 // damping of single frames, times the diagonal: raised where a step made the frame's cost rise.
 // A faster decay lets frames swing between two states.
-constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7,
-                 kDampingMost = 2.0, kDampingLeast = 1e-3;
+constexpr double kDampingStart = 0.02, kDampingGrowth = 4.0, kDampingDecay = 0.7, kMaxDamping = 2.0,
+                 kMinDamping = 1e-3;
 constexpr double kCostRise = 1.02, kCostNoise = 0.1;
 // largest change of a variable by one step: joints and the root's rotation (rad), its position (m)
 constexpr double kMaxTurn = 0.15, kMaxMove = 0.2;
@@ -163,7 +163,7 @@ std::optional<double> WindowFitter::eliminate(bool move_anchors, bool look_for_p
     }
     if (positive && std::isfinite(decrease)) continue;
     ++status_.failed_blocks;
-    damping_[at(t)] = kDampingMost;
+    damping_[at(t)] = kMaxDamping;
     return std::nullopt;
   }
   return cost > 0.0 ? decrease / cost : 0.0;
@@ -201,9 +201,9 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
 void WindowFitter::adapt_damping(int t, double cost) {
   double& damping = damping_[at(t)];
   if (cost > kCostRise * cost_[at(t)] + kCostNoise) {
-    damping = std::min(kDampingMost, std::max(damping, kDampingStart) * kDampingGrowth);
+    damping = std::min(kMaxDamping, std::max(damping, kDampingStart) * kDampingGrowth);
   } else {
-    damping = damping < kDampingLeast ? 0.0 : damping * kDampingDecay;
+    damping = damping < kMinDamping ? 0.0 : damping * kDampingDecay;
   }
   cost_[at(t)] = cost;
 }

@@ -217,6 +217,19 @@ double sum_of(const std::vector<TermCosts>& costs, int begin, int end) {
   return sum;
 }
 
+std::string not_converged(const FitStatus& window) {
+  const std::string frames = fmt::format("frames {} to {}", window.begin, window.end - 1);
+  const std::string steps = count_text(window.steps, "step");
+  if (window.predicted_decrease >= 1.0 && window.failed_blocks > 0) {
+    return fmt::format("not converged after {}: {} of {} could not be factorised", steps,
+                       count_text(window.failed_blocks, "block"), frames);
+  }
+  if (window.steps == 0) return "not converged: no step was taken in " + frames;
+  return fmt::format(
+      "not converged after {}: the last was still predicted to lower the cost of {} by {} %", steps,
+      frames, number_text(100.0 * window.predicted_decrease, 1));
+}
+
 void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
                    const std::vector<TermCosts>& after, FitReport& report) {
   FitStatus& all = report.status;
@@ -234,13 +247,7 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
     all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
   }
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
-  if (!all.converged) {
-    report.notes.push_back(
-        fmt::format("not converged after {}: the last was still predicted to lower the cost of "
-                    "frames {} to {} by {} %",
-                    count_text(all.steps, "step"), worst->begin, worst->end - 1,
-                    number_text(100.0 * worst->predicted_decrease, 1)));
-  }
+  if (!all.converged) report.notes.push_back(not_converged(*worst));
   report.windows = std::move(parts);
 }
 
@@ -251,22 +258,22 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   const int threads = options_.threads > 0 ? options_.threads
                                            : static_cast<int>(std::thread::hardware_concurrency());
   StartFrames starts(model_, path_, options_.floor, clip_);
-  WindowSolver crew(model_, options_, plan, clip_, threads);
+  WindowSolver windows(model_, options_, plan, clip_, threads);
   SolveFramesOptions options = run_.retarget;
   options.settle = true;
   options.frame_solved = [&](int frame, std::span<const double> qpos) {
     starts.take(frame, qpos);
-    crew.starts_are_there(frame + 1);
+    windows.starts_are_there(frame + 1);
   };
   TRY_ASSIGN(const auto first,
              solve_frames(made, robot_, config_, first_limits(*robot_, limits_), options));
   result.steps = first.steps;
-  crew.starts_are_there(clip_.frame_count);
-  if (!crew.finish(run_.keep_going)) return interrupted_failure();
+  windows.starts_are_there(clip_.frame_count);
+  if (!windows.finish(run_.keep_going)) return interrupted_failure();
   keep_bounds(result.report);
-  const std::vector<TermCosts> costs = crew.costs_now();
-  report_terms(crew.costs_before(), costs, result.report);
-  report_status(crew.statuses(), crew.costs_before(), costs, result.report);
+  const std::vector<TermCosts> costs = windows.costs_now();
+  report_terms(windows.costs_before(), costs, result.report);
+  report_status(windows.statuses(), windows.costs_before(), costs, result.report);
   return {};
 }
 

@@ -30,7 +30,7 @@ class TaskGraph {
 
   /// One of the things that a task waits for is there.
   void release(std::size_t task);
-  /// The caller's thread takes tasks as well, until all are done or the crew is stopped.
+  /// The caller's thread takes tasks as well, until all are done or the graph is stopped.
   /// @return whether all are done.
   bool finish();
   /// No task is begun any more.

@@ -29,7 +29,7 @@ WindowSolver::WindowSolver(const FitModel& model, const FitOptions& options, con
       statuses_(plan.windows.size() + plan.seams.size()),
       all_(std::max<std::int64_t>(
           1, options.iterations * (frames_of(plan.windows) + frames_of(plan.seams)))),
-      crew_(tasks(), threads) {}
+      tasks_(tasks(), threads) {}
 
 std::vector<TaskGraph::Task> WindowSolver::tasks() {
   std::vector<TaskGraph::Task> tasks;
@@ -56,21 +56,21 @@ void WindowSolver::solve(const FitWindow& window, FitStatus& status) {
     const auto done = static_cast<double>(done_.fetch_add(window.end - window.begin));
     if (caller_ == std::this_thread::get_id() && keep_going_ &&
         !keep_going_(done / static_cast<double>(all_))) {
-      crew_.stop();
+      tasks_.stop();
     }
-    return !crew_.stopped();
+    return !tasks_.stopped();
   });
 }
 
 void WindowSolver::starts_are_there(int count) {
   while (released_ < plan_.windows.size() && plan_.frames_needed[released_] <= count) {
-    crew_.release(released_++);
+    tasks_.release(released_++);
   }
 }
 
 bool WindowSolver::finish(const std::function<bool(double done)>& keep_going) {
   keep_going_ = keep_going;
-  return crew_.finish() && !crew_.stopped();
+  return tasks_.finish() && !tasks_.stopped();
 }
 
 std::vector<TermCosts> WindowSolver::costs_now() const {

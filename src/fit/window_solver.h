@@ -54,7 +54,7 @@ class WindowSolver {
   std::atomic<std::int64_t> done_ = 0;      // frames, once for each iteration
   std::int64_t all_;
   // last, for its threads use all of the above
-  TaskGraph crew_;
+  TaskGraph tasks_;
 };
 
 }  // namespace retarget

@@ -35,7 +35,7 @@ class HelperChain {
       longest = std::max(longest, of.offset.norm());
       if (has_length(of.offset)) has_extent_[of.parent] = true;
     }
-    least_ = kNegligible * longest;
+    min_extent_ = kNegligible * longest;
   }
 
   // the last helper in a joint's place that turns all that the joint turns of the body
@@ -61,7 +61,7 @@ class HelperChain {
   // whether a child in the place of a joint turns all bones below it
   bool stands_for(int child, int joint) const {
     const Joint& candidate = skeleton_.joint(child);
-    if (candidate.offset.norm() > least_ || candidate.has_position_channels() ||
+    if (candidate.offset.norm() > min_extent_ || candidate.has_position_channels() ||
         bones_at_[child] > 0) {
       return false;
     }
@@ -74,7 +74,7 @@ class HelperChain {
   std::vector<int> carried_;                // bones at a joint and below it
   std::vector<int> bones_at_;
   std::vector<bool> has_extent_;  // whether a joint carries anything that has a length
-  double least_ = 0.0;
+  double min_extent_ = 0.0;
 };
 
 }  // namespace

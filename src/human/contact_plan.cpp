@@ -19,7 +19,7 @@ constexpr double kMinLevelTime = 1.0 / 6.0;  // seconds
 // metres by which heel and toe may differ on something flat
 constexpr double kFlat = 0.03;
 // what one end of a foot stands on: a raised stance's index, or
-constexpr int kEpsilon = -2, kFloor = -1;
+constexpr int kUnsupported = -2, kFloor = -1;
 
 // a time in which a whole foot is still above the floor, by the heights of what is under its ends
 struct RaisedStance {
@@ -47,8 +47,8 @@ class FootContactFinder {
         size_(plan.scale),
         foot_(foot),
         frames_(source.frame_count()),
-        stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kEpsilon),
-                   std::vector<int>(static_cast<std::size_t>(frames_), kEpsilon)} {}
+        stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kUnsupported),
+                   std::vector<int>(static_cast<std::size_t>(frames_), kUnsupported)} {}
 
   [[nodiscard]] std::array<EndContacts, 2> run() {
     std::array<EndContacts, 2> ends;
@@ -66,9 +66,10 @@ class FootContactFinder {
   [[nodiscard]] std::vector<ContactPhase> whole_foot() const {
     std::vector<ContactPhase> phases;
     const int last = has(kToeEnd) ? kToeEnd : kHeelEnd;
-    std::vector<int> both(static_cast<std::size_t>(frames_), kEpsilon);  // what both ends stand on
+    std::vector<int> both(static_cast<std::size_t>(frames_),
+                          kUnsupported);  // what both ends stand on
     for (int frame = 0; frame < frames_; ++frame) {
-      const bool on = frame > 0 && both[frame - 1] != kEpsilon;
+      const bool on = frame > 0 && both[frame - 1] != kUnsupported;
       const double low = on ? options_.end_height : options_.begin_height;
       // where the height of a standing ankle is a guess, none is known to be too low
       const bool lies = standing_.found && -height(frame, kHeelEnd) > low * size_;
@@ -78,7 +79,7 @@ class FootContactFinder {
     for_each_run(
         0, frames_, [&](int frame) { return both[frame]; },
         [&](int begin, int end) {
-          if (both[begin] == kEpsilon || !lasts(end - begin, options_.shortest)) return;
+          if (both[begin] == kUnsupported || !lasts(end - begin, options_.shortest)) return;
           phases.push_back(
               {begin, end, 0.5 * (support(both[begin], kHeelEnd) + support(both[begin], last))});
         });
@@ -160,7 +161,7 @@ class FootContactFinder {
     const RaisedStance& stance = raised_[static_cast<std::size_t>(index)];
     const auto mark = [&](int frame) {
       int& under = stands_on_[end][static_cast<std::size_t>(frame)];
-      if (under != kEpsilon) return false;
+      if (under != kUnsupported) return false;
       under = index;
       return true;
     };
@@ -183,7 +184,7 @@ class FootContactFinder {
         0, frames_, [&](int frame) { return stands_on(frame, end); },
         [&](int begin, int last) {
           const int under = stands_on(begin, end);
-          if (under == kEpsilon || !lasts(last - begin, options_.shortest)) return;
+          if (under == kUnsupported || !lasts(last - begin, options_.shortest)) return;
           contacts.phases.push_back({begin, last, support(under, end)});
           for (int frame = begin; frame < last; ++frame) {
             const SourceFoot& foot = source_.at(frame, foot_);

@@ -147,9 +147,8 @@ class Recogniser {
     };
     if (lacks("hips") || (lacks("leg") && lacks("arm"))) return no_human(missing);
     if (!options_.partial) {
-      return input_failure(
-          {}, "no " + sentence_of(missing) + " found in the skeleton",
-          std::string("continue without with " OPTION("partial") ", or ") + kMapHint);
+      return input_failure({}, "no " + sentence_of(missing) + " found in the skeleton",
+                           std::string(OPTION("partial") " continues without, or ") + kMapHint);
     }
     accepted_ = *best;
     accepted_->partial = true;

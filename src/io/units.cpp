@@ -27,7 +27,7 @@ constexpr double kLowUprightReaches = 0.35;
 constexpr double kSunkReaches = 0.2;
 constexpr double kHighUprightReaches = 1.6;
 // as many of the upright frames count; the others may be a fall or the start
-constexpr double kMaxFrames = 0.95;
+constexpr double kUprightQuantile = 0.95;
 // m/s on average: no runner keeps it up
 constexpr double kMaxMeanSpeed = 10.0;
 
@@ -260,15 +260,16 @@ Result<void> check_assumed_metres(const RobotClip& clip, const std::string& file
   const std::vector<UprightFrame> frames = upright_frames(clip);
   const bool upright = 2 * frames.size() > static_cast<std::size_t>(clip.frame_count());
   if (upright) {
-    const auto max = static_cast<std::size_t>(kMaxFrames * static_cast<double>(frames.size()));
-    const double height = frames[std::min(max, frames.size() - 1)].height;
+    const auto index =
+        static_cast<std::size_t>(kUprightQuantile * static_cast<double>(frames.size()));
+    const double height = frames[std::min(index, frames.size() - 1)].height;
     const bool low = height < kLowUprightReaches * reach && has_sunk(clip, frames, reach);
     const std::string what = "the root is upright and only " + number_text(height, 4) +
                              " m high, but the robot's legs reach " + number_text(reach, 2) + " m";
     if (low && height < kMinUprightReaches * reach) {
       return input_failure(file, what + "; lengths may not be in metres",
-                           "if that is intended, confirm with " OPTION("source-unit") " m; else convert the "
-"positions to metres, centimetres or millimetres first");
+                           "if that is intended, confirm with " OPTION("source-unit")
+                           " m; else convert the positions to metres, centimetres or millimetres first");
     }
     if (low) doubt(what, "m confirms it");
   }

@@ -28,9 +28,9 @@ std::string table_key(std::size_t table) {
 }
 
 // reads a retargeting configuration and notes each fault with the path to it
-class MappingReader {
+class ConfigReader {
  public:
-  MappingReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+  ConfigReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
 
   RetargetingConfig read(const std::string& file) {
     RetargetingConfig config;
@@ -257,7 +257,7 @@ auto read_text(std::string_view text, const std::string& file, const Use& use)
   if (!json.is_object())
     return config_failure(file, "a retargeting configuration must be a JSON object");
   Faults faults;
-  auto result = use(MappingReader(json, faults).read(file), faults);
+  auto result = use(ConfigReader(json, faults).read(file), faults);
   if (!faults.empty()) return faults.failure_in(file, "the retargeting configuration");
   return result;
 }

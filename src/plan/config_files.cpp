@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kPublished = "published";
 constexpr const char* kDerived = "derived";
-constexpr const char* kBoneMapHint = OPTION(
+constexpr const char* kConfigHint = OPTION(
     "ik-config") " FILE takes a retargeting configuration of your own; retarget robots add makes a robot with one";
 
 // a file that cannot be looked at is none that is not there: another would be taken in its place
@@ -62,7 +62,7 @@ Result<ConfigFiles> find_configs(const std::string& ik_config, Method method,
         is_file(other) ? std::string(OPTION("ik-config") " ") +
                              (ik_config == kPublished ? kDerived : kPublished) +
                              " takes the existing one, " OPTION("ik-config") " FILE one of your own"
-                       : kBoneMapHint);
+                       : kConfigHint);
   }
   if (method == Method::kGmr && is_file(own) && is_file(published) &&
       is_of_folder(robot_folder, data_folder / "robots")) {
@@ -74,7 +74,7 @@ Result<ConfigFiles> find_configs(const std::string& ik_config, Method method,
   return config_failure("",
                         "there is no retargeting configuration for the robot \"" + robot +
                             "\": neither " + own.string() + " nor " + published.string(),
-                        kBoneMapHint);
+                        kConfigHint);
 }
 
 std::string recorded_name(const fs::path& path, const fs::path& data_folder) {

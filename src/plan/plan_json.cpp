@@ -274,13 +274,13 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
   read_decisions(json, plan, faults);
   plan.limits = plan.robot.robot->model_limits();
   read_limits(member(json, "limits"), *plan.robot.robot, plan.limits, faults);
-  const std::string calibration = name_from(json, "mapping");
-  if (calibration.empty()) faults.add("\"mapping\" is missing");
+  const std::string config_file = name_from(json, "mapping");
+  if (config_file.empty()) faults.add("\"mapping\" is missing");
   if (!faults.empty()) return faults.failure_in(file, "the plan");
   TRY(read_options(member(json, "fit"), fit_table(plan.fit), file, "the plan's fit"));
   TRY(check_need({plan.frame_count(), plan.rate, plan.clip->origin().bytes, plan.clip->name()},
                  plan.options.source.memory_gb, plan.options.save));
-  TRY_ASSIGN(plan.config, load_config(calibration, *plan.robot.robot));
+  TRY_ASSIGN(plan.config, load_config(config_file, *plan.robot.robot));
   if (plan.human.map.partial) TRY(leave_out_bones(plan.config, plan.human.missing_bones()));
   return plan;
 }

@@ -24,7 +24,7 @@ namespace {
 std::optional<double> foot_scale(const QualitySource& source, const Robot& robot) {
   const HumanClip& human = *source.human;
   const HumanPoseSource poses = poses_of(human);
-  const auto targets = make_targets(human, poses_of(human), robot, *source.config, source.scale);
+  const auto targets = make_targets(human, poses, robot, *source.config, source.scale);
   if (!targets) return std::nullopt;
   for (const Bone bone :
        {Bone::kLeftFootMod, Bone::kLeftFoot, Bone::kRightFootMod, Bone::kRightFoot}) {

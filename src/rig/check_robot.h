@@ -9,7 +9,7 @@
 namespace retarget {
 
 /// check_robot of one configuration.
-/// @param tables  the robot's configuration; null: it has none.
+/// @param config  the robot's configuration; null: it has none.
 [[nodiscard]] std::vector<RobotFinding> check_robot(const Robot& robot,
                                                     const RetargetingConfig* config);
 

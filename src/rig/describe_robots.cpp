@@ -144,8 +144,8 @@ std::string plain_text(const Json& json) {
     const Json& speed = joint["speed_limit"];
     text += (speed.is_null() ? "none" : number_text(speed.get<double>(), 2)) + "\n";
   }
-  if (json["mapping_file"].is_null()) return text + "\nno mapping\n";
-  text += "\nmapping  " + json["mapping_file"].get<std::string>() + "\n";
+  if (json["mapping_file"].is_null()) return text + "\nno retargeting configuration\n";
+  text += "\nretargeting configuration  " + json["mapping_file"].get<std::string>() + "\n";
   if (json.contains("mapping_file_of_others")) {
     text += "         for sources other than LAFAN1: " +
             json["mapping_file_of_others"].get<std::string>() + "\n";

@@ -13,15 +13,14 @@ namespace retarget {
 
 /// A file that a run reads.
 struct ReadFile {
-  std::string
-      role;  ///< `motion`, `model`, `profile`, `configuration`, or the option that names it.
+  std::string role;  ///< `motion`, `model`, `profile`, `mapping`, or the option that names it.
   std::string file;  ///< As the user named it; below the data folder: relative to that.
   std::string path;  ///< Where it lies.
   std::string hash;  ///< `sha256:...`; empty: it cannot be hashed (standard input, a pipe).
 };
 
 /// All files that decide what a run makes, hashed.
-/// @param configuration  the configuration's file that was taken.
+/// @param config  the retargeting configuration's file that was taken.
 [[nodiscard]] Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robot,
                                                        const std::string& config);
 

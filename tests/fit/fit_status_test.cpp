@@ -65,6 +65,15 @@ TEST_F(FitStatusTest, OneStepIsNotEnough) {
   EXPECT_THAT(report.notes, Contains(HasSubstr("not converged after 1 step")));
 }
 
+TEST_F(FitStatusTest, NoStepIsNoConvergence) {
+  FitOptions options;
+  options.iterations = 0;
+  const FitReport report = report_of(options);
+  EXPECT_FALSE(report.status.converged);
+  EXPECT_EQ(report.status.steps, 0);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("no step was taken in frames 0 to 59")));
+}
+
 TEST_F(FitStatusTest, WindowsAddUp) {
   FitOptions options;
   options.window = 0.7;

@@ -473,7 +473,7 @@ TEST(Recognise, WarnsAboutBackwardToes) {
       clip_of(renamed({{"Left", "Middle"}, {"Right", "Left"}, {"Middle", "Right"}})),
       shipped_profiles());
   ASSERT_TRUE(sane && odd);
-  EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("exchanged"))));
+  EXPECT_THAT(sane->notes, Not(Contains(HasSubstr("swapped"))));
   EXPECT_THAT(odd->notes, Contains(HasSubstr("left and right may be swapped")));
   EXPECT_LT(odd->confidence, sane->confidence);
 }

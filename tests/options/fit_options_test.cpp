@@ -45,6 +45,9 @@ TEST(FitOptions, ReadsFormerNames) {
   EXPECT_EQ(options->max_joint_step, 0.25);
   // ranges hold for them, too
   EXPECT_FALSE(parse_fit_options(R"({"speed_most": 0})", "a.json").has_value());
+  const auto both = parse_fit_options(R"({"max_joint_speed": 3, "speed_most": 4})", "a.json");
+  ASSERT_FALSE(both.has_value());
+  EXPECT_THAT(describe(both.error()), HasSubstr("are both given"));
 }
 
 TEST(FitOptions, DisablesTermsByName) {

@@ -10,7 +10,7 @@ namespace retarget {
 namespace {
 
 // FIPS 180-4's examples, and what sha256sum gives for no bytes
-constexpr const char* kEpsilon =
+constexpr const char* kHashOfNothing =
     "sha256:e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
 constexpr const char* kAbc =
     "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
@@ -18,7 +18,7 @@ constexpr const char* kMillionA =
     "sha256:cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
 
 TEST(HashTest, MatchesStandardTestVectors) {
-  EXPECT_EQ(hash_bytes("").value(), kEpsilon);
+  EXPECT_EQ(hash_bytes("").value(), kHashOfNothing);
   EXPECT_EQ(hash_bytes("abc").value(), kAbc);
   EXPECT_EQ(hash_bytes(std::string(1000000, 'a')).value(), kMillionA);
 }
@@ -36,7 +36,7 @@ TEST(HashTest, IncrementalHashMatchesWhole) {
 TEST(HashTest, HashesLargeFiles) {
   const TemporaryFolder folder;
   EXPECT_EQ(hash_file(folder.write("abc", "abc")).value(), kAbc);
-  EXPECT_EQ(hash_file(folder.write("empty", "")).value(), kEpsilon);
+  EXPECT_EQ(hash_file(folder.write("empty", "")).value(), kHashOfNothing);
   EXPECT_EQ(hash_file(folder.write("many", std::string(1000000, 'a'))).value(), kMillionA);
 }
 
