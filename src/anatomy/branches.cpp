@@ -1,7 +1,6 @@
 #include "anatomy/branches.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace retarget {

@@ -4,10 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
-
-#include "retarget/error.h"
 
 namespace retarget {
 
@@ -45,14 +42,5 @@ struct NpyArray {
 
 /// As Python writes it: `()`, `(3,)`, `(152, 72)`.
 [[nodiscard]] std::string shape_text(std::span<const std::size_t> shape);
-
-/// Reads the bytes of one NPY file: versions 1 to 3, either byte order, C or Fortran order.
-///
-/// Refused are Python objects (nothing is ever unpickled), structured, complex and long double
-/// types, a shape whose size overflows or disagrees with the bytes that are there. Memory follows
-/// the bytes, not the header.
-/// @param file_name  as the user named it, for messages.
-[[nodiscard]] Result<NpyArray> read_npy(std::string_view bytes, const std::string& file_name,
-                                        ErrorKind kind = ErrorKind::kInput);
 
 }  // namespace retarget

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/npy.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

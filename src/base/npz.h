@@ -52,9 +52,9 @@ class NpzFile {
   /// NumPy's text for an array's type, such as `<f4`, `|S6`, or `|O` for what `read` refuses.
   [[nodiscard]] Result<std::string> type_of(std::string_view name) const;
 
-  /// An array. Errors: no such array (with the names that there are), Python objects and other
-  /// types that read_npy refuses, encrypted or otherwise compressed entries, sizes that disagree,
-  /// a wrong checksum.
+  /// An array. Errors: no such array (with the names that there are), Python objects (nothing is
+  /// ever unpickled), structured, complex and long double types, encrypted or otherwise compressed
+  /// entries, sizes that disagree, a wrong checksum. Memory follows the bytes, not the header.
   [[nodiscard]] Result<NpyArray> read(std::string_view name) const;
 
   /// An error about an array, for those who find fault with its content.

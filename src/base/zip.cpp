@@ -4,7 +4,6 @@
 #include <zip.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "base/npy_stream.h"
 #include "base/number_text.h"

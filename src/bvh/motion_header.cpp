@@ -1,7 +1,6 @@
 #include "bvh/motion_header.h"
 
 #include <charconv>
-#include <string>
 
 #include "base/option_name.h"
 #include "base/try.h"

@@ -1,8 +1,6 @@
 #include "edit/seam.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <vector>
 

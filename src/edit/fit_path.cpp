@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "base/number_text.h"
-#include "edit/blend_offset.h"
 #include "edit/cubic_chain.h"
 #include "edit/ground_pose.h"
 #include "math/filter.h"

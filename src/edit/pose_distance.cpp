@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "human/bone_map.h"
 #include "math/trigonometry.h"
 
 namespace retarget {

@@ -1,7 +1,6 @@
 #include "edit/seam.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "edit/blend_offset.h"
 #include "math/so3.h"

@@ -1,7 +1,6 @@
 #include "edit/seam.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "base/number_text.h"

@@ -1,6 +1,5 @@
 #include "edit/shared_joints.h"
 
-#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>

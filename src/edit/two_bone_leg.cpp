@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/blend_offset.h"
 #include "math/so3.h"
 #include "math/spline.h"
 #include "math/trigonometry.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <vector>
 
 #include "edit/plant_feet.h"
 #include "retarget/clip.h"

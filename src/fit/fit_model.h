@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "human/source_feet.h"

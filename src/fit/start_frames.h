@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 #include "fit/clip_fitter.h"
 #include "fit/fit_model.h"

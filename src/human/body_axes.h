@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <vector>
 
 #include "human/calibrate.h"
 #include "human/posed_body.h"

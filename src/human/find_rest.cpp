@@ -1,6 +1,5 @@
 #include "human/find_rest.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 

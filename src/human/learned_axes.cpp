@@ -1,7 +1,6 @@
 #include "human/learned_axes.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "human/canonical_pose.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "human/canonical_pose.h"
 #include "math/so3.h"

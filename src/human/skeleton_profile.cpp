@@ -4,9 +4,8 @@
 #include <cmath>
 #include <system_error>
 
-#include "base/faults.h"
 #include "base/file.h"
-#include "base/json.h"
+#include "base/json_members.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
@@ -27,16 +26,13 @@ std::string in_quotes(const std::string& text) {
 // reads the parts of a profile one by one and notes what is wrong with them
 class SkeletonProfileReader {
  public:
-  SkeletonProfileReader(const Json& json, Faults& faults) : json_(json), faults_(faults) {}
+  SkeletonProfileReader(const Json& json, Faults& faults)
+      : members_(json, faults), faults_(faults) {}
 
   SkeletonProfile read(const std::string& name) {
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(kKeys, key) == kKeys.end()) {
-        faults_.add("unknown key " + in_quotes(key) + faults_.suggestion(key, kKeys));
-      }
-    }
+    members_.check_keys(kKeys);
     profile_.name = name;
-    profile_.description = text("description");
+    profile_.description = members_.text("description");
     read_joints();
     profile_.others = texts("others");
     profile_.required = texts("required");
@@ -45,25 +41,12 @@ class SkeletonProfileReader {
     read_directions();
     profile_.facts.height = positive("height_m");
     profile_.facts.metres_per_unit = positive("metres_per_unit");
-    if (const Json* up = find("up")) profile_.facts.up = direction(*up, "\"up\"");
+    if (const Json* up = members_.find("up")) profile_.facts.up = direction(*up, "\"up\"");
     read_rest_pose();
     return std::move(profile_);
   }
 
  private:
-  const Json* find(const std::string& key) const {
-    const auto found = json_.find(key);
-    return found == json_.end() ? nullptr : &*found;
-  }
-
-  std::string text(const std::string& key) {
-    const Json* value = find(key);
-    if (value == nullptr) return {};
-    if (value->is_string()) return value->get<std::string>();
-    faults_.add(in_quotes(key) + " must be a string, found " + short_text(*value));
-    return {};
-  }
-
   // a text, or a list of texts
   std::vector<std::string> texts(const Json& value, const std::string& what) {
     std::vector<std::string> result;
@@ -79,20 +62,12 @@ class SkeletonProfileReader {
     return result;
   }
   std::vector<std::string> texts(const std::string& key) {
-    const Json* value = find(key);
+    const Json* value = members_.find(key);
     return value == nullptr ? std::vector<std::string>() : texts(*value, in_quotes(key));
   }
 
-  const Json& object(const std::string& key) {
-    static const Json kNone = Json::object();
-    const Json* value = find(key);
-    if (value == nullptr || value->is_object()) return value == nullptr ? kNone : *value;
-    faults_.add(in_quotes(key) + " must be an object, found " + short_text(*value));
-    return kNone;
-  }
-
   std::optional<double> positive(const std::string& key) {
-    const Json* value = find(key);
+    const Json* value = members_.find(key);
     if (value == nullptr) return std::nullopt;
     if (value->is_number() && value->get<double>() > 0.0) return value->get<double>();
     faults_.add(in_quotes(key) + " must be a number greater than 0, found " + short_text(*value));
@@ -100,11 +75,9 @@ class SkeletonProfileReader {
   }
 
   std::optional<Eigen::Vector3d> direction(const Json& value, const std::string& what) {
-    const auto is_number = [](const Json& v) { return v.is_number(); };
-    if (value.is_array() && value.size() == 3 && std::ranges::all_of(value, is_number)) {
-      const Eigen::Vector3d vector(value[0].get<double>(), value[1].get<double>(),
-                                   value[2].get<double>());
-      if (vector.norm() > 0.0 && std::isfinite(vector.norm())) return vector.normalized();
+    const auto vector = vector_from(value);
+    if (vector && vector->norm() > 0.0 && std::isfinite(vector->norm())) {
+      return vector->normalized();
     }
     faults_.add(what + " must be a direction [x, y, z], found " + short_text(value));
     return std::nullopt;
@@ -113,7 +86,7 @@ class SkeletonProfileReader {
   void read_rest_pose() {
     // of a canonical one, LAFAN1's, all bones have their axes: nothing is to be found
     static const std::vector<std::string> kNames = {"canonical", "zero", "first"};
-    const std::string name = text("rest_pose");
+    const std::string name = members_.text("rest_pose");
     if (name == "zero") profile_.facts.rest = RestPose::kZero;
     if (name == "first") profile_.facts.rest = RestPose::kFirst;
     if (name.empty() || std::ranges::find(kNames, name) != kNames.end()) return;
@@ -122,8 +95,8 @@ class SkeletonProfileReader {
   }
 
   void read_joints() {
-    if (!json_.contains("joints")) faults_.add("\"joints\" is missing");
-    for (const auto& [bone, value] : object("joints").items()) {
+    if (members_.find("joints") == nullptr) faults_.add("\"joints\" is missing");
+    for (const auto& [bone, value] : members_.object("joints").items()) {
       const auto& known = mapped_bone_names();
       const auto found = std::ranges::find(known, bone);
       if (found == known.end()) {
@@ -136,7 +109,7 @@ class SkeletonProfileReader {
   }
 
   void read_parents() {
-    for (const auto& [joint, parent] : object("parents").items()) {
+    for (const auto& [joint, parent] : members_.object("parents").items()) {
       if (parent.is_string()) {
         profile_.parents.emplace_back(joint, parent.get<std::string>());
       } else {
@@ -147,13 +120,13 @@ class SkeletonProfileReader {
   }
 
   void read_directions() {
-    for (const auto& [joint, value] : object("directions").items()) {
+    for (const auto& [joint, value] : members_.object("directions").items()) {
       const auto vector = direction(value, "\"directions\", " + in_quotes(joint));
       if (vector) profile_.directions.emplace_back(joint, *vector);
     }
   }
 
-  const Json& json_;
+  const JsonMembers members_;
   Faults& faults_;
   SkeletonProfile profile_;
 };

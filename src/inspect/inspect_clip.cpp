@@ -3,7 +3,6 @@
 #include "inspect/inspect_clip.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "base/json.h"
 #include "base/number_text.h"

@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "base/try.h"
 #include "io/pickle_reader.h"

@@ -1,7 +1,6 @@
 #include "io/quaternion_order.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/number_text.h"
 #include "io/touch_points.h"

@@ -1,6 +1,5 @@
 #include "retarget/motion_io.h"
 
-#include <array>
 #include <utility>
 #include <vector>
 

@@ -41,22 +41,6 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
   return matrix;
 }
 
-Pose exp_se3(const Vector6d& twist) {
-  const Eigen::Vector3d w = twist.tail<3>();
-  const double angle_squared = w.squaredNorm();
-  const Eigen::Matrix3d W = skew(w);
-  Eigen::Matrix3d V;
-  if (angle_squared < kSmallSquaredAngleSquared) {
-    V = Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
-  } else {
-    const double angle = std::sqrt(angle_squared);
-    const auto [sine, cosine] = portable::sin_cos(angle);
-    V = Eigen::Matrix3d::Identity() + (1.0 - cosine) / angle_squared * W +
-        (angle - sine) / (angle_squared * angle) * (W * W);
-  }
-  return {exp_so3(w), V * twist.head<3>()};
-}
-
 Vector6d log_se3(const Pose& a_from_b) {
   const Eigen::Vector3d w = log_so3(a_from_b.rotation);
   const double angle_squared = w.squaredNorm();

@@ -14,10 +14,6 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// The matrix of the cross product: skew(a) * b = a x b.
 [[nodiscard]] Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 
-/// The rigid transform reached by moving with a constant twist for one unit of time.
-/// Inverse of log_se3 for angles below pi.
-[[nodiscard]] Pose exp_se3(const Vector6d& twist);
-
 /// The twist [v; w] with exp([v; w]) = a_from_b, |w| <= pi (Sola et al., "A micro Lie theory for
 /// state estimation in robotics", eqs. 172-174). In frame a (and in frame b: they differ only by
 /// the motion itself).

@@ -1,7 +1,5 @@
 #include "options/fit_options.h"
 
-#include <algorithm>
-
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/try.h"

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/number_text.h"
 #include "base/suggest.h"
-#include "base/try.h"
 
 namespace retarget {
 namespace {

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <array>
 #include <condition_variable>
-#include <functional>
 #include <mutex>
 #include <span>
 #include <thread>

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <utility>
 
 #include "base/try.h"
 #include "human/human_clip.h"

@@ -1,9 +1,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/file.h"
-#include "base/option_name.h"
-#include "base/text_size.h"
 #include "base/try.h"
 #include "bvh/read_bvh.h"
 #include "human/bone_map_file.h"

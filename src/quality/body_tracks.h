@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "retarget/motion.h"

@@ -1,10 +1,8 @@
 #include "quality/tracking_metrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include "human/limb_segments.h"
 #include "math/so3.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
-#include <optional>
 
 #include "human/human_clip.h"
 #include "pipeline/trunk_lines.h"

@@ -1,7 +1,6 @@
 #include "rig/check_robot.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -9,7 +8,6 @@
 
 #include "base/suggest.h"
 #include "human/canonical_pose.h"
-#include "math/so3.h"
 #include "pipeline/targets.h"
 #include "retarget/human.h"
 #include "rig/derive_config.h"

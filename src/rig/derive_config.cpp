@@ -1,8 +1,5 @@
 #include "rig/derive_config.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <string>
 
 #include "retarget/human.h"

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
-#include "retarget/human.h"
 #include "rig/number_text.h"
 
 namespace retarget {

@@ -2,7 +2,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "rig/number_text.h"

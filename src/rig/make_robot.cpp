@@ -2,8 +2,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/json.h"
-#include "base/suggest.h"
 
 namespace retarget {
 namespace {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include "base/file.h"
 #include "base/try.h"

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/faults.h"
-#include "base/json.h"
+#include "base/json_members.h"
 #include "base/plain_name.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "robot/json_ranges.h"
 
@@ -36,11 +34,6 @@ const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
 const std::vector<std::string> kSides = {"left", "right"};
 
-bool is_point(const Json& json) {
-  return json.is_array() && json.size() == 3 &&
-         std::ranges::all_of(json, [](const Json& v) { return v.is_number(); });
-}
-
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
 }
@@ -49,15 +42,15 @@ std::string quoted(const std::string& text) {
 class ProfileReader {
  public:
   ProfileReader(const Json& json, const Robot& bare, Faults& faults)
-      : json_(json),
+      : members_(json, faults),
         body_names_(bare.body_names()),
         joint_names_(bare.joint_names()),
         bare_(bare),
         faults_(faults) {}
 
   RobotProfile read() {
-    check_keys(json_, kKeys, "");
-    const std::string name = text(json_, "name", "");
+    members_.check_keys(kKeys);
+    const std::string name = members_.text("name");
     profile_.name = name;
     if (name.empty()) {
       faults_.add("\"name\" is missing or empty");
@@ -65,16 +58,16 @@ class ProfileReader {
       // folders of outputs are called after it
       faults_.add("\"name\" must be a valid folder name, found " + quoted(name));
     }
-    profile_.description = text(json_, "description", "");
-    profile_.source = text(json_, "source", "");
-    profile_.licence = text(json_, "licence", "");
+    profile_.description = members_.text("description");
+    profile_.source = members_.text("source");
+    profile_.licence = members_.text("licence");
     read_joint_order();
     read_limit_sets();
-    profile_.default_limits = text(json_, "default_limits", "");
+    profile_.default_limits = members_.text("default_limits");
     if (!profile_.default_limits.empty()) check_set(profile_.default_limits, "\"default_limits\"");
     read_method_limits();
     read_speed_limits();
-    profile_.t_pose = joint_positions(object("t_pose"), "\"t_pose\"");
+    profile_.t_pose = joint_positions(members_.object("t_pose"), "\"t_pose\"");
     read_soles();
     read_allowed_self_contact();
     read_variants();
@@ -82,39 +75,6 @@ class ProfileReader {
   }
 
  private:
-  // a member of the wanted type; nothing if it is left out or of another type, which is a fault
-  const Json* member(const Json& json, const std::string& key, Json::value_t type,
-                     const std::string& what) {
-    const auto found = json.find(key);
-    if (found == json.end()) return nullptr;
-    if (found->type() == type) return &*found;
-    const std::string wanted = type == Json::value_t::array    ? "a list"
-                               : type == Json::value_t::object ? "an object"
-                                                               : "a text";
-    faults_.add(what + quoted(key) + " must be " + wanted + ", found " + short_text(*found));
-    return nullptr;
-  }
-
-  std::string text(const Json& json, const std::string& key, const std::string& what) {
-    const Json* value = member(json, key, Json::value_t::string, what);
-    return value == nullptr ? std::string() : value->get<std::string>();
-  }
-  const Json* list(const Json& json, const std::string& key, const std::string& what) {
-    return member(json, key, Json::value_t::array, what);
-  }
-  const Json* object(const std::string& key) {
-    return member(json_, key, Json::value_t::object, "");
-  }
-
-  void check_keys(const Json& json, const std::vector<std::string>& known,
-                  const std::string& what) {
-    for (const auto& [key, value] : json.items()) {
-      if (std::ranges::find(known, key) == known.end()) {
-        faults_.add(what + "unknown key " + quoted(key) + faults_.suggestion(key, known));
-      }
-    }
-  }
-
   // an entry of a list that must be a text; as it is for the message that no such name is known
   static std::string name_in(const Json& json) {
     return json.is_string() ? json.get<std::string>() : short_text(json);
@@ -137,7 +97,7 @@ class ProfileReader {
   }
 
   void read_joint_order() {
-    const Json* names = list(json_, "joint_order", "");
+    const Json* names = members_.list("joint_order");
     if (names == nullptr) return;
     if (names->empty()) faults_.add("\"joint_order\" names no joint");
     std::vector<std::string>& order = profile_.joint_order;
@@ -152,9 +112,7 @@ class ProfileReader {
   }
 
   void read_limit_sets() {
-    const Json* sets = object("limit_sets");
-    if (sets == nullptr) return;
-    for (const auto& [name, set] : sets->items()) {
+    for (const auto& [name, set] : members_.object("limit_sets").items()) {
       const std::string what = "limit set " + quoted(name);
       if (name.empty() || name == bare_.model_limits().name) {
         faults_.add(what + ": the name is taken by the ranges of the model itself");
@@ -163,10 +121,11 @@ class ProfileReader {
         faults_.add(what + " must be {\"source\": text, \"ranges\": {joint: [lower, upper]}}");
         continue;
       }
-      check_keys(set, kSetKeys, what + ": ");
+      const JsonMembers members(set, faults_, what + ": ");
+      members.check_keys(kSetKeys);
       LimitSet limits = ranges_from_json(set["ranges"], bare_, what, faults_);
       limits.name = name;
-      limits.source = text(set, "source", what + ": ");
+      limits.source = members.text("source");
       profile_.limit_sets.push_back(std::move(limits));
     }
   }
@@ -180,9 +139,7 @@ class ProfileReader {
   }
 
   void read_method_limits() {
-    const Json* methods = object("method_limits");
-    if (methods == nullptr) return;
-    for (const auto& [method, set] : methods->items()) {
+    for (const auto& [method, set] : members_.object("method_limits").items()) {
       const std::string name = name_in(set);
       check_set(name, "\"method_limits\" of " + quoted(method));
       profile_.method_limits[method] = name;
@@ -197,23 +154,20 @@ class ProfileReader {
   }
 
   void read_speed_limits() {
-    profile_.speed_limits_source = text(json_, "speed_limits_source", "");
-    if (const auto given = json_.find("default_speed_limit"); given != json_.end()) {
+    profile_.speed_limits_source = members_.text("speed_limits_source");
+    if (const Json* given = members_.find("default_speed_limit")) {
       profile_.default_speed_limit = speed(*given, "\"default_speed_limit\"");
     }
-    const Json* speeds = object("speed_limits");
-    if (speeds == nullptr) return;
-    for (const auto& [name, value] : speeds->items()) {
+    for (const auto& [name, value] : members_.object("speed_limits").items()) {
       if (!is_joint(name, "\"speed_limits\"")) continue;
       profile_.speed_limits[name] = speed(value, "\"speed_limits\" of " + quoted(name));
     }
   }
 
   // positions by joint, rad or m
-  std::map<std::string, double> joint_positions(const Json* json, const std::string& what) {
+  std::map<std::string, double> joint_positions(const Json& json, const std::string& what) {
     std::map<std::string, double> positions;
-    if (json == nullptr) return positions;
-    for (const auto& [name, value] : json->items()) {
+    for (const auto& [name, value] : json.items()) {
       if (!is_joint(name, what)) continue;
       if (!value.is_number() || !std::isfinite(value.get<double>())) {
         faults_.add(what + " of " + quoted(name) + " must be a number, found " + short_text(value));
@@ -225,9 +179,7 @@ class ProfileReader {
   }
 
   void read_variants() {
-    const Json* variants = object("variants");
-    if (variants == nullptr) return;
-    for (const auto& [name, entry] : variants->items()) {
+    for (const auto& [name, entry] : members_.object("variants").items()) {
       const std::string what = "variant " + quoted(name);
       if (name.empty()) faults_.add("a variant without a name");
       const auto locked = entry.is_object() ? entry.find("locked") : entry.end();
@@ -235,16 +187,15 @@ class ProfileReader {
         faults_.add(what + " must be {\"locked\": {joint: position, ...}}");
         continue;
       }
-      check_keys(entry, kVariantKeys, what + ": ");
+      const JsonMembers members(entry, faults_, what + ": ");
+      members.check_keys(kVariantKeys);
       profile_.variants.push_back(
-          {name, text(entry, "description", what + ": "), joint_positions(&*locked, what)});
+          {name, members.text("description"), joint_positions(*locked, what)});
     }
   }
 
   void read_soles() {
-    const Json* soles = object("soles");
-    if (soles == nullptr) return;
-    for (const auto& [side, entry] : soles->items()) {
+    for (const auto& [side, entry] : members_.object("soles").items()) {
       const std::string what = "sole " + quoted(side);
       if (std::ranges::find(kSides, side) == kSides.end()) {
         faults_.add(what + ": expected \"left\" or \"right\"" + faults_.suggestion(side, kSides));
@@ -253,7 +204,6 @@ class ProfileReader {
         faults_.add(what + " must be {\"body\": name, \"points\": [[x, y, z], ...]}");
         continue;
       }
-      check_keys(entry, kSoleKeys, what + ": ");
       profile_.soles.push_back(sole(entry, side, what));
     }
   }
@@ -261,19 +211,20 @@ class ProfileReader {
   Sole sole(const Json& entry, const std::string& side, const std::string& what) {
     Sole sole;
     sole.side = side;
+    const JsonMembers members(entry, faults_, what + ": ");
+    members.check_keys(kSoleKeys);
     sole.body = body(name_in(entry["body"]), what);
-    const Json* points = list(entry, "points", what + ": ");
+    const Json* points = members.list("points");
     if (points == nullptr) return sole;
     if (points->empty()) faults_.add(what + " has no points");
-    for (const Json& point : *points) {
-      if (!is_point(point)) {
-        faults_.add(what + ": a point must be [x, y, z], found " + short_text(point));
-        continue;
+    for (const Json& json : *points) {
+      if (const auto point = vector_from(json)) {
+        sole.points.push_back(*point);
+      } else {
+        faults_.add(what + ": a point must be [x, y, z], found " + short_text(json));
       }
-      sole.points.emplace_back(point[0].get<double>(), point[1].get<double>(),
-                               point[2].get<double>());
     }
-    const Json* labels = list(entry, "labels", what + ": ");
+    const Json* labels = members.list("labels");
     if (labels == nullptr) return sole;
     for (const Json& label : *labels) sole.labels.push_back(name_in(label));
     if (labels->size() != points->size()) {
@@ -284,7 +235,7 @@ class ProfileReader {
   }
 
   void read_allowed_self_contact() {
-    const Json* pairs = list(json_, "allowed_self_contact", "");
+    const Json* pairs = members_.list("allowed_self_contact");
     if (pairs == nullptr) return;
     for (const Json& pair : *pairs) {
       if (!pair.is_array() || pair.size() != 2) {
@@ -298,7 +249,7 @@ class ProfileReader {
     }
   }
 
-  const Json& json_;
+  const JsonMembers members_;
   const std::vector<std::string> body_names_;
   const std::vector<std::string> joint_names_;
   const Robot& bare_;

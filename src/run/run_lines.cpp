@@ -1,7 +1,5 @@
 #include "run/run_lines.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>

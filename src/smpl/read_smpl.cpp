@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <new>
 #include <utility>
 
-#include "base/file.h"
 #include "base/npz.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
@@ -116,11 +114,6 @@ Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_nam
   } catch (const std::bad_alloc&) {
     return run_failure(file_name, "not enough memory for the motion in this file");
   }
-}
-
-Result<SmplMotion> load_smpl(const std::string& path, const SmplReadOptions& options) {
-  TRY_ASSIGN(const auto bytes, read_file(path));
-  return read_smpl(bytes.view(), path == "-" ? "<stdin>" : path, options);
 }
 
 }  // namespace retarget

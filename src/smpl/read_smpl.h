@@ -65,8 +65,4 @@ struct SmplMotion {
 [[nodiscard]] Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
                                            const SmplReadOptions& options = {});
 
-/// read_smpl of a file; `-` is standard input.
-[[nodiscard]] Result<SmplMotion> load_smpl(const std::string& path,
-                                           const SmplReadOptions& options = {});
-
 }  // namespace retarget

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "support/npz_builder.h"
+#include "support/read_npy.h"
 
 namespace retarget {
 namespace {

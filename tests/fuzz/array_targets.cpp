@@ -11,6 +11,7 @@
 #include "io/pickle.h"
 #include "smpl/read_smpl.h"
 #include "support/npz_builder.h"
+#include "support/read_npy.h"
 
 namespace retarget::fuzz {
 namespace {

@@ -7,6 +7,7 @@
 #include "ik/frame_error.h"
 #include "ik/ik_cases.h"
 #include "math/se3.h"
+#include "support/exp_se3.h"
 
 namespace retarget {
 namespace {

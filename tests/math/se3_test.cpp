@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "math/so3.h"
+#include "support/exp_se3.h"
 
 namespace retarget {
 namespace {

@@ -16,6 +16,7 @@
 #include "motion/resample.h"
 #include "pipeline/solve_frames.h"
 #include "smpl/read_smpl.h"
+#include "support/load_smpl.h"
 #include "support/shared_data.h"
 #include "support/test_robots.h"
 

@@ -11,6 +11,7 @@
 
 #include "motion/forward_kinematics.h"
 #include "smpl_test_support.h"
+#include "support/load_smpl.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/run_batch.h"
 #include "retarget/options.h"
 #include "run/run_to_files.h"
 
@@ -29,17 +30,7 @@ struct RunArguments {
 struct BatchArguments {
   /// Of every clip but for its file, robot and output; its memory is that of all together.
   RunArguments run;
-  std::vector<std::string> inputs;   ///< Files, folders, patterns, `@LIST`; with merge: manifests.
-  std::vector<std::string> lists;    ///< Files of names.
-  std::string base;                  ///< Folder below which named files keep their tree.
-  std::vector<std::string> exclude;  ///< Shell patterns.
-  std::vector<std::string> robots;
-  std::string output;           ///< Folder.
-  int jobs = 0;                 ///< Clips at a time; 0: as many as there are processors.
-  double clip_timeout_s = 0.0;  ///< After which a clip has failed; 0: never.
-  bool resume = false;
-  bool redo = false;
-  std::string shard;  ///< `I/N`; empty: all of it.
+  BatchRequest request;  ///< All but what `run` says, the data folder and `quality`.
   bool merge = false;
   bool no_quality = false;
 };

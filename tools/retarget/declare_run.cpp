@@ -3,7 +3,6 @@
 #include "argument_tables.h"
 #include "declare.h"
 #include "declare_table.h"
-#include "options/run_tables.h"
 
 namespace retarget::cli {
 
@@ -21,7 +20,7 @@ void add_run_words(CLI::App& app, RunArguments& arguments) {
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "batch", "Retarget folders of clips, all processors, resumable (docs/batch.md)");
-  declare(*command, {word("inputs", arguments.inputs, "IN...",
+  declare(*command, {word("inputs", arguments.request.inputs, "IN...",
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
                           false)});

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <string>
 #include <string_view>
 
 #include "options/option_table.h"

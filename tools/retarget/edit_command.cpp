@@ -11,10 +11,8 @@
 #include "bvh/write_bvh.h"
 #include "commands.h"
 #include "human/bone_map_file.h"
-#include "options/run_tables.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
-#include "run/run_lines.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
 

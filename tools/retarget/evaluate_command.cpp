@@ -12,7 +12,6 @@
 #include "base/try.h"
 #include "commands.h"
 #include "human/human_clip.h"
-#include "options/run_tables.h"
 #include "plan/check_options.h"
 #include "plan/config_files.h"
 #include "plan/gates.h"

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "argument_tables.h"
 #include "commands.h"
 #include "declare.h"
 #include "declare_table.h"

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "base/file.h"
-#include "base/option_name.h"
 #include "base/try.h"
 #include "commands.h"
 #include "plan/check_options.h"
-#include "retarget/load.h"
 #include "robot/find_robot.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"

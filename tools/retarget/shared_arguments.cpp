@@ -6,7 +6,6 @@
 #include "base/data_folder.h"
 #include "base/try.h"
 #include "options/run_tables.h"
-#include "plan/check_options.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 

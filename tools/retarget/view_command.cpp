@@ -12,7 +12,6 @@
 #include "plan/check_options.h"
 #include "read_motion.h"
 #include "retarget/solve.h"
-#include "run/run_lines.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
