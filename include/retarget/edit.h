@@ -59,17 +59,8 @@ struct TimingOptions {
 [[nodiscard]] Result<Clip> change_timing(Clip clip, const TimingOptions& options);
 
 /// A part of a clip, by times or by frames. By default the whole clip.
-struct TrimOptions {
-  std::optional<double> start = {}, end = {};  ///< Seconds; the end is inclusive.
-  std::string frames = {};                     ///< `a:b` as in Python slices; empty: not given.
-
-  [[nodiscard]] bool any() const { return start || end || !frames.empty(); }
-  /// Whether the part's beginning was chosen.
-  [[nodiscard]] bool begun() const { return start || !frames.empty(); }
-};
-
 /// @return kUsage errors: both times and frames given, a part without frames.
-[[nodiscard]] Result<Clip> trim(Clip clip, const TrimOptions& options);
+[[nodiscard]] Result<Clip> trim(Clip clip, const PartOptions& part);
 
 /// The clip without leading frames that are not part of its motion: a T-pose or an all-zero frame
 /// that it jumps away from. Call this before edits that look at the motion as a whole:

@@ -27,10 +27,9 @@ Result<Clip> change_timing(Clip clip, const TimingOptions& options) {
       {options.linear ? Interpolation::kLinear : Interpolation::kCubic, options.antialias});
 }
 
-Result<Clip> trim(Clip clip, const TrimOptions& options) {
-  if (!options.any()) return clip;
-  TRY_ASSIGN(const auto range, chosen_range(options.frames, options.start, options.end, clip.rate(),
-                                            clip.frame_count()));
+Result<Clip> trim(Clip clip, const PartOptions& part) {
+  TRY_ASSIGN(const auto range, chosen_range(part, clip.rate(), clip.frame_count()));
+  if (range.begin == 0 && range.end == clip.frame_count()) return clip;
   return cut(clip, range.begin, range.end);
 }
 

@@ -98,12 +98,16 @@ Result<FrameRange> frame_range_from_seconds(std::optional<double> start, std::op
                     static_cast<int>(std::min(last, frame_count - 1.0)) + 1};
 }
 
-Result<FrameRange> chosen_range(std::string_view frames, std::optional<double> start,
-                                std::optional<double> end, const FrameRate& rate, int frame_count) {
+Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate, int frame_count) {
+  const auto given = [](double seconds) {
+    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
+  };
+  const auto start = given(part.start_s), end = given(part.end_s);
   if (!start && !end) {
-    return frames.empty() ? FrameRange{0, frame_count} : frame_range_from_text(frames, frame_count);
+    if (part.frames.empty()) return FrameRange{0, frame_count};
+    return frame_range_from_text(part.frames, frame_count);
   }
-  if (frames.empty()) return frame_range_from_seconds(start, end, rate, frame_count);
+  if (part.frames.empty()) return frame_range_from_seconds(start, end, rate, frame_count);
   return usage_failure(
       OPTION("frames") " and " OPTION("start") "/" OPTION("end") " both choose a part of the clip",
       "give only one of them");

@@ -5,6 +5,7 @@
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/options.h"
 
 namespace retarget {
 
@@ -26,10 +27,9 @@ namespace retarget {
                                                           std::optional<double> end,
                                                           const FrameRate& rate, int frame_count);
 
-/// The part of a clip that options choose, by frames (`a:b`; empty: not given) or by times; nothing
-/// given: all of it. Usage errors: those of the two above; frames and times both.
-[[nodiscard]] Result<FrameRange> chosen_range(std::string_view frames, std::optional<double> start,
-                                              std::optional<double> end, const FrameRate& rate,
+/// The part of a clip that options choose, by frames or by times; nothing given: all of it. Usage
+/// errors: those of the two above; frames and times both.
+[[nodiscard]] Result<FrameRange> chosen_range(const PartOptions& part, const FrameRate& rate,
                                               int frame_count);
 
 }  // namespace retarget

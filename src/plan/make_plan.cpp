@@ -31,14 +31,6 @@ int frames_to_leave_out(const Clip& clip, const Options& options) {
   return ends_there ? 0 : count;
 }
 
-Result<FrameRange> chosen_part(const Clip& clip, const PartOptions& part) {
-  const auto given = [](double seconds) {
-    return seconds < 0.0 ? std::nullopt : std::optional<double>(seconds);
-  };
-  return chosen_range(part.frames, given(part.start_s), given(part.end_s), clip.rate(),
-                      clip.frame_count());
-}
-
 // How the body's size scales the motion: as the options say, else as is best for the clip.
 HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
                          const Options& options) {
@@ -74,7 +66,7 @@ Result<void> leave_out_missing(Plan& plan) {
 
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);
-  TRY_ASSIGN(plan.part, chosen_part(clip, options.part));
+  TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
   if (plan.lead_in_frames > 0) {
     plan.part.begin = std::max(plan.part.begin, plan.lead_in_frames);
     const bool one = plan.lead_in_frames == 1;

@@ -19,10 +19,10 @@ Subject subject_of(const EditSample& sample) {
 TEST(Parts, AreGivenByTimesOrFrames) {
   const Clip& walk = data_sample("walk").clip;
   EXPECT_EQ(trim(walk, {}).value().frame_count(), walk.frame_count());
-  EXPECT_EQ(trim(walk, {.start = 2.0, .end = 4.0}).value().frame_count(), 61);
+  EXPECT_EQ(trim(walk, {.start_s = 2.0, .end_s = 4.0}).value().frame_count(), 61);
   EXPECT_EQ(trim(walk, {.frames = "10:40"}).value().frame_count(), 30);
-  EXPECT_EQ(trim(walk, {.start = 2.0, .frames = "10:40"}).error().kind, ErrorKind::kUsage);
-  EXPECT_EQ(trim(walk, {.start = 1000.0}).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(trim(walk, {.start_s = 2.0, .frames = "10:40"}).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(trim(walk, {.start_s = 1000.0}).error().kind, ErrorKind::kUsage);
 }
 
 TEST(Parts, DropLeadInFrames) {

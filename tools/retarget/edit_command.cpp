@@ -39,11 +39,6 @@ std::string shown_name(const std::string& file) {
   return file == "-" ? "standard input" : file;
 }
 
-TrimOptions part_of(const PartOptions& part) {
-  const auto given = [](double time) { return time < 0.0 ? std::nullopt : std::optional(time); };
-  return {given(part.start_s), given(part.end_s), part.frames};
-}
-
 // every file that an edit reads
 std::vector<std::string> files_of(const EditArguments& options) {
   Run run;
@@ -59,10 +54,7 @@ std::vector<std::string> files_of(const EditArguments& options) {
 class EditRun {
  public:
   EditRun(const EditArguments& options, Console& console)
-      : options_(options),
-        console_(console),
-        file_(shown_name(options.file)),
-        part_(part_of(options.part)) {}
+      : options_(options), console_(console), file_(shown_name(options.file)) {}
 
   // nothing: what was asked for is written already
   Result<std::optional<Clip>> run() {
@@ -117,11 +109,12 @@ class EditRun {
         edit != Edit::kMove && edit != Edit::kPath && !(edit == Edit::kGround && options_.floor);
     TRY_ASSIGN(Clip clip, read_clip(file));
     TRY_ASSIGN(auto source, read_human(std::move(clip), how, write_map));
-    TRY_ASSIGN(source.clip, trim(std::move(source.clip), part_));
+    const PartOptions& part = options_.part;
+    TRY_ASSIGN(source.clip, trim(std::move(source.clip), part));
     // what looks at the motion as a whole must not take a T-pose in front for a part of it
     const bool looks_at_motion = edit == Edit::kPath || edit == Edit::kLoop ||
                                  edit == Edit::kConcat || edit == Edit::kGround;
-    if (part_.begun() || !looks_at_motion) return source;
+    if (part.start_s >= 0.0 || !part.frames.empty() || !looks_at_motion) return source;
     // clips that are joined have no --start
     const bool can_start = edit != Edit::kConcat;
     TRY_ASSIGN(source.clip,
@@ -154,7 +147,8 @@ class EditRun {
     if (resample && options_.fps.empty() && !timing.speed) {
       return usage_failure("edit resample needs --fps or --speed");
     }
-    if (!resample && !part_.any()) {
+    const PartOptions& part = options_.part;
+    if (!resample && part.start_s < 0.0 && part.end_s < 0.0 && part.frames.empty()) {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
     if (!options_.fps.empty()) {
@@ -162,7 +156,7 @@ class EditRun {
       if (fps) timing.rate = frame_rate_from_fps(*fps);
     }
     TRY_ASSIGN(Clip motion, read_clip(options_.file));
-    TRY_ASSIGN(auto clip, trim(std::move(motion), part_));
+    TRY_ASSIGN(auto clip, trim(std::move(motion), part));
     if (!resample) return clip;
     console_.line("source", summary(clip));
     return change_timing(std::move(clip), timing);
@@ -272,7 +266,6 @@ class EditRun {
   const EditArguments& options_;
   Console& console_;
   const std::string file_;
-  const TrimOptions part_;
 };
 
 }  // namespace
