@@ -162,7 +162,7 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
 void BatchWorker::remove_outputs(const BatchTask& task) const {
   std::error_code ignored;
   for (const std::string& file :
-       context_.finished.verified_outputs_of(task.input->relative, task.robot->name)) {
+       context_.finished.outputs_of(task.input->relative, task.robot->name, true)) {
     fs::remove(context_.output_folder + "/" + file, ignored);
   }
 }

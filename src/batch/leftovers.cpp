@@ -54,7 +54,8 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
     const auto items =
         plan_outputs(task.robot->folder + batch_output(save, task.input->relative), save);
     if (!items) continue;
-    for (const std::string& file : finished.outputs_of(task.input->relative, task.robot->name)) {
+    for (const std::string& file :
+         finished.outputs_of(task.input->relative, task.robot->name, false)) {
       const bool replaced = std::ranges::any_of(*items, [&](const OutputItem& item) {
         return file == item.path || (task.robot->request.sidecar && file == item.path + ".json");
       });

@@ -95,22 +95,15 @@ std::string FinishedClips::last_finished(const std::string& relative,
 }
 
 std::vector<std::string> FinishedClips::outputs_of(const std::string& relative,
-                                                   const std::string& robot) const {
-  const auto found = outputs_.find({relative, robot});
-  if (found == outputs_.end()) return {};
-  std::set<std::string> names;
-  for (const FileRecord& output : found->second) names.insert(output.file);
-  return {names.begin(), names.end()};
-}
-
-std::vector<std::string> FinishedClips::verified_outputs_of(const std::string& relative,
-                                                            const std::string& robot) const {
+                                                   const std::string& robot, bool verified) const {
   const auto found = outputs_.find({relative, robot});
   if (found == outputs_.end()) return {};
   std::set<std::string> names;
   for (const FileRecord& output : found->second) {
-    if (names.contains(output.file) || !lies_in(output_folder_, output.file)) continue;
-    if (has_recorded_content(output, output_folder_ + "/" + output.file)) names.insert(output.file);
+    if (names.contains(output.file) || (verified && !lies_in(output_folder_, output.file)))
+      continue;
+    if (verified && !has_recorded_content(output, output_folder_ + "/" + output.file)) continue;
+    names.insert(output.file);
   }
   return {names.begin(), names.end()};
 }

@@ -45,17 +45,14 @@ class FinishedClips {
                                const std::string& input_path) const;
 
   /// The files, below the output folder, that earlier runs are said to have made of a clip.
+  /// @param verified  those alone that are what was recorded, by size and content, and lie in that
+  ///                  folder when links are followed: no others may be removed.
   [[nodiscard]] std::vector<std::string> outputs_of(const std::string& relative,
-                                                    const std::string& robot) const;
+                                                    const std::string& robot, bool verified) const;
 
   /// When an entry of the clip was finished last, failed ones included; empty: there is none.
   [[nodiscard]] std::string last_finished(const std::string& relative,
                                           const std::string& robot) const;
-
-  /// Of outputs_of those that are what was recorded, by size and content, and that lie in the
-  /// output folder when links are followed: the only files that may be removed.
-  [[nodiscard]] std::vector<std::string> verified_outputs_of(const std::string& relative,
-                                                             const std::string& robot) const;
 
   /// Whether input and outputs of an entry have the recorded contents; files whose size and time
   /// are the recorded ones are trusted.

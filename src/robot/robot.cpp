@@ -130,10 +130,7 @@ void Robot::set_variant(const RobotVariant& variant) {
   if (profile_.joint_order.empty()) profile_.joint_order = joint_names();
   std::erase_if(profile_.joint_order,
                 [&](const std::string& joint) { return variant.locked.contains(joint); });
-  output_joints_.clear();
-  for (const std::string& name : profile_.joint_order) {
-    if (const auto joint = find_joint(name)) output_joints_.push_back(*joint);
-  }
+  std::erase_if(output_joints_, [&](int j) { return variant.locked.contains(joints_[j].name); });
   for (LimitSet& limits : profile_.limit_sets) hold_locked_joints(*this, limits);
   hold_locked_joints(*this, model_limits_);
 }
