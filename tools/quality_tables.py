@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
@@ -38,8 +39,9 @@ def figures(tool, clip, robot, options=(), motion=None):
         if motion:
             command = [tool, "evaluate", motion, "--robot", robot, "--bvh", clip, "--json", report,
                        "--gate", "none", *options]
-        subprocess.run(command, capture_output=True, check=False)
+        result = subprocess.run(command, capture_output=True, check=False, text=True)
         if not os.path.exists(report):
+            print(f"{clip}, {robot}: {result.stderr.strip()}", file=sys.stderr)
             return None
         with open(report, encoding="utf-8") as file:
             return json.load(file)["motions"][0]

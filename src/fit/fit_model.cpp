@@ -180,12 +180,13 @@ std::vector<int> ends_of_points(const Sole& sole) {
   if (sole.labels.size() == sole.points.size()) {
     for (const std::string& label : sole.labels) {
       const bool heel = label.starts_with("heel"), toe = label.starts_with("toe");
-      ends.push_back(heel ? kHeel : toe ? kToe : -1);
+      ends.push_back(heel ? kHeelEnd : toe ? kToeEnd : -1);
     }
-    if (std::ranges::count(ends, kHeel) > 0 && std::ranges::count(ends, kToe) > 0) return ends;
+    if (std::ranges::count(ends, kHeelEnd) > 0 && std::ranges::count(ends, kToeEnd) > 0)
+      return ends;
   }
   // the sole's longest line runs from heel to toe, and the ankle stands nearer to the heel
-  ends.assign(sole.points.size(), kHeel);
+  ends.assign(sole.points.size(), kHeelEnd);
   double longest = 0.0;
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = from;
   for (const auto& a : sole.points) {
@@ -197,7 +198,7 @@ std::vector<int> ends_of_points(const Sole& sole) {
     }
   }
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    if ((sole.points[i] - 0.5 * (from + to)).dot(to - from) > 0.0) ends[i] = kToe;
+    if ((sole.points[i] - 0.5 * (from + to)).dot(to - from) > 0.0) ends[i] = kToeEnd;
   }
   return ends;
 }
@@ -219,23 +220,24 @@ void ModelMaker::add_feet() {
       if (!tip) corners[end].push_back(sole.points[i]);
     }
     FitFoot foot;
-    if (all[kHeel].empty() || all[kToe].empty()) continue;
-    for (const std::size_t end : {kHeel, kToe}) {
+    if (all[kHeelEnd].empty() || all[kToeEnd].empty()) continue;
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
       if (corners[end].empty()) corners[end] = all[end];
     }
-    const Eigen::Vector3d forward = (mean_of(corners[kToe]) - mean_of(corners[kHeel])).normalized();
+    const Eigen::Vector3d forward =
+        (mean_of(corners[kToeEnd]) - mean_of(corners[kHeelEnd])).normalized();
     const Pose& link_from_body = attached.link_from_body;
     foot.link = attached.link;
     foot.left = sole.side == "left";
     foot.body = sole.body;
-    foot.ends[kHeel] = make_end(corners[kHeel], all[kHeel], -forward, link_from_body);
-    foot.ends[kToe] = make_end(corners[kToe], all[kToe], forward, link_from_body);
+    foot.ends[kHeelEnd] = make_end(corners[kHeelEnd], all[kHeelEnd], -forward, link_from_body);
+    foot.ends[kToeEnd] = make_end(corners[kToeEnd], all[kToeEnd], forward, link_from_body);
     // distance of the origin from the heel-toe line is its height, for ankles stand above it
-    const Eigen::Vector3d heel = mean_of(corners[kHeel]);
+    const Eigen::Vector3d heel = mean_of(corners[kHeelEnd]);
     const Eigen::Vector3d above = forward * forward.dot(heel) - heel;
     const Eigen::Vector3d sideways = above.cross(forward).normalized();
     foot.sideways = link_from_body.rotation * sideways;
-    for (const std::size_t end : {kHeel, kToe}) {
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
       for (const auto& corner : corners[end]) {
         foot.ends[end].half_width = std::max(
             foot.ends[end].half_width, std::abs(sideways.dot(corner - mean_of(corners[end]))));
@@ -300,10 +302,10 @@ void ModelMaker::add_shapes() {
 // what of a foot's shapes belongs to its heel, and what to its toe
 void ModelMaker::add_foot_shapes() {
   for (FitFoot& foot : model_.feet) {
-    const Eigen::Vector3d forward = foot.ends[kToe].middle - foot.ends[kHeel].middle;
-    const Eigen::Vector3d middle = 0.5 * (foot.ends[kToe].middle + foot.ends[kHeel].middle);
+    const Eigen::Vector3d forward = foot.ends[kToeEnd].middle - foot.ends[kHeelEnd].middle;
+    const Eigen::Vector3d middle = 0.5 * (foot.ends[kToeEnd].middle + foot.ends[kHeelEnd].middle);
     for (const FloorPoint& point : model_.floor_points[foot.link]) {
-      const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToe : kHeel;
+      const std::size_t end = forward.dot(point.position - middle) > 0.0 ? kToeEnd : kHeelEnd;
       foot.ends[end].shape_points.push_back(point);
     }
   }

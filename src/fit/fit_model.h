@@ -51,8 +51,6 @@ struct FitFoot {
   int body = 0;
 };
 
-inline constexpr int kHeel = kHeelEnd, kToe = kToeEnd;
-
 /// A collision shape in its link's frame.
 struct FitShape : RoundedShape {
   int link = 0;

@@ -45,7 +45,7 @@ void stress_flights(const SourceFeet& source, FootPlan& plan) {
       const double share = std::min(1.0, (lowest(frame) - kAloft) / (kWholly - kAloft));
       for (std::size_t foot = 0; foot < feet; ++foot) {
         const auto ends = at_frame(frame).subspan(2 * foot, 2);
-        const double low = std::min(ends[kHeel].clearance, ends[kToe].clearance);
+        const double low = std::min(ends[kHeelEnd].clearance, ends[kToeEnd].clearance);
         for (FootEndGoal& goal : ends) {
           const double stress = share * std::max(0.0, 1.0 - (goal.clearance - low) / kLowerEnd);
           goal.importance += stress * (kImportance - goal.importance);
@@ -89,7 +89,7 @@ FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
       const SourceFoot& foot = source.at(frame, side);
       const double upright = std::clamp((foot.up - kLyingFoot) / kUprightRange, 0.0, 1.0);
       plan.upright.push_back(upright);
-      for (const int end : {kHeel, kToe}) {
+      for (const int end : {kHeelEnd, kToeEnd}) {
         FootEndGoal goal;
         goal.clearance = std::max(0.0, scale * (foot.end(end).z() - contacts.standing.of(end))) +
                          kHalfWidth * scale * std::abs(foot.side);
@@ -99,7 +99,7 @@ FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
     }
   }
   for (int foot = 0; foot < plan.foot_count; ++foot) {
-    for (const int end : {kHeel, kToe}) {
+    for (const int end : {kHeelEnd, kToeEnd}) {
       const EndContacts& of_end = contacts.ends[at(source_feet[at(foot)])][at(end)];
       for (const ContactPhase& phase : of_end.phases) {
         for (int frame = phase.begin; frame < phase.end; ++frame) {

@@ -13,7 +13,7 @@ namespace retarget {
 struct PlantedPhase {
   int begin = 0, end = 0;  ///< Frames [begin, end).
   int foot = 0;            ///< Index of the robot's foot.
-  int foot_end = kHeel;
+  int foot_end = kHeelEnd;
 };
 
 /// What the robot's feet should do, clip-wide.

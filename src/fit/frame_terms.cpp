@@ -155,7 +155,7 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
 void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
-    for (const std::size_t end : {kHeel, kToe}) {
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
       add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals, costs);
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/located.h"
 #include "base/machine.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
@@ -91,13 +92,9 @@ Result<std::shared_ptr<const Clip>> prepare_clip(const Plan& plan) {
     Clip part = whole ? *clip : cut(*clip, plan.part.begin, plan.part.end);
     if (!at_rate) {
       const TimeOptions& time = plan.options.time;
-      auto resampled =
-          resample(std::move(part), plan.rate, {time.interpolation, !time.no_antialias});
-      if (!resampled) {
-        resampled.error().location.file = clip->name();
-        return failure(std::move(resampled).error());
-      }
-      part = std::move(*resampled);
+      TRY_ASSIGN(part, located(resample(std::move(part), plan.rate,
+                                        {time.interpolation, !time.no_antialias}),
+                               clip->name()));
     }
     clip = std::make_shared<const Clip>(std::move(part));
   }

@@ -25,10 +25,7 @@ class FitStatusTest : public testing::Test {
  protected:
   void SetUp() override {
     robot_ = load_g1();
-    const auto config =
-        load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
-    ASSERT_TRUE(config.has_value());
-    config_ = *config;
+    config_ = published_config(*robot_);
   }
 
   FitReport report_of(const FitOptions& options) {

@@ -33,10 +33,7 @@ class FitTest : public testing::Test {
   static void TearDownTestSuite() { robot_.reset(); }
 
   void SetUp() override {
-    const auto config =
-        load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
-    ASSERT_TRUE(config.has_value());
-    config_ = *config;
+    config_ = published_config(*robot_);
     const auto limits = load_limits(*robot_, "official");
     ASSERT_TRUE(limits.has_value());
     limits_ = *limits;

@@ -42,7 +42,7 @@ TEST(FitWindows, WaitForContactsAcrossTheirBorders) {
   // one end of a foot or another stands all the time: contacts of 1 s follow each other
   std::vector<PlantedPhase> phases;
   for (int begin = 0; begin + 60 <= 1800; begin += 30) {
-    phases.push_back({begin, begin + 60, (begin / 30) % 2, kHeel});
+    phases.push_back({begin, begin + 60, (begin / 30) % 2, kHeelEnd});
   }
   const FitWindows plan = plan_windows(clip_of(1800, phases), FitOptions{});
   ASSERT_EQ(plan.windows.size(), 3U);

@@ -107,7 +107,7 @@ TEST(FootPlan, GuessesTheFloorIfNoFootStands) {
 TEST(FootPlan, FindsPhasesOfAStep) {
   const FootPlan plan = plan_of(make_feet(3.0, 30.0, step));
   ASSERT_EQ(plan.phases.size(), 4U);
-  for (const int end : {kHeel, kToe}) {
+  for (const int end : {kHeelEnd, kToeEnd}) {
     const PlantedPhase& first = plan.phases[static_cast<std::size_t>(2 * end)];
     const PlantedPhase& second = plan.phases[static_cast<std::size_t>(2 * end + 1)];
     EXPECT_EQ(first.foot_end, end);
@@ -196,7 +196,7 @@ TEST(FootPlan, StillRaisedFootIsSupported) {
     const FootPlan plan = plan_of(make_feet(3.0, fps, step_up), 0.5);
     ASSERT_EQ(plan.phases.size(), 4U) << fps;
     const int late = static_cast<int>(2.5 * fps);
-    for (const std::size_t end : {kHeel, kToe}) {
+    for (const std::size_t end : {kHeelEnd, kToeEnd}) {
       const PlantedPhase& raised = plan.phases[2 * end + 1];
       EXPECT_NEAR(raised.begin / fps, 1.5, 2.0 / fps);
       EXPECT_EQ(raised.end, static_cast<int>(3.0 * fps) + 1);
@@ -214,8 +214,8 @@ TEST(FootPlan, FlatFootHasHeelAndToeAtTheSameHeight) {
     if (foot.ankle.z() > kAnkleHeight + 0.2) foot.toe.z() += 0.02;
   }
   const FootPlan plan = plan_of(feet);
-  EXPECT_NEAR(plan.ends_of(75)[kHeel].support, 0.31, 1e-12);
-  EXPECT_EQ(plan.ends_of(75)[kHeel].support, plan.ends_of(75)[kToe].support);
+  EXPECT_NEAR(plan.ends_of(75)[kHeelEnd].support, 0.31, 1e-12);
+  EXPECT_EQ(plan.ends_of(75)[kHeelEnd].support, plan.ends_of(75)[kToeEnd].support);
 }
 
 TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
@@ -224,9 +224,9 @@ TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
     feet.feet[frame].ankle.z() += 0.5 * (static_cast<double>(frame) / 30.0 - 2.5);
   }
   const FootPlan plan = plan_of(feet);
-  EXPECT_EQ(plan.ends_of(85)[kHeel].phase, -1);
-  EXPECT_GE(plan.ends_of(85)[kToe].phase, 0);
-  EXPECT_NEAR(plan.ends_of(85)[kToe].support, 0.3, 1e-12);
+  EXPECT_EQ(plan.ends_of(85)[kHeelEnd].phase, -1);
+  EXPECT_GE(plan.ends_of(85)[kToeEnd].phase, 0);
+  EXPECT_NEAR(plan.ends_of(85)[kToeEnd].support, 0.3, 1e-12);
 }
 
 TEST(FootPlan, FeetInTheAirAreNotPlanted) {
@@ -240,7 +240,7 @@ TEST(FootPlan, FeetInTheAirAreNotPlanted) {
   });
   for (const SourceFeet& feet : {kick, sways}) {
     const FootPlan plan = plan_of(feet);
-    for (int frame = 40; frame < 88; ++frame) EXPECT_EQ(plan.ends_of(frame)[kHeel].support, 0.0);
+    for (int frame = 40; frame < 88; ++frame) EXPECT_EQ(plan.ends_of(frame)[kHeelEnd].support, 0.0);
   }
 }
 
@@ -248,12 +248,12 @@ TEST(FootPlan, FlightRequiresFreeFall) {
   // feet go up and down while the hips stay where they are, or rise by g T^2 / 8
   SourceFeet feet = make_feet(3.0, 30.0, step);
   feet.hips.assign(feet.feet.size(), 0.2);
-  EXPECT_EQ(plan_of(feet).ends_of(38)[kToe].importance, 1.0);
+  EXPECT_EQ(plan_of(feet).ends_of(38)[kToeEnd].importance, 1.0);
   for (std::size_t frame = 30; frame < 46; ++frame) {
     const double t = static_cast<double>(frame) / 30.0 - 1.25;
     feet.hips[frame] += 0.5 * 9.81 * (0.0625 - t * t);
   }
-  EXPECT_NEAR(plan_of(feet).ends_of(38)[kToe].importance, 5.0, 1e-9);
+  EXPECT_NEAR(plan_of(feet).ends_of(38)[kToeEnd].importance, 5.0, 1e-9);
 }
 
 TEST(FootPlan, TuckedFootInFlightUsesItsLowerEnd) {
@@ -264,8 +264,8 @@ TEST(FootPlan, TuckedFootInFlightUsesItsLowerEnd) {
     feet.feet[frame].up = 0.05;
   }
   const FootPlan plan = plan_of(feet);
-  EXPECT_DOUBLE_EQ(plan.ends_of(38)[kToe].importance, 5.0);
-  EXPECT_NEAR(plan.ends_of(38)[kHeel].importance, 0.0, 1e-12);
+  EXPECT_DOUBLE_EQ(plan.ends_of(38)[kToeEnd].importance, 5.0);
+  EXPECT_NEAR(plan.ends_of(38)[kHeelEnd].importance, 0.0, 1e-12);
   EXPECT_EQ(plan.upright_of(38)[0], 1.0);
 }
 

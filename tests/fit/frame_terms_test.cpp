@@ -46,10 +46,7 @@ class FrameTermsTest : public testing::Test {
  protected:
   void SetUp() override {
     robot_ = load_g1();
-    const auto config =
-        load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot_);
-    ASSERT_TRUE(config.has_value());
-    config_ = *config;
+    config_ = published_config(*robot_);
     const TargetBuilder targets(config_, 1.75);
     for (const Bone bone : kAllBones) {
       target_of_bone_[bone] = targets.target_of(bone);

@@ -89,40 +89,6 @@ TEST(BlockChain, WideVectorsGiveIdenticalBits) {
       0);
 }
 
-TEST(BlockChain, MatchesADenseSolver) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (const int size : {1, 5, 35}) {
-    constexpr int kBlocks = 7;
-    BlockChain chain(size);
-    chain.begin(kBlocks);
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kBlocks * size, kBlocks * size);
-    Eigen::VectorXd right(kBlocks * size);
-    for (int t = 0; t < kBlocks; ++t) {
-      // coupling below the diagonal's least eigenvalue keeps the whole positive definite
-      const Eigen::MatrixXd h =
-          random_positive(size, random) + 2.0 * Eigen::MatrixXd::Identity(size, size);
-      dense.block(t * size, t * size, size, size) = h;
-      for (int i = 0; i < size; ++i) {
-        for (int j = 0; j <= i; ++j) chain.block(t)[i * chain.stride() + j] = h(i, j);
-        right[t * size + i] = chain.right(t)[i] = uniform(random);
-        if (t == 0) continue;
-        const double coupling = chain.coupling(t)[i] = uniform(random);
-        dense(t * size + i, (t - 1) * size + i) = coupling;
-        dense((t - 1) * size + i, t * size + i) = coupling;
-      }
-      ASSERT_TRUE(chain.eliminate(t));
-    }
-    chain.substitute();
-    const Eigen::VectorXd wanted = dense.ldlt().solve(right);
-    for (int t = 0; t < kBlocks; ++t) {
-      for (int i = 0; i < size; ++i) {
-        EXPECT_NEAR(chain.solution(t)[static_cast<std::size_t>(i)], wanted[t * size + i], 1e-9);
-      }
-    }
-  }
-}
-
 // random chains, one of whose blocks may be made not positive definite
 struct RandomChain {
   RandomChain(int size, int blocks, std::mt19937& random, int indefinite = -1) : chain(size) {
@@ -150,6 +116,23 @@ struct RandomChain {
   Eigen::MatrixXd dense;
   Eigen::VectorXd right;
 };
+
+TEST(BlockChain, MatchesADenseSolver) {
+  std::mt19937 random(2);
+  for (const int size : {1, 5, 35}) {
+    constexpr int kBlocks = 7;
+    RandomChain problem(size, kBlocks, random);
+    for (int t = 0; t < kBlocks; ++t) ASSERT_TRUE(problem.chain.eliminate(t));
+    problem.chain.substitute();
+    const Eigen::VectorXd wanted = problem.dense.ldlt().solve(problem.right);
+    for (int t = 0; t < kBlocks; ++t) {
+      for (int i = 0; i < size; ++i) {
+        EXPECT_NEAR(problem.chain.solution(t)[static_cast<std::size_t>(i)], wanted[t * size + i],
+                    1e-9);
+      }
+    }
+  }
+}
 
 TEST(BlockChain, AgreesWithEigensLlt) {
   std::mt19937 random(5);

@@ -117,8 +117,8 @@ TEST(RobotLimbs, EndAtTheElbowsWithoutMappedHands) {
 
 TEST(RobotLimbs, MatchTheG1) {
   const auto robot = load_g1();
-  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
-  const auto limbs = robot_limbs(*robot, *config);
+  const ResolvedConfig config = published_config(*robot);
+  const auto limbs = robot_limbs(*robot, config);
   ASSERT_TRUE(limbs) << describe(limbs.error());
   // from the figures of the model: hips 3 cm below the pitch axis, shins of 300 mm
   EXPECT_NEAR(limbs->lengths.leg, 0.62, 0.03);

@@ -19,10 +19,10 @@ RobotClip robot_motion(const Clip& clip) {
   const auto found = calibrate(clip, map, {});
   EXPECT_TRUE(found) << describe(found.error());
   const auto robot = load_g1();
-  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", *robot);
+  const ResolvedConfig config = published_config(*robot);
   SolveFramesOptions options;
   options.height_scale = HeightScale::kLimbs;
-  auto result = solve_frames(clip, *found, robot, *config, robot->model_limits(), options);
+  auto result = solve_frames(clip, *found, robot, config, robot->model_limits(), options);
   EXPECT_TRUE(result) << describe(result.error());
   return std::move(result->clip);
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "retarget/retargeting_config.h"
 #include "robot/load_robot.h"
 #include "support/temporary_folder.h"
 
@@ -27,6 +28,13 @@ inline std::shared_ptr<const Robot> load_g1() {
       load_robot_files((folder / "model.xml").string(), (folder / "robot.json").string());
   EXPECT_TRUE(robot.has_value()) << (robot ? "" : describe(robot.error()));
   return robot ? *robot : nullptr;
+}
+
+/// The published retargeting configuration of the G1 for LAFAN1.
+inline ResolvedConfig published_config(const Robot& g1) {
+  const auto config = load_config(RETARGET_SOURCE_DIR "/configs/lafan1_to_unitree_g1.json", g1);
+  EXPECT_TRUE(config.has_value()) << (config ? "" : describe(config.error()));
+  return config.value_or(ResolvedConfig());
 }
 
 /// Two arms on a floating base: hinges about different axes, an anchor off the origin, a slide, an
