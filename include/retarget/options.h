@@ -56,13 +56,13 @@ enum class BodyPoint : unsigned char {
   kMass,  ///< The centre of mass of the link and what is fixed to it, as Isaac Lab has it.
 };
 
-/// How the body's size scales the motion.
+/// How the body's size scales a human to a robot.
 enum class ScaleRule : unsigned char {
-  kAuto,    ///< kLimbs; kTable for LAFAN1 with the published method or a retargeting configuration
-            ///< made for it.
-  kTable,   ///< By the configuration's table, whatever the body's height.
-  kHeight,  ///< The same, every body brought to one size first.
-  kLimbs,   ///< Legs, trunk and arms take the robot's lengths.
+  kTable,   ///< As in the published method: by the configuration's table, in proportion to the
+            ///< height, which it assumes to be 1.75 m for everyone.
+  kHeight,  ///< By the table, but inversely to the height: every body is brought to the size of the
+            ///< published one first, so that a child and a giant moving alike give the same motion.
+  kLimbs,   ///< Not by the table: legs, trunk and arms take the robot's lengths.
 };
 
 /// One of the six directions of a file's axes.
@@ -225,7 +225,9 @@ struct SolveOptions {
   double fit_window_s = 0.0;         ///< Overrides FitOptions::window; 0: does not.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   IkEngine engine = IkEngine::kFast;
-  ScaleRule scale = ScaleRule::kAuto;
+  std::optional<ScaleRule>
+      scale;  ///< Empty: kLimbs; kTable for LAFAN1 with the published method or
+              ///< a retargeting configuration made for it.
 };
 
 /// The output's frames.

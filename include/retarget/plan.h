@@ -57,7 +57,7 @@ struct Plan {
   LimitSet limits;
   ResolvedConfig config;
   bool is_config_of_others = false;  ///< Chosen because the clip is not in the form of LAFAN1.
-  HeightScale scale = HeightScale::kLimbs;
+  ScaleRule scale = ScaleRule::kLimbs;
   FitOptions fit;
   std::vector<SummaryLine> clip_notes;    ///< What was left out of the clip, and why.
   std::vector<SummaryLine> config_notes;  ///< The same of the configuration.

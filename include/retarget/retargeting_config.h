@@ -16,18 +16,6 @@
 
 namespace RETARGET_API retarget {
 
-/// How the height of the body scales a human to a robot.
-enum class HeightScale : unsigned char {
-  /// As in the published method: in proportion to the height, which it assumes to be 1.75 m for
-  /// everyone.
-  kPublished,
-  /// Inversely: every body is brought to the size of the published one first, so that a child and a
-  /// giant moving alike give the same robot motion.
-  kNormalised,
-  /// Not at all: legs, trunk and arms take the robot's lengths; the table's scales are not used.
-  kLimbs,
-};
-
 /// How pelvis and torso turn when limbs are scaled individually (kLimbs).
 enum class TrunkRule : unsigned char {
   kBones,  ///< As the bones Hips and Spine2, as published.

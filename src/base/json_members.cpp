@@ -45,11 +45,9 @@ const Json& JsonMembers::object(const std::string& key) const {
 }
 
 std::optional<Eigen::Vector3d> vector_from(const Json& json) {
-  const auto is_number = [](const Json& value) { return value.is_number(); };
-  if (!json.is_array() || json.size() != 3 || !std::ranges::all_of(json, is_number)) {
-    return std::nullopt;
-  }
-  return Eigen::Vector3d(json[0].get<double>(), json[1].get<double>(), json[2].get<double>());
+  const auto values = value_from<std::vector<double>>(json);
+  if (!values || values->size() != 3) return std::nullopt;
+  return Eigen::Vector3d(values->data());
 }
 
 }  // namespace retarget

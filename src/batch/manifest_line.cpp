@@ -1,10 +1,8 @@
 #include <cmath>
-#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <type_traits>
 #include <utility>
 
-#include "base/json.h"
+#include "base/json_members.h"
 #include "base/utf8.h"
 #include "batch/manifest.h"
 #include "options/options_json.h"
@@ -57,35 +55,13 @@ class EntryReader {
     return json_.is_object() && at != json_.end() ? &*at : nullptr;
   }
   template <typename T>
-  void number(const std::string& key, T& value) const {
+  void read(const std::string& key, T& value) const {
     const Json* json = member(key);
-    if (json == nullptr || !json->is_number()) return;
-    if constexpr (std::is_integral_v<T>) {
-      // a number that T cannot hold must not be cast to it
-      if (json->is_number_unsigned()) {
-        const auto number = json->get<std::uint64_t>();
-        if (std::in_range<T>(number)) value = static_cast<T>(number);
-      } else if (json->is_number_integer()) {
-        const auto number = json->get<std::int64_t>();
-        if (std::in_range<T>(number)) value = static_cast<T>(number);
-      }
-    } else {
-      value = json->get<T>();
-    }
-  }
-  void text(const std::string& key, std::string& value) const {
-    const Json* json = member(key);
-    if (json != nullptr && json->is_string()) value = json->get<std::string>();
+    if (json == nullptr) return;
+    if (auto known = value_from<T>(*json)) value = *std::move(known);
   }
   void name(const std::string& key, std::string& value) const {
     if (member(key) != nullptr) value = name_from(json_, key);
-  }
-  void texts(const std::string& key, std::vector<std::string>& values) const {
-    const Json* json = member(key);
-    if (json == nullptr || !json->is_array()) return;
-    for (const Json& value : *json) {
-      if (value.is_string()) values.push_back(value.get<std::string>());
-    }
   }
 
  private:
@@ -96,9 +72,9 @@ FileRecord file_record(const Json& json) {
   const EntryReader reader(json);
   FileRecord record;
   reader.name("file", record.file);
-  reader.number("bytes", record.bytes);
-  reader.number("modified_ns", record.modified_ns);
-  reader.text("hash", record.hash);
+  reader.read("bytes", record.bytes);
+  reader.read("modified_ns", record.modified_ns);
+  reader.read("hash", record.hash);
   return record;
 }
 
@@ -106,11 +82,11 @@ void read_error(const Json& json, ManifestEntry& entry) {
   const EntryReader reader(json);
   Error& error = entry.error.emplace();
   reader.name("file", error.location.file);
-  reader.number("line", error.location.line);
-  reader.number("column", error.location.column);
-  reader.text("message", error.message);
-  reader.text("hint", error.hint);
-  reader.number("exit_code", entry.exit_code);
+  reader.read("line", error.location.line);
+  reader.read("column", error.location.column);
+  reader.read("message", error.message);
+  reader.read("hint", error.hint);
+  reader.read("exit_code", entry.exit_code);
 }
 
 ClipQuality clip_quality(const Json& json) {
@@ -121,10 +97,10 @@ ClipQuality clip_quality(const Json& json) {
       if (value.is_number()) quality.figures.emplace_back(key, value.get<double>());
     }
   }
-  reader.texts("gates_missed", quality.missed);
-  reader.text("worst", quality.worst);
+  reader.read("gates_missed", quality.missed);
+  reader.read("worst", quality.worst);
   quality.worst_ratio = quality.worst.empty() ? 0.0 : HUGE_VAL;
-  reader.number("worst_ratio", quality.worst_ratio);
+  reader.read("worst_ratio", quality.worst_ratio);
   return quality;
 }
 
@@ -164,22 +140,22 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.name("relative", entry.relative);
   reader.name("robot", entry.robot);
   std::string status;
-  reader.text("status", status);
+  reader.read("status", status);
   if (entry.relative.empty() || (status != "done" && status != "failed")) return std::nullopt;
   entry.done = status == "done";
   if (const Json* error = reader.member("error")) read_error(*error, entry);
   if (const Json* input = reader.member("input")) entry.input = file_record(*input);
-  reader.text("options_hash", entry.options_hash);
+  reader.read("options_hash", entry.options_hash);
   if (const Json* outputs = reader.member("outputs"); outputs != nullptr && outputs->is_array()) {
     for (const Json& output : *outputs) entry.outputs.push_back(file_record(output));
   }
-  reader.number("frames", entry.frames);
-  reader.number("fps", entry.fps);
-  reader.number("seconds", entry.seconds);
-  reader.text("finished", entry.finished);
-  reader.text("taken_as", entry.taken_as);
-  reader.text("mapping", entry.config);
-  reader.texts("warnings", entry.warnings);
+  reader.read("frames", entry.frames);
+  reader.read("fps", entry.fps);
+  reader.read("seconds", entry.seconds);
+  reader.read("finished", entry.finished);
+  reader.read("taken_as", entry.taken_as);
+  reader.read("mapping", entry.config);
+  reader.read("warnings", entry.warnings);
   if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
   return entry;
 }

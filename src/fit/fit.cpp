@@ -350,8 +350,8 @@ Result<FitResult> Fit::run() {
   const HumanClipInfo info = poser.info();
   const HumanPoseSource poses = poses_of(poser);
   TRY_ASSIGN(const TargetBuilder targets,
-             make_targets(info, poses, *robot_, config_, run_.retarget.height_scale,
-                          TrunkRule::kLines, &limits_));
+             make_targets(info, poses, *robot_, config_, run_.retarget.scale, TrunkRule::kLines,
+                          &limits_));
   const auto limbs = robot_limbs(*robot_, config_);
   if (limbs) options_ = sized_options(options_, limbs->lengths.leg);
   BoneArray<int> target_of_bone;

@@ -15,6 +15,7 @@
 #include "human/body_axes.h"
 #include "human/bone_sources.h"
 #include "human/canonical_pose.h"
+#include "human/facing.h"
 #include "human/find_rest.h"
 #include "human/learned_axes.h"
 #include "human/posed_body.h"
@@ -288,7 +289,20 @@ class Calibrator {
   }
 
   void doubt_sides() {
-    if (facing_evidence(body_, movement_.poses, movement_.up.direction()) < -0.2) {
+    double sum = 0.0;
+    for (const JointPoses& pose : movement_.poses) {
+      const auto axes = body_axes(body_, pose, movement_.up.direction());
+      if (!axes) continue;
+      for (const Side side : kSides) {
+        const auto part = [&](LimbBone bone) {
+          const auto line = along(body_.segment(side_bone(side, bone)), pose);
+          return line ? *line : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        };
+        sum += leg_facing(part(LimbBone::kUpLeg), part(LimbBone::kLeg), part(LimbBone::kFoot),
+                          axes->row(0));
+      }
+    }
+    if (sum < -kMinSwapEvidence * 2.0 * static_cast<double>(movement_.poses.size())) {
       doubt(
           "feet point and knees bend the wrong way: left and right are swapped "
           "or the body is mirrored");

@@ -11,23 +11,17 @@ constexpr double kKneeWeight = 3.0;
 // feet shorter than this share of the leg tell no direction
 constexpr double kMinFootLength = 0.02;
 
-// what one leg says of the front: positive if toes and knee are on that side
 double leg_says(const BodySource& source, const BodyPoses::Pose& pose, const BoneMap& map,
                 Side side, const Eigen::Vector3d& front) {
   const Eigen::Vector3d hip = pose.joints[map.joint(side_bone(side, LimbBone::kUpLeg))];
   const Eigen::Vector3d knee = pose.joints[map.joint(side_bone(side, LimbBone::kLeg))];
   const Eigen::Vector3d ankle = pose.joints[map.joint(side_bone(side, LimbBone::kFoot))];
   const double leg = (knee - hip).norm() + (ankle - knee).norm();
-  if (leg <= 0.0) return 0.0;
-  double says = kKneeWeight * (knee - 0.5 * (hip + ankle)).dot(front) / leg;
-
   const int toe = map.joint(side_bone(side, LimbBone::kToe));
   Eigen::Vector3d tip =
       toe >= 0 ? pose.joints[toe] : pose.tips[map.joint(side_bone(side, LimbBone::kFoot))];
   if (toe >= 0 && source.poses.lengths[toe] < kMinFootLength * leg) tip = pose.tips[toe];
-  const Eigen::Vector3d foot = tip - ankle;
-  if (foot.norm() > kMinFootLength * leg) says += foot.normalized().dot(front);
-  return says;
+  return leg_facing(knee - hip, ankle - knee, tip - ankle, front);
 }
 
 // direction from the hips to the head or the arms; zero if there is neither
@@ -41,6 +35,15 @@ Eigen::Vector3d up_of_body(const BodyPoses::Pose& pose, const BoneMap& map) {
 }
 
 }  // namespace
+
+double leg_facing(const Eigen::Vector3d& thigh, const Eigen::Vector3d& shin,
+                  const Eigen::Vector3d& foot, const Eigen::Vector3d& front) {
+  const double leg = thigh.norm() + shin.norm();
+  if (leg <= 0.0) return 0.0;
+  // the knee's way from the middle between hip and ankle
+  const double knee = kKneeWeight * 0.5 * (thigh - shin).dot(front) / leg;
+  return foot.norm() > kMinFootLength * leg ? knee + foot.normalized().dot(front) : knee;
+}
 
 double left_is_left(const BodySource& source, const BoneMap& map) {
   for (const Bone bone : {Bone::kHips, Bone::kLeftUpLeg, Bone::kRightUpLeg, Bone::kLeftLeg,

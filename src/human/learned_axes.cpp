@@ -244,29 +244,4 @@ JointFromBone with_corrected_arms(const Body& body, const std::vector<JointPoses
   return Learner(body, poses, up, std::move(axes)).correct_arms();
 }
 
-double facing_evidence(const Body& body, const std::vector<JointPoses>& poses,
-                       const Eigen::Vector3d& up) {
-  double sum = 0.0, weight = 0.0;
-  for (const JointPoses& pose : poses) {
-    const auto axes = body_axes(body, pose, up);
-    if (!axes) continue;
-    for (const Side side : kSides) {
-      const auto thigh = along(body.segment(side_bone(side, kUpLeg)), pose);
-      const auto shin = along(body.segment(side_bone(side, kLeg)), pose);
-      const auto foot = along(body.segment(side_bone(side, kFoot)), pose);
-      if (thigh && shin) {
-        const Eigen::Vector3d normal = *axes * thigh->normalized().cross(shin->normalized());
-        sum += normal.y();
-        weight += normal.norm();
-      }
-      if (foot) {
-        const Eigen::Vector3d heading = *axes * foot->normalized();
-        sum += heading.x();
-        weight += heading.head<2>().norm();
-      }
-    }
-  }
-  return weight > 0.0 ? sum / weight : 0.0;
-}
-
 }  // namespace retarget

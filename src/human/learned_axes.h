@@ -35,10 +35,4 @@ namespace retarget {
                                                 const std::vector<JointPoses>& poses,
                                                 const Eigen::Vector3d& up, JointFromBone axes);
 
-/// Whether feet point ahead and knees bend backwards, as seen from hips and shoulders: mean
-/// cosine, near 1 for a person, near -1 where left and right are swapped or the body is mirrored;
-/// 0 where nothing tells.
-[[nodiscard]] double facing_evidence(const Body& body, const std::vector<JointPoses>& poses,
-                                     const Eigen::Vector3d& up);
-
 }  // namespace retarget

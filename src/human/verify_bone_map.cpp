@@ -19,7 +19,6 @@ constexpr double kMinLegRatio = 0.7, kMaxLegRatio = 1.4;  // thigh per shin
 constexpr double kUnequal = 0.15, kNoPair = 0.5;
 // what a doubt takes from the confidence
 constexpr double kDoubt = 0.85;
-constexpr double kMinSwapEvidence = 0.1;
 
 void doubt(Verdict& verdict, std::string text) {
   verdict.doubts.push_back(std::move(text));

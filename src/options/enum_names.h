@@ -37,11 +37,8 @@ template <>
 inline constexpr auto kEnumNames<Interpolation> = std::to_array<NamedValue<Interpolation>>(
     {{Interpolation::kLinear, "linear"}, {Interpolation::kCubic, "cubic"}});
 template <>
-inline constexpr auto kEnumNames<ScaleRule> =
-    std::to_array<NamedValue<ScaleRule>>({{ScaleRule::kAuto, "auto"},
-                                          {ScaleRule::kTable, "table"},
-                                          {ScaleRule::kHeight, "height"},
-                                          {ScaleRule::kLimbs, "limbs"}});
+inline constexpr auto kEnumNames<ScaleRule> = std::to_array<NamedValue<ScaleRule>>(
+    {{ScaleRule::kTable, "table"}, {ScaleRule::kHeight, "height"}, {ScaleRule::kLimbs, "limbs"}});
 // kFrame is chosen by its frame, and has no name
 template <>
 inline constexpr auto kEnumNames<RestPose> =

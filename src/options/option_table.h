@@ -42,6 +42,7 @@ struct OptionInfo {
   std::string letter = {};       ///< Short name at the command line; may be empty.
   std::string former_name = {};  ///< Read in files as well; empty: it always had its name.
   bool required = false;         ///< At the command line.
+  std::string none = {};         ///< Of an optional enum: the word for no choice; empty: no word.
 };
 
 /// An option that is bound to a member of a struct: one row of a table. Everything that is told,
@@ -98,9 +99,11 @@ Option option(std::string name, T& member, OptionInfo info) {
     using Enum = typename T::value_type;
     row.choices = enum_names<Enum>();
     if constexpr (std::is_same_v<T, std::optional<Enum>>) {
-      row.is_optional = true;
-      row.get = [&member] {
-        return OptionValue(member ? std::string(enum_name(*member)) : std::string());
+      const std::string none = row.info.none;
+      row.is_optional = none.empty();
+      if (!none.empty()) row.choices.insert(row.choices.begin(), none);
+      row.get = [&member, none] {
+        return OptionValue(member ? std::string(enum_name(*member)) : none);
       };
       row.set = [&member](const OptionValue& value) -> Result<void> {
         member = enum_from_name<Enum>(std::get<std::string>(value));

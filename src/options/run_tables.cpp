@@ -183,7 +183,8 @@ OptionTable solve_table(SolveOptions& options) {
           "How the body's size scales the motion: limbs gives legs, trunk and arms the robot's "
           "lengths; table as published (default of LAFAN1 with " OPTION("method") " gmr, " OPTION(
               "ik-config") " published or FILE); height brings every body to one size first "
-                           "(default with " OPTION("height") ")")};
+                           "(default with " OPTION("height") ")",
+          {.none = "auto"})};
 }
 
 OptionTable time_table(TimeOptions& options) {

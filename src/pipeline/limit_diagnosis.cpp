@@ -199,7 +199,7 @@ std::vector<JointAtLimit> joints_at_limits(const RobotClip& clip, const Resolved
 
 std::vector<JointAtLimit> joints_at_limits(const RobotClip& robot_clip, const Clip& clip,
                                            const Calibration& calibration,
-                                           const ResolvedConfig& config, HeightScale scale,
+                                           const ResolvedConfig& config, ScaleRule scale,
                                            TrunkRule trunk, const LimitSet& limits,
                                            double min_share) {
   HumanPoser poser(clip, calibration);

@@ -7,6 +7,7 @@
 #include "human/human_clip.h"
 #include "pipeline/targets.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
@@ -59,7 +60,7 @@ inline constexpr double kDiagnosedAtLimit = 1e-6;
                                                          const Clip& clip,
                                                          const Calibration& calibration,
                                                          const ResolvedConfig& config,
-                                                         HeightScale scale, TrunkRule trunk,
+                                                         ScaleRule scale, TrunkRule trunk,
                                                          const LimitSet& limits, double min_share);
 
 }  // namespace retarget

@@ -57,11 +57,11 @@ std::optional<TrunkAim> make_trunk_aim(const HumanClipInfo& human, const HumanPo
 
 Result<TargetBuilder> make_targets(const HumanClipInfo& human, const HumanPoseSource& poses,
                                    const Robot& robot, const ResolvedConfig& config,
-                                   HeightScale scale, TrunkRule trunk, const LimitSet* limits) {
-  const double height = scale == HeightScale::kPublished ? human.height : human.size;
+                                   ScaleRule scale, TrunkRule trunk, const LimitSet* limits) {
+  const double height = scale == ScaleRule::kTable ? human.height : human.size;
   TargetBuilder targets(config, height, scale);
   TRY(check_bones(human, targets, config.file));
-  if (scale != HeightScale::kLimbs || human.frame_count == 0) return targets;
+  if (scale != ScaleRule::kLimbs || human.frame_count == 0) return targets;
   TRY_ASSIGN(const RobotLimbs limbs, robot_limbs(robot, config));
   TRY_ASSIGN(const LimbLengths body, measured_human(human, poses, limbs.forearms));
   return TargetBuilder(config, limbs, body,

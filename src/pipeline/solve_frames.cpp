@@ -45,7 +45,7 @@ class ClipSolver {
 
   Result<SolvedFrames> solve(const HumanClipInfo& human, HumanPoseSource poses) {
     TRY_ASSIGN(const TargetBuilder targets,
-               make_targets(human, poses, *robot_, config_, options_.height_scale, options_.trunk));
+               make_targets(human, poses, *robot_, config_, options_.scale, options_.trunk));
     TargetStream stream(human.frame_count, std::move(poses), targets, options_.targets_ahead);
     return solve(targets, human.rate, human.frame_count, [&stream] { return stream.next(); });
   }

@@ -20,7 +20,7 @@ namespace retarget {
 /// How a human clip becomes a robot clip.
 struct SolveFramesOptions {
   IkEngine engine = IkEngine::kFast;
-  HeightScale height_scale = HeightScale::kPublished;
+  ScaleRule scale = ScaleRule::kTable;
   TrunkRule trunk = TrunkRule::kBones;
   IkOptions ik;
   /// Begin with the root on its target and solve the first frame until it settles, so that nothing

@@ -23,10 +23,10 @@ bool is_of_leg(std::optional<LimbBone> part) {
 
 }  // namespace
 
-TargetBuilder::TargetBuilder(const ResolvedConfig& config, double height, HeightScale scale) {
+TargetBuilder::TargetBuilder(const ResolvedConfig& config, double height, ScaleRule scale) {
   constexpr double kPublishedHeight = 1.75;
   const double ratio =
-      scale == HeightScale::kPublished
+      scale == ScaleRule::kTable
           ? height / config.human_height_assumption
           : kPublishedHeight / config.human_height_assumption * (kPublishedHeight / height);
   add_rules(config);

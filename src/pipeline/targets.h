@@ -12,6 +12,7 @@
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_aim.h"
 #include "pipeline/trunk_lines.h"
+#include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 
 namespace retarget {
@@ -41,8 +42,7 @@ namespace retarget {
 class TargetBuilder {
  public:
   /// @param height  of the human body, metres.
-  TargetBuilder(const ResolvedConfig& config, double height,
-                HeightScale scale = HeightScale::kPublished);
+  TargetBuilder(const ResolvedConfig& config, double height, ScaleRule scale = ScaleRule::kTable);
   /// Limb by limb.
   /// @param trunk  how pelvis and torso turn; without: as the bones that they follow.
   TargetBuilder(const ResolvedConfig& config, const RobotLimbs& robot, const LimbLengths& human,
@@ -95,7 +95,7 @@ class TargetBuilder {
 /// @param limits  how far the waist may turn, for kLines; null: the model's.
 [[nodiscard]] Result<TargetBuilder> make_targets(const HumanClipInfo& human,
                                                  const HumanPoseSource& poses, const Robot& robot,
-                                                 const ResolvedConfig& config, HeightScale scale,
+                                                 const ResolvedConfig& config, ScaleRule scale,
                                                  TrunkRule trunk = TrunkRule::kBones,
                                                  const LimitSet* limits = nullptr);
 

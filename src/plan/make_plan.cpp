@@ -32,23 +32,21 @@ int frames_to_leave_out(const Clip& clip, const Options& options) {
 }
 
 // How the body's size scales the motion: as the options say, else as is best for the clip.
-HeightScale choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
-                         const Options& options) {
+ScaleRule choose_scale(const HumanInClip& human, const Robot& robot, const ResolvedConfig& config,
+                       const Options& options) {
   const SolveOptions& solve = options.solve;
-  if (solve.scale == ScaleRule::kTable) return HeightScale::kPublished;
-  if (solve.scale == ScaleRule::kHeight) return HeightScale::kNormalised;
-  if (solve.scale == ScaleRule::kLimbs) return HeightScale::kLimbs;
+  if (solve.scale) return *solve.scale;
   // the published method takes every body of LAFAN1 for one, and the tables that are made for it do
   const bool as_published =
       solve.method == Method::kGmr || (!solve.ik_config.empty() && solve.ik_config != "derived");
-  if (as_published && human.is_lafan1()) return HeightScale::kPublished;
+  if (as_published && human.is_lafan1()) return ScaleRule::kTable;
   const bool measurable = std::ranges::all_of(
       kMeasuredBones, [&](Bone bone) { return human.calibration.bones[bone].position_joint >= 0; });
-  if (options.human.height > 0.0 || !measurable) return HeightScale::kNormalised;
+  if (options.human.height > 0.0 || !measurable) return ScaleRule::kHeight;
   const auto limbs = robot_limbs(robot, config);
   // robots whose arms end at the elbow: a fit measures them as far as they go
   const bool by_limbs = limbs && (limbs->forearms || solve.method != Method::kGmr);
-  return by_limbs ? HeightScale::kLimbs : HeightScale::kNormalised;
+  return by_limbs ? ScaleRule::kLimbs : ScaleRule::kHeight;
 }
 
 // of a partial body: tasks of bones that it lacks

@@ -2,19 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "base/faults.h"
-#include "base/json.h"
+#include "base/json_members.h"
 #include "base/try.h"
 #include "base/utf8.h"
 #include "human/limb_directions.h"
+#include "options/enum_names.h"
 #include "options/fit_options.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/memory.h"
-#include "plan/scale_names.h"
 #include "retarget/plan.h"
 #include "retarget/version.h"
 
@@ -103,21 +107,25 @@ class Reader {
   void take(const char* key, Value& value) {
     const auto found = json_.find(key);
     if (found == json_.end()) return fault(key, "is missing");
-    try {
-      value = found->get<Value>();
-    } catch (const Json::exception&) {
+    if (auto known = value_from<Value>(*found)) {
+      value = *std::move(known);
+    } else {
       fault(key, "has the wrong type");
     }
   }
-  // as many numbers as the vector has
+  // as many numbers as there are
+  template <typename Number>
+  void take_list(const char* key, std::span<Number> numbers) {
+    std::vector<Number> values;
+    take(key, values);
+    if (values.size() != numbers.size()) {
+      return fault(key, fmt::format("does not have {} numbers", numbers.size()));
+    }
+    std::ranges::copy(values, numbers.begin());
+  }
   template <typename Vector>
   void take_numbers(const char* key, Vector&& vector) {
-    std::vector<double> values;
-    take(key, values);
-    if (values.size() != static_cast<std::size_t>(vector.size())) {
-      return fault(key, fmt::format("does not have {} numbers", vector.size()));
-    }
-    std::ranges::copy(values, vector.data());
+    take_list(key, std::span(vector.data(), static_cast<std::size_t>(vector.size())));
   }
   void take(const char* key, SignedAxis& axis) {
     std::string text;
@@ -208,20 +216,20 @@ void read_limits(const Json& json, const Robot& robot, LimitSet& limits, Faults&
 void read_decisions(const Json& json, Plan& plan, Faults& faults) {
   Reader reader(json, faults);
   std::array<int, 2> part{};
-  reader.take("part", part);
+  reader.take_list("part", std::span<int>(part));
   plan.part = {part[0], part[1]};
   const bool inside = 0 <= part[0] && part[0] < part[1] && part[1] <= plan.clip->frame_count();
   if (!inside) reader.fault("part", "is not a part of the clip");
   reader.take("lead_in_frames", plan.lead_in_frames);
   std::array<std::int64_t, 2> rate{};
-  reader.take("rate", rate);
+  reader.take_list("rate", std::span<std::int64_t>(rate));
   plan.rate = {rate[0], rate[1]};
   const bool sound =
       rate[0] > 0 && rate[1] > 0 && plan.rate == frame_rate_from_fps(plan.rate.fps());
   if (!sound) reader.fault("rate", "is not a rate in lowest terms");
   std::string scale;
   reader.take("scale", scale);
-  const auto known = enum_from_name<HeightScale>(scale);
+  const auto known = enum_from_name<ScaleRule>(scale);
   if (!known) return reader.fault("scale", "is not table, height or limbs");
   plan.scale = *known;
 }

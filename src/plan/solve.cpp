@@ -37,7 +37,7 @@ SolveFramesOptions pass_options(const Plan& plan, const SolveControl& control, i
   SolveFramesOptions options;
   options.engine = plan.options.solve.engine;
   options.targets_ahead = control.threads != 1;
-  options.height_scale = plan.scale;
+  options.scale = plan.scale;
   if (control.keep_going) {
     options.keep_going = [&control, frames](int frame) {
       return control.keep_going({Stage::kFrames, frame, frames});

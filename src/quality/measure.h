@@ -5,6 +5,7 @@
 
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 #include "retarget/report.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
@@ -17,7 +18,7 @@ struct QualitySource {
   const ResolvedConfig* config =
       nullptr;  ///< Whose targets are tracked; nullptr: tracking is left out.
   /// How the targets were scaled.
-  HeightScale scale = HeightScale::kPublished;
+  ScaleRule scale = ScaleRule::kTable;
 };
 
 struct QualityOptions {

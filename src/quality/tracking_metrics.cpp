@@ -41,7 +41,7 @@ class TrackingMeasure {
         frames_(frames) {
     collect_rows(size_ratio(source));
     root_body_ = kept(config_.root_body).value_or(0);
-    if (source.scale == HeightScale::kLimbs) collect_limb_targets();
+    if (source.scale == ScaleRule::kLimbs) collect_limb_targets();
     find_yaw();
   }
 
@@ -101,7 +101,7 @@ class TrackingMeasure {
 double TrackingMeasure::size_ratio(const QualitySource& source) const {
   constexpr double kPublishedHeight = 1.75;
   const double assumed = config_.human_height_assumption;
-  return source.scale == HeightScale::kPublished
+  return source.scale == ScaleRule::kTable
              ? human_.height / assumed
              : kPublishedHeight / assumed * (kPublishedHeight / human_.size);
 }
@@ -121,7 +121,7 @@ void TrackingMeasure::collect_rows(double ratio) {
 // limb by limb a target is no multiple of its bone's way from the root
 void TrackingMeasure::collect_limb_targets() {
   const auto targets = make_targets(human_, poses_of(human_), draft_.clip.robot(), config_,
-                                    HeightScale::kLimbs, TrunkRule::kLines);
+                                    ScaleRule::kLimbs, TrunkRule::kLines);
   // limbs that cannot be measured: as by height
   if (!targets) return;
   std::vector<Pose> world_from_target(static_cast<std::size_t>(targets->target_count()));

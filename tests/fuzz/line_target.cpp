@@ -118,7 +118,7 @@ void fuzz_line(std::string_view bytes) {
   const bool is_lafan1 = calibration->rest_pose == "lafan1";
   const ResolvedConfig& config = is_lafan1 ? setup().of_lafan1 : setup().of_others;
   FitRun run;
-  run.retarget.height_scale = is_lafan1 ? HeightScale::kPublished : HeightScale::kLimbs;
+  run.retarget.scale = is_lafan1 ? ScaleRule::kTable : ScaleRule::kLimbs;
   const auto fitted =
       fit(*resampled, *calibration, fuzz_robot(), config, setup().limits, setup().fit, run);
   if (!good(fitted)) return;

@@ -151,7 +151,7 @@ class LimbSegments : public ::testing::Test {
     outcome.human = to_human(*at_30, *calibration);
     SolveFramesOptions retarget_options;
     if (calibration->rest_pose != "lafan1") {
-      retarget_options.height_scale = HeightScale::kLimbs;
+      retarget_options.scale = ScaleRule::kLimbs;
     }
     const bool is_lafan1 = map->profile.starts_with("lafan1");
     auto result = solve_frames(outcome.human, robot_, is_lafan1 ? published_ : derived_,

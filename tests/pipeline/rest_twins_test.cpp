@@ -21,7 +21,7 @@ RobotClip robot_motion(const Clip& clip) {
   const auto robot = load_g1();
   const ResolvedConfig config = published_config(*robot);
   SolveFramesOptions options;
-  options.height_scale = HeightScale::kLimbs;
+  options.scale = ScaleRule::kLimbs;
   auto result = solve_frames(clip, *found, robot, config, robot->model_limits(), options);
   EXPECT_TRUE(result) << describe(result.error());
   return std::move(result->clip);

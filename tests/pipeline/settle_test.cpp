@@ -61,7 +61,7 @@ TEST(SettledRun, ReportsEveryFrameOnceInOrder) {
     const Calibration calibration = lafan1_calibration(clip.skeleton());
     SolveFramesOptions options;
     options.settle = true;
-    options.height_scale = HeightScale::kLimbs;
+    options.scale = ScaleRule::kLimbs;
     options.trunk = TrunkRule::kLines;
     std::vector<std::vector<double>> told;
     options.frame_solved = [&](int frame, std::span<const double> qpos) {

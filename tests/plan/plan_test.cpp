@@ -98,12 +98,12 @@ TEST(FrontDoor, DecisionsCanBeReplaced) {
   auto plan = make_plan(std::move(*clip), *robot, short_options(Method::kGmr));
   ASSERT_TRUE(plan) << describe(plan.error());
   plan->part = {10, 20};
-  plan->scale = HeightScale::kNormalised;
+  plan->scale = ScaleRule::kHeight;
   const auto motion = solve(*plan);
   ASSERT_TRUE(motion) << describe(motion.error());
   EXPECT_EQ(motion->clip.frame_count(), 10);
   auto limbs = *plan;
-  limbs.scale = HeightScale::kLimbs;
+  limbs.scale = ScaleRule::kLimbs;
   const auto other = solve(std::move(limbs));
   ASSERT_TRUE(other);
   EXPECT_NE(format_robot_csv(motion->clip), format_robot_csv(other->clip));

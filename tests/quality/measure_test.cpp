@@ -85,7 +85,7 @@ class MeasureQuality : public ::testing::Test {
   }
   QualityReport measure(int frames, const Movement& movement,
                         const HumanClip* human = nullptr) const {
-    const QualitySource source{human, nullptr, HeightScale::kPublished};
+    const QualitySource source{human, nullptr, ScaleRule::kTable};
     return measure_quality(make(frames, movement), robot_->model_limits(),
                            human == nullptr ? nullptr : &source);
   }

@@ -116,7 +116,7 @@ class TrunkLeanTest : public ::testing::Test {
       qpos[6] = root.z();
       qpos[at] = waist * kDegree;
     }
-    const QualitySource source{&human, &config_, HeightScale::kPublished};
+    const QualitySource source{&human, &config_, ScaleRule::kTable};
     return measure_quality(clip, robot_->model_limits(), &source);
   }
   static HumanClip standing() {
@@ -204,7 +204,7 @@ TEST_F(TrunkLeanTest, DoesNotNeedMappedHands) {
   ResolvedConfig config = config_;
   EXPECT_EQ(leave_out_bones(config, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
   const HumanClip human = bent(about(Vector3d::UnitY(), 30.0));
-  const QualitySource source{&human, &config, HeightScale::kPublished};
+  const QualitySource source{&human, &config, ScaleRule::kTable};
   const RobotClip clip(robot_, {30, 1}, human.frame_count);
   const QualityReport report = measure_quality(clip, robot_->model_limits(), &source);
   EXPECT_NEAR(error_of(report).value, 30.0, 1e-9);

@@ -38,7 +38,7 @@ struct Measures {
   std::optional<HumanClip> human;
   std::optional<HumanClip> human_with_lead_in;  // where there is one
   std::optional<ResolvedConfig> config;
-  HeightScale scale = HeightScale::kPublished;
+  ScaleRule scale = ScaleRule::kTable;
   std::string source;  // file name
   std::string config_file;
   Gates gates;
