@@ -63,6 +63,14 @@ class EntryReader {
   void name(const std::string& key, std::string& value) const {
     if (member(key) != nullptr) value = name_from(json_, key);
   }
+  // those of a list's members that are texts
+  void texts(const std::string& key, std::vector<std::string>& values) const {
+    const Json* json = member(key);
+    if (json == nullptr || !json->is_array()) return;
+    for (const Json& each : *json) {
+      if (auto text = value_from<std::string>(each)) values.push_back(*std::move(text));
+    }
+  }
 
  private:
   const Json& json_;
@@ -97,7 +105,7 @@ ClipQuality clip_quality(const Json& json) {
       if (value.is_number()) quality.figures.emplace_back(key, value.get<double>());
     }
   }
-  reader.read("gates_missed", quality.missed);
+  reader.texts("gates_missed", quality.missed);
   reader.read("worst", quality.worst);
   quality.worst_ratio = quality.worst.empty() ? 0.0 : HUGE_VAL;
   reader.read("worst_ratio", quality.worst_ratio);
@@ -155,7 +163,7 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.read("finished", entry.finished);
   reader.read("taken_as", entry.taken_as);
   reader.read("mapping", entry.config);
-  reader.read("warnings", entry.warnings);
+  reader.texts("warnings", entry.warnings);
   if (const Json* quality = reader.member("quality")) entry.quality = clip_quality(*quality);
   return entry;
 }
