@@ -292,14 +292,17 @@ class Calibrator {
     double sum = 0.0;
     for (const JointPoses& pose : movement_.poses) {
       const auto axes = body_axes(body_, pose, movement_.up.direction());
-      if (!axes) continue;
+      const auto trunk = trunk_direction(body_, pose);
+      if (!axes || !trunk) continue;
+      // as the body sees it, so that it counts in those who lie or crawl as well
+      const Eigen::Vector3d front = axes->row(1).transpose().cross(*trunk).normalized();
       for (const Side side : kSides) {
         const auto part = [&](LimbBone bone) {
           const auto line = along(body_.segment(side_bone(side, bone)), pose);
           return line ? *line : Eigen::Vector3d(Eigen::Vector3d::Zero());
         };
-        sum += leg_facing(part(LimbBone::kUpLeg), part(LimbBone::kLeg), part(LimbBone::kFoot),
-                          axes->row(0));
+        sum +=
+            leg_facing(part(LimbBone::kUpLeg), part(LimbBone::kLeg), part(LimbBone::kFoot), front);
       }
     }
     if (sum < -kMinSwapEvidence * 2.0 * static_cast<double>(movement_.poses.size())) {
