@@ -8,6 +8,12 @@ include(CheckPIESupported)
 add_library(retarget_hardening INTERFACE)
 set(retarget_is_hardened OFF)  # for the tests
 
+# the Python module is a shared library, made of the same objects; nothing in it is replaced from outside
+set(retarget_position_independent "")
+if(RETARGET_BUILD_PYTHON AND NOT MSVC)
+  set(retarget_position_independent -fPIC $<$<CXX_COMPILER_ID:GNU,Clang>:-fno-semantic-interposition>)
+endif()
+
 # the sanitizers look at more, and get in the way of these
 string(FIND "${CMAKE_CXX_FLAGS}" "-fsanitize" sanitized)
 if(NOT RETARGET_HARDENING OR NOT sanitized EQUAL -1 OR RETARGET_BUILD_FUZZERS OR MSVC)
@@ -35,7 +41,7 @@ target_compile_options(retarget_hardening INTERFACE
 target_compile_definitions(retarget_hardening INTERFACE _GLIBCXX_ASSERTIONS)
 
 # the tool lies anywhere in memory (its own CMakeLists.txt), and so must what it links
-if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE AND NOT BUILD_SHARED_LIBS)
+if(NOT APPLE AND NOT CMAKE_POSITION_INDEPENDENT_CODE AND NOT BUILD_SHARED_LIBS AND NOT RETARGET_BUILD_PYTHON)
   target_compile_options(retarget_hardening INTERFACE -fPIE)
 endif()
 check_pie_supported(LANGUAGES CXX)

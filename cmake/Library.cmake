@@ -50,6 +50,7 @@ macro(retarget_add_library name)
     target_include_directories(${target} PRIVATE src)
     target_link_libraries(${target} PUBLIC ${arg_PUBLIC}
       PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:retarget_warnings> $<BUILD_INTERFACE:retarget_hardening>)
+    target_compile_options(${target} PRIVATE ${retarget_position_independent})
     if(RETARGET_UNITY_BUILD)
       retarget_group_by_rooms(${target} ${sources})
     endif()

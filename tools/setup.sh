@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # Installs what retarget needs to be built and tested.
 #
-#   tools/setup.sh [--dev | --tool] [--check] [--older-mujoco]
+#   tools/setup.sh [--dev | --tool] [--python] [--check] [--older-mujoco]
 #
 #   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
 #   --tool          only what a build of the tool needs, without the tests' libraries
+#   --python        also what the Python module is built and tested with: Python's headers, and
+#                   nanobind and pytest as wheels in build/deps/python (tools/python.txt)
 #   --check         install nothing; say what is missing and exit with 1 when something is
 #   --older-mujoco  MuJoCo 3.3.7 in place of 4.0.0, for package indexes that lack the latter
 #
@@ -43,6 +45,9 @@ readonly kTestPackages='
 libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
 libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
+'
+readonly kPythonPackages='
+python3-dev        | python3-devel  | python        | python        | has_python_headers
 '
 readonly kDeveloperPackages='
 ccache             | ccache           | ccache    | ccache           | has_command ccache
@@ -115,6 +120,19 @@ python_that_can() {
 
 has_numpy() { python_that_can 'import numpy' >/dev/null; }
 has_pip_or_no_need() { has_mujoco || python_that_can 'import pip' >/dev/null; }
+
+has_python_headers() {
+  python_that_can 'import os, sys, sysconfig
+sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' >/dev/null
+}
+
+# the very versions of tools/python.txt
+has_python_tools() {
+  local requirement
+  while IFS= read -r requirement; do
+    [ -d "$root/build/deps/python/${requirement/==/-}.dist-info" ] || return 1
+  done < <(sed -n 's/^\([a-z_]*==[0-9.]*\).*/\1/p' "$root/tools/python.txt")
+}
 
 has_clang_runtime() {
   local files=(/usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.fuzzer-*.a
@@ -245,22 +263,51 @@ install_mujoco() {
   mv -T -- "$temporary/wheel/mujoco" "$deps/mujoco"
 }
 
+# nanobind, pytest and what they need, pinned by tools/python.txt
+install_python_tools() {
+  local python deps=$root/build/deps temporary
+  python=$(python_that_can 'import pip') || {
+    say "cannot fetch nanobind and pytest: no Python with pip (Debian: python3-pip)"
+    exit 1
+  }
+  mkdir -p "$deps"
+  temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
+  fetch_folder=$temporary
+  trap 'rm -rf -- "$fetch_folder"' EXIT
+  trap 'exit 130' INT TERM
+  say "fetching nanobind and pytest (tools/python.txt) into build/deps/python"
+  pip_fetch "$python" "$temporary/python" "$root/tools/python.txt" || {
+    say "cannot fetch what tools/python.txt pins: pip's messages are above. Nothing was installed of it."
+    exit 1
+  }
+  rm -rf -- "$deps/python"
+  mv -T -- "$temporary/python" "$deps/python"
+  rm -rf -- "$temporary"
+}
+
 # fetch_wheel PYTHON FOLDER REQUIREMENTS: pip takes nothing whose hash the requirements do not have
 fetch_wheel() {
-  PIP_ROOT_USER_ACTION=ignore "$1" -m pip install --quiet --disable-pip-version-check --no-deps --no-compile \
-    --only-binary=:all: --python-version "$kMujocoPython" --ignore-requires-python \
-    --require-hashes --requirement "$3" --target "$2" >&2 &&
+  pip_fetch "$1" "$2" "$3" --python-version "$kMujocoPython" --ignore-requires-python &&
     [ -e "$2/mujoco/include/mujoco/mujoco.h" ]
+}
+
+# pip_fetch PYTHON FOLDER REQUIREMENTS [OPTION...]
+pip_fetch() {
+  local python=$1 folder=$2 requirements=$3
+  shift 3
+  PIP_ROOT_USER_ACTION=ignore "$python" -m pip install --quiet --disable-pip-version-check --no-deps --no-compile \
+    --only-binary=:all: "$@" --require-hashes --requirement "$requirements" --target "$folder" >&2
 }
 
 # --- main ------------------------------------------------------------------------------------
 
 main() {
-  local wanted=$kPackages$kTestPackages only_check=false version=$kMujocoVersion missing own
+  local wanted=$kPackages$kTestPackages only_check=false version=$kMujocoVersion with_python=false missing own
   while [ $# -gt 0 ]; do
     case $1 in
       --dev) wanted+=$kDeveloperPackages ;;
       --tool) wanted=$kPackages ;;
+      --python) with_python=true ;;
       --check) only_check=true ;;
       --older-mujoco) version=$kOlderMujocoVersion ;;
       -h | --help)
@@ -268,13 +315,14 @@ main() {
         exit 0
         ;;
       *)
-        say "unknown option $1 (known: --dev, --tool, --check, --older-mujoco)"
+        say "unknown option $1 (known: --dev, --tool, --python, --check, --older-mujoco)"
         exit 2
         ;;
     esac
     shift
   done
 
+  if $with_python; then wanted+=$kPythonPackages; fi
   own=$(own_mujoco)
   if [ -n "$own" ] && ! [ -d "$own" ]; then
     say "MuJoCo_ROOT, MUJOCO_DIR or mujoco_DIR names \"$own\", which is no folder"
@@ -286,10 +334,15 @@ main() {
     has_mujoco || say "missing: MuJoCo (a Python wheel; tools/setup.sh fetches it)"
     [ -z "$missing" ] || list_missing "$missing"
     has_mujoco || exit 1
+    if $with_python && ! has_python_tools; then
+      say "missing: nanobind and pytest (tools/python.txt; tools/setup.sh --python fetches them)"
+      exit 1
+    fi
     exit 0
   fi
   [ -z "$missing" ] || install_packages "$missing"
   has_mujoco || install_mujoco "$version"
+  if $with_python && ! has_python_tools; then install_python_tools; fi
 }
 
 main "$@"

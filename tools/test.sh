@@ -14,9 +14,9 @@ if [ -n "${MuJoCo_ROOT:-}" ]; then
 fi
 jobs=${JOBS:-$(nproc)}
 
-"$root/tools/setup.sh"
+"$root/tools/setup.sh" --python
 cd -- "$root"
 # CI builds everything once: several files at a time are quicker then
-cmake --preset release ${CI:+-DRETARGET_UNITY_BUILD=ON}
+cmake --preset release -DRETARGET_BUILD_PYTHON=ON ${CI:+-DRETARGET_UNITY_BUILD=ON}
 cmake --build --preset release --parallel "$jobs"
 exec ctest --preset release --parallel "$jobs" "$@"

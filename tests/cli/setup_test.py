@@ -98,7 +98,7 @@ class TheDocsAgree(unittest.TestCase):
     def test_the_packages_are_those_that_setup_installs(self):
         script = self.text("tools/setup.sh")
         tables = re.findall(r"^readonly k\w*Packages='\n(.*?)'", script, re.DOTALL | re.MULTILINE)
-        self.assertEqual(len(tables), 3)
+        self.assertEqual(len(tables), 4)
         wanted = [row.split("|")[0].strip() for table in tables for row in table.splitlines()]
         listed = self.text("docs/building.md").split("of developers (`tools/setup.sh`")[1]
         block = re.search(r"\n\n((?:    .*\n)+)", listed)[1]
@@ -107,15 +107,20 @@ class TheDocsAgree(unittest.TestCase):
     def test_every_library_of_cmake_has_its_version_and_reason(self):
         told = {"Eigen3": "Eigen", "nlohmann_json": "nlohmann-json", "LibZip": "libzip", "ZLIB": "zlib",
                 "OpenSSL": "OpenSSL's libcrypto", "GTest": "GoogleTest", "benchmark": "Google Benchmark",
-                "Python3": "Python 3", "Threads": None}
+                "Python3": "Python 3", "Python": "Python's headers", "Threads": None}
         rows = self.text("docs/dependencies.md")
         for file in ("CMakeLists.txt", "tools/retarget/CMakeLists.txt", "tests/CMakeLists.txt",
-                     "bench/CMakeLists.txt"):
+                     "bench/CMakeLists.txt", "python/CMakeLists.txt"):
             for name, version in re.findall(r"find_package\((\S+?)(?: ([\d.]+))?[ )]", self.text(file)):
                 with self.subTest(name):
                     name = told.get(name, name)
                     if name:
                         self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
+
+    def test_the_module_is_built_with_one_nanobind(self):
+        pinned = re.search(r"^nanobind==(\S+)", self.text("tools/python.txt"), re.MULTILINE)[1]
+        self.assertIn(f'"nanobind=={pinned}"', self.text("pyproject.toml"))
+        self.assertIn(f"; {pinned} is fetched |", self.text("docs/dependencies.md"))
 
     def test_ci_runs_the_checks_that_are_told(self):
         checks = re.search(r"RETARGET_CI_CHECKS-([\w -]+)}", self.text(".ci/run"))[1]
