@@ -1,5 +1,23 @@
-"""Human motion capture to joint trajectories of humanoid robots."""
+"""Human motion capture to joint trajectories of humanoid robots.
 
-from retarget._retarget import __version__, version_text
+    import retarget
 
-__all__ = ["__version__", "version_text"]
+    clip = retarget.load("walk.bvh")
+    motion = retarget.to_robot(clip, "unitree_g1")
+    motion.save("walk.npz", format="npz-mjlab")
+
+Options are those of the command `retarget`, as keywords: `--source-fps 30` is `source_fps=30`.
+"""
+
+from retarget import edit
+from retarget._api import batch, evaluate, inspect, load, load_motion, to_robot
+from retarget._errors import (
+    ConfigError, Error, InputError, RetargetWarning, RunError, UsageError)
+from retarget._results import Batch, Fault, Inspection, Report
+from retarget._retarget import Clip, Motion, Robot, __version__, metrics, version_text
+
+__all__ = [
+    "Batch", "Clip", "ConfigError", "Error", "Fault", "InputError", "Inspection", "Motion",
+    "Report", "RetargetWarning", "Robot", "RunError", "UsageError", "__version__", "batch", "edit",
+    "evaluate", "inspect", "load", "load_motion", "metrics", "to_robot", "version_text",
+]

@@ -1,11 +1,21 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include "bindings.h"
 #include "retarget/version.h"
 
 NB_MODULE(_retarget, module) {
+  using namespace retarget::python;
   module.doc() = "The engine of retarget: use the package `retarget`.";
   module.attr("__version__") = retarget::version_number();
   module.def("version_text", &retarget::version_text,
              "Version, commit, compiler and libraries, one a line.");
+  bind_options(module);
+  bind_clip(module);
+  bind_robot(module);
+  bind_motion(module);
+  bind_solve(module);
+  bind_evaluate(module);
+  bind_edit(module);
+  bind_batch(module);
 }

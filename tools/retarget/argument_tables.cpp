@@ -1,14 +1,11 @@
 #include "argument_tables.h"
 
+#include "batch/batch_table.h"
 #include "declare_table.h"
 #include "options/run_tables.h"
 
 namespace retarget::cli {
 namespace {
-
-constexpr const char* kBatchGroup = "Batch";
-constexpr const char* kFoundGroup =
-    "Motion files (detected and printed; these options override it)";
 
 Option row(const char* name, auto& member, const char* group, const char* type, const char* help,
            OptionInfo info = {}) {
@@ -55,62 +52,13 @@ OptionTable run_command_table(RunArguments& arguments) {
 }
 
 OptionTable batch_table(BatchArguments& arguments) {
-  BatchRequest& request = arguments.request;
-  return {
-      row("list", request.lists, kInputGroup, "FILE",
-          "File that lists files and folders, one per line; - reads standard input"),
-      row("base", request.base, kInputGroup, "DIR",
-          "Files given one by one keep their path below this folder (default: only their names)"),
-      row("exclude", request.exclude, kInputGroup, "PATTERN",
-          "Leave out files whose name, or path below its folder, matches; repeatable"),
-      row("robot", request.robots, kRobotGroup, "NAME,...",
-          "Robots by name or folder; each of several gets a folder of its own", {.basic = true}),
-      row("output", request.output, kOutputGroup, "DIR",
-          "Output folder; created if it does not exist",
-          {.basic = true, .letter = "o", .required = true}),
-      row("jobs", request.jobs, kBatchGroup, "N",
-          "Clips to process at once (default: one per processor)",
-          {.min = 1.0, .max = 4096.0, .basic = true, .letter = "j"}),
-      row("memory", arguments.run.run.options.source.memory_gb, kBatchGroup, "GB",
-          "Memory for all running clips together, GB: a clip waits for room, and none may take "
-          "more (default: three quarters of what is available)",
-          {.min = 0.001, .max = 1e6}),
-      row("clip-timeout", request.clip_timeout_s, kBatchGroup, "SECONDS",
-          "A clip that takes longer fails; the others continue (default: no limit)",
-          {.min = 0.001, .max = 1e9}),
-      row("resume", request.resume, kBatchGroup, "",
-          "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
-      row("redo", request.redo, kBatchGroup, "",
-          "Discard an earlier batch in the folder and start over"),
-      row("shard", request.shard, kBatchGroup, "I/N",
-          "Do one of N parts of about the same length, I from 1 to N, with its own manifest"),
-      row("merge", arguments.merge, kBatchGroup, "",
-          "Join the manifests of all parts in the output folder, and write the summary"),
-      row("no-quality", arguments.no_quality, kBatchGroup, "",
-          "Do not measure the motions: faster, but the summary lists only failures")};
-}
-
-OptionTable reading_table(ReadingArguments& arguments) {
-  OptionTable table = {
-      row("source-fps", arguments.source_fps, kFoundGroup, "N",
-          "Frames per second of the file (default: the file's own; CSV 30, SOMA 120)",
-          {.min = 0.001, .max = 1e6}),
-      row("from", arguments.from, kFoundGroup, "", "NPZ: joint order of the file"),
-      row("source-quat", arguments.quaternion, kFoundGroup, "",
-          "Order of the root quaternion in the file"),
-      row("source-angles", arguments.angles, kFoundGroup, "",
-          "Unit of the joints in a CSV or pickle"),
-      row("source-unit", arguments.unit, kFoundGroup, "",
-          "Unit of the root position in a CSV or pickle"),
-      row("source-dof", arguments.dof, kFoundGroup, "NAME",
-          "Variant of the robot whose joints the file has"),
-      row("motion", arguments.motion, kFoundGroup, "NAME",
-          "One of several motions in a PBHC pickle"),
-      row("ignore-header", arguments.ignore_header, kFoundGroup, "",
-          "Read the columns of a CSV by position, whatever its header says")};
-  table[1].choices = {"npz-mjlab", "npz-beyondmimic"};
-  table[3].choices = {"rad", "deg"};
-  table[4].choices = {"m", "cm", "mm"};
+  OptionTable table =
+      retarget::batch_table(arguments.request, arguments.run.run.options.source.memory_gb);
+  table.push_back(row("merge", arguments.merge, kBatchGroup, "",
+                      "Join the manifests of all parts in the output folder, and write the "
+                      "summary"));
+  table.push_back(row("no-quality", arguments.no_quality, kBatchGroup, "",
+                      "Do not measure the motions: faster, but the summary lists only failures"));
   return table;
 }
 

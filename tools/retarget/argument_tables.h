@@ -12,7 +12,6 @@ namespace retarget::cli {
 [[nodiscard]] OptionTable common_table(CommonArguments& arguments);
 [[nodiscard]] OptionTable request_table(RunArguments& arguments);
 [[nodiscard]] OptionTable batch_table(BatchArguments& arguments);
-[[nodiscard]] OptionTable reading_table(ReadingArguments& arguments);
 [[nodiscard]] OptionTable evaluate_table(EvaluateArguments& arguments);
 
 [[nodiscard]] Option write_map_row(std::string& file);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batch/run_batch.h"
+#include "io/reading_table.h"
 #include "retarget/options.h"
 #include "run/run_to_files.h"
 
@@ -35,23 +36,11 @@ struct BatchArguments {
   bool no_quality = false;
 };
 
-/// What a file of a robot's motion does not say; nothing: found.
-struct ReadingArguments {
-  std::optional<MotionFormat> from;  ///< Format in place of what the content says.
-  double source_fps = 0.0;           ///< 0: as the file says.
-  std::optional<QuaternionOrder> quaternion;
-  std::string angles;  ///< `rad`, `deg`.
-  std::string unit;    ///< `m`, `cm`, `mm`.
-  std::string dof;     ///< Variant of the robot that the columns are of.
-  std::string motion;  ///< One of several in a PBHC file.
-  bool ignore_header = false;
-};
-
 /// `retarget evaluate`: how good robot motions are.
 struct EvaluateArguments {
   RunArguments run;                  ///< Robot, limits, source and its start; the rate.
   std::string fps;                   ///< As given; empty: not.
-  ReadingArguments reading;          ///< But for the rate.
+  ReadingOptions reading;            ///< But for the rate.
   std::vector<std::string> motions;  ///< Files of robot motions.
   std::string json;                  ///< Report to write; empty: none, `-`: standard output.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
@@ -68,7 +57,7 @@ struct ConvertArguments {
   CommonArguments common;
   RobotChoice robot;
   double memory_gb = 0.0;
-  ReadingArguments reading;
+  ReadingOptions reading;
   TimeOptions time{.fps = std::nullopt};
   SaveOptions save;
   std::string input, output;
@@ -79,7 +68,7 @@ struct CompareArguments {
   CommonArguments common;
   RobotChoice robot;
   double memory_gb = 0.0;
-  ReadingArguments reading;
+  ReadingOptions reading;
   std::string a, b;
   double tolerance = 1e-6;
 };
@@ -95,7 +84,7 @@ struct InspectArguments {
 /// `retarget view`: a picture of a robot's motion.
 struct ViewArguments {
   RunArguments run;  ///< Robot, source and its start; the output.
-  ReadingArguments reading;
+  ReadingOptions reading;
   std::string motion;
   int strip = 6;  ///< Poses.
 };

@@ -16,7 +16,7 @@ namespace retarget::cli {
 namespace {
 
 // without a robot the files are compared as they are, and nothing is read into them
-Result<void> check_no_reading(const ReadingArguments& reading) {
+Result<void> check_no_reading(const ReadingOptions& reading) {
   const bool given = reading.from || reading.source_fps > 0.0 || reading.quaternion ||
                      !reading.angles.empty() || !reading.unit.empty() || !reading.dof.empty() ||
                      !reading.motion.empty() || reading.ignore_header;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 
 #include "base/file.h"
@@ -11,11 +10,9 @@
 #include "base/suggest.h"
 #include "base/try.h"
 #include "commands.h"
-#include "human/human_clip.h"
 #include "plan/check_options.h"
-#include "plan/config_files.h"
 #include "plan/gates.h"
-#include "quality/measure.h"
+#include "plan/measure_motion.h"
 #include "read_motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/solve.h"
@@ -35,12 +32,7 @@ struct Measures {
   LimitSet limits;
   ReadMotionOptions reading;
   FrameRate rate;  // of the source
-  std::optional<HumanClip> human;
-  std::optional<HumanClip> human_with_lead_in;  // where there is one
-  std::optional<ResolvedConfig> config;
-  HeightScale scale = HeightScale::kPublished;
-  std::string source;  // file name
-  std::string config_file;
+  std::optional<MeasuredSource> source;
   Gates gates;
 };
 
@@ -98,25 +90,15 @@ Result<Gates> gates_of(const EvaluateArguments& arguments, const std::string& da
   return gates;
 }
 
-Result<HumanClip> human_of(const Plan& plan) {
-  TRY_ASSIGN(const auto clip, prepare_clip(plan));
-  return to_human(*clip, plan.human.calibration);
-}
-
 Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
                         Console& console) {
   const Run& run = arguments.run;
   TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
   TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
-  measures.config = setup.config_for(plan.human);
-  measures.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
-  measures.scale = plan.scale;
-  measures.rate = plan.rate;
-  measures.source = fs::path(plan.clip->name()).filename().string();
-  TRY_ASSIGN(measures.human, human_of(plan));
-  if (plan.lead_in_frames == 0) return {};
-  plan.part.begin = 0;
-  TRY_ASSIGN(measures.human_with_lead_in, human_of(plan));
+  // of a body without some bones, too: what the motion lacks for them is measured
+  plan.config = setup.config_for(plan.human);
+  TRY_ASSIGN(measures.source, measured_source(std::move(plan)));
+  measures.rate = measures.source->rate;
   return {};
 }
 
@@ -146,43 +128,21 @@ Result<Measures> load_measures(const EvaluateArguments& arguments, Console& cons
   return measures;
 }
 
-QualityReport measure_beside(const RobotClip& motion, const Measures& measures,
-                             const HumanClip& human) {
-  const QualitySource source{&human, &*measures.config, measures.scale};
-  return measure_quality(motion, measures.limits, &source);
-}
-
-// how far the limbs are from the human's, degrees
-double limb_angle(const QualityReport& report) {
-  const MetricValue* found = report.find("limb_angle_deg");
-  return found == nullptr ? HUGE_VAL : found->value;
-}
-
-// A motion may have been made with the frames in front or without them, and be a part alone: it is
-// held against those that its limbs follow.
-QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
-                             const std::string& file, Console& console) {
-  if (!measures.human) return measure_quality(motion, measures.limits, nullptr);
-  const HumanClip* human = &*measures.human;
-  QualityReport report = measure_beside(motion, measures, *human);
-  if (const auto& whole = measures.human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, measures, *whole);
-    const bool needs_it = motion.frame_count() > human->frame_count;
-    if (limb_angle(with_lead_in) < limb_angle(report) ||
-        (needs_it && limb_angle(with_lead_in) == limb_angle(report))) {
-      report = std::move(with_lead_in);
-      human = &*whole;
-      console.line("lead-in", file + " follows the source with its leading frames: they are kept");
-    }
+QualityReport measure(const RobotClip& motion, const Measures& measures, const std::string& file,
+                      Console& console) {
+  const auto& source = measures.source;
+  MotionMeasure measure = measure_motion(motion, measures.limits, source ? &*source : nullptr);
+  if (measure.has_lead_in) {
+    console.line("lead-in", file + " follows the source with its leading frames: they are kept");
   }
-  if (human->frame_count < motion.frame_count()) {
+  if (source && measure.source_frames < motion.frame_count()) {
     console.warn({{0, 0,
-                   "the source has " + count_text(human->frame_count, "frame") +
+                   "the source has " + count_text(measure.source_frames, "frame") +
                        " from its start on for the " + count_text(motion.frame_count(), "frame") +
                        " of the motion: contacts and tracking end with it"}},
                  file);
   }
-  return report;
+  return std::move(measure.report);
 }
 
 Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
@@ -192,7 +152,7 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   const bool rate_known = motion.rate_known;
   motion.rate_known = rate_known || measures.reading.default_rate.has_value();
   print_motion(file, motion, console, "--fps");
-  if (rate_known && measures.reading.default_rate && !measures.human &&
+  if (rate_known && measures.reading.default_rate && !measures.source &&
       !same_rate(*measures.reading.default_rate, motion.clip.rate())) {
     console.warn(
         {{0, 0,
@@ -202,15 +162,13 @@ Result<QualityReport> evaluate_motion(const std::string& file, const Measures& m
   }
   // frame by frame beside the source
   RobotClip clip = std::move(motion.clip);
-  if (measures.human) {
+  if (measures.source) {
     TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
   }
   const auto start = std::chrono::steady_clock::now();
-  QualityReport report = measure_motion(clip, measures, file, console);
+  QualityReport report = measure(clip, measures, file, console);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
-  report.source = measures.source;
-  report.config = measures.config_file;
   measures.gates.judge(report);
   console.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
                                number_text(time.count(), 2) + " s");

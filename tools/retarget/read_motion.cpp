@@ -5,19 +5,9 @@
 
 namespace retarget::cli {
 
-ReadMotionOptions read_motion_options(const ReadingArguments& arguments, double memory_gb) {
-  ReadMotionOptions read;
+ReadMotionOptions read_motion_options(const ReadingOptions& options, double memory_gb) {
+  ReadMotionOptions read = retarget::read_motion_options(options);
   read.max_bytes = memory_share(memory_gb);
-  read.format = arguments.from;
-  if (arguments.source_fps > 0.0) read.rate = frame_rate_from_fps(arguments.source_fps);
-  read.quaternion = arguments.quaternion;
-  if (!arguments.angles.empty()) read.degrees = arguments.angles == "deg";
-  if (arguments.unit == "m") read.metres_per_unit = 1.0;
-  if (arguments.unit == "cm") read.metres_per_unit = 0.01;
-  if (arguments.unit == "mm") read.metres_per_unit = 0.001;
-  read.variant = arguments.dof;
-  read.motion = arguments.motion;
-  read.ignore_header = arguments.ignore_header;
   return read;
 }
 

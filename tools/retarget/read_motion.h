@@ -12,7 +12,7 @@ namespace retarget::cli {
 
 /// The reader's options as the command line has them.
 /// @param memory_gb  that a motion may take; 0: as there is.
-[[nodiscard]] ReadMotionOptions read_motion_options(const ReadingArguments& arguments,
+[[nodiscard]] ReadMotionOptions read_motion_options(const ReadingOptions& options,
                                                     double memory_gb);
 
 /// Says what a file was taken for, and what is odd about it.

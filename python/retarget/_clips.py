@@ -1,0 +1,39 @@
+"""Clips from arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+from retarget import _retarget
+from retarget._errors import UsageError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: ArrayLike, *,
+                     rotations_wxyz: ArrayLike | None = None,
+                     rotations_xyzw: ArrayLike | None = None, fps: float,
+                     space: Literal["world", "local"] = "world",
+                     name: str = "arrays") -> _retarget.Clip:
+    """Clip.from_arrays, whose docs say what is meant."""
+    if space not in ("world", "local"):
+        raise UsageError(f'space: expected "world" or "local", found {space!r}')
+    if rotations_wxyz is None and rotations_xyzw is None:
+        raise UsageError("positions alone are not read yet: give rotations_wxyz or rotations_xyzw")
+    if rotations_wxyz is not None and rotations_xyzw is not None:
+        raise UsageError("rotations_wxyz and rotations_xyzw are both given: give only one of them")
+    scalar_first = rotations_wxyz is not None
+    rotations = rotations_wxyz if scalar_first else rotations_xyzw
+    if isinstance(names, str) or not all(isinstance(each, str) for each in names):
+        raise UsageError("names: expected a sequence of texts")
+    if len(parents) != len(names):
+        raise UsageError(f"parents: expected {len(names)} of them, one for each name, "
+                         f"found {len(parents)}")
+    try:
+        indices = [-1 if each is None else each.__index__() for each in parents]
+    except AttributeError:
+        raise UsageError("parents: expected whole numbers, -1 for the root") from None
+    return _retarget.clip_from_arrays(list(names), indices, positions, rotations, scalar_first,
+                                      space == "local", fps, name)

@@ -1,0 +1,81 @@
+"""Exceptions and warnings of the package."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+
+class Error(Exception):
+    """Base class of what retarget raises. `str(error)` is the text that the command prints.
+
+    Attributes:
+        kind: `usage`, `input`, `config` or `run`.
+        message: what was expected and what was found, one sentence.
+        file: the file in question as it was named; empty: none.
+        line, column: 1-based place in the file, the column in bytes; 0: not known.
+        details: several faults, one sentence each.
+        hint: what to do about it; may be empty.
+    """
+
+    kind: str = "run"
+
+    def __init__(self, text: str, message: str = "", file: str = "", line: int = 0,
+                 column: int = 0, details: tuple[str, ...] = (), hint: str = "") -> None:
+        super().__init__(text)
+        self.message = message or text
+        self.file = file
+        self.line = line
+        self.column = column
+        self.details = tuple(details)
+        self.hint = hint
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # with all its attributes through queues and pools of processes
+        return type(self), (str(self), self.message, self.file, self.line, self.column,
+                            self.details, self.hint)
+
+
+class UsageError(Error, ValueError):
+    """The call is wrong: unknown or contradictory options, arrays of a wrong shape."""
+
+    kind = "usage"
+
+
+class InputError(Error, ValueError):
+    """A motion is bad: malformed, without frames, lacking a bone."""
+
+    kind = "input"
+
+
+class ConfigError(Error, ValueError):
+    """A configuration, profile, model or robot name is bad."""
+
+    kind = "config"
+
+
+class RunError(Error, RuntimeError):
+    """Work failed: an output could not be written, a seam is not good."""
+
+    kind = "run"
+
+
+class RetargetWarning(UserWarning):
+    """Something odd that did not stop the work: a guess that may be wrong, a damaged file."""
+
+
+_KINDS: dict[str, type[Error]] = {kind.kind: kind
+                                  for kind in (UsageError, InputError, ConfigError, RunError)}
+
+
+def make_error(kind: str, text: str, message: str, file: str, line: int, column: int,
+               details: list[str], hint: str) -> BaseException:
+    """Called by the module for an error of the library."""
+    if kind == "interrupted":
+        return KeyboardInterrupt(text)
+    return _KINDS[kind](text, message, file, line, column, tuple(details), hint)
+
+
+def warn(text: str) -> None:
+    """Called by the module for a warning of the library; names the user's line."""
+    warnings.warn(text, RetargetWarning, stacklevel=3)

@@ -1,0 +1,107 @@
+"""What functions give that is text and figures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from retarget import _retarget
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Frames [begin, end) in which a motion is bad, and how."""
+
+    metric: str
+    where: str
+    begin: int
+    end: int
+    worst_frame: int
+    amount: float
+    unit: str
+
+
+class Report:
+    """A motion's figures, faults and gates (docs/quality.md defines them)."""
+
+    def __init__(self, text: str, json_text: str) -> None:
+        self._text = text
+        #: The report as `retarget evaluate --json` writes it.
+        self.json = json_text
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """Everything in the report, as its JSON has it."""
+        return json.loads(self.json)["motions"][0]
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """Each figure by its key; `KEY_p95` is the 95th percentile of those that have one.
+
+        `retarget.metrics()` says what they are. What could not be measured is left out.
+        """
+        figures = {}
+        for key, _, _ in _retarget.metrics():
+            value = self.data.get(key)
+            if isinstance(value, list):
+                figures[key], figures[f"{key}_p95"] = value
+            elif value is not None:
+                figures[key] = value
+        return figures
+
+    @property
+    def faults(self) -> list[Fault]:
+        """Frames in which the motion is bad, by metric, the worst first."""
+        return [Fault(**fault) for fault in self.data["faults"]]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all gates are kept."""
+        return self.data["passed"]
+
+    @property
+    def missed(self) -> list[dict[str, Any]]:
+        """Gates that are not: metric, min, max, value."""
+        return [gate for gate in self.data["gates"] if not gate["passed"]]
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else f"{len(self.missed)} gates missed"
+        return f"<retarget.Report of {self.data['file']!r}: {verdict}>"
+
+
+class Inspection:
+    """What a clip holds. `str()` gives it for people, `data` as `retarget inspect --json`."""
+
+    def __init__(self, text: str, json_text: str) -> None:
+        self._text = text
+        self.json = json_text
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        return json.loads(self.json)
+
+    def __str__(self) -> str:
+        return self._text
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What became of a batch."""
+
+    folder: Path
+    failed: int
+    """How many clips failed in this run."""
+    clips: list[dict[str, Any]]
+    """The lines of the manifest (docs/batch.md)."""
+    notes: list[str]
+    """What the command prints of it."""
+
+    def __repr__(self) -> str:
+        return (f"<retarget.Batch in {str(self.folder)!r}: {len(self.clips)} clips, "
+                f"{self.failed} failed>")

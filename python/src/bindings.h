@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+// The module's parts, a file each.
+
+namespace retarget::python {
+
+void bind_options(nanobind::module_& module);
+void bind_clip(nanobind::module_& module);
+void bind_robot(nanobind::module_& module);
+void bind_motion(nanobind::module_& module);
+void bind_solve(nanobind::module_& module);
+void bind_evaluate(nanobind::module_& module);
+void bind_edit(nanobind::module_& module);
+void bind_batch(nanobind::module_& module);
+
+}  // namespace retarget::python

@@ -1,0 +1,288 @@
+// retarget.Clip: a human motion, read from a file or made from arrays.
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "bvh/write_bvh.h"
+#include "clip_from_arrays.h"
+#include "handles.h"
+#include "inspect/inspect_clip.h"
+#include "keywords.h"
+#include "motion/forward_kinematics.h"
+#include "options/run_tables.h"
+#include "raise.h"
+#include "retarget/plan.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+std::shared_ptr<const WorldPoses> ClipHandle::world() const {
+  const std::lock_guard lock(world_->mutex);
+  if (world_->poses) return world_->poses;
+  const auto joints = static_cast<std::size_t>(clip_->skeleton().joint_count());
+  auto made = std::make_shared<WorldPoses>();
+  made->positions.reserve(3 * joints * static_cast<std::size_t>(clip_->frame_count()));
+  made->rotations.reserve(4 * joints * static_cast<std::size_t>(clip_->frame_count()));
+  std::vector<Pose> world_from_joint(joints);
+  for (int frame = 0; frame < clip_->frame_count(); ++frame) {
+    forward_kinematics(*clip_, frame, world_from_joint);
+    for (const auto& [rotation, position] : world_from_joint) {
+      made->positions.insert(made->positions.end(), {position.x(), position.y(), position.z()});
+      made->rotations.insert(made->rotations.end(),
+                             {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+    }
+  }
+  world_->poses = std::move(made);
+  return world_->poses;
+}
+
+namespace {
+
+std::vector<std::size_t> shape_of(const Clip& clip, std::size_t last) {
+  return {static_cast<std::size_t>(clip.frame_count()),
+          static_cast<std::size_t>(clip.skeleton().joint_count()), last};
+}
+
+std::shared_ptr<const WorldPoses> world_of(const ClipHandle& clip) {
+  const nb::gil_scoped_release released;
+  return clip.world();
+}
+
+nb::object positions(const ClipHandle& clip) {
+  const auto world = world_of(clip);
+  return shared_array(world->positions.data(), shape_of(*clip, 3), world);
+}
+
+nb::object rotations_wxyz(const ClipHandle& clip) {
+  const auto world = world_of(clip);
+  return shared_array(world->rotations.data(), shape_of(*clip, 4), world);
+}
+
+// four numbers in the other order
+nb::object reordered(std::span<const double> numbers, bool scalar_first,
+                     const std::vector<std::size_t>& shape) {
+  std::vector<double> turned(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t from = scalar_first ? (i % 4 + 3) % 4 : (i % 4 + 1) % 4;
+    turned[i] = numbers[i - i % 4 + from];
+  }
+  return array_of(std::move(turned), shape);
+}
+
+nb::object rotations_xyzw(const ClipHandle& clip) {
+  return reordered(world_of(clip)->rotations, false, shape_of(*clip, 4));
+}
+
+std::span<const double> local_rotations(const Clip& clip) {
+  if (clip.frame_count() == 0) return {};
+  // a clip has them in one piece, frame by frame
+  const std::size_t joints = clip.rotations(0).size();
+  return {clip.rotations(0).data()->coeffs().data(),
+          4 * joints * static_cast<std::size_t>(clip.frame_count())};
+}
+
+nb::object local_rotations_xyzw(const ClipHandle& clip) {
+  return shared_array(local_rotations(*clip).data(), shape_of(*clip, 4), clip.shared());
+}
+
+nb::object local_rotations_wxyz(const ClipHandle& clip) {
+  return reordered(local_rotations(*clip), true, shape_of(*clip, 4));
+}
+
+nb::object local_positions(const ClipHandle& clip) {
+  std::vector<double> numbers;
+  for (int frame = 0; frame < clip->frame_count(); ++frame) {
+    for (int joint = 0; joint < clip->skeleton().joint_count(); ++joint) {
+      const Eigen::Vector3d& position = clip->translation(frame, joint);
+      numbers.insert(numbers.end(), position.begin(), position.end());
+    }
+  }
+  return array_of(std::move(numbers), shape_of(*clip, 3));
+}
+
+nb::object offsets(const ClipHandle& clip) {
+  std::vector<double> numbers;
+  for (const Joint& joint : clip->skeleton().joints()) {
+    numbers.insert(numbers.end(), joint.offset.begin(), joint.offset.end());
+  }
+  return array_of(std::move(numbers),
+                  {static_cast<std::size_t>(clip->skeleton().joint_count()), 3});
+}
+
+nb::list parents(const ClipHandle& clip) {
+  nb::list all;
+  for (const Joint& joint : clip->skeleton().joints()) all.append(joint.parent);
+  return all;
+}
+
+nb::list warnings_of(const ClipHandle& clip) {
+  nb::list all;
+  for (const Warning& each : clip->origin().warnings) all.append(text_of(describe(each, "")));
+  return all;
+}
+
+FrameRate rate_of(double fps) {
+  const bool sound = fps >= 0.001 && fps <= 1e6;
+  if (!sound) {
+    raise(usage_failure(
+              fmt::format("fps: expected frames per second, 0.001 to 1000000, found {}", fps))
+              .value());
+  }
+  return frame_rate_from_fps(fps);
+}
+
+ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::object positions,
+                       nb::object rotations, bool scalar_first, bool local, double fps,
+                       const std::string& name) {
+  ClipArrays arrays;
+  arrays.rate = rate_of(fps);
+  arrays.scalar_first = scalar_first;
+  arrays.local = local;
+  arrays.name = name;
+  for (nb::handle each : names) arrays.names.push_back(nb::cast<std::string>(each));
+  for (nb::handle each : parents) arrays.parents.push_back(nb::cast<int>(each));
+  const auto joints = static_cast<std::int64_t>(arrays.names.size());
+  const GivenArray places(positions, "positions", {-1, joints, 3});
+  const char* what = scalar_first ? "rotations_wxyz" : "rotations_xyzw";
+  const GivenArray turns(rotations, what, {static_cast<std::int64_t>(places.size(0)), joints, 4});
+  arrays.frames = places.size(0);
+  arrays.positions = places.numbers();
+  arrays.rotations = turns.numbers();
+  return ClipHandle(without_gil([&] { return clip_from_arrays(arrays); }));
+}
+
+ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_only) {
+  SourceOptions source;
+  apply_keywords(source_table(source), options);
+  const std::string path = bytes_of_path(file, "file");
+  ClipHandle clip(without_gil(
+      [&] { return skeleton_only ? load_skeleton(path, source) : load_clip(path, source); }));
+  warn(clip->origin().warnings, clip->name());
+  return clip;
+}
+
+void save(const ClipHandle& clip, const nb::object& file, std::optional<int> decimals) {
+  const std::string path = bytes_of_path(file, "path");
+  without_gil([&] { return save_bvh(path, *clip, {decimals}); });
+}
+
+// text and JSON of what a clip holds
+nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const std::string& data_dir) {
+  HumanOptions how;
+  apply_keywords(human_table(how), options);
+  Clip clip = *handle;
+  const auto human = [&] {
+    const nb::gil_scoped_release released;
+    const auto folder = data_folder_of(data_dir);
+    return folder ? find_human(clip, how, *folder) : failure(folder.error());
+  }();
+  // what was asked for must be possible; what was only looked at need not be a human
+  if (!human && human.error().kind != ErrorKind::kInput) raise(human.error());
+  Inspection found{handle->name(), *handle, handle->origin().warnings};
+  if (human) {
+    found.map = &human->map;
+    found.calibration = &human->calibration;
+  } else {
+    found.reason = &human.error();
+  }
+  return nb::make_tuple(text_of(inspection_text(found)), text_of(inspection_json(found)));
+}
+
+std::string shown(const ClipHandle& clip) {
+  return fmt::format("<retarget.Clip {}: {} joints, {} frames at {} fps>",
+                     nb::cast<std::string>(nb::repr(text_of(clip->name()))),
+                     clip->skeleton().joint_count(), clip->frame_count(), to_text(clip->rate()));
+}
+
+}  // namespace
+
+void bind_clip(nb::module_& module) {
+  nb::class_<ClipHandle>(module, "Clip",
+                         "A human motion: a skeleton and its poses, in the units and axes of the "
+                         "file it came from.\n\n"
+                         "Arrays are read-only; F frames, J joints in the order of joint_names.")
+      .def_prop_ro(
+          "name", [](const ClipHandle& clip) { return text_of(clip->name()); },
+          "What messages call the clip: its file.")
+      .def_prop_ro(
+          "fps", [](const ClipHandle& clip) { return clip->rate().fps(); }, "Frames per second.")
+      .def_prop_ro(
+          "frame_count", [](const ClipHandle& clip) { return clip->frame_count(); }, "F.")
+      .def_prop_ro(
+          "duration", [](const ClipHandle& clip) { return clip->duration(); },
+          "Seconds from the first to the last frame.")
+      .def_prop_ro(
+          "joint_names", [](const ClipHandle& clip) { return texts_of(clip->skeleton().names()); },
+          nb::sig("def joint_names(self) -> list[str]"), "J names, parents before children.")
+      .def_prop_ro("parents", &parents, nb::sig("def parents(self) -> list[int]"),
+                   "Index of each joint's parent; -1: the root.")
+      .def_prop_ro("offsets", &offsets, nb::sig("def offsets(self) -> numpy.ndarray"),
+                   "(J, 3) float64: each joint in its parent's frame, in the file's unit.")
+      .def_prop_ro("positions", &positions, nb::sig("def positions(self) -> numpy.ndarray"),
+                   "(F, J, 3) float64: joints in the world, in the file's unit and axes.")
+      .def_prop_ro("rotations_wxyz", &rotations_wxyz,
+                   nb::sig("def rotations_wxyz(self) -> numpy.ndarray"),
+                   "(F, J, 4) float64: world_from_joint, unit quaternions w x y z.")
+      .def_prop_ro("rotations_xyzw", &rotations_xyzw,
+                   nb::sig("def rotations_xyzw(self) -> numpy.ndarray"),
+                   "(F, J, 4) float64: world_from_joint, unit quaternions x y z w; a copy.")
+      .def_prop_ro("rotations", &rotations_wxyz, nb::sig("def rotations(self) -> numpy.ndarray"),
+                   "The same as rotations_wxyz.")
+      .def_prop_ro("local_positions", &local_positions,
+                   nb::sig("def local_positions(self) -> numpy.ndarray"),
+                   "(F, J, 3) float64: each joint in its parent's frame; a copy.")
+      .def_prop_ro("local_rotations_xyzw", &local_rotations_xyzw,
+                   nb::sig("def local_rotations_xyzw(self) -> numpy.ndarray"),
+                   "(F, J, 4) float64: parent_from_joint, unit quaternions x y z w, as the clip "
+                   "holds them.")
+      .def_prop_ro("local_rotations_wxyz", &local_rotations_wxyz,
+                   nb::sig("def local_rotations_wxyz(self) -> numpy.ndarray"),
+                   "(F, J, 4) float64: parent_from_joint, unit quaternions w x y z; a copy.")
+      .def_prop_ro("warnings", &warnings_of, nb::sig("def warnings(self) -> list[str]"),
+                   "What was odd about the file.")
+      .def("save", &save, "path"_a.none(), "decimals"_a = nb::none(),
+           nb::sig("def save(self, path: str | os.PathLike[str], decimals: int | None = None) -> "
+                   "None"),
+           "Writes the clip as BVH, whole or not at all.\n\n"
+           "decimals: digits after the point; None: as many as read back to the same numbers.")
+      .def_static(
+          "from_arrays",
+          [](const nb::args& given, const nb::kwargs& named) {
+            // what numpy takes for arrays is easier said in Python
+            return nb::module_::import_("retarget._clips")
+                .attr("clip_from_arrays")(*given, **named);
+          },
+          "given"_a, "named"_a,
+          nb::sig("def from_arrays(names: collections.abc.Sequence[str], parents: "
+                  "collections.abc.Sequence[int], positions: numpy.typing.ArrayLike, *, "
+                  "rotations_wxyz: numpy.typing.ArrayLike | None = None, rotations_xyzw: "
+                  "numpy.typing.ArrayLike | None = None, fps: float, space: str = 'world', name: "
+                  "str = 'arrays') -> Clip"),
+          "A clip from the poses of named joints.\n\n"
+          "names: J names, each once; those that recognition knows (docs/human.md) need no bone "
+          "map.\n"
+          "parents: index of each joint's parent; -1: the root.\n"
+          "positions: (F, J, 3), any unit of length, any axis up.\n"
+          "rotations_wxyz, rotations_xyzw: (F, J, 4) unit quaternions; one of them.\n"
+          "fps: frames per second.\n"
+          "space: 'world': poses of the joints in the world; 'local': in their parents' frames.\n"
+          "name: what messages call the clip.\n\n"
+          "Joints come in depth-first order, so joint_names may differ from names. A joint that "
+          "keeps its distance to its parent (to 1e-4 of the longest) gets a fixed offset.\n\n"
+          "Raises UsageError: wrong shapes, numbers that are not finite, quaternions that are not "
+          "of "
+          "unit length, parents that are no tree.")
+      .def("__len__", [](const ClipHandle& clip) { return clip->frame_count(); })
+      .def("__repr__", &shown);
+  module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),
+             "rotations"_a.none(), "scalar_first"_a, "local"_a, "fps"_a, "name"_a);
+  module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a);
+  module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a);
+}
+
+}  // namespace retarget::python

@@ -1,0 +1,115 @@
+// evaluate: how good a motion is.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "base/suggest.h"
+#include "base/try.h"
+#include "bindings.h"
+#include "evaluate_table.h"
+#include "handles.h"
+#include "keywords.h"
+#include "options/run_tables.h"
+#include "plan/gates.h"
+#include "plan/measure_motion.h"
+#include "raise.h"
+#include "retarget/plan.h"
+#include "retarget/report.h"
+#include "robot/resample_robot.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+OptionTable evaluate_table(Options& options) {
+  OptionTable table = only(solve_table(options.solve), {"limits", "ik-config"});
+  append(table, human_table(options.human));
+  append(table, only(part_table(options.part), {"start", "lead-in"}));
+  append(table, only(time_table(options.time), {"fps"}));
+  return table;
+}
+
+namespace {
+
+// of a metric: its largest value, (smallest, largest) or None, which removes its gate
+Gate gate_of(nb::handle key, nb::handle bounds) {
+  Gate gate{bytes_of_path(key, "gates"), std::nullopt, std::nullopt};
+  if (find_metric(gate.metric) == nullptr) {
+    raise(usage_failure("gates: there is no metric \"" + gate.metric + "\"" +
+                        did_you_mean(gate.metric, metric_keys()))
+              .value());
+  }
+  const auto number = [&](nb::handle object) -> std::optional<double> {
+    if (object.is_none()) return std::nullopt;
+    const double value = PyFloat_AsDouble(object.ptr());
+    if (PyErr_Occurred() == nullptr) return value;
+    PyErr_Clear();
+    raise(usage_failure("gates: " + gate.metric +
+                        ": expected a largest value, (smallest, largest) or None")
+              .value());
+  };
+  if (nb::isinstance<nb::tuple>(bounds) && nb::len(bounds) == 2) {
+    gate.min = number(bounds[0]);
+    gate.max = number(bounds[1]);
+  } else {
+    gate.max = number(bounds);
+  }
+  return gate;
+}
+
+// None: the default ones; else what a dictionary or a file changes of them; False: none at all
+Gates gates_of(const nb::object& given, const std::string& data_folder) {
+  if (given.is(nb::handle(Py_False))) return {};
+  Gates gates = value_of(default_gates(data_folder));
+  if (given.is_none()) return gates;
+  if (nb::isinstance<nb::dict>(given)) {
+    for (const auto& [key, bounds] : nb::borrow<nb::dict>(given)) gates.set(gate_of(key, bounds));
+  } else {
+    value_of(gates.add_file(bytes_of_path(given, "gates")));
+  }
+  return gates;
+}
+
+Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip, Options options) {
+  const Robot& robot = *motion.robot;
+  std::string& limits_name = options.solve.limits;
+  if (limits_name.empty()) limits_name = robot.limits_for({});
+  TRY_ASSIGN(const LimitSet limits, load_limits(robot, limits_name));
+  if (clip == nullptr) return measure_motion(*motion.clip, limits, nullptr).report;
+  TRY_ASSIGN(const RobotSetup setup, set_up_robot(motion.robot.loaded, options));
+  TRY_ASSIGN(Plan plan, make_plan(**clip, setup, options));
+  // as the command does: what a body without some bones lacks is measured, too
+  plan.config = setup.config_for(plan.human);
+  TRY_ASSIGN(const MeasuredSource source, measured_source(std::move(plan)));
+  TRY_ASSIGN(const RobotClip at_rate, resample_robot(*motion.clip, source.rate));
+  return measure_motion(at_rate, limits, &source).report;
+}
+
+// text, JSON and whether the motion passed
+nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb::dict& keywords,
+                   const nb::object& given_gates) {
+  const Gates gates = gates_of(given_gates, motion.robot.loaded.data_folder);
+  const ClipHandle* source = clip.is_none() ? nullptr : nb::cast<const ClipHandle*>(clip);
+  const bool is_own = source == nullptr || motion.made_from.lock() == source->shared();
+  Options options;
+  apply_keywords(evaluate_table(options), keywords);
+  const bool as_solved = motion.solved != nullptr && is_own && nb::len(keywords) == 0;
+  QualityReport report = without_gil([&]() -> Result<QualityReport> {
+    if (as_solved) return retarget::evaluate(*motion.solved);
+    return measure(motion, source, options);
+  });
+  report.file = std::filesystem::path(motion.name).filename().string();
+  gates.judge(report);
+  return nb::make_tuple(text_of(report_text({&report, 1})), text_of(report_json({&report, 1})));
+}
+
+}  // namespace
+
+void bind_evaluate(nb::module_& module) {
+  module.def("evaluate", &evaluate, "motion"_a, "clip"_a.none(), "options"_a, "gates"_a.none());
+}
+
+}  // namespace retarget::python

@@ -1,0 +1,192 @@
+#include "keywords.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/suggest.h"
+#include "raise.h"
+
+namespace retarget::python {
+namespace {
+
+std::string class_name(nb::handle object) {
+  return nb::cast<std::string>(nb::str(object.type().attr("__name__")));
+}
+
+// what was found, for messages: short, whatever it is
+std::string found_text(nb::handle object) {
+  constexpr std::size_t kLongest = 60;
+  if (!nb::isinstance<nb::str>(object) && !PyFloat_Check(object.ptr()) &&
+      !PyLong_Check(object.ptr())) {
+    return "a value of type " + class_name(object);
+  }
+  std::string text = nb::cast<std::string>(
+      text_of(nb::cast<std::string>(nb::steal<nb::str>(PyObject_ASCII(object.ptr())))));
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+bool is_flag(nb::handle object) {
+  // numpy's own: `bool` from numpy 2 on, `bool_` before
+  return PyBool_Check(object.ptr()) || class_name(object) == "bool_" ||
+         class_name(object) == "bool";
+}
+
+std::optional<std::int64_t> whole_number(nb::handle object) {
+  if (is_flag(object) || !PyIndex_Check(object.ptr())) return std::nullopt;
+  const nb::object index = nb::steal(PyNumber_Index(object.ptr()));
+  int overflow = 0;
+  const std::int64_t value =
+      index.is_valid() ? PyLong_AsLongLongAndOverflow(index.ptr(), &overflow) : 0;
+  if (PyErr_Occurred() != nullptr) PyErr_Clear();
+  if (!index.is_valid() || overflow != 0) return std::nullopt;
+  return value;
+}
+
+std::optional<double> number(nb::handle object) {
+  if (is_flag(object) || nb::isinstance<nb::str>(object) || !PyNumber_Check(object.ptr())) {
+    return std::nullopt;
+  }
+  // an array of one number warns or fails there, and so does any other object
+  if (nb::hasattr(object, "ndim") && nb::cast<int>(object.attr("ndim")) != 0) return std::nullopt;
+  const double value = PyFloat_AsDouble(object.ptr());
+  if (PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::optional<std::string> text(nb::handle object) {
+  if (const auto count = whole_number(object)) return std::to_string(*count);
+  if (const auto value = number(object)) return fmt::format("{}", *value);
+  const bool is_path = nb::isinstance<nb::str>(object) || nb::isinstance<nb::bytes>(object) ||
+                       nb::hasattr(object, "__fspath__");
+  if (!is_path) return std::nullopt;
+  return bytes_of_path(object, "option");
+}
+
+std::optional<std::vector<std::string>> texts(nb::handle object) {
+  std::vector<std::string> words;
+  if (nb::isinstance<nb::str>(object)) {
+    std::string_view rest = nb::borrow<nb::str>(object).c_str();
+    while (true) {
+      const std::size_t comma = rest.find(',');
+      words.emplace_back(rest.substr(0, comma));
+      if (comma == std::string_view::npos) return words;
+      rest.remove_prefix(comma + 1);
+    }
+  }
+  if (nb::hasattr(object, "__fspath__")) return std::vector{bytes_of_path(object, "option")};
+  if (PySequence_Check(object.ptr()) == 0 || nb::isinstance<nb::bytes>(object)) return std::nullopt;
+  for (nb::handle each : object) {
+    if (!nb::isinstance<nb::str>(each) && !nb::hasattr(each, "__fspath__")) return std::nullopt;
+    words.push_back(bytes_of_path(each, "option"));
+  }
+  return words;
+}
+
+std::optional<OptionValue> value_of_kind(const OptionValue& kind, nb::handle object) {
+  const auto wrapped = [](auto&& value) {
+    return value ? std::optional<OptionValue>(*std::forward<decltype(value)>(value)) : std::nullopt;
+  };
+  if (std::holds_alternative<bool>(kind)) {
+    if (!is_flag(object)) return std::nullopt;
+    return OptionValue(PyObject_IsTrue(object.ptr()) == 1);
+  }
+  if (std::holds_alternative<std::int64_t>(kind)) return wrapped(whole_number(object));
+  if (std::holds_alternative<double>(kind)) return wrapped(number(object));
+  if (std::holds_alternative<std::string>(kind)) return wrapped(text(object));
+  return wrapped(texts(object));
+}
+
+[[noreturn]] void refuse(const std::string& message) {
+  raise(usage_failure(message).value());
+}
+
+// `fps: expected ...`
+[[noreturn]] void refuse(const Option& row, Error error) {
+  error.message = keyword_of(row) + ": " + error.message;
+  raise(error);
+}
+
+void apply(const Option& row, nb::handle object) {
+  const OptionValue kind = row.get();
+  const auto value = value_of_kind(kind, object);
+  if (!value) {
+    refuse(fmt::format("{}: expected {}, found {}", keyword_of(row), expectation(row),
+                       found_text(object)));
+  }
+  if (const auto checked = check_option(row, *value); !checked) refuse(row, checked.error());
+  if (auto set = row.set(*value); !set) refuse(row, set.error());
+}
+
+std::string annotation(const Option& row) {
+  const OptionValue kind = row.get();
+  std::string choices;
+  for (const std::string& choice : row.choices) {
+    choices += (choices.empty() ? "" : ", ") + fmt::format("'{}'", choice);
+  }
+  if (!choices.empty()) choices = "Literal[" + choices + "]";
+  if (std::holds_alternative<bool>(kind)) return "bool";
+  if (std::holds_alternative<std::int64_t>(kind)) return "int";
+  if (std::holds_alternative<double>(kind)) return "float";
+  if (row.is_list()) return "str | Sequence[" + (choices.empty() ? "str" : choices) + "]";
+  if (!choices.empty()) return choices;
+  const std::string& type = row.info.type;
+  if (type.find("FILE") != std::string::npos || type == "DIR") return "StrPath";
+  // texts that may be numbers: a rate, a unit
+  return type == "N|source" || type == "UNIT" ? "str | float" : "str";
+}
+
+}  // namespace
+
+void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
+  std::vector<std::string> names;
+  for (const Option& row : table) names.push_back(keyword_of(row));
+  for (const auto& [key, value] : keywords) {
+    const std::string name = nb::cast<std::string>(text_of(bytes_of_path(key, "option")));
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      refuse(fmt::format("there is no option \"{}\"{}", name, did_you_mean(name, names)));
+    }
+    if (!value.is_none()) apply(table[static_cast<std::size_t>(found - names.begin())], value);
+  }
+}
+
+OptionTable without(OptionTable rows, std::initializer_list<std::string_view> names) {
+  std::erase_if(
+      rows, [&](const Option& row) { return std::ranges::find(names, row.name) != names.end(); });
+  return rows;
+}
+
+OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names) {
+  std::erase_if(
+      rows, [&](const Option& row) { return std::ranges::find(names, row.name) == names.end(); });
+  return rows;
+}
+
+std::string keyword_of(const Option& row) {
+  std::string name = option_as_field(row.name);
+  if (name == "from") name += "_";
+  return name;
+}
+
+nb::list described(const OptionTable& table) {
+  nb::list rows;
+  for (const Option& row : table) {
+    nb::dict entry;
+    entry["name"] = keyword_of(row);
+    entry["type"] = annotation(row);
+    entry["default"] = text_of(to_text(row.get()));
+    entry["choices"] = texts_of(row.choices);
+    entry["help"] = text_of(spell_options(row.info.help));
+    rows.append(entry);
+  }
+  return rows;
+}
+
+}  // namespace retarget::python

@@ -1,0 +1,240 @@
+// retarget.Motion: a robot's motion, solved or read from a file.
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "handles.h"
+#include "io/reading_table.h"
+#include "keywords.h"
+#include "options/run_tables.h"
+#include "plan/memory.h"
+#include "raise.h"
+#include "retarget/motion_io.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+namespace {
+
+constexpr std::size_t kRoot = 7;  // numbers of a configuration before the joints
+constexpr std::array kContactNames = {"left_heel", "left_toe", "right_heel", "right_toe"};
+
+std::size_t frames_of(const MotionHandle& motion) {
+  return static_cast<std::size_t>(motion.clip->frame_count());
+}
+
+const double* numbers_of(const MotionHandle& motion) {
+  return motion.clip->frame_count() == 0 ? nullptr : motion.clip->qpos(0).data();
+}
+
+// columns [begin, begin + count) of the configurations, not copied
+nb::object columns(const MotionHandle& motion, std::size_t begin, std::size_t count) {
+  const auto width = static_cast<std::int64_t>(motion.robot->configuration_size());
+  const double* numbers = numbers_of(motion);
+  return shared_array(numbers == nullptr ? nullptr : numbers + begin, {frames_of(motion), count},
+                      motion.clip, {width, 1});
+}
+
+nb::object qpos(const MotionHandle& motion) {
+  return columns(motion, 0, static_cast<std::size_t>(motion.robot->configuration_size()));
+}
+
+nb::object root_rotation_xyzw(const MotionHandle& motion) {
+  std::vector<double> numbers;
+  for (int frame = 0; frame < motion.clip->frame_count(); ++frame) {
+    const auto root = motion.clip->qpos(frame);
+    numbers.insert(numbers.end(), {root[4], root[5], root[6], root[3]});
+  }
+  return array_of(std::move(numbers), {frames_of(motion), 4});
+}
+
+nb::object joint_positions(const MotionHandle& motion) {
+  const Robot& robot = *motion.robot;
+  std::vector<std::size_t> addresses;
+  for (const int joint : robot.output_joints()) {
+    addresses.push_back(static_cast<std::size_t>(robot.joints()[joint].qpos_address));
+  }
+  bool in_order = true;
+  for (std::size_t i = 0; i < addresses.size(); ++i) in_order &= addresses[i] == kRoot + i;
+  if (in_order) return columns(motion, kRoot, addresses.size());
+  std::vector<double> numbers;
+  for (int frame = 0; frame < motion.clip->frame_count(); ++frame) {
+    for (const std::size_t address : addresses)
+      numbers.push_back(motion.clip->qpos(frame)[address]);
+  }
+  return array_of(std::move(numbers), {frames_of(motion), addresses.size()});
+}
+
+nb::list joint_names(const MotionHandle& motion) {
+  nb::list names;
+  for (const int joint : motion.robot->output_joints()) {
+    names.append(text_of(motion.robot->joints()[joint].name));
+  }
+  return names;
+}
+
+nb::object contacts(const MotionHandle& motion) {
+  if (!motion.solved || !motion.solved->fit) return nb::none();
+  std::vector<std::uint8_t> flags(4 * frames_of(motion), 0);
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (const ContactPhase& phase : motion.solved->contacts[end]) {
+      for (int frame = phase.begin; frame < phase.end; ++frame) {
+        flags[4 * static_cast<std::size_t>(frame) + end] = 1;
+      }
+    }
+  }
+  return array_of_flags(std::move(flags), {frames_of(motion), 4});
+}
+
+nb::list contact_names() {
+  nb::list names;
+  for (const char* name : kContactNames) names.append(name);
+  return names;
+}
+
+nb::object source(const MotionHandle& motion) {
+  return motion.solved ? nb::cast(ClipHandle(motion.solved->source)) : nb::none();
+}
+
+void save(const MotionHandle& motion, const nb::object& file, const nb::kwargs& options) {
+  SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
+  apply_keywords(save_table(how), options);
+  const std::string path = bytes_of_path(file, "path");
+  without_gil([&] { return retarget::save(*motion.clip, path, how); });
+  for (const MotionFormat format : how.formats) warn(format_losses(*motion.clip, format), path);
+}
+
+nb::object rows(std::vector<double> numbers, std::size_t frames, std::size_t items,
+                std::size_t width) {
+  if (width == 1) return array_of(std::move(numbers), {frames, items});
+  return array_of(std::move(numbers), {frames, items, width});
+}
+
+nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
+  SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
+  how.formats = {MotionFormat::kNpzMjlab};
+  apply_keywords(only(save_table(how), {"format", "npz-fps", "npz-velocity"}), options);
+  if (how.formats.size() != 1 || format_ending(how.formats.front()) != ".npz") {
+    raise(usage_failure("format: expected npz-mjlab or npz-beyondmimic").value());
+  }
+  const TrackingOptions what{{how.npz_fps, 1}, how.npz_velocity};
+  TrackingMotion made =
+      without_gil([&] { return make_tracking_motion(*motion.clip, how.formats.front(), what); });
+  const std::size_t frames = made.frames, joints = made.joint_names.size(),
+                    bodies = made.body_names.size();
+  nb::dict arrays;
+  arrays["fps"] = made.rate.fps();
+  arrays["joint_names"] = texts_of(made.joint_names);
+  arrays["body_names"] = texts_of(made.body_names);
+  arrays["joint_pos"] = rows(std::move(made.joint_pos), frames, joints, 1);
+  arrays["joint_vel"] = rows(std::move(made.joint_vel), frames, joints, 1);
+  arrays["body_pos_w"] = rows(std::move(made.body_pos), frames, bodies, 3);
+  arrays["body_quat_w"] = rows(std::move(made.body_quat), frames, bodies, 4);
+  arrays["body_lin_vel_w"] = rows(std::move(made.body_lin_vel), frames, bodies, 3);
+  arrays["body_ang_vel_w"] = rows(std::move(made.body_ang_vel), frames, bodies, 3);
+  return arrays;
+}
+
+MotionHandle load(const nb::object& file, const RobotHandle& robot, const nb::dict& options) {
+  ReadingOptions given;
+  double memory_gb = 0.0;
+  OptionTable table = reading_table(given);
+  table.push_back(memory_row(memory_gb));
+  apply_keywords(table, options);
+  const std::string path = bytes_of_path(file, "file");
+  RobotMotion read = without_gil([&]() -> Result<RobotMotion> {
+    ReadMotionOptions how = read_motion_options(given);
+    how.max_bytes = memory_share(memory_gb);
+    return load_robot_motion(path, robot.loaded.robot, how);
+  });
+  warn(read.warnings, path);
+  std::string summary = std::string(format_name(read.format)) +
+                        (read.rate_known ? "" : ", which does not give its rate");
+  for (const std::string& note : read.notes) summary += "\n" + note;
+  MotionHandle motion{nullptr, std::make_shared<const RobotClip>(std::move(read.clip)),
+                      robot,   {},
+                      path,    std::move(summary)};
+  // the file's columns may be those of a variant
+  motion.robot.loaded.robot = motion.clip->shared_robot();
+  return motion;
+}
+
+std::string shown(const MotionHandle& motion) {
+  return fmt::format("<retarget.Motion of {}: {} frames at {} fps, {} joints>",
+                     nb::cast<std::string>(text_of(motion.robot->name())),
+                     motion.clip->frame_count(), to_text(motion.clip->rate()),
+                     motion.robot->output_joints().size());
+}
+
+}  // namespace
+
+void bind_motion(nb::module_& module) {
+  nb::class_<MotionHandle>(
+      module, "Motion",
+      "A robot's motion.\n\n"
+      "Metres, radians, world frame with z up. Arrays are read-only; F frames, "
+      "N joints in the order of joint_names.")
+      .def_prop_ro(
+          "fps", [](const MotionHandle& motion) { return motion.clip->rate().fps(); },
+          "Frames per second.")
+      .def_prop_ro(
+          "frame_count", [](const MotionHandle& motion) { return motion.clip->frame_count(); },
+          "F.")
+      .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
+                   "N names, in the order of the output's columns.")
+      .def_prop_ro("qpos", &qpos, nb::sig("def qpos(self) -> numpy.ndarray"),
+                   "(F, 7 + n) float64: MuJoCo's configurations, root x y z, root quaternion "
+                   "w x y z, then all n joints of the model in its order.")
+      .def_prop_ro(
+          "root_position", [](const MotionHandle& motion) { return columns(motion, 0, 3); },
+          nb::sig("def root_position(self) -> numpy.ndarray"), "(F, 3) float64, metres.")
+      .def_prop_ro(
+          "root_rotation_wxyz", [](const MotionHandle& motion) { return columns(motion, 3, 4); },
+          nb::sig("def root_rotation_wxyz(self) -> numpy.ndarray"),
+          "(F, 4) float64: world_from_root, unit quaternions w x y z, sign-continuous.")
+      .def_prop_ro("root_rotation_xyzw", &root_rotation_xyzw,
+                   nb::sig("def root_rotation_xyzw(self) -> numpy.ndarray"),
+                   "(F, 4) float64: the same, x y z w; a copy.")
+      .def_prop_ro("joint_positions", &joint_positions,
+                   nb::sig("def joint_positions(self) -> numpy.ndarray"),
+                   "(F, N) float64: rad, of slides metres.")
+      .def_prop_ro("contacts", &contacts, nb::sig("def contacts(self) -> numpy.ndarray | None"),
+                   "(F, 4) bool: whether the source's heels and toes stand, which a fit keeps to; "
+                   "columns are contact_names. None: the motion was not fitted.")
+      .def_prop_ro(
+          "contact_names", [](const MotionHandle&) { return contact_names(); },
+          nb::sig("def contact_names(self) -> list[str]"), "Columns of contacts.")
+      .def_prop_ro("source", &source, nb::sig("def source(self) -> Clip | None"),
+                   "The human clip, frame by frame beside the motion; None: it was read.")
+      .def_prop_ro(
+          "robot", [](const MotionHandle& motion) { return motion.robot; },
+          nb::sig("def robot(self) -> Robot"), "Whose motion it is.")
+      .def_prop_ro(
+          "summary", [](const MotionHandle& motion) { return text_of(motion.summary); },
+          "What was decided, or detected in the file, line by line.")
+      .def("save", &save, "path"_a.none(), "options"_a,
+           nb::sig("def save(self, path: str | os.PathLike[str], **options: "
+                   "typing_extensions.Unpack[retarget._options.SaveOptions]) -> None"),
+           "Writes the motion, whole or not at all, as the path's ending or `format` says; "
+           "docs/formats.md.\n\nOptions are the command's; those of the motion are taken where "
+           "none are given.")
+      .def("tracking", &tracking, "options"_a,
+           nb::sig("def tracking(self, **options: "
+                   "typing_extensions.Unpack[retarget._options.TrackingOptions]) -> dict[str, "
+                   "typing.Any]"),
+           "The arrays of a tracking NPZ, as float64: joint_pos, joint_vel (T, N), body_pos_w, "
+           "body_quat_w (wxyz), body_lin_vel_w, body_ang_vel_w (T, B, 3 or 4), fps and names.")
+      .def("__len__", [](const MotionHandle& motion) { return motion.clip->frame_count(); })
+      .def("__repr__", &shown);
+  module.def("load_motion", &load, "file"_a.none(), "robot"_a, "options"_a);
+}
+
+}  // namespace retarget::python

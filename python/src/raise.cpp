@@ -1,0 +1,94 @@
+#include "raise.h"
+
+#include <cstring>
+
+namespace retarget::python {
+namespace {
+
+const char* kind_name(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kUsage:
+      return "usage";
+    case ErrorKind::kInput:
+      return "input";
+    case ErrorKind::kConfig:
+      return "config";
+    case ErrorKind::kInterrupted:
+      return "interrupted";
+    default:
+      return "run";
+  }
+}
+
+nb::str decoded(std::string_view bytes, const char* errors) {
+  PyObject* text =
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), errors);
+  if (text == nullptr) throw nb::python_error();
+  return nb::steal<nb::str>(text);
+}
+
+nb::object errors_attribute(const char* name) {
+  return nb::module_::import_("retarget._errors").attr(name);
+}
+
+}  // namespace
+
+nb::str text_of(std::string_view bytes) {
+  return decoded(bytes, "backslashreplace");
+}
+
+nb::list texts_of(const std::vector<std::string>& texts) {
+  nb::list list;
+  for (const std::string& text : texts) list.append(text_of(text));
+  return list;
+}
+
+nb::str path_of(std::string_view bytes) {
+  return decoded(bytes, "surrogateescape");
+}
+
+std::string bytes_of_path(nb::handle path, const char* what) {
+  nb::object plain = nb::steal(PyOS_FSPath(path.ptr()));
+  if (!plain.is_valid()) {
+    PyErr_Clear();
+    raise(usage_failure(std::string(what) + ": expected a path, found " +
+                        nb::cast<std::string>(nb::str(path.type().attr("__name__"))))
+              .value());
+  }
+  if (PyUnicode_Check(plain.ptr())) plain = nb::steal(PyUnicode_EncodeFSDefault(plain.ptr()));
+  char* bytes = nullptr;
+  Py_ssize_t size = 0;
+  if (!plain.is_valid() || PyBytes_AsStringAndSize(plain.ptr(), &bytes, &size) != 0) {
+    throw nb::python_error();
+  }
+  if (std::memchr(bytes, 0, static_cast<std::size_t>(size)) != nullptr) {
+    raise(usage_failure(std::string(what) + ": a path with a null byte").value());
+  }
+  return {bytes, static_cast<std::size_t>(size)};
+}
+
+void raise(const Error& error) {
+  const nb::object make = errors_attribute("make_error");
+  const auto& [file, line, column] = error.location;
+  nb::list details;
+  for (const std::string& detail : error.details) details.append(text_of(spell_options(detail)));
+  const nb::object exception =
+      make(kind_name(error.kind), text_of(describe(error)), text_of(spell_options(error.message)),
+           path_of(file), line, column, details, text_of(spell_options(error.hint)));
+  PyErr_SetObject(exception.type().ptr(), exception.ptr());
+  throw nb::python_error();
+}
+
+void warn(const std::vector<Warning>& warnings, std::string_view file) {
+  if (warnings.empty()) return;
+  const nb::object tell = errors_attribute("warn");
+  for (const Warning& each : warnings) tell(text_of(describe(each, file)));
+}
+
+void warn(const std::vector<std::string>& warnings, std::string_view file) {
+  std::vector<Warning> placed;
+  for (const std::string& each : warnings) placed.push_back({0, 0, each});
+  warn(placed, file);
+}
+
+}  // namespace retarget::python

@@ -1,0 +1,181 @@
+// retarget.Robot: a robot by its name, folder or model.
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <filesystem>
+
+#include "arrays.h"
+#include "base/file.h"
+#include "bindings.h"
+#include "handles.h"
+#include "keywords.h"
+#include "options/run_tables.h"
+#include "raise.h"
+#include "retarget/robot.h"
+
+namespace retarget::python {
+
+using namespace nb::literals;
+
+namespace {
+
+RobotHandle load(const nb::object& name, const nb::dict& options, const std::string& data_dir) {
+  RobotChoice choice;
+  apply_keywords(without(robot_table(choice), {"robot"}), options);
+  if (!name.is_none()) {
+    const std::string given = bytes_of_path(name, "robot");
+    const std::filesystem::path ending = std::filesystem::path(given).extension();
+    const bool is_model = (ending == ".xml" || ending == ".urdf") && is_file(given);
+    if (is_model && choice.model.empty()) {
+      choice.model = given;
+    } else {
+      choice.name = given;
+    }
+  }
+  RobotHandle robot{without_gil([&]() -> Result<LoadedRobot> {
+    auto folder = data_folder_of(data_dir);
+    if (!folder) return failure(folder.error());
+    return load_robot(choice, {*folder, {}});
+  })};
+  warn(robot.loaded.warnings, robot.loaded.model);
+  return robot;
+}
+
+// of the output's joints, in their order
+std::vector<double> in_output_order(const Robot& robot, const std::vector<double>& by_joint) {
+  std::vector<double> ordered;
+  for (const int joint : robot.output_joints()) ordered.push_back(by_joint[joint]);
+  return ordered;
+}
+
+nb::list joint_names(const RobotHandle& robot) {
+  nb::list names;
+  for (const int joint : robot->output_joints()) {
+    names.append(text_of(robot->joints()[joint].name));
+  }
+  return names;
+}
+
+nb::object joint_limits(const RobotHandle& robot, const nb::object& set) {
+  const std::string name = set.is_none() ? robot->limits_for({}) : bytes_of_path(set, "limits");
+  const LimitSet limits = without_gil([&] { return load_limits(*robot, name); });
+  const std::vector<double> lower = in_output_order(*robot, limits.lower);
+  const std::vector<double> upper = in_output_order(*robot, limits.upper);
+  std::vector<double> both;
+  for (std::size_t i = 0; i < lower.size(); ++i) both.insert(both.end(), {lower[i], upper[i]});
+  return array_of(std::move(both), {lower.size(), 2});
+}
+
+nb::object speed_limits(const RobotHandle& robot) {
+  std::vector<double> speeds;
+  for (const int joint : robot->output_joints()) speeds.push_back(robot->speed_limit(joint));
+  const std::size_t count = speeds.size();
+  return array_of(std::move(speeds), {count});
+}
+
+nb::object zero_configuration(const RobotHandle& robot) {
+  std::vector<double> qpos = robot->zero_configuration();
+  const std::size_t size = qpos.size();
+  return array_of(std::move(qpos), {size});
+}
+
+nb::tuple forward(const RobotHandle& robot, const nb::object& qpos) {
+  const GivenArray given(qpos, "qpos", {robot->configuration_size()});
+  if (Eigen::Map<const Eigen::Vector4d>(&given.numbers()[3]).norm() < 1e-9) {
+    raise(usage_failure("qpos[3:7]: expected a quaternion, found zero").value());
+  }
+  const std::size_t bodies = robot->bodies().size();
+  std::vector<Pose> world_from_body(bodies);
+  forward_kinematics(*robot, given.numbers(), world_from_body);
+  std::vector<double> positions, rotations;
+  for (const auto& [rotation, position] : world_from_body) {
+    positions.insert(positions.end(), {position.x(), position.y(), position.z()});
+    rotations.insert(rotations.end(), {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+  }
+  return nb::make_tuple(array_of(std::move(positions), {bodies, 3}),
+                        array_of(std::move(rotations), {bodies, 4}));
+}
+
+nb::list limit_sets(const RobotHandle& robot) {
+  nb::list names;
+  for (const LimitSet& set : robot->profile().limit_sets) names.append(text_of(set.name));
+  names.append("model");
+  return names;
+}
+
+nb::list variants(const RobotHandle& robot) {
+  nb::list names;
+  for (const RobotVariant& variant : robot->profile().variants) names.append(text_of(variant.name));
+  return names;
+}
+
+}  // namespace
+
+void bind_robot(nb::module_& module) {
+  nb::class_<RobotHandle>(module, "Robot",
+                          "A robot: its model, output joints and limits; shared by all threads.\n\n"
+                          "N joints in the order of joint_names, which is that of the output's "
+                          "columns.")
+      .def(
+          "__init__",
+          [](RobotHandle* self, const nb::object& name, const nb::object& data_dir,
+             const nb::kwargs& options) {
+            new (self) RobotHandle(
+                load(name, options,
+                     data_dir.is_none() ? std::string() : bytes_of_path(data_dir, "data_dir")));
+          },
+          "name"_a = nb::none(), nb::kw_only(), "data_dir"_a = nb::none(), "options"_a,
+          nb::sig(
+              "def __init__(self, name: str | os.PathLike[str] | None = None, *, data_dir: str | "
+              "os.PathLike[str] | None = None, **options: "
+              "typing_extensions.Unpack[retarget._options.RobotOptions]) -> None"),
+          "name: `unitree_g1`, `g1`, a robot's folder, or its model (.xml, .urdf).\n"
+          "data_dir: folder with robots/ and configs/; None: $RETARGET_DATA_DIR, else the "
+          "package's own.\n\n"
+          "Raises ConfigError: an unknown robot, errors in its files.")
+      .def_prop_ro(
+          "name", [](const RobotHandle& robot) { return text_of(robot.loaded.name); },
+          "Its full name; of a model file empty.")
+      .def_prop_ro(
+          "model", [](const RobotHandle& robot) { return path_of(robot.loaded.model); },
+          "The file of its MJCF or URDF.")
+      .def_prop_ro(
+          "variant", [](const RobotHandle& robot) { return text_of(robot->variant().name); },
+          "Whose other joints are held; empty: the whole robot.")
+      .def_prop_ro("variants", &variants, nb::sig("def variants(self) -> list[str]"),
+                   "What `dof` may be.")
+      .def_prop_ro("limit_sets", &limit_sets, nb::sig("def limit_sets(self) -> list[str]"),
+                   "What `limits` may be, beside a file.")
+      .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
+                   "N names, in the order of the output's columns.")
+      .def_prop_ro(
+          "body_names", [](const RobotHandle& robot) { return texts_of(robot->body_names()); },
+          nb::sig("def body_names(self) -> list[str]"),
+          "Of all bodies, the world first, as forward_kinematics gives them.")
+      .def("joint_limits", &joint_limits, "limits"_a = nb::none(),
+           nb::sig("def joint_limits(self, limits: str | os.PathLike[str] | None = None) -> "
+                   "numpy.ndarray"),
+           "(N, 2) float64, lower and upper, rad or m: of a set, a file, or the default.")
+      .def_prop_ro("speed_limits", &speed_limits,
+                   nb::sig("def speed_limits(self) -> numpy.ndarray"),
+                   "(N,) float64, rad/s or m/s.")
+      .def_prop_ro("zero_configuration", &zero_configuration,
+                   nb::sig("def zero_configuration(self) -> numpy.ndarray"),
+                   "The model's qpos0: root x y z (metres), root quaternion w x y z, joints.")
+      .def("forward_kinematics", &forward, "qpos"_a.none(),
+           nb::sig("def forward_kinematics(self, qpos: numpy.typing.ArrayLike) -> "
+                   "tuple[numpy.ndarray, numpy.ndarray]"),
+           "World positions (B, 3), metres, and rotations (B, 4), wxyz, of all bodies.\n\n"
+           "qpos: a configuration as a row of Motion.qpos.")
+      .def("__repr__", [](const RobotHandle& robot) {
+        const std::string& name = robot.loaded.name;
+        return fmt::format(
+            "<retarget.Robot {}: {} joints>",
+            nb::cast<std::string>(nb::repr(text_of(name.empty() ? robot.loaded.model : name))),
+            robot->output_joints().size());
+      });
+}
+
+}  // namespace retarget::python
