@@ -113,6 +113,19 @@ struct ResolvedConfig {
 /// together.
 [[nodiscard]] Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot);
 
+/// A retargeting configuration for one robot and for a human whose bodies have names of their own.
+struct HumanConfig {
+  ResolvedConfig tables;  ///< Body i of the human has the place of bone i.
+  /// The human's bodies that the root or rows name, the root first.
+  std::vector<std::string> bodies;
+};
+
+/// Resolves a configuration for a robot like resolve_config, but takes the human's names as they
+/// stand, such as those of SMPL-X. Errors (kConfig) are resolve_config's, or that there are more
+/// bodies than bones.
+[[nodiscard]] Result<HumanConfig> resolve_human_config(const RetargetingConfig& config,
+                                                       const Robot& robot);
+
 /// Removes the tasks of these bones from both tables: for bodies without an arm or a leg.
 /// @return the number of removed tasks; kConfig error: nothing is left.
 [[nodiscard]] Result<int> leave_out_bones(ResolvedConfig& config, std::span<const Bone> bones);

@@ -162,18 +162,37 @@ bool has_task(const ResolvedConfig& resolved) {
   });
 }
 
+// the human's bodies that a configuration names, each once, the root first
+std::vector<std::string> named_human_bodies(const RetargetingConfig& config) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+  };
+  add(config.human_root);
+  for (const IkMatchTable& table : config.match_tables) {
+    for (const IkMatch& row : table.rows) add(row.bone);
+  }
+  return names;
+}
+
 // finds what the names of a retargeting configuration mean for a robot
 class Resolver {
  public:
   Resolver(const RetargetingConfig& config, const Robot& robot, Faults& faults)
       : config_(config), robot_(robot), bodies_(robot.body_names()), faults_(faults) {}
+  /// @param human_bodies  the names in place of the bones': body i is bone i. At most kBoneCount.
+  Resolver(const RetargetingConfig& config, const Robot& robot, Faults& faults,
+           const std::vector<std::string>& human_bodies)
+      : Resolver(config, robot, faults) {
+    human_bodies_ = &human_bodies;
+  }
 
   ResolvedConfig resolve() {
     resolved_.file = config_.file;
     resolved_.ground_height = config_.ground_height;
     resolved_.human_height_assumption = config_.human_height_assumption;
     for (const auto& [name, scale] : config_.scales) {
-      const auto bone = bone_from_name(name);
+      const auto bone = find_bone(name);
       if (!bone || has_scale_[*bone]) continue;
       resolved_.scales[*bone] = scale;
       has_scale_[*bone] = true;
@@ -185,6 +204,16 @@ class Resolver {
   }
 
  private:
+  [[nodiscard]] std::optional<Bone> find_bone(std::string_view name) const {
+    if (human_bodies_ == nullptr) return bone_from_name(name);
+    const auto found = std::ranges::find(*human_bodies_, name);
+    if (found == human_bodies_->end()) return std::nullopt;
+    return static_cast<Bone>(found - human_bodies_->begin());
+  }
+  [[nodiscard]] const std::vector<std::string>& known_bones() const {
+    return human_bodies_ == nullptr ? bone_names() : *human_bodies_;
+  }
+
   void resolve_roots() {
     const auto body = robot_.find_body(config_.robot_root);
     resolved_.root_body = body.value_or(0);
@@ -192,12 +221,12 @@ class Resolver {
       faults_.add(fmt::format("\"robot_root_name\": the robot has no body \"{}\"{}",
                               config_.robot_root, did_you_mean(config_.robot_root, bodies_)));
     }
-    const auto bone = bone_from_name(config_.human_root);
+    const auto bone = find_bone(config_.human_root);
     resolved_.root_bone = bone.value_or(Bone::kHips);
     if (config_.human_root.empty()) return;
     if (!bone) {
       faults_.add(fmt::format("\"human_root_name\": no bone \"{}\"{}", config_.human_root,
-                              did_you_mean(config_.human_root, bone_names())));
+                              did_you_mean(config_.human_root, known_bones())));
     } else if (!has_scale_[*bone]) {
       faults_.add(fmt::format("the root bone \"{}\" has no entry in \"human_scale_table\"",
                               config_.human_root));
@@ -210,7 +239,7 @@ class Resolver {
     std::map<std::string, std::string> body_of_bone;
     for (const IkMatch& row : table.rows) {
       const auto body = robot_.find_body(row.body);
-      const auto bone = bone_from_name(row.bone);
+      const auto bone = find_bone(row.bone);
       if (bone) {
         resolved_.match_tables[number].tasks.push_back({IkTask(row), body.value_or(-1), *bone});
       }
@@ -234,7 +263,7 @@ class Resolver {
     if (row.bone.empty()) return;  // a row that could not be read was named already
     if (!bone) {
       faults_.add(fmt::format("{} of \"{}\": no bone \"{}\"{}", table, row.body, row.bone,
-                              faults_.suggestion(row.bone, bone_names())));
+                              faults_.suggestion(row.bone, known_bones())));
     } else if (!has_scale_[*bone]) {
       faults_.add(fmt::format("{} of \"{}\": the bone \"{}\" has no entry in \"human_scale_table\"",
                               table, row.body, row.bone));
@@ -245,6 +274,7 @@ class Resolver {
   const Robot& robot_;
   const std::vector<std::string> bodies_;
   Faults& faults_;
+  const std::vector<std::string>* human_bodies_ = nullptr;
   BoneArray<bool> has_scale_;
   ResolvedConfig resolved_;
 };
@@ -283,6 +313,20 @@ Result<ResolvedConfig> resolve_config(const RetargetingConfig& config, const Rob
   auto resolved = Resolver(config, robot, faults).resolve();
   if (!faults.empty()) return faults.failure_in(config.file, "the retargeting configuration");
   return resolved;
+}
+
+Result<HumanConfig> resolve_human_config(const RetargetingConfig& config, const Robot& robot) {
+  HumanConfig human;
+  human.bodies = named_human_bodies(config);
+  if (human.bodies.size() > kBoneCount) {
+    return config_failure(config.file,
+                          fmt::format("the tables name {} bodies of the human, more than {}",
+                                      human.bodies.size(), kBoneCount));
+  }
+  Faults faults;
+  human.tables = Resolver(config, robot, faults, human.bodies).resolve();
+  if (!faults.empty()) return faults.failure_in(config.file, "the retargeting configuration");
+  return human;
 }
 
 Result<ResolvedConfig> load_config(const std::string& path, const Robot& robot) {

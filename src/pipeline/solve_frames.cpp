@@ -3,32 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/located.h"
 #include "base/try.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
 #include "pipeline/arm_recovery.h"
+#include "pipeline/frame_solver.h"
 #include "pipeline/target_stream.h"
 #include "pipeline/targets.h"
 
 namespace retarget {
 namespace {
 
-// metres; squares of such numbers are still far from the end of a double
-constexpr double kMaxPosition = 1e100;
-
 constexpr double kBetterWay = 0.98;  // of the error that the other way leaves
-
-bool all_finite(std::span<const Pose> poses) {
-  return std::ranges::all_of(poses, [](const Pose& pose) {
-    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
-           pose.translation.cwiseAbs().maxCoeff() < kMaxPosition;
-  });
-}
 
 void keep_quaternion_sign(std::span<const double> before, std::span<double> now) {
   constexpr int kRootRotation = 3;
@@ -54,9 +44,7 @@ class ClipSolver {
   Result<SolvedFrames> solve(const TargetBuilder& targets, const FrameRate& rate, int frames,
                              const std::function<std::span<const Pose>()>& next) {
     const auto problem = make_problem(robot_, config_, targets, limits_);
-    passes_ = static_cast<int>(problem->passes.size());
-    solver_ = options_.engine == IkEngine::kFast ? make_fast_solver(problem, options_.ik)
-                                                 : make_reference_solver(problem, options_.ik);
+    solver_.emplace(problem, options_.engine, options_.ik);
     qpos_ = robot_->zero_configuration();
 
     SolvedFrames result;
@@ -207,23 +195,10 @@ class ClipSolver {
 
   // all passes over one frame; the steps that they took
   Result<int> solve_passes(int frame, std::span<const Pose> world_from_target, double& error) {
-    if (!all_finite(world_from_target)) {
-      return input_failure({},
-                           fmt::format("frame {}: positions are too large to compute with", frame));
-    }
-    int steps = 0;
-    for (int pass = 0; pass < passes_; ++pass) {
-      const PassResult solved = solver_->solve_pass(pass, world_from_target, qpos_);
-      if (!solved.converged) {
-        return config_failure(
-            config_.file,
-            fmt::format("frame {}: these weights and scales lead to values that are not finite",
-                        frame));
-      }
-      steps += solved.steps;
-      if (pass == passes_ - 1) error = solved.errors[solved.steps];
-    }
-    return steps;
+    TRY_ASSIGN(const SolvedFrame solved,
+               solver_->solve(world_from_target, qpos_, config_.file, frame));
+    error = solved.error;
+    return solved.steps;
   }
 
   Result<void> solve_frame(int frame, std::span<const Pose> world_from_target,
@@ -262,8 +237,7 @@ class ClipSolver {
   const ResolvedConfig& config_;
   const LimitSet& limits_;
   const SolveFramesOptions& options_;
-  std::unique_ptr<IkSolver> solver_;
-  int passes_ = 0;
+  std::optional<FrameSolver> solver_;
   std::vector<double> qpos_;  // of the latest frame
   // The latest frames may still change, and are not told until then.
   struct Recent {

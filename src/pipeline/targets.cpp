@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/limb_aim.h"
+#include "pipeline/scale_human.h"
 
 namespace retarget {
 namespace {
@@ -92,7 +93,7 @@ Eigen::Quaterniond TargetBuilder::rotation_of(const Rule& rule, const HumanPose&
       return ((is_upper ? limb->upper : limb->lower) * rule.bone_from_target).normalized();
     }
   }
-  return (world_from_bone[rule.bone].rotation.normalized() * rule.bone_from_target).normalized();
+  return offset_rotation(world_from_bone[rule.bone].rotation, rule.bone_from_target);
 }
 
 void TargetBuilder::add_rules(const ResolvedConfig& config) {
@@ -159,12 +160,12 @@ void TargetBuilder::build(const HumanPose& world_from_bone,
     if (by_limbs_) {
       scaled = scaled_limb(rule, world_from_bone);
     } else if (i > 0) {
-      scaled = rule.scale * (bone.translation - root) + scaled_root;
+      scaled = scaled_about_root(bone.translation, rule.scale, root, scaled_root);
     }
     const Eigen::Quaterniond rotation = rotation_of(rule, world_from_bone, aimed);
     if (rule.of_arm) scaled += shoulders_moved;
     scaled += rule.leg_side * left_hip_moved;
-    world_from_target[i] = {rotation, scaled + rotation * rule.position_offset};
+    world_from_target[i] = offset_target(rotation, scaled, rule.position_offset);
   }
 }
 

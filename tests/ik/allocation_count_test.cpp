@@ -1,43 +1,9 @@
-// Replaces the global operator new to count allocations, and holds that the solvers make none.
+// The solvers make no allocations.
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "ik/ik_cases.h"
-
-namespace {
-
-thread_local long allocations = 0;
-
-void* counted_allocation(std::size_t size) {
-  ++allocations;
-  void* const memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted_allocation(size);
-}
-void* operator new[](std::size_t size) {
-  return counted_allocation(size);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "support/counted_allocations.h"
 
 namespace retarget {
 namespace {

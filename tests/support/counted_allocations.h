@@ -1,0 +1,39 @@
+#pragma once
+
+// Replaces the global operator new to count allocations. Include in one file of a program alone.
+
+#include <cstdlib>
+#include <new>
+
+namespace retarget {
+
+/// Of this thread so far.
+inline thread_local long allocations = 0;
+
+inline void* counted_allocation(std::size_t size) {
+  ++allocations;
+  void* const memory = std::malloc(size == 0 ? 1 : size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace retarget
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  return retarget::counted_allocation(size);
+}
+[[gnu::noinline]] void* operator new[](std::size_t size) {
+  return retarget::counted_allocation(size);
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
