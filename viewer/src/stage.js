@@ -1,0 +1,146 @@
+import {
+  DirectionalLight, Fog, HemisphereLight, MathUtils, PCFShadowMap, PerspectiveCamera, Scene, Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Floor } from './floor.js';
+import { onThemeChange, theme } from './theme.js';
+
+const UP = new Vector3(0, 0, 1);
+/** Turns of the camera in `orbit`, rad/s. */
+const ORBIT_SPEED = 0.35;
+
+/** Renderer, light, floor and camera. World axes: metres, z up, as in the data. */
+export class Stage {
+  /** @param {HTMLCanvasElement} canvas  @param {() => void} redraw  asks for a picture */
+  constructor(canvas, redraw) {
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(38, 1, 0.05, 200);
+    this.camera.up.copy(UP);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.maxPolarAngle = 0.55 * Math.PI;
+    this.controls.minDistance = 0.3;
+    this.controls.maxDistance = 60;
+    this.controls.zoomToCursor = false;
+    this.controls.addEventListener('change', redraw);
+    this.mode = 'follow';
+    this.target = new Vector3(0, 0, 0.8);
+    this.floor = new Floor();
+    this.addLights();
+    this.scene.add(this.floor.object);
+    this.applyTheme();
+    onThemeChange(() => {
+      this.applyTheme();
+      redraw();
+    });
+    new ResizeObserver(() => {
+      this.resize();
+      redraw();
+    }).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  addLights() {
+    this.ambient = new HemisphereLight(0xffffff, 0x8a8f99, 1);
+    this.ambient.position.copy(UP);
+    this.sun = new DirectionalLight(0xffffff, 1);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.radius = 5;
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = 0.012;
+    Object.assign(this.sun.shadow.camera, { near: 0.5, far: 14 });
+    // from the other side, so that no side is flat
+    this.fill = new DirectionalLight(0xdfe8ff, 0.35);
+    this.scene.add(this.ambient, this.sun, this.sun.target, this.fill, this.fill.target);
+  }
+
+  applyTheme() {
+    const colours = theme();
+    this.renderer.setClearColor(colours.sky);
+    this.scene.fog = new Fog(colours.sky, 9, 26);
+    this.ambient.intensity = colours.ambient;
+    this.sun.intensity = colours.sun;
+    this.floor.applyTheme(colours);
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** The light's shadows are as wide as what is shown, so that they are sharp. */
+  setExtent(radius) {
+    this.radius = radius;
+    const { camera } = this.sun.shadow;
+    const half = Math.max(1.2, radius + 0.5);
+    Object.assign(camera, { left: -half, right: half, top: half, bottom: -half });
+    camera.updateProjectionMatrix();
+  }
+
+  /** What the camera follows, in the world. */
+  aim(x, y, z) {
+    const move = new Vector3(x, y, z).sub(this.target);
+    this.target.set(x, y, z);
+    if (this.mode !== 'stand') {
+      this.camera.position.add(move);
+      this.controls.target.add(move);
+    }
+    this.sun.target.position.set(x, y, 0);
+    this.sun.position.set(x - 2.2, y - 2.0, 6);
+    this.fill.target.position.set(x, y, 0.5);
+    this.fill.position.set(x + 3, y + 3, 2);
+    this.floor.follow(x, y);
+  }
+
+  /** From the front and a side, with all of `radius` around the target in the picture. */
+  frame(heading) {
+    const angle = heading - MathUtils.degToRad(38);
+    const fov = MathUtils.degToRad(this.camera.fov);
+    // the narrower of height and width decides
+    const half = Math.min(fov / 2, Math.atan(Math.tan(fov / 2) * this.camera.aspect));
+    const distance = (1.08 * this.radius) / Math.sin(half);
+    const rise = MathUtils.degToRad(13);
+    this.controls.target.copy(this.target);
+    this.camera.position.set(
+      this.target.x + distance * Math.cos(rise) * Math.cos(angle),
+      this.target.y + distance * Math.cos(rise) * Math.sin(angle),
+      this.target.z + distance * Math.sin(rise));
+    this.controls.update();
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    // what was left behind comes back into the picture
+    if (mode !== 'stand') {
+      const move = this.target.clone().sub(this.controls.target);
+      this.camera.position.add(move);
+      this.controls.target.add(move);
+      this.controls.update();
+    }
+  }
+
+  /** Turns the camera in `orbit`. @param {number} seconds  that have passed */
+  turn(seconds) {
+    if (this.mode !== 'orbit') return;
+    const arm = this.camera.position.clone().sub(this.controls.target);
+    arm.applyAxisAngle(UP, ORBIT_SPEED * seconds);
+    this.camera.position.copy(this.controls.target).add(arm);
+    this.controls.update();
+  }
+
+  render() {
+    // the camera may not be below the floor
+    this.camera.position.z = Math.max(0.03, this.camera.position.z);
+    this.camera.lookAt(this.controls.target);
+    this.renderer.render(this.scene, this.camera);
+  }
+}
