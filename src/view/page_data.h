@@ -19,7 +19,7 @@ namespace retarget {
 [[nodiscard]] nlohmann::ordered_json page_report(const QualityReport& report, const Robot& robot);
 
 /// In what way a fault of a metric is one, as pages tell them apart: `jump`, `penetration`, `slip`,
-/// `self-collision`, `limit`, `speed`, `floating`, `other`.
+/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `other`.
 [[nodiscard]] std::string_view fault_kind(std::string_view metric);
 
 /// Where a human is drawn so that it walks beside its robot: at the robot's size, its path on the

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kKinds = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKinds = {{
     {"jumps", "jump"},
     {"root_jumps", "jump"},
     {"foot_pen_1cm_pct", "penetration"},
@@ -18,6 +18,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kKinds =
     {"self_all_1cm_pct", "self-collision"},
     {"limit_pct", "limit"},
     {"at_limit_pct", "limit"},
+    {"joint_at_limit_pct", "limit"},
+    {"trunk_lean_error_deg", "lean"},
     {"speed_limit_pct", "speed"},
     {"float_planted_pct", "floating"},
 }};

@@ -30,6 +30,11 @@ export function icon(path) {
   return svg;
 }
 
+/** A name that may be broken after its underscores. */
+export function breakable(name) {
+  return name.split(/(?<=_)/).flatMap((part) => [part, el('wbr')]);
+}
+
 /** A number as people read it: three digits that count, no exponent where it can be avoided. */
 export function numberText(value, digits = 3) {
   if (!Number.isFinite(value)) return '\u2013';

@@ -26,6 +26,11 @@ export function addTestHook(viewer) {
         return { name: body.name, position: place.toArray() };
       });
     },
+    /** Joint positions of a frame by name. */
+    joints(motion, frame) {
+      const { robot } = motions[motion];
+      return Object.fromEntries(robot.outputs.map((joint) => [robot.joints[joint].name, motions[motion].jointValue(joint, frame)]));
+    },
     /** Where the bones of a motion's human are, metres. */
     bones(motion, frame) {
       const { human } = motions[motion];

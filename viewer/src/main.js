@@ -52,7 +52,7 @@ class Viewer {
     showHeader(page, this.motions);
     this.addControls(page);
     this.world.update(0);
-    this.stage.frame(this.world.heading);
+    this.stage.frame();
     this.player.addEventListener('time', this.redraw);
     this.player.addEventListener('state', this.redraw);
     onThemeChange(() => this.joints.redraw());

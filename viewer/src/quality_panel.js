@@ -1,10 +1,10 @@
-import { el, numberText } from './dom.js';
+import { breakable, el, numberText } from './dom.js';
 
 const valueText = (figure) => (figure === undefined ? '\u2013'
   : numberText(figure.value) + (figure.p95 === undefined ? '' : ` (${numberText(figure.p95)})`));
 
 const boundText = ({ min, max }) => [min === undefined ? '' : `\u2265 ${numberText(min)}`, max === undefined ? '' : `\u2264 ${numberText(max)}`]
-  .filter(Boolean).join(' ');
+  .filter(Boolean).join('\n');
 
 /** How many gates a motion misses, in words. */
 export function verdict(motion) {
@@ -28,7 +28,7 @@ function gateTable(motions) {
       : el('span', { class: `state ${gate.passed ? 'good' : 'bad'}` },
         `${gate.passed ? '\u2713' : '\u2717'} ${gate.value === undefined ? '\u2013' : numberText(gate.value)}`)));
     return { missed: gates.some((gate) => gate && !gate.passed),
-      row: el('tr', {}, el('th', { scope: 'row', text: name }), el('td', { class: 'quiet', text: boundText(gates.find(Boolean)) }), ...cells) };
+      row: el('tr', {}, el('th', { scope: 'row' }, ...breakable(name)), el('td', { class: 'quiet bound', text: boundText(gates.find(Boolean)) }), ...cells) };
   });
   // what was missed first
   rows.sort((a, b) => Number(b.missed) - Number(a.missed));
@@ -38,7 +38,7 @@ function gateTable(motions) {
 function figureTable(motions) {
   const figures = new Map(motions.flatMap((motion) => motion.report.figures.map((figure) => [figure.key, figure])));
   const rows = [...figures].map(([key, { unit, definition }]) => el('tr', { title: definition },
-    el('th', { scope: 'row', text: key }), el('td', { class: 'quiet', text: unit === '1' || unit === 'count' ? '' : unit }),
+    el('th', { scope: 'row' }, ...breakable(key)), el('td', { class: 'quiet', text: unit === '1' || unit === 'count' ? '' : unit }),
     ...motions.map((motion) => el('td', { class: 'number', text: valueText(motion.report.figures.find((figure) => figure.key === key)) }))));
   return el('table', {}, head(['Figure', 'Unit'], motions), el('tbody', {}, ...rows));
 }

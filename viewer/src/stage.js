@@ -7,6 +7,8 @@ import { Floor } from './floor.js';
 import { onThemeChange, theme } from './theme.js';
 
 const UP = new Vector3(0, 0, 1);
+/** Of the camera from the heading, when it begins: from the front and a side. */
+const SIDE = MathUtils.degToRad(38);
 /** Turns of the camera in `orbit`, rad/s. */
 const ORBIT_SPEED = 0.35;
 
@@ -18,6 +20,8 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
+    // shadows are made anew when something has moved, not when the camera has
+    this.renderer.shadowMap.autoUpdate = false;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(38, 1, 0.05, 200);
     this.camera.up.copy(UP);
@@ -77,13 +81,21 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  /** The light's shadows are as wide as what is shown, so that they are sharp. */
-  setExtent(radius) {
-    this.radius = radius;
+  /**
+   * What has to be in the picture, metres: `height` from the floor, `width` from the first to the last
+   * of a row across `heading`. The light's shadows are as wide, so that they are sharp, and it comes
+   * from where the camera begins.
+   */
+  setExtent(height, width, heading) {
+    Object.assign(this, { height, width, heading });
     const { camera } = this.sun.shadow;
-    const half = Math.max(1.2, radius + 0.5);
+    const half = Math.max(1.2, 0.5 * width + 0.9 * height);
     Object.assign(camera, { left: -half, right: half, top: half, bottom: -half });
     camera.updateProjectionMatrix();
+  }
+
+  shadowsChanged() {
+    this.renderer.shadowMap.needsUpdate = true;
   }
 
   /** What the camera follows, in the world. */
@@ -94,21 +106,26 @@ export class Stage {
       this.camera.position.add(move);
       this.controls.target.add(move);
     }
-    this.sun.target.position.set(x, y, 0);
-    this.sun.position.set(x - 2.2, y - 2.0, 6);
-    this.fill.target.position.set(x, y, 0.5);
-    this.fill.position.set(x + 3, y + 3, 2);
+    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y);
+    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y);
     this.floor.follow(x, y);
   }
 
-  /** From the front and a side, with all of `radius` around the target in the picture. */
-  frame(heading) {
-    const angle = heading - MathUtils.degToRad(38);
-    const fov = MathUtils.degToRad(this.camera.fov);
-    // the narrower of height and width decides
-    const half = Math.min(fov / 2, Math.atan(Math.tan(fov / 2) * this.camera.aspect));
-    const distance = (1.08 * this.radius) / Math.sin(half);
-    const rise = MathUtils.degToRad(13);
+  // a light from so far around the heading, so far away and so high
+  shine(light, turn, distance, rise, x, y) {
+    const angle = (this.heading ?? 0) + turn;
+    light.target.position.set(x, y, 0.3);
+    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise);
+  }
+
+  /** From the front and a side, so near that the row of figures fills the picture. */
+  frame() {
+    const angle = this.heading - SIDE;
+    const tangent = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    const across = 0.5 * this.width * Math.cos(SIDE) + 0.42 * this.height;
+    const distance = 0.35 * this.width * Math.sin(SIDE) +
+      Math.max((0.74 * this.height) / tangent, across / (tangent * this.camera.aspect));
+    const rise = MathUtils.degToRad(12);
     this.controls.target.copy(this.target);
     this.camera.position.set(
       this.target.x + distance * Math.cos(rise) * Math.cos(angle),

@@ -1,18 +1,18 @@
 /** Colours of the scene, light and dark; those of the rest of the page are in page.css. */
 
 const LIGHT = {
-  sky: 0xf5f6f8, floor: 0xe9ebef, square: 0xdfe3e9, line: 0xc5ccd6, axis: 0x9aa5b5,
-  ambient: 1.55, sun: 2.1, shadow: 0.42,
+  sky: 0xf5f6f8, floor: 0xd5d8de, square: 0xc9cdd6, line: 0xaab2bf, axis: 0x9aa5b5,
+  ambient: 1.9, sun: 2.0,
 };
 const DARK = {
   sky: 0x14171c, floor: 0x262b33, square: 0x2c323b, line: 0x3b434f, axis: 0x5d6877,
-  ambient: 1.0, sun: 2.3, shadow: 0.6,
+  ambient: 1.25, sun: 2.2,
 };
 
 /** Robots by motion: quiet colours that are told apart in light and dark, and by the colour-blind. */
-export const MOTION_COLOURS = [0x6c8fbd, 0xd08a52, 0x63a58c, 0x9a7fc0, 0xbf6b7d, 0x8d9457];
+export const MOTION_COLOURS = [0x7d9fcb, 0xdd9a63, 0x71b59b, 0xa78dcb, 0xcb7d8d, 0x9ca467];
 export const HUMAN_COLOURS = { left: 0x7fb08a, right: 0xc98d80, middle: 0xb4aea4 };
-export const PICKED = 0xffb02e;
+export const PICKED = 0xe8364f;
 export const ROBOT_CONTACT = 0xf09a1a;
 export const SOURCE_CONTACT = 0x17a398;
 

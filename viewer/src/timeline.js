@@ -4,7 +4,7 @@ import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
 /** Kinds of faults in the order of their lanes, and what each is called. */
 export const KINDS = new Map([
   ['jump', 'Jumps'], ['penetration', 'In the floor'], ['floating', 'Floating'], ['slip', 'Slips'],
-  ['self-collision', 'Self-collision'], ['limit', 'Limits'], ['speed', 'Speed'], ['other', 'Other'],
+  ['self-collision', 'Self-collision'], ['limit', 'Limits'], ['speed', 'Speed'], ['lean', 'Lean'], ['other', 'Other'],
 ]);
 
 export function faultText(fault, motion) {

@@ -56,6 +56,8 @@ export class Transport {
 
   showTime() {
     const { player } = this;
+    if (player.frame === this.shownFrame) return;
+    this.shownFrame = player.frame;
     const frames = Math.round(player.duration / player.frameTime) + 1;
     const time = Math.min(player.time, player.duration);
     this.clock.replaceChildren(el('b', { text: time.toFixed(2) }),

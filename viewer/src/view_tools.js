@@ -14,7 +14,7 @@ export class ViewTools {
     if (world.humans.length > 0) byId('view-tools').append(this.humanGroup());
     byId('view-tools').append(el('div', { class: 'group' },
       toggle('Paths', true, (on) => this.apply(() => world.setPathsVisible(on)), 'The ways of root and feet'),
-      toggle('Contacts', true, (on) => this.apply(() => { world.showContacts = on; }), 'Feet are marked while they stand: the human\u2019s green, the robot\u2019s orange')));
+      toggle('Contacts', true, (on) => this.apply(() => world.setContactsVisible(on)), 'Feet are marked while they stand: the human\u2019s green, the robot\u2019s orange')));
   }
 
   humanGroup() {
@@ -51,7 +51,7 @@ export class ViewTools {
   reset() {
     this.apply(() => {
       if (this.stage.mode === 'orbit') this.setCamera('follow');
-      this.stage.frame(this.world.heading);
+      this.stage.frame();
     });
   }
 }

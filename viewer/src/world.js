@@ -53,8 +53,15 @@ export class World {
     for (const path of this.paths) path.group.visible = visible;
   }
 
+  /** Marks feet while they stand, or not. */
+  setContactsVisible(visible) {
+    this.showContacts = visible;
+    this.shown = null;
+  }
+
   /** Puts every figure into its place in the row. */
   arrange() {
+    this.shown = null;
     const beside = this.humanMode === 'beside' && this.humans.length > 0;
     let place = 0;
     const places = [];
@@ -77,8 +84,7 @@ export class World {
       human.setOpacity(this.humanMode === 'over' ? 0.45 : 1);
     }
     this.middle = (Math.max(...places) + Math.min(...places)) / 2;
-    this.width = Math.max(...places) - Math.min(...places);
-    this.stage.setExtent(Math.max(0.62 * this.height, 0.5 * this.width + 0.36 * this.height));
+    this.stage.setExtent(this.height, Math.max(...places) - Math.min(...places), this.heading);
   }
 
   placeHuman(human, place) {
@@ -89,12 +95,17 @@ export class World {
 
   /** Poses all figures. @param {number} time seconds */
   update(time) {
+    // the same frames are shown for several pictures
+    const frames = this.motions.map((motion) => motion.frameAt(time)).join();
+    if (frames === this.shown) return;
+    this.shown = frames;
     this.time = time;
+    this.stage.shadowsChanged();
     this.motions.forEach((motion, i) => this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase));
     for (const human of this.humans) human.update(human.motion.frameAt(time), this.showContacts);
     const frame = this.motions[0].frameAt(time);
     const [x, y] = [this.way[2 * frame], this.way[2 * frame + 1]];
-    this.stage.aim(x + this.aside.x * this.middle, y + this.aside.y * this.middle, 0.5 * this.height);
+    this.stage.aim(x + this.aside.x * this.middle, y + this.aside.y * this.middle, 0.46 * this.height);
   }
 
   /** The body of a robot at a point of the canvas. @returns {{motion: number, body: number}|null} */
@@ -119,7 +130,7 @@ export class World {
     const add = (figure, root, text, colour) => {
       const at = root.clone();
       const there = figure.group.localToWorld(at);
-      there.z = -0.06 * this.height;
+      there.z = -0.09 * this.height;
       there.project(camera);
       tags.push({ text, colour, x: (there.x * 0.5 + 0.5) * canvas.clientWidth, y: (0.5 - there.y * 0.5) * canvas.clientHeight, visible: there.z < 1 });
     };
