@@ -18,7 +18,7 @@ struct MeasuredSource {
   std::optional<HumanClip> human_with_lead_in;  ///< Where there is one.
   ResolvedConfig config;
   std::string config_file;  ///< As it is recorded.
-  HeightScale scale = HeightScale::kPublished;
+  ScaleRule scale = ScaleRule::kTable;
 };
 
 /// Errors: prepare_clip's.

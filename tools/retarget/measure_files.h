@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+#include "console.h"
+#include "plan/measure_motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/report.h"
+
+namespace retarget::cli {
+
+/// What all motions of one call are measured with.
+struct Measures {
+  std::shared_ptr<const Robot> robot;
+  LimitSet limits;
+  ReadMotionOptions reading;
+  FrameRate rate;  ///< Of the source.
+  std::optional<MeasuredSource> source;
+  Gates gates;
+};
+
+/// A motion as it was measured: frame by frame beside its source.
+struct MeasuredMotion {
+  RobotClip clip;
+  const HumanClip* human = nullptr;  ///< Of the measures' source; null: there is none.
+  QualityReport report;
+};
+
+/// Loads robot, limits, gates and source.
+[[nodiscard]] Result<Measures> load_measures(const MeasureArguments& arguments, Console& console);
+
+/// Reads a robot's motion and measures it; says what it was taken for.
+[[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
+                                                  Console& console);
+
+}  // namespace retarget::cli
