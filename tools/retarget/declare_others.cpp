@@ -36,12 +36,13 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command = app.add_subcommand("view", "Draw a robot motion as a strip of poses, SVG");
+  CLI::App* command =
+      app.add_subcommand("view", "Draw a robot motion as a strip of poses, SVG or PNG");
   declare(*command, {word("motion", arguments.motion, "MOTION",
                           "CSV, NPZ or pickle; - reads standard input")});
   declare(*command, view_table(arguments));
   command->get_option("--output")
-      ->description("SVG to write; - writes standard output")
+      ->description("SVG or PNG to write, by its extension; - writes an SVG to standard output")
       ->required();
   command->get_option("--bvh")->description("The source of the motion, drawn above it");
   command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
