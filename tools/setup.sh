@@ -299,6 +299,27 @@ pip_fetch() {
     --only-binary=:all: "$@" --require-hashes --requirement "$requirements" --target "$folder" >&2
 }
 
+# --- modules of npm -----------------------------------------------------------------------------
+
+# what tests use beside Python, pinned by a lock file; tests say what they skip without it
+install_node_modules() {
+  local source=$root/tests/node folder=$root/build/deps/node
+  [ -e "$source/package-lock.json" ] || return 0
+  cmp -s "$source/package-lock.json" "$folder/package-lock.json" && return 0
+  if ! has_command npm; then
+    say "there is no npm: tests of GLB files skip Khronos's validator"
+    return 0
+  fi
+  rm -rf -- "$folder"
+  mkdir -p "$folder"
+  cp "$source/package.json" "$source/package-lock.json" "$folder/"
+  say "fetching gltf-validator (npm) into build/deps/node"
+  (cd "$folder" && npm ci --silent --no-audit --no-fund >&2) || {
+    say "npm could not fetch it: tests of GLB files skip Khronos's validator"
+    rm -rf -- "$folder"
+  }
+}
+
 # --- main ------------------------------------------------------------------------------------
 
 main() {
@@ -343,6 +364,7 @@ main() {
   [ -z "$missing" ] || install_packages "$missing"
   has_mujoco || install_mujoco "$version"
   if $with_python && ! has_python_tools; then install_python_tools; fi
+  [ "$wanted" = "$kPackages" ] || install_node_modules
 }
 
 main "$@"

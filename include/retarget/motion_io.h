@@ -23,7 +23,7 @@ namespace RETARGET_API retarget {
 /// Errors (kUsage): an unknown name (suggests the nearest one and lists all).
 [[nodiscard]] Result<MotionFormat> format_from_name(std::string_view name);
 
-/// `.csv`, `.npz` or `.pkl`.
+/// `.csv`, `.npz`, `.pkl` or `.glb`.
 [[nodiscard]] std::string_view format_ending(MotionFormat format);
 /// Distinguishes files of one motion in several formats: `.csv`, `.soma.csv`, `.mjlab.npz`, ...
 [[nodiscard]] std::string_view format_long_ending(MotionFormat format);
@@ -139,10 +139,23 @@ struct TrackingMotion {
 /// of joints and bodies. Errors (kRun): 4 GiB or more; a rate that is not whole.
 [[nodiscard]] Result<std::string> format_tracking_npz(const TrackingMotion& motion);
 
+/// Of joints without a colour of their own, 0xRRGGBB.
+inline constexpr int kPlainColour = 0x8A8A8A;
+
+/// A human's motion as a picture shows it: any clip, and how it lies in a world of metres, Z up.
+struct HumanInWorld {
+  const Clip* clip = nullptr;  ///< Must outlive this.
+  double metres_per_unit = 0.01;
+  Pose world_from_clip;      ///< After the lengths were scaled.
+  std::vector<int> colours;  ///< By joint, of the bone that ends there, 0xRRGGBB; may be short.
+};
+
 struct WriteMotionOptions {
   RobotCsvOptions csv;       ///< Of kCsv; kCsvSoma uses only its precision.
   TrackingOptions tracking;  ///< Of the NPZ formats.
-  std::string name;          ///< Of the motion: the key in a kPklPbhc file; empty: `motion`.
+  std::string name;  ///< Of the motion: the key in a kPklPbhc file, the animation's name in a kGlb
+                     ///< file; empty: `motion`.
+  std::optional<HumanInWorld> human = std::nullopt;  ///< What it came from, shown in a kGlb file.
 };
 
 /// The bytes of a file that holds the motion.
@@ -156,9 +169,18 @@ struct WriteMotionOptions {
 /// (F, 4) xyzw, `fps`}}, float32. If the profile has a variant made for PBHC (its name ends in
 /// `pbhc`) and the robot is complete, the variant's joints are used.
 ///
-/// Errors: make_tracking_motion's and format_tracking_npz's.
+/// kGlb: glTF 2.0, a node for each body with its shapes as meshes, a rotation (shortest-path
+/// quaternions) for each frame and body that a hinge moves, a translation for the root and for
+/// bodies that a slide moves, LINEAR; turned so that Y is up. A human stands beside it as a skin. For
+/// programs that show motions; nothing reads it back.
+///
+/// Errors: make_tracking_motion's and format_tracking_npz's; (kRun) a GLB of 4 GiB or more.
 [[nodiscard]] Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat format,
                                                       const WriteMotionOptions& options = {});
+
+/// A human's motion alone as a GLB, see kGlb.
+[[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
+                                                   const std::string& name = {});
 
 /// The clip for another variant of its robot: joints held by that variant stay at their held
 /// positions.

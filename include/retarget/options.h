@@ -45,6 +45,7 @@ enum class MotionFormat : unsigned char {
   kNpzBeyondMimic,  ///< Tracking arrays in Isaac Lab's order.
   kPklGmr,          ///< GMR's dictionary.
   kPklPbhc,         ///< PBHC's and ASAP's dictionary of dictionaries.
+  kGlb,             ///< glTF 2.0, binary: a picture that moves, for Blender and web pages.
 };
 
 /// Order of the four quaternion columns.

@@ -16,13 +16,14 @@ struct FormatFacts {
 };
 
 // in the order of the enumeration
-constexpr std::array<FormatFacts, 6> kFormats = {{
+constexpr std::array<FormatFacts, 7> kFormats = {{
     {MotionFormat::kCsv, ".csv", ".csv"},
     {MotionFormat::kCsvSoma, ".csv", ".soma.csv"},
     {MotionFormat::kNpzMjlab, ".npz", ".mjlab.npz"},
     {MotionFormat::kNpzBeyondMimic, ".npz", ".beyondmimic.npz"},
     {MotionFormat::kPklGmr, ".pkl", ".gmr.pkl"},
     {MotionFormat::kPklPbhc, ".pkl", ".pbhc.pkl"},
+    {MotionFormat::kGlb, ".glb", ".glb"},
 }};
 
 const FormatFacts& facts(MotionFormat format) {

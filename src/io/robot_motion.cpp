@@ -224,6 +224,10 @@ Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const R
     return input_failure(file, "the file is a BVH, a human motion",
                          "retarget " OPTION("bvh") " converts it to a robot motion");
   }
+  if (bytes.starts_with("glTF")) {
+    return input_failure(file, "the file is a GLB, which only shows a motion",
+                         "name the file that it was made from, such as walk.csv");
+  }
   return read_csv_motion(bytes, *robot, file, options);
 }
 

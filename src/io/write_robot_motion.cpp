@@ -5,6 +5,7 @@
 
 #include "base/npz_writer.h"
 #include "base/try.h"
+#include "io/gltf_motion.h"
 #include "io/pickle_writer.h"
 #include "math/so3.h"
 #include "robot/variant.h"
@@ -161,6 +162,8 @@ Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat form
       TRY_ASSIGN(const auto motion, make_tracking_motion(clip, format, options.tracking));
       return format_tracking_npz(motion);
     }
+    case MotionFormat::kGlb:
+      return format_robot_glb(clip, options.human ? &*options.human : nullptr, options.name);
   }
   return run_failure("", "there is no such format");
 }

@@ -54,7 +54,8 @@ inline constexpr auto kEnumNames<MotionFormat> =
                                              {MotionFormat::kNpzMjlab, "npz-mjlab"},
                                              {MotionFormat::kNpzBeyondMimic, "npz-beyondmimic"},
                                              {MotionFormat::kPklGmr, "pkl-gmr"},
-                                             {MotionFormat::kPklPbhc, "pkl-pbhc"}});
+                                             {MotionFormat::kPklPbhc, "pkl-pbhc"},
+                                             {MotionFormat::kGlb, "glb"}});
 template <>
 inline constexpr auto kEnumNames<QuaternionOrder> = std::to_array<NamedValue<QuaternionOrder>>(
     {{QuaternionOrder::kXyzw, "xyzw"}, {QuaternionOrder::kWxyz, "wxyz"}});

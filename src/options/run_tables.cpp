@@ -199,7 +199,8 @@ OptionTable time_table(TimeOptions& options) {
 OptionTable save_table(SaveOptions& options) {
   return {
       option("format", options.formats, kOutputGroup, "FORMAT,...",
-             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc; several go "
+             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc, glb (to "
+             "look at in Blender and web pages; default where the output ends in .glb); several go "
              "to files named after the output, each with its own extension",
              {.basic = true}),
       option("precision", options.precision, kOutputGroup, "N",

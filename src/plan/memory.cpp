@@ -22,6 +22,8 @@ constexpr std::uint64_t kMaxOfFile = 200;
 // of one that is read and written again; and what a pickle of it takes besides
 constexpr std::uint64_t kBytesOfReadFrame = 1250;
 constexpr std::uint64_t kBytesOfPickledFrame = 2250;
+// poses of all bodies, and of the human's joints
+constexpr std::uint64_t kBytesOfShownFrame = 4000;
 constexpr std::uint64_t kFreeBytes = 256'000'000;
 // tracking files have all bodies' poses and velocities, at a rate of their own
 constexpr std::uint64_t kBytesOfTrackingFrame = 8500;
@@ -56,6 +58,9 @@ Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOpti
     const std::int64_t samples = resampled_frame_count(count, need.rate, {save.npz_fps, 1});
     needed += static_cast<std::uint64_t>(samples) * kBytesOfTrackingFrame;
     of_file = kMaxOfTrackedFile * need.file_bytes;
+  }
+  if (makes(save, MotionFormat::kGlb, MotionFormat::kGlb)) {
+    needed += static_cast<std::uint64_t>(need.frames) * kBytesOfShownFrame;
   }
   const std::uint64_t by_file = std::max(kFreeBytes, of_file);
   const std::uint64_t given = memory_bound(memory_gb);

@@ -18,19 +18,19 @@ namespace {
 // endings that say what a file is: the formats' own, and others of files of the same kinds
 constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
     {".csv", ".csv"},    {".npz", ".npz"}, {".pkl", ".pkl"}, {".pickle", ".pkl"},
-    {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}};
+    {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}, {".glb", ".glb"}};
 
 // endings of what is no robot's motion
 constexpr std::string_view kForeignEndings[] = {".bvh",  ".json", ".jsonl", ".npy", ".xml",
                                                 ".urdf", ".html", ".fbx",   ".pt",  ".zip",
-                                                ".gz",   ".xlsx", ".hdf5",  ".h5"};
+                                                ".gz",   ".xlsx", ".hdf5",  ".h5",  ".gltf"};
 
 // of a file's name, in lower case; empty: none
 std::string ending_of(const std::string& path) {
   return lower_case(fs::path(path).extension().string());
 }
 
-// `.csv`, `.npz` or `.pkl` by a name; empty: it does not say
+// `.csv`, `.npz`, `.pkl` or `.glb` by a name; empty: it does not say
 std::string_view kind_of(const std::string& path) {
   const std::string ending = ending_of(path);
   for (const auto& [known, kind] : kEndings) {
@@ -52,6 +52,7 @@ Result<MotionFormat> only_format(const std::string& output, const SaveOptions& o
   if (!options.formats.empty()) return options.formats.front();
   const std::string_view kind = kind_of(output);
   if (kind.empty() || kind == format_ending(MotionFormat::kCsv)) return MotionFormat::kCsv;
+  if (kind == format_ending(MotionFormat::kGlb)) return MotionFormat::kGlb;
   return usage_failure("the output \"" + output +
                            "\" may be of several formats, and " OPTION("format") " is not given",
                        "add " OPTION("format") " with one of: " + formats_ending_in(kind));

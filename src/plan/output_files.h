@@ -16,7 +16,7 @@ struct OutputItem {
 };
 
 /// Which files an output and its formats name. One format: the output is the file's name. Several:
-/// each name is that of the output, without .csv, .npz or .pkl at its end, and the format's long
+/// each name is that of the output, without .csv, .npz, .pkl or .glb at its end, and the format's long
 /// ending: walk.csv, walk.mjlab.npz.
 ///
 /// Usage errors: a format twice, an ending that says another kind of file than the format, .npz and

@@ -1,19 +1,24 @@
 #include "retarget/solve.h"
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
 #include "base/try.h"
+#include "plan/human_in_world.h"
 #include "plan/output_files.h"
-#include "robot/normalize_start.h"
 
 namespace retarget {
+namespace {
 
-Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
+Result<void> save_with(const RobotClip& clip, std::optional<HumanInWorld> human,
+                       const std::string& output, const SaveOptions& options) {
   TRY_ASSIGN(const auto items, plan_outputs(output, options));
-  const WriteMotionOptions write = write_options(output, options);
+  WriteMotionOptions write = write_options(output, options);
+  write.human = std::move(human);
   RobotClip moved = clip;
-  if (options.normalize_start) normalize_start(moved);
+  if (options.normalize_start) normalize_start(moved, write);
   std::vector<OutputFile> files;
   for (const OutputItem& item : items) {
     TRY_ASSIGN(OutputFile file, OutputFile::create(item.path));
@@ -26,9 +31,16 @@ Result<void> save(const RobotClip& clip, const std::string& output, const SaveOp
   return {};
 }
 
+}  // namespace
+
+Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
+  return save_with(clip, std::nullopt, output, options);
+}
+
 Result<void> save(const Motion& motion, const std::string& output,
                   const std::optional<SaveOptions>& options) {
-  return save(motion.clip, output, options.value_or(motion.plan.options.save));
+  return save_with(motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                   output, options.value_or(motion.plan.options.save));
 }
 
 }  // namespace retarget

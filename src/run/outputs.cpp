@@ -4,8 +4,8 @@
 
 #include "base/suggest.h"
 #include "base/try.h"
+#include "plan/human_in_world.h"
 #include "provenance/hash.h"
-#include "robot/normalize_start.h"
 
 namespace retarget {
 namespace {
@@ -53,7 +53,7 @@ void MotionOutputs::add(std::span<const double> qpos) {
 
 Result<void> MotionOutputs::write_others(const RobotClip& motion) {
   RobotClip moved = motion;
-  if (options_.normalize_start) normalize_start(moved);
+  if (options_.normalize_start) normalize_start(moved, write_options_);
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (sinks_[i]) continue;
     auto bytes = format_robot_motion(moved, items_[i].format, write_options_);
@@ -70,7 +70,9 @@ Result<void> MotionOutputs::write_others(const RobotClip& motion) {
 }
 
 Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
+                                                       std::optional<HumanInWorld> human,
                                                        const SidecarText& sidecar) {
+  write_options_.human = std::move(human);
   written_.resize(items_.size());
   TRY(write_others(motion));
   for (std::size_t i = 0; i < items_.size(); ++i) {

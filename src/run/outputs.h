@@ -36,8 +36,10 @@ class MotionOutputs {
 
   /// Formats what is no CSV, writes everything and puts it in its place.
   /// @param motion   the frames that add() took.
+  /// @param human    what the motion came from, for files that show it; nothing: not known.
   /// @param sidecar  makes `<output>.json` beside each file; null: none.
   [[nodiscard]] Result<std::vector<WrittenFile>> finish(const RobotClip& motion,
+                                                        std::optional<HumanInWorld> human = {},
                                                         const SidecarText& sidecar = {});
 
  private:

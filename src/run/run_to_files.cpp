@@ -9,6 +9,7 @@
 #include "base/number_text.h"
 #include "base/try.h"
 #include "human/bone_map_file.h"
+#include "plan/human_in_world.h"
 #include "retarget/load.h"
 #include "retarget/view.h"
 #include "run/run_lines.h"
@@ -108,7 +109,10 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
     TRY_ASSIGN(page, write_page(request.html, motion, *outcome.quality, observer));
     outcome.others.push_back(request.html);
   }
-  TRY_ASSIGN(outcome.motions, outputs.finish(motion.clip, sidecar));
+  TRY_ASSIGN(
+      outcome.motions,
+      outputs.finish(motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                     sidecar));
   for (const WrittenFile& file : outcome.motions) {
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }

@@ -9,20 +9,16 @@
 #include <optional>
 #include <string_view>
 
-#include "math/so3.h"
+#include "human/side_colours.h"
 #include "retarget/human.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {
 namespace {
 
-constexpr double kLineRadius = 0.02;  // of robots without shapes, metres
-constexpr double kBoneRadius = 0.035;
+constexpr double kBoneRadius = 0.035;  // metres
 constexpr double kHeadRadius = 0.1;
 constexpr double kRim = 1.6;  // pixels, both sides together
-
-constexpr int kRobotColour = 0x7FA3C7;
-constexpr int kLeftColour = 0x5AA469, kMiddleColour = 0x8A8A8A, kRightColour = 0xD0705F;
 
 // where the light comes from: above, in front of the page, from the left; of unit length
 Eigen::Vector3d light_from(const Camera& camera) {
@@ -75,18 +71,18 @@ void sort_by_nearness(Figure& figure) {
 
 struct Limb {
   const char* prefix;
-  int colour;
+  Side side;
   std::vector<std::string_view> bones;
 };
 
 // bones from joint to joint; those that are missing are skipped
 const std::array<Limb, 5>& limbs() {
   static const std::array<Limb, 5> kLimbs = {
-      {{"", kMiddleColour, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},
-       {"Left", kLeftColour, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
-       {"Right", kRightColour, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
-       {"Left", kLeftColour, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}},
-       {"Right", kRightColour, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}}}};
+      {{"", Side::kNone, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},
+       {"Left", Side::kLeft, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
+       {"Right", Side::kRight, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
+       {"Left", Side::kLeft, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}},
+       {"Right", Side::kRight, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}}}};
   return kLimbs;
 }
 
@@ -123,27 +119,6 @@ Camera Camera::beside(const Eigen::Vector3d& forward) {
   return camera;
 }
 
-std::vector<CollisionShape> visible_shapes(const Robot& robot) {
-  std::vector<CollisionShape> shapes = robot.collision_shapes();
-  if (!shapes.empty()) return shapes;
-  CollisionShape root;
-  root.body = robot.root_body();
-  root.radius = 2.0 * kLineRadius;
-  shapes.push_back(root);
-  for (const RobotBody& body : robot.bodies()) {
-    const Eigen::Vector3d& far_end = body.parent_from_body.translation;
-    if (body.parent <= 0 || far_end.norm() < 1e-6) continue;
-    CollisionShape line;
-    line.type = CollisionShape::Type::kCapsule;
-    line.body = body.parent;
-    line.body_from_shape = {rotation_between(Eigen::Vector3d::UnitZ(), far_end), 0.5 * far_end};
-    line.radius = kLineRadius;
-    line.half_length = 0.5 * far_end.norm();
-    shapes.push_back(line);
-  }
-  return shapes;
-}
-
 Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shapes,
                     std::span<const double> qpos, const Camera& camera) {
   std::vector<Pose> world_from_body(robot.bodies().size());
@@ -169,27 +144,33 @@ Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shape
   return figure;
 }
 
-Figure human_figure(const HumanClip& human, int frame, const Camera& camera) {
-  Figure figure;
-  const auto add = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
-                       int colour) {
-    figure.push_back({camera.nearer.dot(from + to) / 2.0,
-                      colour,
-                      {{columns({camera.project(from), camera.project(to)}), radius, 1.0}}});
-  };
+std::vector<HumanLine> human_lines(const HumanClip& human, int frame) {
+  std::vector<HumanLine> lines;
   for (const Limb& limb : limbs()) {
+    const int colour = side_colour(limb.side);
     std::optional<Eigen::Vector3d> before;
     for (const std::string_view bone : limb.bones) {
       const bool shared = bone == "Hips" || bone == "Spine2";
       const auto place = bone_place(human, frame, (shared ? "" : limb.prefix) + std::string(bone));
       if (!place) continue;
-      if (before) add(*before, *place, kBoneRadius, limb.colour);
+      if (before) lines.push_back({*before, *place, kBoneRadius, colour});
       if (before && bone == "Head") {
         const Eigen::Vector3d middle = *place + 0.8 * kHeadRadius * (*place - *before).normalized();
-        add(middle, middle, kHeadRadius, limb.colour);
+        lines.push_back({middle, middle, kHeadRadius, colour});
       }
       before = place;
     }
+  }
+  return lines;
+}
+
+Figure human_figure(const HumanClip& human, int frame, const Camera& camera) {
+  Figure figure;
+  for (const HumanLine& line : human_lines(human, frame)) {
+    figure.push_back(
+        {camera.nearer.dot(line.from + line.to) / 2.0,
+         line.colour,
+         {{columns({camera.project(line.from), camera.project(line.to)}), line.radius, 1.0}}});
   }
   sort_by_nearness(figure);
   return figure;

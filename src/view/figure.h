@@ -7,6 +7,7 @@
 
 #include "human/human_clip.h"
 #include "retarget/robot.h"
+#include "robot/visible_shapes.h"
 #include "view/svg.h"
 
 namespace retarget {
@@ -44,12 +45,20 @@ struct FigurePart {
 /// A body in one pose, from the part farthest away to the nearest.
 using Figure = std::vector<FigurePart>;
 
-/// What a robot is drawn with: its collision shapes; of one that has none, lines from body to body.
-[[nodiscard]] std::vector<CollisionShape> visible_shapes(const Robot& robot);
-
 /// @param qpos  a configuration of the robot's.
 [[nodiscard]] Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shapes,
                                   std::span<const double> qpos, const Camera& camera);
+
+/// A bone of a human, or its head, which has no length.
+struct HumanLine {
+  Eigen::Vector3d from, to;  ///< World, metres.
+  double radius = 0.0;       ///< Metres.
+  int colour = 0xFFFFFF;
+};
+
+/// What a human is drawn with: lines from joint to joint, left and right in colours of their own, and
+/// a head.
+[[nodiscard]] std::vector<HumanLine> human_lines(const HumanClip& human, int frame);
 
 /// The bones as lines, left and right in colours of their own, and a head.
 [[nodiscard]] Figure human_figure(const HumanClip& human, int frame, const Camera& camera);

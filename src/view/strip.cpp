@@ -1,11 +1,11 @@
 #include "view/strip.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <vector>
 
 #include "base/number_text.h"
 #include "view/figure.h"
+#include "view/strip_frames.h"
 
 namespace retarget {
 namespace {
@@ -26,27 +26,6 @@ struct Row {
   }
   [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
 };
-
-std::vector<int> spread_frames(int frame_count, int poses) {
-  const int count = std::clamp(poses, 1, frame_count);
-  std::vector<int> frames;
-  for (int i = 0; i < count; ++i) {
-    frames.push_back(count == 1 ? 0
-                                : static_cast<int>(static_cast<std::int64_t>(frame_count - 1) * i /
-                                                   (count - 1)));
-  }
-  return frames;
-}
-
-// where the robot faces on the whole: x is ahead in every robot's root
-Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const int frame : frames) {
-    const auto q = motion.qpos(frame);
-    sum += Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
-  }
-  return sum;
-}
 
 // moves a figure so that a point of the ground is at 0
 Figure placed(Figure figure, const Camera& camera, const Eigen::Vector3d& body) {

@@ -22,4 +22,16 @@ struct StripOptions {
 [[nodiscard]] std::string draw_strip(const RobotClip& motion, const HumanClip* human,
                                      const StripOptions& options = {});
 
+struct StripPictureOptions {
+  int poses = 6;                  ///< As of StripOptions.
+  double width = 1200.0;          ///< Of the picture at most, pixels.
+  double max_row_height = 420.0;  ///< Of the highest figure, pixels.
+  bool times = true;              ///< Below the poses.
+};
+
+/// The same strip as the bytes of a PNG: shaded, with soft shadows, from the same place.
+/// @pre the motion has a frame
+[[nodiscard]] std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
+                                             const StripPictureOptions& options = {});
+
 }  // namespace retarget

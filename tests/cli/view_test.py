@@ -1,12 +1,31 @@
-"""`retarget view`: a strip of poses as SVG."""
+"""`retarget view`: a strip of poses as SVG or PNG."""
 
 import shutil
+import struct
 import unittest
 import xml.etree.ElementTree as xml
+import zlib
 
 from tool import SOURCE, ToolTest, sample, short_clip
 
 SVG = "{http://www.w3.org/2000/svg}"
+
+
+def pixels(png):
+    """Width, height and the filtered rows of a PNG, checked: the same for the same pixels."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, packed, size = 8, b"", (0, 0)
+    while at < len(png):
+        length, kind = struct.unpack_from(">I4s", png, at)
+        content = png[at + 8:at + 8 + length]
+        assert zlib.crc32(kind + content) == struct.unpack_from(">I", png, at + 8 + length)[0]
+        if kind == b"IHDR":
+            size = struct.unpack_from(">II", content)
+        packed += content if kind == b"IDAT" else b""
+        at += 12 + length
+    rows = zlib.decompress(packed)
+    assert len(rows) == size[1] * (3 * size[0] + 1)
+    return *size, rows
 
 
 class View(ToolTest):
@@ -66,6 +85,24 @@ class View(ToolTest):
         self.assertEqual(self.poses(svg)[-1], "1 s")
         self.assertGreater(self.shapes(svg), 6 * 20)
 
+    def test_a_picture_by_its_ending(self):
+        motion = self.motion()
+        width, height, _ = pixels(self.strip(motion, output="strip.png"))
+        self.assertAlmostEqual(width, 1200, delta=1)
+        both = pixels(self.strip(motion, "--bvh", "walk.bvh", output="both.PNG"))
+        self.assertGreater(both[1], 1.5 * height)
+        again = self.strip(motion, "--bvh", "walk.bvh", output="again.png")
+        self.assertEqual((self.folder / "both.PNG").read_bytes(), again)
+        few = pixels(self.strip(motion, "--strip", 2, output="few.png"))
+        self.assertLess(few[0], width)
+        # a strip and a picture at once
+        self.strip(motion, "--png", "beside.png", "--strip", 2)
+        self.assertEqual(pixels((self.folder / "beside.png").read_bytes()), few)
+        self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "no/x.png"),
+                          2, "no")
+        self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "s.svg"),
+                          2, "s.svg")
+
     def test_faults_are_explained(self):
         motion = self.motion()
         view = ("view", motion, "--robot", "unitree_g1")
@@ -85,6 +122,16 @@ class View(ToolTest):
             (SOURCE / "docs/pictures/walk_strip.svg").read_bytes(),
             "draw it again: retarget data/walk.bvh g1 -o walk.csv && retarget view walk.csv "
             "--robot g1 --bvh data/walk.bvh --strip 9 -o docs/pictures/walk_strip.svg")
+
+    def test_the_picture_of_the_readme_as_well(self):
+        shutil.copy(sample("walk"), self.folder / "walk.bvh")
+        self.assert_done(self.retarget(bvh="walk.bvh", output="walk.csv"))
+        # pixels, as versions of zlib pack them differently
+        self.assertTrue(
+            pixels(self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 9, output="s.png"))
+            == pixels((SOURCE / "docs/pictures/walk_strip.png").read_bytes()),
+            "draw it again: retarget data/walk.bvh g1 -o walk.csv && retarget view walk.csv "
+            "--robot g1 --bvh data/walk.bvh --strip 9 -o docs/pictures/walk_strip.png")
 
 
 if __name__ == "__main__":

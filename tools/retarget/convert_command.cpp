@@ -1,12 +1,18 @@
 // `retarget convert`: robot motions from one format to another.
 
+#include "argument_tables.h"
+#include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
+#include "human_glb.h"
 #include "motion/resample.h"
+#include "options/run_tables.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "plan/output_files.h"
 #include "read_motion.h"
+#include "retarget/load.h"
 #include "robot/resample_robot.h"
 #include "robot/variant.h"
 #include "run/outputs.h"
@@ -16,8 +22,24 @@
 namespace retarget::cli {
 namespace {
 
+// a motion of a human: of no robot, and to a file that shows it
+bool is_of_human(const ConvertArguments& arguments) {
+  ConvertArguments copy = arguments;
+  // options of robots and their files
+  OptionTable rows = reading_table(copy.reading);
+  append(rows, robot_table(copy.robot));
+  ConvertArguments without_options;
+  OptionTable defaults = reading_table(without_options.reading);
+  append(defaults, robot_table(without_options.robot));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (to_text(rows[i].get()) != to_text(defaults[i].get())) return false;
+  }
+  const auto items = plan_outputs(arguments.output, arguments.save);
+  return items && items->size() == 1 && items->front().format == MotionFormat::kGlb;
+}
+
 Result<void> check_usage(const ConvertArguments& arguments) {
-  TRY(check_robot_choice(arguments.robot));
+  if (!is_of_human(arguments)) TRY(check_robot_choice(arguments.robot));
   Run run;
   run.motion = arguments.input;
   run.robot = arguments.robot;
@@ -59,10 +81,36 @@ Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& consol
   return at_rate(with_robot(motion.clip, std::move(variant)), motion.bytes, arguments);
 }
 
+Result<void> convert_human(const ConvertArguments& arguments, Console& console) {
+  SourceOptions source;
+  source.memory_gb = arguments.memory_gb;
+  auto read = load_clip(arguments.input, source);
+  if (!read) {
+    std::string& hint = read.error().hint;
+    hint += (hint.empty() ? "" : "; ") + std::string("a robot's motion needs --robot NAME");
+    return failure(std::move(read).error());
+  }
+  Clip clip = *std::move(read);
+  console.warn(clip.origin().warnings, clip.name());
+  const TimeOptions& time = arguments.time;
+  if (time.fps) {
+    TRY_ASSIGN(clip, located(resample(std::move(clip), frame_rate_from_fps(*time.fps),
+                                      {time.interpolation, !time.no_antialias}),
+                             arguments.input));
+  }
+  const std::string summary =
+      count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) + " fps";
+  TRY(save_human_glb(arguments.output, std::move(clip), {}, arguments.common, console));
+  console.line("wrote",
+               (arguments.output == "-" ? "standard output" : arguments.output) + ": " + summary);
+  return {};
+}
+
 }  // namespace
 
 Result<void> convert(const ConvertArguments& arguments, Console& console) {
   TRY(check_usage(arguments));
+  if (is_of_human(arguments)) return convert_human(arguments, console);
   TRY_ASSIGN(const RobotClip clip, load_motion(arguments, console));
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(arguments.output, arguments.save,
                                                      clip.shared_robot(), clip.rate()));

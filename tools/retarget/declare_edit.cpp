@@ -170,7 +170,7 @@ OptionTable edit_table(Edit edit, EditArguments& arguments) {
     table.push_back(write_map_row(arguments.write_map));
   }
   Option output = output_row(arguments.output);
-  output.info.help = "BVH to write; - writes standard output";
+  output.info.help = "BVH to write, or a GLB to look at; - writes standard output";
   output.info.required = edit != Edit::kPath;
   table.push_back(std::move(output));
   append(table, common_table(arguments.common));

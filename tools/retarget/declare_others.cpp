@@ -37,7 +37,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   CLI::App* command = app.add_subcommand(
-      "view", "Write a page that plays robot motions, HTML, or draw one as a strip of poses, SVG");
+      "view",
+      "Write a page that plays robot motions, HTML, or draw one as a strip of poses, PNG or SVG");
   declare(*command,
           {word("motions", arguments.motions, "MOTION...",
                 "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "
@@ -47,7 +48,7 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
     command->get_option(name)->description(help);
   };
   describe_as("--output",
-              "Page (.html) or picture (any other ending); - writes a picture to standard output");
+              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output");
   command->get_option("--output")->required();
   describe_as("--bvh", "The source of the motions, drawn beside them");
   describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");

@@ -1,4 +1,4 @@
-// `retarget edit`: BVH in, BVH out.
+// `retarget edit`: BVH in, BVH out, or a GLB that shows it.
 
 #include <algorithm>
 #include <numbers>
@@ -11,6 +11,7 @@
 #include "bvh/write_bvh.h"
 #include "commands.h"
 #include "human/bone_map_file.h"
+#include "human_glb.h"
 #include "retarget/load.h"
 #include "retarget/plan.h"
 #include "run/written_files.h"
@@ -268,6 +269,12 @@ class EditRun {
   const std::string file_;
 };
 
+// how the human in an edited clip is understood: as it was told, unless the skeleton is another one
+HumanOptions human_options(const EditArguments& options) {
+  const bool same = options.edit != Edit::kTransfer && options.edit != Edit::kLafan1;
+  return same ? options.human : HumanOptions();
+}
+
 }  // namespace
 
 Result<void> edit(const EditArguments& options, Console& console) {
@@ -279,7 +286,9 @@ Result<void> edit(const EditArguments& options, Console& console) {
   if (options.edit >= Edit::kResample && options.edit <= Edit::kLoop) {
     console.line("result", summary(**clip));
   }
-  TRY(save_bvh(options.output, **clip));
+  TRY(is_glb_name(options.output)
+          ? save_human_glb(options.output, **clip, human_options(options), options.common, console)
+          : save_bvh(options.output, **clip));
   console.line("wrote", options.output == "-" ? "standard output" : options.output);
   return {};
 }

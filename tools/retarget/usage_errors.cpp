@@ -10,6 +10,7 @@
 
 #include "base/data_folder.h"
 #include "base/suggest.h"
+#include "human_glb.h"
 #include "robot/find_robot.h"
 
 namespace retarget::cli {
@@ -95,6 +96,14 @@ std::vector<std::string> words_of(const CLI::App& command) {
   return words;
 }
 
+// a GLB is made of human motions as well
+bool may_be_of_human(const CLI::App& command) {
+  return std::ranges::any_of(std::array{"out", "--output"}, [&](const char* name) {
+    const auto& given = command.get_option(name)->results();
+    return !given.empty() && is_glb_name(given.front());
+  });
+}
+
 std::vector<Need> needs_of(const CLI::App& command) {
   const std::string& name = command.get_name();
   const bool merges = is_given(command, "--merge");
@@ -110,7 +119,8 @@ std::vector<Need> needs_of(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_required() && option->count() == 0) needs.push_back(need_of(*option));
   }
-  const bool of_a_robot = std::ranges::find(kOfARobot, name) != kOfARobot.end() && !merges;
+  const bool of_a_robot = std::ranges::find(kOfARobot, name) != kOfARobot.end() && !merges &&
+                          !(name == "convert" && may_be_of_human(command));
   if (of_a_robot && !is_given(command, "--robot") && !is_given(command, "--robot-xml")) {
     needs.push_back({"robot", "--robot NAME or --robot-xml FILE"});
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
@@ -56,6 +57,19 @@ Result<void> check_usage(const ViewArguments& arguments) {
   return check_written({run.output, arguments.run.request.write_map}, inputs_read);
 }
 
+// a strip in the form that the file's name says
+std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
+                        const RobotMotion& motion, const HumanClip* human) {
+  if (lower_case(fs::path(file).extension().string()) == ".png") {
+    StripPictureOptions options;
+    options.poses = arguments.strip;
+    return draw_strip_picture(motion.clip, human, options);
+  }
+  const std::string name = fs::path(arguments.motions.front()).filename().string();
+  return draw_strip(motion.clip, human,
+                    {arguments.strip, name + ", " + motion.clip.robot().name()});
+}
+
 // the human that the motion came from, frame by frame beside it
 Result<std::optional<HumanClip>> source_human(RunArguments arguments, const LoadedRobot& robot,
                                               const FrameRate& rate, Console& console) {
@@ -79,9 +93,8 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
                         read_motion_options(arguments.reading, run.options.source.memory_gb)));
   print_motion(file, motion, console);
   TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
-  const std::string name = fs::path(file).filename().string();
-  TRY(write_file(run.output, draw_strip(motion.clip, human ? &*human : nullptr,
-                                        {arguments.strip, name + ", " + robot.robot->name()})));
+  TRY(write_file(run.output,
+                 strip_bytes(run.output, arguments, motion, human ? &*human : nullptr)));
   console.line(
       "wrote",
       run.output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/number_text.h"
+#include "view/image.h"
+#include "view/render.h"
+#include "view/strip.h"
+#include "view/strip_frames.h"
+
+namespace retarget {
+namespace {
+
+constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
+constexpr double kGap = 0.12;        // between figures, share of the highest
+constexpr double kMargin = 0.05;     // above and below them
+constexpr double kLeastSize = 0.05;  // metres; of figures without extent
+
+// figures side by side on one floor, each with its body's place on the ground at the world's origin
+struct SolidRow {
+  std::vector<SolidFigure> figures;
+  Eigen::AlignedBox2d box;
+
+  void add(SolidFigure figure, const Eigen::Vector3d& body, const Camera& camera) {
+    shift(figure, {-body.x(), -body.y(), 0.0});
+    if (!figure.empty()) box.extend(extent(figure, camera));
+    figures.push_back(std::move(figure));
+  }
+  [[nodiscard]] double width() const { return box.isEmpty() ? 0.0 : box.sizes().x(); }
+  [[nodiscard]] double height() const { return box.isEmpty() ? 0.0 : box.sizes().y(); }
+};
+
+// a row of the picture, pixels
+struct RowPlace {
+  int top = 0, height = 0;
+  double floor = 0.0;
+};
+
+RowPlace place_row(const SolidRow& row, int top, double scale, double margin) {
+  const double above = std::max(0.0, row.box.max().y()) * scale + margin;
+  const double below = std::max(0.0, -row.box.min().y()) * scale + margin;
+  return {top, static_cast<int>(std::ceil(above + below)), top + above};
+}
+
+void draw_row(const SolidRow& row, const RowPlace& place, double cell, double scale,
+              const Camera& camera, Image& image) {
+  const double shift = row.box.center().x() * scale;
+  for (std::size_t i = 0; i < row.figures.size(); ++i) {
+    if (row.figures[i].empty()) continue;
+    Frame frame;
+    frame.left = static_cast<int>(std::floor(cell * static_cast<double>(i)));
+    const int right =
+        std::min(image.width(), static_cast<int>(std::floor(cell * static_cast<double>(i + 1))));
+    frame.width = right - frame.left;
+    frame.top = place.top;
+    frame.height = std::min(place.height, image.height() - place.top);
+    frame.origin = {cell * (static_cast<double>(i) + 0.5) - shift, place.floor};
+    frame.scale = scale;
+    render(row.figures[i], camera, frame, image);
+  }
+}
+
+}  // namespace
+
+std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
+                               const StripPictureOptions& options) {
+  const std::vector<int> frames = spread_frames(motion.frame_count(), options.poses);
+  const Camera camera = Camera::beside(facing(motion, frames));
+  const std::vector<CollisionShape> shapes = visible_shapes(motion.robot());
+  SolidRow robots, humans;
+  for (const int frame : frames) {
+    const auto q = motion.qpos(frame);
+    robots.add(robot_solids(motion.robot(), shapes, q), {q[0], q[1], q[2]}, camera);
+    if (human == nullptr) continue;
+    const bool there = frame < human->frame_count;
+    humans.add(there ? human_solids(*human, frame) : SolidFigure(),
+               there ? human->frame(frame)[Bone::kHips].translation : Eigen::Vector3d::Zero(),
+               camera);
+  }
+
+  const double highest = std::max({robots.height(), humans.height(), kLeastSize});
+  const double widest = std::max({robots.width(), humans.width(), kLeastSize});
+  const auto count = static_cast<double>(frames.size());
+  const double scale = std::min(options.width / (count * (widest + kGap * highest)),
+                                options.max_row_height / highest);
+  const double margin = kMargin * highest * scale;
+  const double cell = (widest + kGap * highest) * scale;
+  const double letters = options.times ? std::clamp(0.055 * highest * scale, 6.0, 14.0) : 0.0;
+  int bottom = 0;
+  RowPlace of_humans, of_robots;
+  if (!humans.box.isEmpty()) {
+    of_humans = place_row(humans, bottom, scale, margin);
+    bottom += of_humans.height;
+  }
+  of_robots = place_row(robots, bottom, scale, margin);
+  bottom += of_robots.height;
+  Image image(std::max(1, static_cast<int>(std::ceil(cell * count))),
+              bottom + static_cast<int>(std::ceil(1.6 * letters)), kPaper);
+  if (!humans.box.isEmpty()) draw_row(humans, of_humans, cell, scale, camera, image);
+  draw_row(robots, of_robots, cell, scale, camera, image);
+  for (std::size_t i = 0; options.times && i < frames.size(); ++i) {
+    draw_time(image, number_text(motion.rate().time_of(frames[i]), 2) + " s",
+              {cell * (static_cast<double>(i) + 0.5), bottom + letters}, letters, kInk);
+  }
+  return format_png(image);
+}
+
+}  // namespace retarget
