@@ -30,6 +30,7 @@ struct Row {
 std::vector<int> spread_frames(int frame_count, int poses) {
   const int count = std::clamp(poses, 1, frame_count);
   std::vector<int> frames;
+  frames.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     frames.push_back(count == 1 ? 0
                                 : static_cast<int>(static_cast<std::int64_t>(frame_count - 1) * i /
