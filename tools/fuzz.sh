@@ -27,7 +27,7 @@ check_threads() {
   local rooms=(batch pipeline fit)
   cmake --preset tsan
   cmake --build --preset tsan --parallel "$jobs" --target retarget_cli "${rooms[@]/%/_test}"
-  ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch$"
+  ctest --preset tsan --parallel "$jobs" -R "^($(IFS='|'; echo "${rooms[*]}"))\.|^cli\.batch(_|$)"
 }
 
 # what the repository has of a kind of file beside tests/fuzz/seeds and tests/fuzz/regressions
@@ -35,8 +35,8 @@ other_seeds() {
   case $1 in
     bvh) find tests/bvh/conformance -name '*.bvh' ;;
     csv | motion | motion_table) find tests/golden -name '*.csv' ;;
-    mapping) find configs -maxdepth 1 -name '*.json' ;;
-    dialect) find configs/skeletons -name '*.json' ;;
+    ik_config) find configs -maxdepth 1 -name '*.json' ;;
+    skeleton_profile) find configs/skeletons -name '*.json' ;;
     gates) find configs/quality -name '*.json' ;;
     profile) find robots -name robot.json ;;
     model) find robots -name model.xml ;;
@@ -84,7 +84,7 @@ report() {
     /^#[0-9]/ { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "ft:") ft = $(i + 1) } }
     /^stat::number_of_executed_units/ { runs = $2 }
     /^stat::peak_rss_mb/ { memory = $2 }
-    END { printf "fuzz: %-13s %9d executions, %5d edges, %6d features, %4d MB\n", target, runs, cov, ft, memory }
+    END { printf "fuzz: %-16s %9d executions, %5d edges, %6d features, %4d MB\n", target, runs, cov, ft, memory }
   ' "$build/$1.log"
 }
 

@@ -5,7 +5,7 @@
 
 FOLDER has lafan1/, lafan1_cuts/, dialects/ with BVH files and unitree_g1_csv/ with published motions. Prints
 Markdown: the G1's tables, then means by robot and kind of source, `--ik-config published --scale table`
--> default where the robot has a published mapping.
+-> default where the robot has a published configuration.
 """
 import argparse
 import concurrent.futures

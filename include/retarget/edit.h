@@ -89,7 +89,7 @@ struct RestChange : Edited {
 ///     R_target,i = Q_parent(i) R_source,i Q_i^-1,
 /// Q being the identity above the root and for joints that nothing leaves. Then the world rotation
 /// of joint i is that of the source times Q_i^-1, and what leaves it points as before. Q_i is the
-/// least rotation for one direction, the best by least squares (Kabsch) for several.
+/// minimal rotation for one direction, the best by least squares (Kabsch) for several.
 /// Translations stored per frame keep their world value; bone lengths are the target's.
 ///
 /// @param file, target_file  of the clip and of the target, for messages.
@@ -169,9 +169,9 @@ struct Transferred : Edited {
 [[nodiscard]] Result<Eigen::Vector2d> way_from_text(std::string_view text);
 
 /// Height of the floor that a human stands on, metres: the median, over the frames in which a foot
-/// is planted, of the lowest of that foot's joints and end sites. In a clip shorter than a contact,
-/// a foot that stands still throughout counts as planted; in a single frame, the lower one.
-/// @return a kInput error if no foot is ever planted.
+/// is in contact, of the lowest of that foot's joints and end sites. In a clip shorter than a contact,
+/// a foot that stands still throughout counts as in contact; in a single frame, the lower one.
+/// @return a kInput error if no foot is ever in contact.
 [[nodiscard]] Result<double> floor_height(const Clip& clip, const Calibration& calibration);
 
 /// The clip raised or lowered so that the floor is at height 0, which `floor` (metres) is now.
@@ -200,7 +200,7 @@ struct SeamOptions {
   /// that keeps most wins.
   double cost_of_second = 0.01;
   double cost_of_all = 0.2;  ///< The same by the share of both clips that is left out, of all.
-  /// Relative penalty on the distance where different feet are planted in the two clips.
+  /// Relative penalty on the distance where different feet are in contact in the two clips.
   double other_support = 0.5;
   int max_seams = 4;  ///< How many places are tried.
 };
@@ -212,7 +212,7 @@ struct Seam {
   GroundPose a_from_b;  ///< Moves b over the ground to a: in the world, about its origin.
   Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< The same of b's hips at b_frame, metres.
   double distance = 0.0;                          ///< Root mean square over the bones, metres.
-  bool same_support = true;                       ///< The same feet are planted in both.
+  bool same_support = true;                       ///< The same feet are in contact in both.
   std::string worst_bone;                         ///< Farthest from its counterpart at the seam,
   double worst_distance = 0.0;                    ///< by so many metres.
 };
@@ -306,7 +306,7 @@ struct Concatenation : Edited {
 /// Where b begins one frame after a's end, as when a clip was cut in two, and no joint is too fast
 /// across the cut, the two are joined as they are (seam.overlap is 0).
 ///
-/// Feet that are planted near the seam stay there: one that stands in both clips stays where a has
+/// Feet that are in contact near the seam stay there: one that stands in both clips stays where a has
 /// it until it leaves the floor. Then the seam is checked; one that is not good is a misfit.
 ///
 /// @param b  of the same skeleton and rate as a (like_first).
@@ -346,7 +346,7 @@ struct Loop : Edited {  ///< `cycle` frames for each time: the frame after them 
 /// Makes a cycle from the first frame to the frame most like it, at `shortest` or later. The clip
 /// is joined there to itself as by `concatenate`: frames around the seam are blended, planted feet
 /// stay in place, the seam is checked. Positions and velocities of all joints are continuous from
-/// each cycle to the next. If a foot is planted throughout the cycle, the advance is chosen so that
+/// each cycle to the next. If a foot is in contact throughout the cycle, the advance is chosen so that
 /// it stays in place.
 /// @return kInput errors: fewer than 4 frames, or than `shortest` needs; as turn_clip.
 ///     kUsage errors: `times` below 1, or more than 10 million frames in total.

@@ -207,7 +207,7 @@ struct HumanClipInfo {
   [[nodiscard]] bool has(Bone bone) const { return !sources[bone].empty(); }
 };
 
-/// Frames [begin, end) in which a foot, or one end of it, is planted.
+/// Frames [begin, end) in which a foot, or one end of it, is in contact.
 struct ContactPhase {
   int begin = 0;
   int end = 0;

@@ -121,7 +121,7 @@ struct FitOptions {
   // terms; each can be left out by name
   bool tracking = true;        ///< Bodies follow their targets.
   bool foot_height = true;     ///< Heel and toe follow the source's clearance.
-  bool contact = true;         ///< Planted heels and toes stay where they are, on the floor.
+  bool contact = true;         ///< Heels and toes in contact stay where they are, on the floor.
   bool floor = true;           ///< Nothing goes below the floor.
   bool self_collision = true;  ///< Parts of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
@@ -133,11 +133,11 @@ struct FitOptions {
   double foot_height_far = 40.0;    ///< The same `foot_height_range` above the floor.
   double foot_height_range = 0.12;  ///< Metres.
 
-  double contact_weight = 900.0;         ///< Planted heel or toe to its place, per metre.
+  double contact_weight = 900.0;         ///< Heel or toe in contact to its place, per metre.
   double contact_height_weight = 400.0;  ///< The same to the floor.
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
-  double sole_margin = 0.002;        ///< Metres; for feet that are not planted.
+  double sole_margin = 0.002;        ///< Metres; for feet that are not in contact.
   double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
@@ -157,10 +157,10 @@ struct FitOptions {
   double max_joint_speed = 14.4;  ///< rad/s; no joint is ever faster, whatever its own limit.
   double max_joint_step = 0.48;   ///< rad; no joint ever moves farther between two frames.
 
-  // when a source foot is planted; lengths and speeds are those of a body with legs (thigh and
+  // when a source foot is in contact; lengths and speeds are those of a body with legs (thigh and
   // shank) 0.85 m long
-  double contact_speed = 0.15;          ///< m/s; a slower heel or toe may be planted.
-  double contact_release_speed = 0.25;  ///< m/s; a planted one stays planted below.
+  double contact_speed = 0.15;          ///< m/s; a slower heel or toe may be in contact.
+  double contact_release_speed = 0.25;  ///< m/s; a contact lasts below.
   double contact_height = 0.04;         ///< Metres above its standing height.
   double contact_release_height = 0.06;
   double contact_time = 0.1;  ///< Seconds; anything shorter is not a contact.

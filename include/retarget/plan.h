@@ -62,7 +62,7 @@ struct Plan {
   std::vector<SummaryLine> clip_notes;    ///< What was left out of the clip, and why.
   std::vector<SummaryLine> config_notes;  ///< The same of the configuration.
 
-  /// The robot and how the clip is mapped to it, line by line.
+  /// The robot and how it follows the clip, line by line.
   [[nodiscard]] std::vector<SummaryLine> robot_lines() const;
   /// All decisions as text, one line each.
   [[nodiscard]] std::string summary() const;

@@ -92,8 +92,8 @@ void move_to_parallel_hinge(const TreeState& posed, const std::vector<int>& join
                             const Eigen::Vector3d& axis, Eigen::Vector3d& point) {
   const auto hinge = parallel_hinge(posed, joints, axis);
   if (!hinge) return;
-  const Eigen::Vector3d anchor = posed.anchor(*hinge);
-  const Eigen::Vector3d along = posed.axis(*hinge);
+  const Eigen::Vector3d& anchor = posed.anchor(*hinge);
+  const Eigen::Vector3d& along = posed.axis(*hinge);
   point = anchor + (point - anchor).dot(along) * along;
 }
 
@@ -121,7 +121,7 @@ std::optional<Split> split_at(const Robot& robot, const TreeState& posed,
   shape.middle = middle;
   shape.axis = posed.axis(chain[middle]);
   shape.root = common_point(posed, before);
-  const Eigen::Vector3d anchor = posed.anchor(chain[middle]);
+  const Eigen::Vector3d& anchor = posed.anchor(chain[middle]);
   const double upper = across(anchor - shape.root, shape.axis).norm();
   if (beyond.empty()) {
     const LimbEnd end =

@@ -369,7 +369,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   if (alone) remove_unfinished(folder, folders);
   warn_of_earlier_files(folder, plan, finished, observer);
   TRY(write_options_file(folder, plan.robots));
-  const auto failed = work_through(plan, request, folder, finished, *manifest, observer);
+  auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   // a clip whose process was ended could not take back what it had begun
   if (alone) remove_unfinished(folder, folders);
   if (failed) TRY(finish_manifests(folder, shard, plan.known, observer));

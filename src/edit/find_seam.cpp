@@ -132,7 +132,7 @@ class SeamFinder {
     if (!has_contacts(contacts_a_) || !has_contacts(contacts_b_)) return true;
     const int middle = (distance_.frames_at(i, j) - 1) / 2;
     for (int foot = 0; foot < 2; ++foot) {
-      if (contacts_a_.planted(foot, i + middle) != contacts_b_.planted(foot, j + middle)) {
+      if (contacts_a_.in_contact(foot, i + middle) != contacts_b_.in_contact(foot, j + middle)) {
         return false;
       }
     }

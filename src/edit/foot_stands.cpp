@@ -17,13 +17,13 @@ std::array<std::vector<FootStand>, 2> find_foot_stands(const HumanClip& human, d
                                     FootStance::kOnSole);
     std::vector<ContactPhase> phases;
     for (int frame = 0; frame < human.frame_count; ++frame) {
-      if (!contacts.planted(foot, frame)) {
+      if (!contacts.in_contact(foot, frame)) {
         if (!has_toe) continue;
         const HumanPose& pose = human.frame(frame);
         const double rise = pose[ankle].translation.z() - pose[toe].translation.z();
-        if (contacts.planted(foot, kHeelEnd, frame)) {
+        if (contacts.in_contact(foot, kHeelEnd, frame)) {
           stances[frame] = FootStance::kOnHeel;
-        } else if (contacts.planted(foot, kToeEnd, frame) && rise > upright_rise) {
+        } else if (contacts.in_contact(foot, kToeEnd, frame) && rise > upright_rise) {
           stances[frame] = FootStance::kOnToes;
         } else {
           continue;

@@ -35,7 +35,7 @@ Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     forward_kinematics(clip, frame, poses);
     for (int foot = 0; foot < 2; ++foot) {
-      if (!contacts.planted(foot, frame)) continue;
+      if (!contacts.in_contact(foot, frame)) continue;
       double lowest = std::numeric_limits<double>::infinity();
       for (const SkeletonPoint& point : feet[foot]) {
         lowest = std::min(lowest, up.dot(world_from_point(point, poses).translation));
@@ -44,7 +44,7 @@ Result<double> floor_height(const Clip& clip, const Calibration& calibration) {
     }
   }
   if (heights.empty()) {
-    return input_failure({}, "no foot is ever planted: cannot infer the floor",
+    return input_failure({}, "no foot is ever in contact: cannot infer the floor",
                          OPTION("floor") " H gives the height of the floor in metres");
   }
   return median(std::move(heights));

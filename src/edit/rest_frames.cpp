@@ -109,7 +109,7 @@ Eigen::Quaterniond rest_turn(const Leaving& leaving) {
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // directions along one line leave the turn about it open: the least rotation closes it
+  // directions along one line leave the turn about it open: the minimal rotation closes it
   constexpr double kOneLine = 1e-9;
   if (svd.singularValues()[1] < kOneLine * svd.singularValues()[0]) {
     return rotation_between(leaving.source[0], leaving.target[0]);

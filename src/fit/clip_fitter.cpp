@@ -309,10 +309,10 @@ void WindowFitter::push_anchors_apart(int frame) {
   const FootOverlap& overlap = terms_.foot_overlap();
   if (overlap.depth <= 0.0) return;
   const auto ends = clip_.feet.ends_of(frame);
-  const auto planted = [&](int foot) {
+  const auto in_contact = [&](int foot) {
     return ends[at(2 * foot)].phase >= 0 || ends[at(2 * foot + 1)].phase >= 0;
   };
-  if (!planted(overlap.foot_a) || !planted(overlap.foot_b)) return;
+  if (!in_contact(overlap.foot_a) || !in_contact(overlap.foot_b)) return;
   const Eigen::Vector2d half = 0.5 * overlap.depth * overlap.normal;
   const auto push = [&](int foot, const Eigen::Vector2d& way) {
     for (int end = 2 * foot; end < 2 * foot + 2; ++end) {

@@ -34,8 +34,8 @@ struct FitRun {
 
 /// Retargets a clip as a whole (docs/fit.md):
 ///
-/// 0. the height of the source's floor and the times in which heels and toes are planted; targets
-///    are moved so that planted soles lie on the floor;
+/// 0. the height of the source's floor and the times in which heels and toes are in contact;
+///    targets are moved so that planted soles lie on the floor;
 /// 1. the two-pass method, from a settled first frame;
 /// 2. damped Gauss-Newton steps over all frames: tracking, smoothness, planted feet that do not
 ///    slide, nothing below the floor, no self-collision;

@@ -135,21 +135,20 @@ Tracking tracking_of(Bone bone, const TrackingWeights& w) {
 
 void ModelMaker::add_tasks() {
   if (!options_.tracking) return;
-  for (const ConfigTask& mapped :
-       config_.match_tables[config_.match_tables[1].used ? 1 : 0].tasks) {
-    if (!mapped.has_weight() || target_of_bone_[mapped.bone] < 0) continue;
-    const KinematicTree::Attachment& attached = attachment(mapped.body);
+  for (const ConfigTask& row : config_.match_tables[config_.match_tables[1].used ? 1 : 0].tasks) {
+    if (!row.has_weight() || target_of_bone_[row.bone] < 0) continue;
+    const KinematicTree::Attachment& attached = attachment(row.body);
     if (attached.link < 0) continue;
-    const Tracking kind = tracking_of(mapped.bone, options_.weights);
+    const Tracking kind = tracking_of(row.bone, options_.weights);
     FitTask task;
-    task.body = robot_.bodies()[mapped.body].name;
+    task.body = robot_.bodies()[row.body].name;
     task.link = attached.link;
-    task.target = target_of_bone_[mapped.bone];
+    task.target = target_of_bone_[row.bone];
     task.position = attached.link_from_body.translation;
     task.link_from_body = attached.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =
-        kind.position * importance(mapped.position_weight, kind.usual_position);
-    task.rotation_weight = kind.rotation * importance(mapped.rotation_weight, kind.usual_rotation);
+        kind.position * importance(row.position_weight, kind.usual_position);
+    task.rotation_weight = kind.rotation * importance(row.rotation_weight, kind.usual_rotation);
     model_.tasks.push_back(task);
   }
 }
@@ -258,7 +257,7 @@ void ModelMaker::add_feet() {
 // a box is rounded by its thinnest side, at most by this much: its edges would be cut off too far
 constexpr double kMaxRounding = 0.008;
 
-// Fingers and other joints that carry neither a mapped body nor a sole stay where the robot's zero
+// Fingers and other joints that carry neither a body with a task nor a sole stay where the robot's zero
 // configuration has them: only smoothness and collisions would move them.
 void ModelMaker::hold_unmapped_joints() {
   std::vector<bool> moves(model_.tree.links().size(), false);
@@ -348,7 +347,7 @@ void ModelMaker::add_pairs() {
   }
 }
 
-// pairs of the same two links side by side, and a ball around each link's shapes: most links are
+// pairs of the same two links side by side, and a sphere around each link's shapes: most links are
 // far from each other
 void ModelMaker::group_pairs() {
   const auto links = [&](const FitPair& pair) {
@@ -367,10 +366,11 @@ void ModelMaker::group_pairs() {
     Eigen::AlignedBox3d box;
     for (const FloorPoint& point : model_.floor_points[link]) box.extend(point.position);
     if (box.isEmpty()) continue;
-    BoundingSphere& ball = model_.link_spheres[link];
-    ball.centre = box.center();
+    BoundingSphere& sphere = model_.link_spheres[link];
+    sphere.centre = box.center();
     for (const FloorPoint& point : model_.floor_points[link]) {
-      ball.radius = std::max(ball.radius, (point.position - ball.centre).norm() + point.radius);
+      sphere.radius =
+          std::max(sphere.radius, (point.position - sphere.centre).norm() + point.radius);
     }
   }
 }

@@ -67,7 +67,7 @@ struct FitPairGroup {
   std::uint32_t begin = 0, end = 0;
 };
 
-/// A ball that holds all shapes of a link, in its frame.
+/// A sphere that holds all shapes of a link, in its frame.
 struct BoundingSphere {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0.0;

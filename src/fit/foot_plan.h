@@ -27,7 +27,7 @@ struct FootPlan {
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
 };
 
-/// When feet count as planted, as a fit's options have it.
+/// When feet count as in contact, as a fit's options have it.
 [[nodiscard]] ContactOptions contact_options(const FitOptions& options);
 
 /// What the robot's feet do for the source's contacts, and their clearances where there are none.

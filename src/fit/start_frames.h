@@ -10,7 +10,7 @@ namespace retarget {
 
 /// Takes the start of a clip's frames, one after the other, as the first stage solves them: raises
 /// the root until nothing is below the floor, and finds the place of each contact, the mean of the
-/// planted point over its phase, with the phase's last frame.
+/// heel or toe over its phase, with the phase's last frame.
 class StartFrames {
  public:
   /// @param path  by frame: what is added to the root's position.

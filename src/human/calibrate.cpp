@@ -66,6 +66,14 @@ std::vector<Side> sides_with_flipped_toes(const Body& body, const std::vector<Jo
   return sides;
 }
 
+// a skeleton without a profile is known by what told its bones
+std::string skeleton_text(const std::string& profile) {
+  if (profile == "names") return "a skeleton recognised by its joint names";
+  if (profile == "topology") return "a skeleton recognised by its shape";
+  if (profile == "map file") return "a skeleton with a bone map from a file";
+  return profile + " skeleton";
+}
+
 // what was found out, one line for people
 std::string describe_calibration(const Calibration& calibration) {
   const std::string height = metres_text(calibration.height), up = to_text(calibration.up);
@@ -78,9 +86,10 @@ std::string describe_calibration(const Calibration& calibration) {
           ? "learned from the movement"
           : fmt::format("from {} ({:.0f} degrees off)", calibration.rest_pose,
                         calibration.rest_deviation);
-  return fmt::format("{} skeleton, unit {} ({} m), up {}, facing {}, body height {}, T-pose {}",
-                     calibration.profile, calibration.unit, calibration.metres_per_unit, up,
-                     to_text(calibration.forward), height, rest_pose);
+  return fmt::format("{}, unit {} ({} m), up {}, facing {}, body height {}, T-pose {}",
+                     skeleton_text(calibration.profile), calibration.unit,
+                     calibration.metres_per_unit, up, to_text(calibration.forward), height,
+                     rest_pose);
 }
 
 class Calibrator {

@@ -25,6 +25,7 @@ struct BodySource {
   }
   [[nodiscard]] std::vector<std::string> quoted_names(const std::vector<int>& joints) const {
     std::vector<std::string> quoted;
+    quoted.reserve(joints.size());
     for (const int joint : joints) quoted.push_back(quoted_name(joint));
     return quoted;
   }

@@ -218,19 +218,19 @@ class FootContactFinder {
   std::array<std::vector<int>, 2> stands_on_;  // by end and frame
 };
 
-bool is_planted(const std::vector<ContactPhase>& phases, int frame) {
+bool is_in_contact(const std::vector<ContactPhase>& phases, int frame) {
   const auto after = std::ranges::upper_bound(phases, frame, {}, &ContactPhase::begin);
   return after != phases.begin() && frame < std::prev(after)->end;
 }
 
 }  // namespace
 
-bool ContactPlan::planted(int foot, int frame) const {
-  return is_planted(phases[foot], frame);
+bool ContactPlan::in_contact(int foot, int frame) const {
+  return is_in_contact(phases[foot], frame);
 }
 
-bool ContactPlan::planted(int foot, int end, int frame) const {
-  return is_planted(ends[foot][end].phases, frame);
+bool ContactPlan::in_contact(int foot, int end, int frame) const {
+  return is_in_contact(ends[foot][end].phases, frame);
 }
 
 SourceContacts ContactPlan::of_ends() const {

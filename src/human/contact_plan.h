@@ -15,7 +15,7 @@ inline constexpr double kUprightRise = 0.03;
 /// most 41 degrees from the vertical.
 inline constexpr double kSoleUp = 0.75;
 
-/// When a foot is planted. Speeds and lengths are those of a body whose leg (hip to knee to ankle)
+/// When a foot is in contact. Speeds and lengths are those of a body whose leg (hip to knee to ankle)
 /// is kUsualSourceLeg long; others are measured with theirs scaled in proportion.
 struct ContactOptions {
   double begin_speed = 0.15;    ///< A contact begins below this speed, m/s (all three axes),
@@ -38,7 +38,7 @@ struct StandingHeights {
   [[nodiscard]] double of(int end) const { return end == kHeelEnd ? ankle : toe; }
 };
 
-/// When one end of a foot is planted.
+/// When one end of a foot is in contact.
 struct EndContacts {
   std::vector<ContactPhase> phases;  ///< In order of time.
   /// By frame, in phases: the end is as high as it stands, and not on its side, edge or tip.
@@ -50,17 +50,17 @@ struct ContactPlan {
   double scale = 1.0;  ///< Of lengths and speeds: leg length / kUsualSourceLeg.
   StandingHeights standing;
   std::array<std::array<EndContacts, 2>, 2> ends;  ///< By foot, and kHeelEnd or kToeEnd.
-  /// Whole feet: both ends planted on one thing for ContactOptions::shortest, the ankle no lower than
+  /// Whole feet: both ends in contact with one thing for ContactOptions::shortest, the ankle no lower than
   /// it stands, where that is known (a foot that lies has it lower). Of a foot without a toe joint:
   /// its heel.
   std::array<std::vector<ContactPhase>, 2> phases;
   /// The parts of these in which the foot is on its sole.
   std::array<std::vector<ContactPhase>, 2> soles;
 
-  /// Whether a whole foot is planted in a frame.
-  [[nodiscard]] bool planted(int foot, int frame) const;
+  /// Whether a whole foot is in contact in a frame.
+  [[nodiscard]] bool in_contact(int foot, int frame) const;
   /// Whether one end of it is.
-  [[nodiscard]] bool planted(int foot, int end, int frame) const;
+  [[nodiscard]] bool in_contact(int foot, int end, int frame) const;
   /// What is written out with a motion.
   [[nodiscard]] SourceContacts of_ends() const;
 };
@@ -75,7 +75,7 @@ struct ContactPlan {
 
 /// Finds when the feet of a body stand.
 ///
-/// One end of a foot is planted on the floor from when it is slower than begin_speed and less than
+/// One end of a foot is in contact with the floor from when it is slower than begin_speed and less than
 /// begin_height above its standing height until it passes end_speed or end_height (all times the
 /// scale), for at least `shortest`. That is 3 frames at 30 fps, so no clip of fewer has a contact
 /// unless `shortest` is made so. Thresholds with hysteresis are in use everywhere (Holden's motion

@@ -172,7 +172,7 @@ class DirectionRotations {
     if (bends.empty()) return normals;
     settle(peak, usual(peak));
     const auto carry = [&](int from, int to) {
-      settle(to, least_rotation(uppers[from], uppers[to], normals[from]) * normals[from]);
+      settle(to, minimal_rotation(uppers[from], uppers[to], normals[from]) * normals[from]);
     };
     for (int frame = peak + 1; frame < frames(); ++frame) carry(frame - 1, frame);
     for (int frame = peak - 1; frame >= 0; --frame) carry(frame + 1, frame);

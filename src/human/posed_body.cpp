@@ -118,8 +118,8 @@ double length_by_offsets(const Body& body, Bone bone) {
   return length;
 }
 
-Eigen::Matrix3d least_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                               const Eigen::Vector3d& fallback) {
+Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                 const Eigen::Vector3d& fallback) {
   const double cosine = a.dot(b);
   if (cosine < -1.0 + 1e-12) {
     // half a turn about an axis u is 2 u u^T - 1

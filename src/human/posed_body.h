@@ -69,9 +69,9 @@ class Body {
 /// Length of a bone by the OFFSETs on its way, file units; 0 when it is not known.
 [[nodiscard]] double length_by_offsets(const Body& body, Bone bone);
 
-/// The rotation of least angle that takes unit vector a to unit vector b; of opposite vectors half
+/// The minimal rotation that takes unit vector a to unit vector b; of opposite vectors half
 /// a turn about `fallback`, which must be across them.
-[[nodiscard]] Eigen::Matrix3d least_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                             const Eigen::Vector3d& fallback);
+[[nodiscard]] Eigen::Matrix3d minimal_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                               const Eigen::Vector3d& fallback);
 
 }  // namespace retarget

@@ -78,7 +78,7 @@ bool leg_is_well_formed(const Body& body, const RestCandidate& candidate, Side s
 Eigen::Matrix3d turned_on(const std::optional<Eigen::Vector3d>& way, const Eigen::Vector3d& target,
                           const Eigen::Matrix3d& carried) {
   if (!way) return carried;
-  return least_rotation(carried * *way, target, ahead()) * carried;
+  return minimal_rotation(carried * *way, target, ahead()) * carried;
 }
 
 // rotations in the body's axes that bring the joints of a pose to the T-pose
@@ -101,7 +101,7 @@ BoneArray<Eigen::Matrix3d> straightening(const Body& body, const RestCandidate& 
     straighten(kLeg, -up(), turn(kUpLeg));
     turn(kToe) = candidate.is_built ? turn(kLeg) : none;
     const auto toes = foot_heading(body, candidate, side, turn(kToe));
-    if (toes) turn(kToe) = least_rotation(*toes, ahead(), up()) * turn(kToe);
+    if (toes) turn(kToe) = minimal_rotation(*toes, ahead(), up()) * turn(kToe);
     turn(kFoot) = turn(kToe);
     if (toes && body.has(side_bone(side, kToe))) {
       straighten(kFoot, canonical_t_pose(side_bone(side, kFoot)).col(0), turn(kToe));

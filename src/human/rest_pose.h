@@ -37,7 +37,7 @@ using JointFromBone = BoneArray<std::optional<Eigen::Matrix3d>>;
 /// joints then.
 ///
 /// Trunk, neck and head are taken as they are. Each collar bone, upper arm, thigh and shin is
-/// turned by the least rotation that takes it to its canonical direction, the upper arm's turn
+/// turned by the minimal rotation that takes it to its canonical direction, the upper arm's turn
 /// carrying the forearm along and this one's the hand, so an A-pose's arms go up about the body's
 /// forward axis and keep their twist. Feet are turned about the vertical until they point
 /// ahead, in a built pose after the shin's turn.

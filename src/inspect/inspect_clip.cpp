@@ -90,8 +90,8 @@ std::string human_text(const Inspection& found) {
   }
   const BoneMap& map = *found.map;
   const Calibration& calibration = *found.calibration;
-  std::string text = line("human", calibration.description + "; " + map.profile + ", confidence " +
-                                       number_text(map.confidence, 2));
+  std::string text =
+      line("human", calibration.description + "; confidence " + number_text(map.confidence, 2));
   for (const std::string& note : map.notes) text += line("", note);
   for (const Warning& doubt : calibration.doubts) {
     text += line("", "doubtful: " + spell_options(doubt.message, found.spelling));

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/npz.h"
 #include "base/option_name.h"
 #include "base/try.h"
@@ -82,10 +84,10 @@ class TableBuilder {
       std::string index;
       std::size_t rest = i;
       for (std::size_t d = array.shape.size(); d-- > 1;) {
-        index = std::to_string(rest % array.shape[d]) + (index.empty() ? "" : ",") + index;
+        index = fmt::format("{}{}{}", rest % array.shape[d], index.empty() ? "" : ",", index);
         rest /= array.shape[d];
       }
-      table.columns.push_back(name + (index.empty() ? "" : "[" + index + "]"));
+      table.columns.push_back(index.empty() ? name : fmt::format("{}[{}]", name, index));
       std::vector<double>& column = columns.emplace_back();
       for (std::size_t frame = 0; frame < table.frames; ++frame) {
         column.push_back(values[frame * width + i]);

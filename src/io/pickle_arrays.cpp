@@ -249,7 +249,7 @@ Result<void> PickleReader::set_byte_order(Node type, const PickleNode& state) {
                      node(state.items[1]).text.size() == 1;
   if (!sound) return fault("the pickle has a dtype with an unsupported state");
   const char order = node(state.items[1]).text.front();
-  node(type).integer = order == '=' ? '<' : order;
+  node(type).integer = static_cast<unsigned char>(order == '=' ? '<' : order);
   return {};
 }
 

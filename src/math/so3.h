@@ -24,7 +24,7 @@ namespace retarget {
 [[nodiscard]] Eigen::Vector3d apply_left_jacobian_inverse_so3(const Eigen::Vector3d& w,
                                                               const Eigen::Vector3d& v);
 
-/// The rotation of least angle that takes direction a to direction b, both of any length but zero;
+/// The minimal rotation that takes direction a to direction b, both of any length but zero;
 /// of opposite directions about one of the axes across them. Eigen's FromTwoVectors, whose singular
 /// value decomposition takes five seconds in every file that calls it.
 [[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,

@@ -85,6 +85,7 @@ template <Named Enum>
 template <Named Enum>
 [[nodiscard]] std::vector<std::string> enum_names() {
   std::vector<std::string> names;
+  names.reserve(std::size(kEnumNames<Enum>));
   for (const auto& [value, name] : kEnumNames<Enum>) names.emplace_back(name);
   return names;
 }

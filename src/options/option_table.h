@@ -112,6 +112,7 @@ Option option(std::string name, T& member, OptionInfo info) {
     } else {
       row.get = [&member] {
         std::vector<std::string> names;
+        names.reserve(member.size());
         for (const Enum each : member) names.emplace_back(enum_name(each));
         return OptionValue(std::move(names));
       };

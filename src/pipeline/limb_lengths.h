@@ -55,7 +55,7 @@ inline constexpr std::array kMeasuredBones = {
 /// A ball joint that is built of hinges one after the other has its centre where their axes come
 /// nearest to each other (least squares, drawn slightly towards the anchors where axes are
 /// parallel). Hips are the joints between the last body that both knees hang from and the knee;
-/// shoulders likewise; ankles and wrists those from there to the mapped foot and hand. Knees and
+/// shoulders likewise; ankles and wrists those from there to the bodies that follow foot and hand. Knees and
 /// elbows are the joints of the bodies that the configuration gives to `Leg` and `ForeArm`. Where
 /// neither hand has a body, arms are measured to the elbow.
 ///

@@ -147,7 +147,7 @@ class ConfigReader {
       return table;
     }
     for (const auto& [body, row] : json->items()) {
-      table.rows.push_back(read_row(key + " of \"" + body + "\"", body, row));
+      table.rows.push_back(read_row(fmt::format("{} of \"{}\"", key, body), body, row));
     }
     return table;
   }
@@ -241,7 +241,8 @@ class Resolver {
       const auto body = robot_.find_body(row.body);
       const auto bone = find_bone(row.bone);
       if (bone) {
-        resolved_.match_tables[number].tasks.push_back({IkTask(row), body.value_or(-1), *bone});
+        resolved_.match_tables[number].tasks.push_back(
+            {static_cast<const IkTask&>(row), body.value_or(-1), *bone});
       }
       if (!table.used) continue;
       check_row(row, table_key(number), body.has_value(), bone);

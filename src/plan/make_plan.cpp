@@ -53,6 +53,7 @@ ScaleRule choose_scale(const HumanInClip& human, const Robot& robot, const Resol
 Result<void> leave_out_missing(Plan& plan) {
   const std::vector<Bone> missing = plan.human.missing_bones();
   std::vector<std::string> names;
+  names.reserve(missing.size());
   for (const Bone bone : missing) names.emplace_back(bone_name(bone));
   TRY_ASSIGN(const int dropped, leave_out_bones(plan.config, missing));
   if (dropped == 0) return {};

@@ -78,9 +78,9 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
 
 // what the soles do in all contacts of a clip
 struct ContactFigures {
-  std::vector<double> slips, drifts, heights;        // m/s per step, m per phase, m per frame
-  int planted = 0, kept = 0, agreed = 0, asked = 0;  // feet and frames
-  std::vector<char> floating;                        // by frame
+  std::vector<double> slips, drifts, heights;           // m/s per step, m per phase, m per frame
+  int in_contact = 0, kept = 0, agreed = 0, asked = 0;  // feet and frames
+  std::vector<char> floating;                           // by frame
 };
 
 void add_phase(const ReportBuilder& draft, const SoleTrack& track, const ContactPhase& phase,
@@ -118,20 +118,20 @@ void add_foot(const ReportBuilder& draft, const BodyTracks& tracks, const SoleTr
               const std::vector<ContactPhase>& phases, ContactFigures& figures,
               FaultList& slipping) {
   const int frames = static_cast<int>(figures.floating.size());
-  std::vector<char> planted(frames, 0);
+  std::vector<char> in_contact(frames, 0);
   for (const ContactPhase& phase : phases) {
     add_phase(draft, track, phase, figures, slipping);
     for (int frame = phase.begin; frame < phase.end; ++frame) {
-      planted[frame] = 1;
+      in_contact[frame] = 1;
       if (tracks.lowest[frame].height > kHigh) figures.floating[frame] = 1;
     }
   }
   for (int frame = 0; frame < frames; ++frame) {
     const bool stood = track.stands(frame, draft.clip.rate().fps());
     ++figures.asked;
-    if (planted[frame] != 0) ++figures.planted;
-    if (planted[frame] != 0 && stood) ++figures.kept;
-    if ((planted[frame] != 0) == stood) ++figures.agreed;
+    if (in_contact[frame] != 0) ++figures.in_contact;
+    if (in_contact[frame] != 0 && stood) ++figures.kept;
+    if ((in_contact[frame] != 0) == stood) ++figures.agreed;
   }
 }
 
@@ -177,8 +177,8 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
   draft.set("contact_agreement_pct", percent(figures.agreed, figures.asked));
   floating.move_to(draft.report.faults, draft.options.faults_per_metric);
   if (figures.slips.empty()) return;
-  draft.set("contact_pct", percent(figures.planted, 2.0 * draft.clip.frame_count()));
-  draft.set("contact_kept_pct", percent(figures.kept, figures.planted));
+  draft.set("contact_pct", percent(figures.in_contact, 2.0 * draft.clip.frame_count()));
+  draft.set("contact_kept_pct", percent(figures.kept, figures.in_contact));
   draft.set("contact_slip_mean", mean(figures.slips));
   draft.set("contact_slip_p95", percentile(std::move(figures.slips), 95.0));
   draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));

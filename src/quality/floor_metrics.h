@@ -9,7 +9,7 @@ namespace retarget {
 /// Penetration of the floor, floating, slip of flat feet, self-collision: what needs no source.
 void measure_bodies(const ReportBuilder& draft, const BodyTracks& tracks);
 
-/// What the robot's feet do while the source's are planted on the floor.
+/// What the robot's feet do while the source's are in contact with the floor.
 /// @param frames  of both.
 void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
                       const ContactPlan& contacts, int frames);

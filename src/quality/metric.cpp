@@ -71,12 +71,12 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"self_all_max_cm", "cm", "Depth of the deepest of these.", kOwn},
     {"float_planted_pct", "%",
-     "Frames in which a source foot is planted and every sole point and primitive is more than "
+     "Frames in which a source foot is in contact and every sole point and primitive is more than "
      "2 cm above the floor.",
      kContacts},
-    {"contact_pct", "%", "Feet and frames in which the source foot is planted.", kContacts},
+    {"contact_pct", "%", "Feet and frames in which the source foot is in contact.", kContacts},
     {"contact_slip_mean", "m/s",
-     "Mean horizontal speed of the middle of the sole while the source foot is planted.",
+     "Mean horizontal speed of the middle of the sole while the source foot is in contact.",
      "GMD foot skating, with contacts from the source as in OmniRetarget"},
     {"contact_slip_p95", "m/s", "Its 95th percentile.", kOwn},
     {"contact_drift_p95_cm", "cm",
@@ -84,15 +84,16 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "contact; 95th percentile over contacts.",
      kOwn},
     {"contact_height_p50_cm", "cm",
-     "Median height of the lowest sole point while the source foot is planted.", kOwn},
+     "Median height of the lowest sole point while the source foot is in contact.", kOwn},
     {"contact_agreement_pct", "%",
      "Feet and frames in which source and robot agree on whether the foot stands: the robot's does "
      "while its lowest sole point is under 2 cm and the middle of its sole slower than 0.25 m/s.",
      "PHUMA and OmniRetarget, contact preservation"},
-    {"contact_kept_pct", "%", "Of those in which the source foot is planted: the robot's stands.",
+    {"contact_kept_pct", "%",
+     "Of those in which the source foot is in contact: the robot's stands.",
      "OmniRetarget, contact preservation"},
     {"stance_pct", "%",
-     "Feet and frames in which the source foot is planted on its sole: the direction that is up "
+     "Feet and frames in which the source foot is in contact on its sole: the direction that is up "
      "when it stands at most 41 degrees from the vertical.",
      kContacts},
     {"stance_slip_mean", "m/s", "contact_slip_mean of these.", kOwn},
@@ -107,11 +108,13 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "from the source's peak clearance of the lower foot, scaled.",
      kOwn},
     {"track_pos_cm", "cm",
-     "Distance of mapped bodies from their scaled bones, both from the root, a constant yaw "
+     "Distance of bodies from the scaled bones that they follow, both from the root, a constant "
+     "yaw "
      "removed: rows of table 2 with position weight, the root excluded. Mean and 95th percentile.",
      "MPJPE, root-relative"},
     {"track_rot_deg", "deg",
-     "Angle of mapped bodies from their bones' offset axes (limb by limb: from the axes that a fit "
+     "Angle of bodies from the offset axes of the bones that they follow (limb by limb: from the "
+     "axes that a fit "
      "aims them at): rows of table 2 with rotation weight. Mean and 95th percentile.",
      kOwn},
     {"limb_angle_deg", "deg",

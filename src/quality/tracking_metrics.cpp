@@ -207,7 +207,7 @@ void TrackingMeasure::measure_rows() const {
   }
 }
 
-// the first row of a bone; of feet, which are mapped by either of two bones, of one of them
+// the first row of a bone; of feet, which follow either of two bones, of one of them
 const Row* TrackingMeasure::row_of(Bone bone) const {
   const auto found = std::ranges::find(rows_, bone, &Row::bone);
   if (found != rows_.end()) return &*found;

@@ -10,7 +10,7 @@ namespace retarget {
 /// The bodies whose poses measure_tracking needs: those of the tables and the root, each once.
 [[nodiscard]] std::vector<int> tracked_bodies(const ResolvedConfig& config);
 
-/// How the mapped bodies follow their bones, row by row, and the limbs the human's.
+/// How the bodies follow their bones, row by row, and the limbs the human's.
 /// @param tracks  with tracked_bodies kept.
 /// @param frames  of both.
 void measure_tracking(const ReportBuilder& draft, const BodyTracks& tracks,

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/suggest.h"
 #include "human/canonical_pose.h"
 #include "pipeline/targets.h"
@@ -190,24 +192,25 @@ void Doctor::check_sides_of_config() {
       if (side_of(left.bone) != Side::kLeft || !left.has_weight()) continue;
       const std::string bone(bone_name(left.bone)), other(bone_name(mirrored(left.bone)));
       const ConfigTask* right = task_of(resolved_->match_tables[t], mirrored(left.bone));
-      const std::string place = bone + " in table " + std::to_string(t + 1);
+      const std::string place = fmt::format("{} in table {}", bone, t + 1);
       if (right == nullptr) {
         note(place + " has no counterpart on the right");
         continue;
       }
       if (left.position_weight != right->position_weight ||
           left.rotation_weight != right->rotation_weight) {
-        note("weights of " + place + " differ from those of " + other);
+        note(fmt::format("weights of {} differ from those of {}", place, other));
       }
       if (t == 0 && resolved_->scales[left.bone] != resolved_->scales[right->bone]) {
-        note("the scale of " + bone + " differs from that of " + other);
+        note(fmt::format("the scale of {} differs from that of {}", bone, other));
       }
       const auto error = offset_error(left);
       const auto error_right = offset_error(*right);
       if (t == 0 && error && error_right &&
           std::max(std::abs(error->direction - error_right->direction),
                    std::abs(error->twist - error_right->twist)) > kOddOffset) {
-        note("the rotation offset of " + bone + " is not the mirror image of that of " + other);
+        note(fmt::format("the rotation offset of {} is not the mirror image of that of {}", bone,
+                         other));
       }
     }
   }

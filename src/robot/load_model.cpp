@@ -9,6 +9,8 @@
 #include <memory>
 #include <mutex>
 
+#include <fmt/format.h>
+
 #include "base/file.h"
 #include "base/try.h"
 #include "robot/check_model.h"
@@ -116,7 +118,7 @@ void note_equalities(mjSpec* spec, LoadedModel& loaded) {
     const std::string first = mjs_getString(equality->name1);
     const std::string second = mjs_getString(equality->name2);
     const bool to_world = second.empty() || second == "world" || first == "world";
-    const std::string pair = "\"" + first + "\" to \"" + second + "\"";
+    const std::string pair = fmt::format("\"{}\" to \"{}\"", first, second);
     if (equality->type == mjEQ_JOINT && !second.empty()) loaded.coupled.push_back(pair);
     const bool ties = equality->type == mjEQ_CONNECT || equality->type == mjEQ_WELD;
     if (ties && !to_world) loaded.closed.push_back(pair);

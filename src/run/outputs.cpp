@@ -16,10 +16,9 @@ bool is_csv(MotionFormat format) {
 
 }  // namespace
 
-Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(const std::string& output,
-                                                           const SaveOptions& options,
-                                                           std::shared_ptr<const Robot> robot,
-                                                           const FrameRate& rate, bool in_memory) {
+Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(
+    const std::string& output, const SaveOptions& options,
+    const std::shared_ptr<const Robot>& robot, const FrameRate& rate, bool in_memory) {
   std::unique_ptr<MotionOutputs> outputs(new MotionOutputs());
   outputs->options_ = options;
   outputs->in_memory_ = in_memory;

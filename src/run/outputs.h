@@ -28,8 +28,8 @@ class MotionOutputs {
   /// @param rate       of the motion that will come.
   /// @param in_memory  makes the hashes alone and writes nothing.
   [[nodiscard]] static Result<std::unique_ptr<MotionOutputs>> open(
-      const std::string& output, const SaveOptions& options, std::shared_ptr<const Robot> robot,
-      const FrameRate& rate, bool in_memory = false);
+      const std::string& output, const SaveOptions& options,
+      const std::shared_ptr<const Robot>& robot, const FrameRate& rate, bool in_memory = false);
 
   /// Takes the next frame: CSVs are written while frames are solved.
   void add(std::span<const double> qpos);

@@ -160,6 +160,7 @@ class BodyReader {
     }
     if (!fits) {
       std::vector<std::string> wanted;
+      wanted.reserve(shape.size());
       for (const auto& size : shape) wanted.push_back(size ? std::to_string(*size) : "any");
       return file_.array_failure(
           name, fmt::format("expected numbers of shape ({}), found {}{}", fmt::join(wanted, ", "),

@@ -66,9 +66,9 @@ class BadInput(ToolTest):
 
     def test_skeleton_without_a_mapped_bone(self):
         clip = self.write("clip.bvh", sample("wave").read_text().replace("JOINT Head", "JOINT Pincer"))
-        mapping = (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text()
-        mapping = self.write("mapping.json", mapping.replace('"LeftHand"', '"Head"'))
-        self.assert_refused(self.retarget("--ik-config", mapping, bvh=clip), 3, "Head", "Pincer",
+        config = (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text()
+        config = self.write("config.json", config.replace('"LeftHand"', '"Head"'))
+        self.assert_refused(self.retarget("--ik-config", config, bvh=clip), 3, "Head", "Pincer",
                             "RightHand")
 
     def test_unreadable_file(self):
@@ -85,12 +85,12 @@ class BadInput(ToolTest):
         self.assert_refused(self.retarget("--data-dir", self.folder), 4, "robots")
 
     def test_models(self):
-        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        config = SOURCE / "configs/lafan1_to_unitree_g1.json"
 
         def with_model(text):
             model = self.write("model.xml", text)
             return self.run_tool("--bvh", sample("wave"), "--robot-xml", model, "--ik-config",
-                                 mapping, "-o", "out.csv")
+                                 config, "-o", "out.csv")
 
         body = "<geom size='.1'/></body></worldbody></mujoco>"
         self.assert_refused(with_model(""), 4, "model.xml")
@@ -105,24 +105,24 @@ class BadInput(ToolTest):
                             '"hinge"', "one robot")
         self.assertFalse((self.folder / "MUJOCO_LOG.TXT").exists())
 
-    def test_mappings(self):
-        broken = self.write("map.json", '{\n  "robot_root_name": "pelvis",\n  oops\n}\n')
-        self.assert_refused(self.retarget("--ik-config", broken), 4, "map.json:3:3:")
+    def test_retargeting_configurations(self):
+        broken = self.write("config.json", '{\n  "robot_root_name": "pelvis",\n  oops\n}\n')
+        self.assert_refused(self.retarget("--ik-config", broken), 4, "config.json:3:3:")
         self.assert_refused(self.retarget("--ik-config", "missing.json"), 4, "missing.json")
         text = (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text()
         wrong = text.replace("left_knee_link", "left_kne_link").replace('"LeftHand"', '"LeftHnad"')
-        self.assert_refused(self.retarget("--ik-config", self.write("map.json", wrong)), 4,
+        self.assert_refused(self.retarget("--ik-config", self.write("config.json", wrong)), 4,
                             "left_kne_link\" (did you mean \"left_knee_link\"?)",
                             "LeftHnad\" (did you mean \"LeftHand\"?)")
         # what is wrong in itself and what does not fit the robot are told together
         wrong = wrong.replace("[0.5, 0.5, 0.5, 0.5]", "[2, 0, 0, 0]", 1)
-        self.assert_refused(self.retarget("--ik-config", self.write("map.json", wrong)), 4,
+        self.assert_refused(self.retarget("--ik-config", self.write("config.json", wrong)), 4,
                             "not a unit quaternion", "left_kne_link")
         heavy = text.replace('["Hips", 100, 5', '["Hips", 1e300, 5')
-        self.assert_refused(self.retarget("--ik-config", self.write("map.json", heavy)), 4,
-                            "map.json", "not finite")
+        self.assert_refused(self.retarget("--ik-config", self.write("config.json", heavy)), 4,
+                            "config.json", "not finite")
 
-    def test_robot_folder_without_a_mapping(self):
+    def test_robot_folder_without_a_configuration(self):
         self.write("mine/model.xml", (SOURCE / "robots/unitree_g1/model.xml").read_text())
         self.assert_refused(self.retarget(robot="mine"), 4, "no retargeting configuration", "--ik-config")
         self.write("mine/ik.json", (SOURCE / "configs/lafan1_to_unitree_g1.json").read_text())

@@ -117,13 +117,13 @@ class WhatIsUnderstood(ToolTest):
         self.assert_fails(self.retarget(bvh=file), 3, "not a human skeleton")
         self.assertEqual(self.files(), ["chain.bvh"])
 
-    def test_a_mapping_is_written_edited_and_used(self):
+    def test_a_bone_map_is_written_edited_and_used(self):
         walk = sample("walk")
         self.assert_done(self.retarget("--write-map", "map.json", bvh=walk, output="a.csv"))
-        mapping = json.loads((self.folder / "map.json").read_text())
-        self.assertIn("LeftForeArm", json.dumps(mapping))
+        bone_map = json.loads((self.folder / "map.json").read_text())
+        self.assertIn("LeftForeArm", json.dumps(bone_map))
         self.assert_done(self.retarget("--map", "map.json", bvh=walk, output="b.csv"))
-        self.write("map.json", json.dumps(mapping).replace('"LeftFoot"', '"LeftFot"', 2))
+        self.write("map.json", json.dumps(bone_map).replace('"LeftFoot"', '"LeftFot"', 2))
         self.assert_fails(self.retarget("--map", "map.json", bvh=walk), 4, "map.json")
 
     def test_a_body_without_arms(self):

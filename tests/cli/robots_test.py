@@ -131,9 +131,9 @@ class Robots(ToolTest):
                          "model")
 
     def test_check_tells_every_fault(self):
-        mapping = (SOURCE / "robots/unverified/booster_k1/ik.json").read_text()
+        config = (SOURCE / "robots/unverified/booster_k1/ik.json").read_text()
         self.write("odd/model.xml", K1.read_bytes())
-        self.write("odd/ik.json", mapping.replace('"Left_Shank"', '"Left_Shnak"')
+        self.write("odd/ik.json", config.replace('"Left_Shank"', '"Left_Shnak"')
                    .replace('["RightUpLeg"', '["RightUpLge"'))
         result = self.run_tool("robots", "check", "odd")
         self.assertEqual(result.returncode, 4, result.stderr)

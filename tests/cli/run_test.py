@@ -150,11 +150,11 @@ class Output(ToolTest):
                                   r"limit set knees.json is 2.58 rad tighter than official")
         self.assertNotIn("tighter", self.retarget("--limits", "official").stderr)
 
-    def test_another_model_with_its_mapping(self):
+    def test_another_model_with_its_configuration(self):
         model = SOURCE / "robots/unitree_g1/model.xml"
-        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        config = SOURCE / "configs/lafan1_to_unitree_g1.json"
         plain = read_rows(self.text("--method", "gmr", "--limits", "official"))
-        words = ("--bvh", sample("wave"), "--robot-xml", model, "--ik-config", mapping, "-o", "-")
+        words = ("--bvh", sample("wave"), "--robot-xml", model, "--ik-config", config, "-o", "-")
         result = self.run_tool(*words, "--method", "gmr")
         self.assert_done(result)
         self.assertEqual(read_rows(result.stdout), plain)
@@ -176,8 +176,8 @@ class Output(ToolTest):
     def test_soles_that_nothing_tells_are_doubted(self):
         model = (SOURCE / "robots/unitree_g1/model.xml").read_text()
         bare = self.write("bare.xml", model.replace("<geom ", '<geom contype="0" conaffinity="0" '))
-        mapping = SOURCE / "configs/lafan1_to_unitree_g1.json"
-        words = ("--bvh", sample("wave"), "--ik-config", mapping, "-o", "out.csv")
+        config = SOURCE / "configs/lafan1_to_unitree_g1.json"
+        words = ("--bvh", sample("wave"), "--ik-config", config, "-o", "out.csv")
         result = self.run_tool(*words, "--robot-xml", bare)
         self.assert_done(result)
         self.assertIn("warning: the model does not show where the soles are", result.stderr)

@@ -19,14 +19,14 @@ std::string source_folder() {
   return RETARGET_SOURCE_DIR;
 }
 
-const std::vector<SkeletonProfile>& dialects() {
+const std::vector<SkeletonProfile>& profiles() {
   static const std::vector<SkeletonProfile> kProfiles =
       load_skeleton_profiles(source_folder() + "/configs/skeletons").value();
   return kProfiles;
 }
 
 TransferTarget understood(const Clip& clip) {
-  const BoneMap map = recognise_skeleton(clip, dialects()).value();
+  const BoneMap map = recognise_skeleton(clip, profiles()).value();
   return {clip.shared_skeleton(), map, calibrate(clip, map, {}).value()};
 }
 

@@ -131,7 +131,7 @@ TEST(FootPlan, PhasesAreIndependentOfTheFrameRate) {
 }
 
 TEST(FootPlan, PlantedFootIsReleasedAtTheReleaseSpeed) {
-  // 0.2 m/s lies between the speed that plants and the one that releases
+  // 0.2 m/s lies between the speed that begins a contact and the one that ends it
   const auto later = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{t < 1.0 ? 0.0 : 0.2 * (t - 1.0), 0.0};
   });
@@ -229,7 +229,7 @@ TEST(FootPlan, ToeStaysOnTheStepWhileTheHeelLifts) {
   EXPECT_NEAR(plan.ends_of(85)[kToeEnd].support, 0.3, 1e-12);
 }
 
-TEST(FootPlan, FeetInTheAirAreNotPlanted) {
+TEST(FootPlan, FeetInTheAirAreNotInContact) {
   // a foot that lingers at the height of a slow kick, and one that is held there but sways
   const auto kick = make_feet(3.0, 30.0, [](double t) {
     return FootPlace{0.0, t < 1.0 ? 0.0 : 0.4 * std::max(0.0, 1.0 - std::abs(t - 2.0))};

@@ -1,4 +1,4 @@
-// Any bytes as a file of settings: configuration, dialect, bone map, path, options of the fit,
+// Any bytes as a file of settings: retargeting configuration, skeleton profile, bone map, path, options of the fit,
 // gates, limits, profile, model.
 
 #include <cmath>

@@ -30,7 +30,7 @@ constexpr int kMaxFrames = 6;
 
 // what a run needs beside the motion
 struct Setup {
-  std::vector<SkeletonProfile> dialects;
+  std::vector<SkeletonProfile> profiles;
   ResolvedConfig of_lafan1, of_others;
   LimitSet limits;
   FitOptions fit;
@@ -46,7 +46,7 @@ const Setup& setup() {
   static const Setup made = [] {
     const std::string root(RETARGET_SOURCE_DIR);
     Setup setup;
-    setup.dialects = take(load_skeleton_profiles(root + "/configs/skeletons"));
+    setup.profiles = take(load_skeleton_profiles(root + "/configs/skeletons"));
     setup.of_lafan1 = take(load_config(root + "/configs/lafan1_to_unitree_g1.json", *fuzz_robot()));
     setup.of_others = take(load_config(root + "/robots/unitree_g1/ik.json", *fuzz_robot()));
     setup.limits = take(load_limits(*fuzz_robot(), "official"));
@@ -108,7 +108,7 @@ void check_round_trip(const RobotClip& clip) {
 void fuzz_line(std::string_view bytes) {
   auto clip = short_clip(bytes);
   if (!clip) return;
-  auto map = recognise_skeleton(*clip, setup().dialects);
+  auto map = recognise_skeleton(*clip, setup().profiles);
   if (!good(map)) return;
   (void)let_directions_win(*clip, *map);
   const auto calibration = calibrate(*clip, *map, {});

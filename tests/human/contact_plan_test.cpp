@@ -59,9 +59,9 @@ TEST(ContactPlan, StandingFeetArePlantedThroughout) {
   EXPECT_DOUBLE_EQ(contacts.scale, 1.0);
   EXPECT_DOUBLE_EQ(contacts.standing.toe, 0.02);
   EXPECT_DOUBLE_EQ(contacts.standing.ankle, 0.08);
-  EXPECT_TRUE(contacts.planted(0, 0));
-  EXPECT_TRUE(contacts.planted(1, 29));
-  EXPECT_FALSE(contacts.planted(1, 30));
+  EXPECT_TRUE(contacts.in_contact(0, 0));
+  EXPECT_TRUE(contacts.in_contact(1, 29));
+  EXPECT_FALSE(contacts.in_contact(1, 30));
 }
 
 TEST(ContactPlan, TheStandingAnkleHeightIsLearnedFromTheClip) {
@@ -74,7 +74,7 @@ TEST(ContactPlan, TheStandingAnkleHeightIsLearnedFromTheClip) {
   EXPECT_THAT(contacts.phases[0], ElementsAre(ContactPhase{0, 30}));
 }
 
-TEST(ContactPlan, AFootOnItsSideIsNotPlanted) {
+TEST(ContactPlan, AFootOnItsSideIsNotInContact) {
   auto feet = standing_feet(60);
   for (int i = 40; i < 60; ++i) feet[0].ankle[i].z() = 0.03;
   const ContactPlan contacts = contacts_of(feet, kLeg, kRate);
@@ -109,7 +109,7 @@ TEST(ContactPlan, AContactBeginsOnlyBelowTheLowerThresholds) {
   for (int i = 0; i < 30; ++i) feet[0].toe[i].z() = feet[0].ankle[i].z() = 0.11;
   for (int i = 30; i < 60; ++i) feet[0].toe[i].z() = feet[0].toe[i].z() + 0.05;
   feet[0].ankle.assign(60, {0.0, 0.1, 0.08});
-  // 5 cm is near enough to stay planted, not to become so
+  // 5 cm is near enough to stay in contact, not to begin one
   EXPECT_THAT(contacts_of(feet, kLeg, kRate).phases[0], IsEmpty());
 }
 
@@ -208,9 +208,9 @@ TEST(ContactPlan, HeelsAndToesHaveContactsOfTheirOwn) {
   EXPECT_THAT(contacts.ends[1][kHeelEnd].phases, ElementsAre(ContactPhase{0, 39}));
   EXPECT_THAT(contacts.ends[1][kToeEnd].phases, ElementsAre(ContactPhase{0, 60}));
   EXPECT_THAT(contacts.phases[1], ElementsAre(ContactPhase{0, 39}));
-  EXPECT_TRUE(contacts.planted(1, kToeEnd, 50));
-  EXPECT_FALSE(contacts.planted(1, kHeelEnd, 50));
-  EXPECT_FALSE(contacts.planted(1, 50));
+  EXPECT_TRUE(contacts.in_contact(1, kToeEnd, 50));
+  EXPECT_FALSE(contacts.in_contact(1, kHeelEnd, 50));
+  EXPECT_FALSE(contacts.in_contact(1, 50));
 }
 
 }  // namespace

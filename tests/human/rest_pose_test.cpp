@@ -85,7 +85,7 @@ TEST(LeastRotation, MapsOneDirectionToTheOther) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d oblique = Eigen::Vector3d(1, -2, 3).normalized();
   for (const Eigen::Vector3d& target : {x, y, oblique, Eigen::Vector3d(-x)}) {
-    const Eigen::Matrix3d turn = least_rotation(x, target, y);
+    const Eigen::Matrix3d turn = minimal_rotation(x, target, y);
     EXPECT_LT((turn * x - target).norm(), 1e-14);
     EXPECT_NEAR(turn.determinant(), 1.0, 1e-14);
     EXPECT_NEAR(Eigen::AngleAxisd(turn).angle(), std::acos(x.dot(target)), 1e-7);

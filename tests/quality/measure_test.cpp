@@ -6,128 +6,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <nlohmann/json.hpp>
 
-#include "base/file.h"
 #include "human/canonical_pose.h"
+#include "quality/walker.h"
 #include "retarget/report.h"
-#include "support/temporary_folder.h"
-#include "support/test_robots.h"
 
 namespace retarget {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
-
-// two feet on legs of hinges, and balls above them that hinges bring into each other
-constexpr const char* kWalker = R"(
-<mujoco>
-  <compiler angle="radian"/>
-  <worldbody>
-    <body name="base">
-      <freejoint/>
-      <body name="left_foot" pos="0 0.1 -0.5">
-        <joint name="left" axis="0 0 1" range="-3 3"/>
-        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
-      </body>
-      <body name="right_foot" pos="0 -0.1 -0.5">
-        <joint name="right" axis="0 0 1" range="-1 1"/>
-        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
-      </body>
-      <body name="hand" pos="0 0 0.2">
-        <joint name="arm" type="slide" axis="0 1 0"/>
-        <geom type="sphere" size="0.1"/>
-      </body>
-      <body name="knob" pos="0 0.3 0.2">
-        <joint name="knob" axis="0 0 1"/>
-        <geom type="sphere" size="0.1"/>
-      </body>
-    </body>
-  </worldbody>
-</mujoco>)";
-
-constexpr const char* kWalkerProfile = R"({
-  "name": "walker",
-  "limit_sets": {"narrow": {"ranges": {"left": [-0.1, 0.1]}}},
-  "speed_limits": {"right": 4.0},
-  "soles": {
-    "left": {"body": "left_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]},
-    "right": {"body": "right_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]}
-  }
-})";
-
-constexpr int kX = 0, kZ = 2;
-constexpr int kLeft = 7, kRight = 8, kArm = 9, kKnob = 10;
-
-using Movement = std::function<void(int frame, std::span<double> qpos)>;
-
-class MeasureQuality : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const TemporaryFolder folder;
-    robot_ = load_robot_files(folder.write("walker.xml", kWalker),
-                              folder.write("robot.json", kWalkerProfile))
-                 .value();
-  }
-
-  // soles on the floor, but for what the movement changes
-  RobotClip make(int frames, const Movement& movement) const {
-    RobotClip clip(robot_, {30, 1}, frames);
-    for (int frame = 0; frame < frames; ++frame) {
-      clip.qpos(frame)[kZ] = 0.5;
-      movement(frame, clip.qpos(frame));
-    }
-    return clip;
-  }
-  QualityReport measure(int frames, const Movement& movement,
-                        const HumanClip* human = nullptr) const {
-    const QualitySource source{human, nullptr, ScaleRule::kTable};
-    return measure_quality(make(frames, movement), robot_->model_limits(),
-                           human == nullptr ? nullptr : &source);
-  }
-
-  std::shared_ptr<const Robot> robot_;
-};
-
-double figure(const QualityReport& report, std::string_view key) {
-  const MetricValue* found = report.find(key);
-  EXPECT_NE(found, nullptr) << key;
-  return found == nullptr ? std::nan("") : found->value;
-}
-
-std::vector<Fault> faults_of(const QualityReport& report, const std::string& metric) {
-  std::vector<Fault> found;
-  for (const Fault& fault : report.faults) {
-    if (fault.metric == metric) found.push_back(fault);
-  }
-  return found;
-}
-
-// a human whose feet stand for a second
-HumanClip standing_human(int frames) {
-  HumanClip human;
-  human.frame_count = frames;
-  human.sources = BoneArray<std::string>("");
-  human.world_from_bone.resize(static_cast<std::size_t>(frames));
-  for (const auto& [name, x, z] : {std::tuple{"UpLeg", 0.0, 0.93},
-                                   {"Leg", 0.0, 0.5},
-                                   {"Foot", 0.0, 0.08},
-                                   {"Toe", 0.1, 0.02}}) {
-    for (const std::string side : {"Left", "Right"}) {
-      const Bone bone = bone_from_name(side + name).value();
-      human.sources[bone] = name;
-      for (int i = 0; i < frames; ++i) {
-        human.world_from_bone[static_cast<std::size_t>(i)][bone].translation =
-            Eigen::Vector3d(x, side == "Left" ? 0.1 : -0.1, z);
-      }
-    }
-  }
-  return human;
-}
 
 TEST_F(MeasureQuality, StandingRobotHasNoFaults) {
   const HumanClip human = standing_human(30);
@@ -217,7 +104,7 @@ TEST_F(MeasureQuality, MeasuresFloorPenetration) {
   EXPECT_DOUBLE_EQ(figure(deep, "foot_pen_1cm_pct"), 10.0);
   EXPECT_NEAR(figure(deep, "foot_pen_max_cm"), 1.5, 1e-9);
   EXPECT_DOUBLE_EQ(figure(deep, "body_pen_1cm_pct"), 10.0);
-  // upside down the hand, a ball of 10 cm, is the lowest: 30 cm below the base
+  // upside down the hand, a sphere of 10 cm, is the lowest: 30 cm below the base
   const QualityReport turned = measure(10, [](int frame, auto qpos) {
     qpos[3] = 0.0;
     qpos[4] = 1.0;
@@ -275,7 +162,7 @@ TEST_F(MeasureQuality, ReportsEveryLimitSet) {
 }
 
 TEST_F(MeasureQuality, MeasuresSelfCollision) {
-  // the hand's ball comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5
+  // the hand's sphere comes within 18 cm of the knob's: 2 cm deep, in frames 4 and 5
   const QualityReport report =
       measure(10, [](int frame, auto qpos) { qpos[kArm] = frame == 4 || frame == 5 ? 0.12 : 0.0; });
   EXPECT_DOUBLE_EQ(figure(report, "self_all_1cm_pct"), 20.0);
@@ -361,164 +248,6 @@ TEST_F(MeasureQuality, HandlesShorterOrLongerSources) {
     EXPECT_EQ(report.source_frames, std::min(frames, 24));
     EXPECT_DOUBLE_EQ(figure(report, "contact_pct"), frames < 24 ? 50.0 : 100.0);
   }
-}
-
-TEST_F(MeasureQuality, JsonHasAllFiguresAndDefinitions) {
-  const HumanClip human = standing_human(30);
-  QualityReport report = measure(
-      30, [](int, auto) {}, &human);
-  report.file = "bad \xff name";
-  const auto json = nlohmann::json::parse(report_json({&report, 1}));
-  const auto& motion = json["motions"][0];
-  EXPECT_EQ(motion["frames"], 30);
-  for (const MetricValue& value : report.values) {
-    const std::string key(value.metric->key);
-    EXPECT_EQ(motion[key].get<double>(), value.value);
-    EXPECT_TRUE(json["metrics"][key].contains("unit"));
-  }
-}
-
-TEST_F(MeasureQuality, TextHasAColumnPerMotionAndMissedGates) {
-  std::vector<QualityReport> reports;
-  reports.push_back(measure(10, [](int, auto) {}));
-  reports.push_back(measure(10, [](int frame, auto qpos) { qpos[kRight] = frame == 5 ? 0.6 : 0; }));
-  reports[0].file = "still.csv";
-  reports[1].file = "jump.csv";
-  Gates gates;
-  gates.set({"jumps", std::nullopt, 0.0});
-  for (QualityReport& report : reports) gates.judge(report);
-  const std::string text = report_text(reports);
-  EXPECT_THAT(text, HasSubstr("still.csv  jump.csv"));
-  EXPECT_THAT(text, HasSubstr("2 *"));
-  EXPECT_THAT(text, HasSubstr("jump.csv: jumps is 2, wanted at most 0\n  right: 0.6 rad"));
-}
-
-TEST_F(MeasureQuality, TextShowsBothLeansIfTheirGateIsMissed) {
-  QualityReport report;
-  report.values = {{find_metric("trunk_lean_error_deg"), 22.0, 30.0}};
-  report.trunk_lean = TrunkLean{.human = 25.5, .robot = 3.5};
-  Gates gates;
-  gates.set({"trunk_lean_error_deg", std::nullopt, 25.0});
-  gates.judge(report);
-  EXPECT_THAT(report_text({&report, 1}), Not(HasSubstr("leans")));
-  gates.set({"trunk_lean_error_deg", std::nullopt, 10.0});
-  gates.judge(report);
-  EXPECT_THAT(report_text({&report, 1}),
-              HasSubstr("on average the robot leans by 3.5 degrees, the human by 25.5"));
-}
-
-TEST(Metrics, KeysAreUniqueAndFound) {
-  for (const Metric& metric : quality_metrics()) {
-    EXPECT_EQ(find_metric(metric.key), &metric);
-    EXPECT_FALSE(metric.unit.empty() || metric.definition.empty() || metric.source.empty());
-  }
-  EXPECT_EQ(find_metric("no_metric"), nullptr);
-}
-
-TEST(Metrics, DefinitionsMatchTheDocumentation) {
-  const auto page = read_file(std::string(RETARGET_SOURCE_DIR) + "/docs/quality.md");
-  ASSERT_TRUE(page) << describe(page.error());
-  for (const Metric& metric : quality_metrics()) {
-    std::string row = "| `";
-    row.append(metric.key).append("` | ").append(metric.unit).append(" | ");
-    row.append(metric.definition).append(" | ").append(metric.source).append(" |");
-    EXPECT_NE(page->view().find(row), std::string_view::npos) << row;
-  }
-}
-
-TEST(GatesTest, ReadsReplacesAndRemovesGates) {
-  Gates gates;
-  ASSERT_TRUE(gates.add_json(
-      R"({"gates": {"jumps": 0, "limit_pct": {"max": 1}, "contact_height_p50_cm": {"min": -1, "max": 1}}})",
-      "g.json"));
-  ASSERT_TRUE(gates.add_json(R"({"gates": {"jumps": 5, "limit_pct": null}})", "h.json"));
-  ASSERT_EQ(gates.all().size(), 2u);
-  EXPECT_EQ(gates.all()[0].metric, "contact_height_p50_cm");
-  EXPECT_EQ(gates.all()[0].min, -1.0);
-  EXPECT_EQ(gates.all()[1].metric, "jumps");
-  EXPECT_EQ(gates.all()[1].max, 5.0);
-}
-
-TEST(GatesTest, JudgeByInclusiveBounds) {
-  Gates gates;
-  gates.set({"jumps", std::nullopt, 2.0});
-  gates.set({"contact_height_p50_cm", -0.1, 0.1});
-  QualityReport report;
-  report.values = {{find_metric("jumps"), 2.0, std::nullopt}};
-  gates.judge(report);
-  ASSERT_EQ(report.gates.size(), 2u);
-  EXPECT_TRUE(report.passed());  // what was not measured is not missed
-  report.values = {{find_metric("jumps"), 3.0, std::nullopt},
-                   {find_metric("contact_height_p50_cm"), -0.2, std::nullopt}};
-  gates.judge(report);
-  EXPECT_FALSE(report.gates[0].passed);
-  EXPECT_FALSE(report.gates[1].passed);
-}
-
-TEST(GatesTest, BoundsScaleWithLegLength) {
-  Gates gates;
-  ASSERT_TRUE(gates.add_json(
-      R"({"gates": {"stance_slip_mean": {"max": 0.002, "leg_m": 0.6}, "jumps": 2,
-                    "stance_height_p50_cm": {"min": -0.3, "max": 0.3, "leg_m": 0.6}}})",
-      "g.json"));
-  QualityReport report;
-  report.values = {{find_metric("jumps"), 2.0, std::nullopt},
-                   {find_metric("stance_slip_mean"), 0.0015, std::nullopt},
-                   {find_metric("stance_height_p50_cm"), -0.2, std::nullopt}};
-  const auto bounds = [&](std::optional<double> leg) {
-    report.leg = leg;
-    gates.judge(report);
-    std::vector<std::optional<double>> found;
-    for (const GateResult& gate : report.gates) {
-      found.push_back(gate.min);
-      found.push_back(gate.max);
-    }
-    return found;
-  };
-  using Bounds = std::vector<std::optional<double>>;
-  EXPECT_EQ(bounds(0.6), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
-  EXPECT_TRUE(report.passed());
-  // legs half as long: half as much slip and height
-  EXPECT_EQ(bounds(0.3), Bounds({std::nullopt, 2.0, std::nullopt, 0.001, -0.15, 0.15}));
-  EXPECT_TRUE(report.gates[0].passed);
-  EXPECT_FALSE(report.gates[1].passed);
-  EXPECT_FALSE(report.gates[2].passed);
-  // legs that nobody measured: as written
-  EXPECT_EQ(bounds(std::nullopt), Bounds({std::nullopt, 2.0, std::nullopt, 0.002, -0.3, 0.3}));
-}
-
-TEST(GatesTest, RejectsInvalidLegLength) {
-  Gates gates;
-  for (const char* gate :
-       {R"({"max": 1, "leg_m": 0})", R"({"max": 1, "leg_m": "long"})", R"({"leg_m": 0.6})"}) {
-    const auto done =
-        gates.add_json(std::string(R"({"gates": {"jumps": )") + gate + "}}", "g.json");
-    EXPECT_FALSE(done) << gate;
-  }
-  EXPECT_TRUE(gates.all().empty());
-}
-
-TEST(GatesTest, ReportsAllErrorsTogether) {
-  Gates gates;
-  const auto done = gates.add_json(
-      R"({"gates": {"jmps": 0, "acc_p99": "low", "limit_pct": {"most": 1}, "self_max_cm": {}}})",
-      "g.json");
-  ASSERT_FALSE(done);
-  const std::string text = describe(done.error());
-  EXPECT_THAT(text, HasSubstr("4 errors in the gates"));
-  EXPECT_THAT(text, HasSubstr("did you mean \"jumps\"?"));
-  EXPECT_EQ(done.error().kind, ErrorKind::kConfig);
-  EXPECT_TRUE(gates.all().empty());
-  EXPECT_FALSE(gates.add_json("{}", "g.json"));
-  EXPECT_FALSE(gates.add_json("[", "g.json"));
-}
-
-TEST(GatesTest, DefaultFileIsValid) {
-  Gates gates;
-  const auto done =
-      gates.add_file(std::string(RETARGET_SOURCE_DIR) + "/configs/quality/default.json");
-  ASSERT_TRUE(done) << describe(done.error());
-  EXPECT_GT(gates.all().size(), 5u);
 }
 
 }  // namespace

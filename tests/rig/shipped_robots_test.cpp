@@ -42,9 +42,9 @@ fs::path mapping_of(const std::string& name) {
 
 // three seconds of a clip, fifteen frames each
 HumanClip walking(const fs::path& file) {
-  const auto dialects = load_skeleton_profiles(source_folder() / "configs" / "skeletons").value();
+  const auto profiles = load_skeleton_profiles(source_folder() / "configs" / "skeletons").value();
   const auto bvh = load_bvh(file.string()).value();
-  const auto map = recognise_skeleton(bvh.clip, dialects).value();
+  const auto map = recognise_skeleton(bvh.clip, profiles).value();
   const auto calibration = calibrate(bvh.clip, map, {}).value();
   const int begin = std::min(bvh.clip.frame_count() / 4, static_cast<int>(bvh.clip.rate().fps()));
   const int end =
@@ -83,8 +83,8 @@ void expect_derived_no_worse(const HumanClip& human) {
     ASSERT_TRUE(published) << describe(published.error());
     const double theirs = error_degrees(human, robot, *limbs, *published);
     const double ours = error_degrees(human, robot, *limbs, derived(*robot, *limbs));
-    std::cout << name << ": limbs " << theirs << " degrees off with the published mapping, " << ours
-              << " with the derived one\n";
+    std::cout << name << ": limbs " << theirs << " degrees off with the published configuration, "
+              << ours << " with the derived one\n";
     EXPECT_LT(ours, theirs + 0.5) << name;
   }
 }

@@ -1,4 +1,4 @@
-"""Which mapping a run takes: the published one for LAFAN1, else the robot's own."""
+"""Which configuration a run takes: the published one for LAFAN1, else the robot's own."""
 
 import json
 import pathlib
@@ -25,13 +25,13 @@ def other_skeleton():
                   lambda m: f"{m[1]} {OTHER_NAMES.get(m[2], m[2])}", sample("wave").read_text())
 
 
-class MappingChoice(ToolTest):
+class ConfigurationChoice(ToolTest):
     def setUp(self):
         super().setUp()
         self.other = self.write("other.bvh", other_skeleton())
 
     def run_with(self, bvh, *arguments, output="out.csv", robot="unitree_g1"):
-        """The bytes of the output, the mapping of its report and the summary."""
+        """The bytes of the output, the configuration of its report and the summary."""
         result = self.retarget(*arguments, "--report", "report.json", bvh=bvh, output=output,
                                robot=robot)
         self.assert_done(result)
@@ -40,8 +40,8 @@ class MappingChoice(ToolTest):
 
     def test_every_skeleton_takes_the_derived_one(self):
         for clip in (sample("wave"), self.other):
-            found, mapping, summary = self.run_with(clip, "--sidecar")
-            self.assertEqual(mapping, DERIVED)
+            found, configuration, summary = self.run_with(clip, "--sidecar")
+            self.assertEqual(configuration, DERIVED)
             self.assertIn(DERIVED, summary)
             sidecar = json.loads((self.folder / "out.csv.json").read_text())
             files = {each["role"]: each["file"] for each in sidecar["inputs"]}
@@ -50,11 +50,11 @@ class MappingChoice(ToolTest):
             self.assertEqual(sidecar["found"]["scale"], "limbs")
             self.assert_done(self.run_tool("verify", "out.csv.json"))
             self.assertEqual(self.run_with(clip, "--ik-config", "derived")[0], found)
-            other, mapping, _ = self.run_with(clip, "--ik-config", "published")
-            self.assertEqual(mapping, PUBLISHED)
+            other, configuration, _ = self.run_with(clip, "--ik-config", "published")
+            self.assertEqual(configuration, PUBLISHED)
             self.assertNotEqual(other, found)
 
-    def test_a_mapping_of_ones_own_keeps_its_scale_for_lafan1(self):
+    def test_a_configuration_of_ones_own_keeps_its_scale_for_lafan1(self):
         run = self.run_with(sample("wave"), "--ik-config", SOURCE / PUBLISHED, "--sidecar")
         sidecar = json.loads((self.folder / "out.csv.json").read_text())
         self.assertEqual(sidecar["found"]["scale"], "table")
@@ -62,25 +62,25 @@ class MappingChoice(ToolTest):
 
     def test_the_published_method_keeps_the_published_one_for_lafan1(self):
         gmr = ("--method", "gmr")
-        found, mapping, summary = self.run_with(sample("wave"), *gmr)
-        self.assertEqual(mapping, PUBLISHED)
+        found, configuration, summary = self.run_with(sample("wave"), *gmr)
+        self.assertEqual(configuration, PUBLISHED)
         self.assertNotIn("derived", summary)
         self.assertEqual(self.run_with(sample("wave"), *gmr, "--ik-config", "published")[0], found)
-        other, mapping, _ = self.run_with(sample("wave"), *gmr, "--ik-config", "derived")
-        self.assertEqual(mapping, DERIVED)
+        other, configuration, _ = self.run_with(sample("wave"), *gmr, "--ik-config", "derived")
+        self.assertEqual(configuration, DERIVED)
         self.assertNotEqual(other, found)
-        found, mapping, summary = self.run_with(self.other, *gmr)
-        self.assertEqual(mapping, DERIVED)
+        found, configuration, summary = self.run_with(self.other, *gmr)
+        self.assertEqual(configuration, DERIVED)
         self.assertIn("--ik-config published", summary)
         self.assertEqual(self.run_with(self.other, *gmr, "--ik-config", SOURCE / DERIVED)[0], found)
 
     def test_evaluate_tracks_what_a_run_tracks(self):
         self.run_with(self.other)
-        for arguments, mapping in (((), DERIVED), (("--ik-config", "published"), PUBLISHED)):
+        for arguments, configuration in (((), DERIVED), (("--ik-config", "published"), PUBLISHED)):
             result = self.run_tool("evaluate", "out.csv", "--robot", "unitree_g1", "--bvh",
                                    self.other, "--json", "-", "--gate", "none", *arguments)
             self.assert_done(result)
-            self.assertEqual(json.loads(result.stdout)["motions"][0]["mapping"], mapping)
+            self.assertEqual(json.loads(result.stdout)["motions"][0]["mapping"], configuration)
 
     def test_in_a_batch_each_clip_has_its_own(self):
         self.write("in/other.bvh", self.other.read_bytes())
@@ -100,7 +100,7 @@ class MappingChoice(ToolTest):
                              "--ik-config", "derived")
         self.assert_done(both)
 
-    def test_a_folder_of_ones_own_keeps_its_mapping(self):
+    def test_a_folder_of_ones_own_keeps_its_configuration(self):
         folder = pathlib.Path(shutil.copytree(SOURCE / "robots/unitree_g1",
                                               self.folder / "mine/unitree_g1"))
         self.assertEqual(self.run_with(sample("wave"), robot=folder)[1], str(folder / "ik.json"))

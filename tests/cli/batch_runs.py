@@ -1,0 +1,34 @@
+"""What the tests of retarget batch share: runs of it, and what it left in its folder."""
+
+import csv
+import json
+
+from tool import ToolTest, short_clip
+
+FAST = ("--method", "gmr", "--no-quality")
+
+
+class BatchTest(ToolTest):
+    def batch(self, *arguments, inputs=("in",), output="out", robot="unitree_g1", fast=True,
+              **options):
+        return self.run_tool("batch", *inputs, "-o", output, *(["--robot", robot] if robot else []),
+                             *(FAST if fast else ()), *arguments, **options)
+
+    def clips(self, *names, folder="in", frames=2):
+        for name in names:
+            self.write(f"{folder}/{name}", short_clip("wave", frames))
+
+    def manifest(self, path="out/manifest.jsonl"):
+        return [json.loads(line) for line in (self.folder / path).read_text().splitlines()]
+
+    def summary(self, path="out/summary.csv"):
+        with open(self.folder / path, newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def outputs(self, folder="out", end=".csv"):
+        root = self.folder / folder
+        return sorted(str(f.relative_to(root)) for f in root.rglob("*" + end)
+                      if f.name != "summary.csv")
+
+    def contents(self, folder="out"):
+        return {name: (self.folder / folder / name).read_bytes() for name in self.outputs(folder)}

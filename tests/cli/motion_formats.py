@@ -1,0 +1,40 @@
+"""What the tests of robot motions in files share: every format, conversions, comparisons."""
+
+import pickle
+
+from tool import SOURCE, ToolTest, difference, read_rows
+
+try:
+    import numpy as np
+except ImportError:
+    np = None
+
+GOLDEN = SOURCE / "tests" / "golden"
+FORMATS = {"csv": "out.csv", "csv-soma": "out.soma.csv", "npz-mjlab": "out.mjlab.npz",
+           "npz-beyondmimic": "out.beyondmimic.npz", "pkl-gmr": "out.gmr.pkl",
+           "pkl-pbhc": "out.pbhc.pkl"}
+
+
+class FormatsTest(ToolTest):
+    def setUp(self):
+        super().setUp()
+        if np is None:
+            self.skipTest("no numpy")
+
+    def convert(self, source, output, *arguments, robot="unitree_g1"):
+        return self.run_tool("convert", source, output, "--robot", robot, *arguments)
+
+    def converted(self, source, output, *arguments):
+        result = self.convert(source, output, *arguments)
+        self.assert_done(result)
+        return result.stderr
+
+    def load(self, name):
+        with open(self.folder / name, "rb") as file:
+            return pickle.load(file)
+
+    def rows(self, name):
+        return read_rows((self.folder / name).read_text())
+
+    def assert_same(self, found, expected, tolerance):
+        self.assertIsNone(difference(found, expected, tolerance))

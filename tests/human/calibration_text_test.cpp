@@ -1,0 +1,33 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "bvh/read_bvh.h"
+#include "human/calibrate.h"
+#include "human/hand_made_maps.h"
+
+namespace retarget {
+namespace {
+
+using testing::StartsWith;
+
+TEST(CalibrationText, SaysWhatTheSkeletonWasRecognisedBy) {
+  const Clip clip = load_bvh(std::string(RETARGET_SOURCE_DIR) + "/data/wave.bvh").value().clip;
+  const std::pair<const char*, const char*> texts[] = {
+      {"mixamo", "mixamo skeleton, unit cm (0.01 m), "},
+      {"names", "a skeleton recognised by its joint names, unit cm (0.01 m), "},
+      {"topology", "a skeleton recognised by its shape, unit cm "},
+      {"map file", "a skeleton with a bone map from a file, unit cm "},
+  };
+  for (const auto& [profile, text] : texts) {
+    const auto found = calibrate(clip, lafan1_map(clip.skeleton(), profile), {});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->profile, profile);
+    EXPECT_THAT(found->description, StartsWith(text));
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "human/tiny_skeleton.h"
+
+namespace retarget {
+
+/// What each bone's joint is expected to be; all must hold.
+inline void expect_bones(const std::string& body,
+                         const std::vector<std::pair<const char*, const char*>>& expected) {
+  const Skeleton skeleton = tiny_skeleton(body);
+  // with the profiles and by names alone
+  for (const auto& profiles : {shipped_profiles(), std::vector<SkeletonProfile>()}) {
+    const auto map = recognise_skeleton(skeleton, profiles);
+    ASSERT_TRUE(map) << describe(map.error());
+    for (const auto& [bone, joint] : expected) {
+      EXPECT_EQ(joint_name(*map, skeleton, bone), joint) << bone << " by " << map->profile;
+    }
+  }
+}
+
+/// A body under other names: pairs of old and new words, applied in order.
+inline std::string renamed(const std::vector<std::pair<const char*, const char*>>& words) {
+  std::string body = kBody;
+  for (const auto& [from, to] : words) body = replaced(body, from, to);
+  return body;
+}
+
+}  // namespace retarget

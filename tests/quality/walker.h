@@ -1,0 +1,127 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "quality/measure.h"
+#include "retarget/report.h"
+#include "support/temporary_folder.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+
+/// Two feet on legs of hinges, and spheres above them that hinges bring into each other.
+inline constexpr const char* kWalker = R"(
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="base">
+      <freejoint/>
+      <body name="left_foot" pos="0 0.1 -0.5">
+        <joint name="left" axis="0 0 1" range="-3 3"/>
+        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
+      </body>
+      <body name="right_foot" pos="0 -0.1 -0.5">
+        <joint name="right" axis="0 0 1" range="-1 1"/>
+        <geom type="sphere" size="0.05" pos="0 0 0.05"/>
+      </body>
+      <body name="hand" pos="0 0 0.2">
+        <joint name="arm" type="slide" axis="0 1 0"/>
+        <geom type="sphere" size="0.1"/>
+      </body>
+      <body name="knob" pos="0 0.3 0.2">
+        <joint name="knob" axis="0 0 1"/>
+        <geom type="sphere" size="0.1"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+inline constexpr const char* kWalkerProfile = R"({
+  "name": "walker",
+  "limit_sets": {"narrow": {"ranges": {"left": [-0.1, 0.1]}}},
+  "speed_limits": {"right": 4.0},
+  "soles": {
+    "left": {"body": "left_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]},
+    "right": {"body": "right_foot", "points": [[-0.1, 0, 0], [0.1, 0, 0]]}
+  }
+})";
+
+inline constexpr int kX = 0, kZ = 2;
+inline constexpr int kLeft = 7, kRight = 8, kArm = 9, kKnob = 10;
+
+using Movement = std::function<void(int frame, std::span<double> qpos)>;
+
+class MeasureQuality : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const TemporaryFolder folder;
+    robot_ = load_robot_files(folder.write("walker.xml", kWalker),
+                              folder.write("robot.json", kWalkerProfile))
+                 .value();
+  }
+
+  // soles on the floor, but for what the movement changes
+  RobotClip make(int frames, const Movement& movement) const {
+    RobotClip clip(robot_, {30, 1}, frames);
+    for (int frame = 0; frame < frames; ++frame) {
+      clip.qpos(frame)[kZ] = 0.5;
+      movement(frame, clip.qpos(frame));
+    }
+    return clip;
+  }
+  QualityReport measure(int frames, const Movement& movement,
+                        const HumanClip* human = nullptr) const {
+    const QualitySource source{human, nullptr, ScaleRule::kTable};
+    return measure_quality(make(frames, movement), robot_->model_limits(),
+                           human == nullptr ? nullptr : &source);
+  }
+
+  std::shared_ptr<const Robot> robot_;
+};
+
+inline double figure(const QualityReport& report, std::string_view key) {
+  const MetricValue* found = report.find(key);
+  EXPECT_NE(found, nullptr) << key;
+  return found == nullptr ? std::nan("") : found->value;
+}
+
+inline std::vector<Fault> faults_of(const QualityReport& report, const std::string& metric) {
+  std::vector<Fault> found;
+  for (const Fault& fault : report.faults) {
+    if (fault.metric == metric) found.push_back(fault);
+  }
+  return found;
+}
+
+/// A human whose feet stand for a second.
+inline HumanClip standing_human(int frames) {
+  HumanClip human;
+  human.frame_count = frames;
+  human.sources = BoneArray<std::string>("");
+  human.world_from_bone.resize(static_cast<std::size_t>(frames));
+  for (const auto& [name, x, z] : {std::tuple{"UpLeg", 0.0, 0.93},
+                                   {"Leg", 0.0, 0.5},
+                                   {"Foot", 0.0, 0.08},
+                                   {"Toe", 0.1, 0.02}}) {
+    for (const std::string side : {"Left", "Right"}) {
+      const Bone bone = bone_from_name(side + name).value();
+      human.sources[bone] = name;
+      for (int i = 0; i < frames; ++i) {
+        human.world_from_bone[static_cast<std::size_t>(i)][bone].translation =
+            Eigen::Vector3d(x, side == "Left" ? 0.1 : -0.1, z);
+      }
+    }
+  }
+  return human;
+}
+
+}  // namespace retarget
