@@ -67,7 +67,7 @@ def smplx_frames(count: int) -> list[dict]:
             for frame in sample_frames("walk", count)]
 
 
-TABLES = [*(f"smplx_to_{name}" for name in ("g1", "n1", "pm01", "t1", "toddy", "hi", "kuavo", "r1pro")),
+TABLES = [*(f"smplx_to_{name}" for name in ("g1", "n1", "pm01", "t1", "toddy", "hi", "kuavo")),
           "fbx_to_g1"]
 ROBOTS = {short: name for name, (short, *_) in params._ROBOTS.items()
           if not name.endswith("with_hands")}
@@ -94,6 +94,8 @@ def test_the_reference_on_published_tables_and_models(tables, to_ground, monkeyp
     stacked = {name: (np.array([frame[name][0] for frame in frames]),
                       np.array([frame[name][1] for frame in frames])) for name in frames[0]}
     targets = module.make_targets(stacked, config, 1.7)
+    if to_ground and tables == "fbx_to_g1":
+        pytest.skip("no body of these tables has foot in its name: test_no_foot_to_bring_to_the_ground")
     if to_ground:
         lowest = np.min([position[:, 2] for name, (position, _) in targets.items()
                          if "foot" in name.lower()], axis=0)
@@ -111,3 +113,21 @@ def test_the_reference_on_published_tables_and_models(tables, to_ground, monkeyp
             np.testing.assert_allclose(found, qpos, rtol=0, atol=TOLERANCE, err_msg=str(xml))
             last = norms[~np.isnan(norms)][-1]
             assert retargeter.error2() == pytest.approx(last, abs=TOLERANCE)
+
+
+def test_no_foot_to_bring_to_the_ground() -> None:
+    config = shared_folder() / "reference" / "ik_configs" / "fbx_to_g1.json"
+    retargeter = make_retargeter(src_human="fbx", ik_config=config)
+    frame = sample_frames("walk", 1)[0]
+    frame |= {"LeftToeBase": frame["LeftToe"], "RightToeBase": frame["RightToe"]}
+    with pytest.raises(ValueError, match="no body of the tables has"):
+        retargeter.retarget(frame, offset_to_ground=True)
+
+
+def test_a_robot_on_wheels_is_refused(monkeypatch) -> None:
+    reference = shared_folder() / "reference"
+    monkeypatch.setitem(params.ROBOT_XML_DICT, "galaxea_r1pro",
+                        reference / "robots" / "galaxea_r1pro" / "r1_pro.xml")
+    with pytest.raises(ValueError, match="no free joint"):
+        make_retargeter(tgt_robot="galaxea_r1pro",
+                        ik_config=reference / "ik_configs" / "smplx_to_r1pro.json")
