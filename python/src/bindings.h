@@ -14,5 +14,6 @@ void bind_solve(nanobind::module_& module);
 void bind_evaluate(nanobind::module_& module);
 void bind_edit(nanobind::module_& module);
 void bind_batch(nanobind::module_& module);
+void bind_frame_retargeter(nanobind::module_& module);
 
 }  // namespace retarget::python

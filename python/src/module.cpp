@@ -18,4 +18,5 @@ NB_MODULE(_retarget, module) {
   bind_evaluate(module);
   bind_edit(module);
   bind_batch(module);
+  bind_frame_retargeter(module);
 }

@@ -1,0 +1,26 @@
+"""Frames of a human as the published class takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+#: {body: [position (3,), metres, Z up; quaternion (4,), w x y z]}
+Frame = dict[str, list[np.ndarray]]
+
+
+def frames_of(names: Sequence[str], positions: np.ndarray, rotations: np.ndarray,
+              sources: Sequence[tuple[int, int]] | None = None) -> list[Frame]:
+    """A dictionary per frame, over one copy of the arrays.
+
+    Args:
+        names: of the bodies.
+        positions: (F, J, 3).
+        rotations: (F, J, 4).
+        sources: the joints that give each body its position and its rotation; None: each its own.
+    """
+    pairs = sources if sources is not None else [(i, i) for i in range(len(names))]
+    bodies = list(zip(names, pairs))
+    return [{name: [place[i], turn[j]] for name, (i, j) in bodies}
+            for place, turn in zip(positions, rotations)]

@@ -1,0 +1,58 @@
+"""What tests of retarget.gmr share: sample frames, the tool, the shared data."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+from retarget.gmr import GeneralMotionRetargeting
+from retarget.gmr.utils.lafan1 import load_bvh_file
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DATA = ROOT / "data"
+
+
+def shared_folder() -> pathlib.Path:
+    """The folder with reference results; skips the test where there is none."""
+    folder = os.environ.get("RETARGET_SHARED")
+    if not folder:
+        pytest.skip("RETARGET_SHARED does not name a folder with reference data")
+    return pathlib.Path(folder)
+
+
+def sample_frames(name: str = "walk", count: int | None = None) -> list[dict]:
+    """Frames of a sample clip, LAFAN1's bodies."""
+    return load_bvh_file(DATA / f"{name}.bvh")[0][:count]
+
+
+def make_retargeter(**changes) -> GeneralMotionRetargeting:
+    """Of LAFAN1 for the G1, as tall as the published package takes everyone."""
+    arguments = dict(src_human="bvh_lafan1", tgt_robot="unitree_g1", actual_human_height=1.75,
+                     verbose=False)
+    return GeneralMotionRetargeting(**(arguments | changes))
+
+
+def tool_qpos(bvh: pathlib.Path, output: pathlib.Path, robot: str = "unitree_g1") -> np.ndarray:
+    """(F, 7 + N) of the command's exact method: x y z, w x y z, joints."""
+    tool = os.environ.get("RETARGET_TOOL")
+    if not tool:
+        pytest.skip("RETARGET_TOOL does not name the built tool")
+    subprocess.run([tool, "--bvh", str(bvh), "--robot", robot, "--method", "gmr", "--fps", "source",
+                    "--precision", "17", "--quiet", "-o", str(output)], check=True, timeout=120)
+    return from_xyzw(np.loadtxt(output, delimiter=","))
+
+
+def from_xyzw(rows: np.ndarray) -> np.ndarray:
+    """Rows x y z, x y z w, joints with the quaternion as w x y z."""
+    order = [0, 1, 2, 6, 3, 4, 5, *range(7, rows.shape[1])]
+    return rows[:, order]
+
+
+def same_signs(qpos: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Configurations with quaternions of the sign that others have; both turn the same way."""
+    signs = np.sign(np.sum(qpos[:, 3:7] * like[:, 3:7], axis=1, keepdims=True))
+    return np.hstack([qpos[:, :3], qpos[:, 3:7] * signs, qpos[:, 7:]])
