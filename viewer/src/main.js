@@ -189,7 +189,7 @@ class Viewer {
 async function main() {
   const message = byId('message');
   try {
-    const page = readHeader();
+    const page = await readHeader();
     const viewer = new Viewer(page, await readTracks(page.tracks));
     addTestHook(viewer);
   } catch (error) {
