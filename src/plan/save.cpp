@@ -1,10 +1,16 @@
 #include "retarget/solve.h"
 
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
 #include "base/try.h"
 #include "plan/output_files.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
 #include "robot/normalize_start.h"
 
 namespace retarget {

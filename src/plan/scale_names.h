@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "options/enum_names.h"
 #include "retarget/retargeting_config.h"
 

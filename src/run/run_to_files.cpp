@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "human/bone_map_file.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
 #include "run/run_lines.h"
 #include "run/sidecar.h"

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
+#include "retarget/robot.h"
 #include "view/figure.h"
+#include "view/svg.h"
 
 namespace retarget {
 namespace {

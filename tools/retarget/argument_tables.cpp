@@ -1,7 +1,13 @@
 #include "argument_tables.h"
 
+#include <utility>
+#include <vector>
+
+#include "batch/run_batch.h"
 #include "declare_table.h"
 #include "options/run_tables.h"
+#include "retarget/options.h"
+#include "run/run_to_files.h"
 
 namespace retarget::cli {
 namespace {

@@ -3,14 +3,23 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "human/human_clip.h"
 #include "plan/check_options.h"
 #include "read_motion.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 #include "retarget/solve.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
