@@ -13,6 +13,7 @@
 #include "retarget/export.h"
 #include "retarget/ground_path.h"
 #include "retarget/human.h"
+#include "retarget/options.h"
 
 // What `retarget edit` does: clips in, clips out (docs/editing.md). Defaults are the command's.
 //

@@ -14,6 +14,7 @@
 #include "retarget/export.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
+#include "retarget/robot.h"
 
 namespace RETARGET_API retarget {
 

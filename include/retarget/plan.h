@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 
 namespace RETARGET_API retarget {
 

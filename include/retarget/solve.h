@@ -6,9 +6,12 @@
 #include <span>
 #include <string>
 
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/export.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "math/trigonometry.h"
+#include "retarget/pose.h"
 #include "robot/core_points.h"
 #include "robot/model_values.h"
 

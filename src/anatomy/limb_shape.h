@@ -6,6 +6,8 @@
 
 #include "anatomy/branches.h"
 #include "anatomy/limbs.h"
+#include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 

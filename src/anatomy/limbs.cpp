@@ -8,6 +8,7 @@
 #include "anatomy/branches.h"
 #include "anatomy/limb_shape.h"
 #include "base/try.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "math/so3.h"
+#include "retarget/pose.h"
 #include "robot/core_points.h"
 #include "robot/kinematic_tree.h"
 #include "robot/load_model.h"

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "retarget/error.h"
 
 namespace retarget {
 namespace {

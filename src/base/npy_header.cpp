@@ -2,8 +2,13 @@
 #include <charconv>
 #include <limits>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
+#include "base/npy.h"
 #include "base/npy_stream.h"
 #include "base/number_text.h"
 #include "base/try.h"

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <new>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -20,6 +23,7 @@
 #include "batch/summary.h"
 #include "plan/config_files.h"
 #include "plan/memory.h"
+#include "run/outputs.h"
 
 namespace retarget {
 namespace {

@@ -8,7 +8,11 @@
 #include "batch/progress.h"
 #include "batch/resume.h"
 #include "batch/run_batch.h"
+#include "retarget/error.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 #include "run/fingerprint.h"
+#include "run/observer.h"
 #include "run/run_to_files.h"
 
 namespace retarget {

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/plain_name.h"
 #include "plan/output_files.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "batch/batch_runner.h"
+#include "batch/manifest.h"
+#include "batch/resume.h"
 
 namespace retarget {
 

@@ -1,4 +1,5 @@
 #include <array>
+#include <cstdint>
 #include <ctime>
 #include <optional>
 #include <string>

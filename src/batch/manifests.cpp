@@ -5,6 +5,7 @@
 #include <iterator>
 #include <regex>
 #include <system_error>
+#include <utility>
 
 #include "base/file.h"
 #include "base/number_text.h"

@@ -7,6 +7,7 @@
 #include "batch/manifest.h"
 #include "batch/run_batch.h"
 #include "batch/shard.h"
+#include "retarget/error.h"
 #include "run/observer.h"
 
 namespace retarget {

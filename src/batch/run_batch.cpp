@@ -1,6 +1,7 @@
 #include "batch/run_batch.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <list>
 #include <map>
@@ -15,13 +16,18 @@
 #include "base/suggest.h"
 #include "base/try.h"
 #include "batch/batch_runner.h"
+#include "batch/find_inputs.h"
 #include "batch/folder_lock.h"
 #include "batch/leftovers.h"
+#include "batch/manifest.h"
 #include "batch/manifests.h"
+#include "batch/progress.h"
+#include "batch/resume.h"
 #include "batch/shard.h"
 #include "plan/check_options.h"
 #include "plan/config_files.h"
 #include "plan/output_files.h"
+#include "retarget/load.h"
 #include "run/written_files.h"
 
 namespace retarget {

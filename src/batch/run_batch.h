@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/options.h"
 #include "run/observer.h"
 #include "run/run_to_files.h"
 

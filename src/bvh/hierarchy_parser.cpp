@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <string>
+#include <system_error>
 #include <unordered_map>
 #include <utility>
 

@@ -1,6 +1,8 @@
 #include "bvh/motion_header.h"
 
 #include <charconv>
+#include <string_view>
+#include <system_error>
 
 #include "base/option_name.h"
 #include "base/try.h"

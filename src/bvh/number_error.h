@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "bvh/source_text.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -19,6 +19,8 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
+#include <string_view>
 
 #include "bvh/number_parser.h"
 #include "bvh/source_text.h"

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
@@ -6,7 +9,9 @@
 #include "base/try.h"
 #include "edit/rest_frames.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

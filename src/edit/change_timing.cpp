@@ -1,5 +1,6 @@
 // edits of time: rate, speed, parts
 
+#include <string>
 #include <utility>
 
 #include "base/number_text.h"
@@ -8,7 +9,9 @@
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

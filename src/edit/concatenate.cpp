@@ -4,13 +4,20 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "edit/ground_pose.h"
 #include "edit/seam.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

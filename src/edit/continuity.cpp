@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "edit/pose_distance.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -4,11 +4,17 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "base/option_name.h"
 #include "edit/blend_offset.h"
 #include "edit/pose_distance.h"
 #include "human/contact_plan.h"
+#include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

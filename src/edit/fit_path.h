@@ -1,9 +1,14 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "human/human_clip.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

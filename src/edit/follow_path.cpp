@@ -1,13 +1,21 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "edit/fit_path.h"
 #include "edit/foot_stands.h"
+#include "edit/ground_pose.h"
+#include "edit/plant_feet.h"
 #include "edit/seam.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "edit/plant_feet.h"
 #include "edit/two_bone_leg.h"
+#include "retarget/edit.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -5,6 +5,8 @@
 
 #include "edit/plant_feet.h"
 #include "human/human_clip.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

@@ -7,6 +7,7 @@
 #include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/ground_path.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 
 namespace retarget {

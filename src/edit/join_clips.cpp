@@ -3,7 +3,11 @@
 #include <utility>
 
 #include "base/try.h"
+#include "edit/ground_pose.h"
 #include "human/contact_plan.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

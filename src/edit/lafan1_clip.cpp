@@ -1,6 +1,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -8,7 +9,10 @@
 #include "base/try.h"
 #include "human/canonical_pose.h"
 #include "human/human_clip.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

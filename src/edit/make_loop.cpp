@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
@@ -9,9 +12,15 @@
 #include "base/suggest.h"
 #include "base/try.h"
 #include "edit/blend_offset.h"
+#include "edit/ground_pose.h"
 #include "edit/pose_distance.h"
 #include "edit/seam.h"
 #include "math/so3.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -1,8 +1,15 @@
+#include <cstddef>
+#include <vector>
+
 #include "base/try.h"
 #include "edit/body_mirror.h"
 #include "edit/ground_pose.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -4,11 +4,16 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/number_text.h"
 #include "human/contact_plan.h"
 #include "human/human_clip.h"
 #include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

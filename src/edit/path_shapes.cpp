@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "base/option_name.h"
 #include "base/try.h"
 #include "math/trigonometry.h"
 #include "retarget/edit.h"
+#include "retarget/ground_path.h"
 
 namespace retarget {
 namespace {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
@@ -13,7 +16,11 @@
 #include "math/statistics.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

@@ -12,6 +12,7 @@
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -7,6 +7,8 @@
 
 #include "edit/ground_pose.h"
 #include "human/human_clip.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -1,13 +1,19 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "edit/ground_pose.h"
 #include "edit/plant_feet.h"
 #include "human/contact_plan.h"
 #include "human/human_clip.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 // A seam of two clips, or of a clip with itself: found, blended, feet planted, checked.
 

@@ -3,8 +3,13 @@
 #include <algorithm>
 
 #include "edit/blend_offset.h"
+#include "edit/ground_pose.h"
 #include "math/so3.h"
 #include "math/spline.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -1,11 +1,19 @@
 #include "edit/seam.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/number_text.h"
+#include "edit/plant_feet.h"
 #include "edit/pose_distance.h"
 #include "math/statistics.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "edit/blend_offset.h"
+#include "edit/plant_feet.h"
 #include "math/so3.h"
+#include "retarget/clip.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "edit/transfer.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/shared_joints.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

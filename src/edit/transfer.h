@@ -6,7 +6,10 @@
 
 #include "human/bone_map.h"
 #include "human/human_clip.h"
+#include "retarget/clip.h"
 #include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

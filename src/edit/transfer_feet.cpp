@@ -1,12 +1,18 @@
 // feet that stand after a transfer
 
 #include <algorithm>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "edit/foot_stands.h"
 #include "edit/plant_feet.h"
 #include "edit/rest_frames.h"
 #include "edit/transfer.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "edit/plant_feet.h"
 #include "retarget/clip.h"
+#include "retarget/edit.h"
 #include "retarget/pose.h"
 
 namespace retarget {

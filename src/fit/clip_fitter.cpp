@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "fit/block_chain.h"
 #include "fit/joint_speeds.h"
 #include "fit/shorthand.h"
 #include "ik/active_set.h"
 #include "math/so3.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {

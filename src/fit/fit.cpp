@@ -6,7 +6,10 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/located.h"
 #include "base/number_text.h"
@@ -15,12 +18,17 @@
 #include "fit/fit_model.h"
 #include "fit/fit_windows.h"
 #include "fit/foot_plan.h"
+#include "fit/frame_terms.h"
 #include "fit/shorthand.h"
 #include "fit/speed_bounds.h"
 #include "fit/start_frames.h"
 #include "fit/window_solver.h"
+#include "human/source_feet.h"
 #include "math/so3.h"
 #include "math/statistics.h"
+#include "pipeline/targets.h"
+#include "retarget/pose.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {

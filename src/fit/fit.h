@@ -7,10 +7,13 @@
 #include "human/contact_plan.h"
 #include "human/human_clip.h"
 #include "pipeline/solve_frames.h"
+#include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/report.h"
+#include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 
 namespace retarget {

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <utility>
 
+#include "retarget/pose.h"
 #include "robot/core_points.h"
 
 namespace retarget {

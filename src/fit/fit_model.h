@@ -4,9 +4,11 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "human/source_feet.h"
+#include "retarget/human.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "fit/foot_plan.h"
 #include "fit/frame_costs.h"
 #include "fit/shorthand.h"
 

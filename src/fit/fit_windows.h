@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fit/clip_fitter.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

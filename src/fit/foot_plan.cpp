@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fit/shorthand.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "fit/frame_terms.h"
 #include "human/contact_plan.h"
+#include "human/source_feet.h"
 #include "retarget/options.h"
 
 namespace retarget {

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "fit/joint_speeds.h"
 #include "fit/shorthand.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 

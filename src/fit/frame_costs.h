@@ -3,7 +3,9 @@
 #include <span>
 
 #include "fit/clip_fitter.h"
+#include "fit/fit_model.h"
 #include "fit/frame_terms.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

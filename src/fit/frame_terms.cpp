@@ -6,6 +6,8 @@
 #include "fit/one_sided.h"
 #include "fit/shorthand.h"
 #include "math/so3.h"
+#include "retarget/pose.h"
+#include "robot/shape_distance.h"
 
 namespace retarget {
 namespace {

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "fit/fit_model.h"
+#include "retarget/options.h"
 #include "robot/composite.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 

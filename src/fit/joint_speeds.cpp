@@ -5,6 +5,7 @@
 
 #include "fit/shorthand.h"
 #include "math/so3.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {

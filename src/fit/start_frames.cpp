@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "fit/foot_plan.h"
+#include "fit/frame_terms.h"
 #include "fit/shorthand.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

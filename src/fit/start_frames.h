@@ -5,6 +5,7 @@
 
 #include "fit/clip_fitter.h"
 #include "fit/fit_model.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 

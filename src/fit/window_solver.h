@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "fit/clip_fitter.h"
+#include "fit/fit_model.h"
 #include "fit/fit_windows.h"
+#include "fit/frame_terms.h"
 #include "fit/task_graph.h"
+#include "retarget/options.h"
+#include "retarget/report.h"
 
 namespace retarget {
 

@@ -1,5 +1,7 @@
 #include "human/body_axes.h"
 
+#include "retarget/human.h"
+
 namespace retarget {
 std::optional<BodyFromFile> body_axes(const Body& body, const JointPoses& pose,
                                       const Eigen::Vector3d& up) {

@@ -1,9 +1,11 @@
 #include "human/body_poses.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "human/bone_map.h"
 #include "motion/forward_kinematics.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

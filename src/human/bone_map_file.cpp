@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "base/text_size.h"
 #include "base/try.h"
 #include "human/candidate.h"
+#include "human/skeleton_tree.h"
 
 namespace retarget {
 namespace {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "human/human_clip.h"
+#include "human/posed_body.h"
 #include "human/rest_pose.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -1,4 +1,9 @@
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "retarget/human.h"
 

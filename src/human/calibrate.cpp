@@ -1,6 +1,7 @@
 #include "human/calibrate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>

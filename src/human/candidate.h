@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "human/body_poses.h"
 #include "human/bone_map.h"
@@ -9,6 +11,7 @@
 #include "human/skeleton_tree.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

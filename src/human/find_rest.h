@@ -6,7 +6,12 @@
 #include <vector>
 
 #include "human/calibrate.h"
+#include "human/posed_body.h"
 #include "human/rest_pose.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

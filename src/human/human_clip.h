@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "retarget/clip.h"
 #include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 

@@ -1,9 +1,15 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
+#include "human/body_poses.h"
 #include "human/body_words.h"
+#include "human/candidate.h"
+#include "human/joint_names.h"
 #include "human/mirrored_chains.h"
 #include "math/statistics.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -15,6 +15,7 @@
 #include "human/canonical_pose.h"
 #include "human/posed_body.h"
 #include "human/skeleton_tree.h"
+#include "retarget/options.h"
 
 namespace retarget {
 namespace {

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "human/candidate.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "human/candidate.h"
+#include "human/skeleton_tree.h"
 
 namespace retarget {
 

@@ -6,6 +6,7 @@
 
 #include "human/bone_map.h"
 #include "retarget/clip.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 
 namespace retarget {

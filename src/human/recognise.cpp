@@ -1,6 +1,10 @@
 #include "human/recognise.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -8,8 +12,10 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/body_poses.h"
 #include "human/body_words.h"
 #include "human/candidate.h"
+#include "human/skeleton_tree.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 #include "human/skeleton_profile.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

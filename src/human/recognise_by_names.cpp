@@ -1,10 +1,17 @@
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/try.h"
 #include "human/body_words.h"
+#include "human/candidate.h"
 #include "human/limb_search.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

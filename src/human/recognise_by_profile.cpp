@@ -1,10 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/suggest.h"
 #include "human/candidate.h"
+#include "human/joint_names.h"
+#include "human/skeleton_profile.h"
 #include "human/skeleton_tree.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

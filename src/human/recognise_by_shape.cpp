@@ -1,10 +1,17 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "human/body_poses.h"
+#include "human/candidate.h"
 #include "human/facing.h"
 #include "human/mirrored_chains.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

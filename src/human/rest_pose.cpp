@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "human/canonical_pose.h"
 #include "math/so3.h"

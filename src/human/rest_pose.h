@@ -4,6 +4,7 @@
 
 #include "human/body_axes.h"
 #include "human/posed_body.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <system_error>
 
+#include "base/faults.h"
 #include "base/file.h"
 #include "base/json_members.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
+#include "retarget/options.h"
 
 namespace retarget {
 namespace {

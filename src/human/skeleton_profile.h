@@ -10,6 +10,7 @@
 
 #include "human/bone_map.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -5,6 +5,7 @@
 
 #include "human/canonical_pose.h"
 #include "math/statistics.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

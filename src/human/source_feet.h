@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "human/human_clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

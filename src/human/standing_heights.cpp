@@ -4,8 +4,10 @@
 #include <cmath>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "human/contact_plan.h"
+#include "human/source_feet.h"
 #include "math/statistics.h"
 
 namespace retarget {

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/suggest.h"
 #include "human/body_words.h"
 #include "human/candidate.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "retarget/human.h"
+
 namespace retarget {
 namespace {
 

@@ -6,6 +6,8 @@
 
 #include "human/body_axes.h"
 #include "math/statistics.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "human/calibrate.h"
 #include "human/posed_body.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

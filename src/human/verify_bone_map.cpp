@@ -3,11 +3,17 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "human/body_poses.h"
+#include "human/candidate.h"
 #include "human/facing.h"
 #include "human/skeleton_tree.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "ik/active_set.h"
 #include "ik/frame_error.h"
@@ -11,6 +14,7 @@
 #include "ik/tree_system.h"
 #include "math/se3.h"
 #include "math/so3.h"
+#include "retarget/pose.h"
 #include "robot/composite.h"
 #include "robot/kinematic_tree.h"
 

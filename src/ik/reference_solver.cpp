@@ -1,11 +1,18 @@
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "ik/box_qp.h"
 #include "ik/ik_solver.h"
 #include "math/se3.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -3,6 +3,7 @@
 #include "inspect/inspect_clip.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "base/json.h"
 #include "base/number_text.h"

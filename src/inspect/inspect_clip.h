@@ -7,6 +7,7 @@
 #include "human/calibrate.h"
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

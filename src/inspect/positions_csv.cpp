@@ -2,10 +2,14 @@
 
 #include <array>
 #include <charconv>
+#include <string>
+#include <vector>
 
 #include "inspect/inspect_clip.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
+#include "retarget/clip.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

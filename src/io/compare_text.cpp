@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <string>
+#include <vector>
 
 #include "base/number_text.h"
 #include "io/compare_motions.h"
+#include "retarget/error.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 
 #include "base/option_name.h"
 #include "base/suggest.h"

@@ -8,6 +8,9 @@
 
 #include "io/csv_table.h"
 #include "io/raw_motion.h"
+#include "retarget/error.h"
+#include "retarget/motion_io.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

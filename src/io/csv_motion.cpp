@@ -1,8 +1,15 @@
 // Motions in CSVs.
 
+#include <cstddef>
+#include <string>
+#include <string_view>
+
 #include "base/try.h"
 #include "io/csv_columns.h"
 #include "io/raw_motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -4,10 +4,16 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "io/csv_columns.h"
+#include "io/csv_table.h"
+#include "io/raw_motion.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/motion_io.h"
 
 namespace retarget {
 namespace {

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
+#include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

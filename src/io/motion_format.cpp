@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/suggest.h"
 #include "options/enum_names.h"
+#include "retarget/error.h"
+#include "retarget/options.h"
 
 namespace retarget {
 namespace {

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/npz.h"
 #include "base/number_text.h"
@@ -12,6 +17,9 @@
 #include "base/try.h"
 #include "io/raw_motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "robot/variant.h"
 
 namespace retarget {

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/npy_stream.h"
 #include "base/try.h"
+#include "io/pickle.h"
 #include "io/pickle_reader.h"
 
 namespace retarget {

@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "base/npy.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
 #include "io/pickle.h"
 #include "io/raw_motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
 
 namespace retarget {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include "base/npy_stream.h"
 #include "io/pickle.h"
 #include "io/pickle_opcodes.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,9 +1,12 @@
 #include "io/quaternion_order.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "base/number_text.h"
 #include "io/touch_points.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 namespace {

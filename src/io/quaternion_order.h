@@ -4,6 +4,8 @@
 #include <string>
 
 #include "io/raw_motion.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
 
 namespace retarget {
 

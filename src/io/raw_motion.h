@@ -6,7 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "retarget/clip.h"
+#include "retarget/error.h"
 #include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

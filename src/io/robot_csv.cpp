@@ -5,11 +5,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/option_name.h"
 #include "math/so3.h"
 #include "math/trigonometry.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 namespace {

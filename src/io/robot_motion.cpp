@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "base/number_text.h"
@@ -19,6 +23,10 @@
 #include "io/units.h"
 #include "math/so3.h"
 #include "motion/clip_size.h"
+#include "retarget/clip.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 #include "robot/variant.h"
 
 namespace retarget {

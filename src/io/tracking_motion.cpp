@@ -4,13 +4,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/npz_writer.h"
 #include "base/option_name.h"
 #include "math/so3.h"
 #include "math/spline.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {

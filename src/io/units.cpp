@@ -8,6 +8,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "io/touch_points.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

@@ -4,6 +4,10 @@
 #include <vector>
 
 #include "io/raw_motion.h"
+#include "retarget/error.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

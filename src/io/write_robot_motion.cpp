@@ -1,5 +1,7 @@
 #include "retarget/motion_io.h"
 
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -8,6 +10,11 @@
 #include "io/gltf_motion.h"
 #include "io/pickle_writer.h"
 #include "math/so3.h"
+#include "retarget/clip.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "robot/variant.h"
 
 namespace retarget {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <system_error>
 
 #include "base/option_name.h"
 #include "base/try.h"

@@ -3,6 +3,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace retarget {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "motion/forward_kinematics.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

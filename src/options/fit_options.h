@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "options/option_table.h"
+#include "retarget/error.h"
 #include "retarget/options.h"
 
 namespace retarget {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "options/option_table.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

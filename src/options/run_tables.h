@@ -1,6 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "options/option_table.h"
+#include "retarget/error.h"
 #include "retarget/options.h"
 
 namespace retarget {

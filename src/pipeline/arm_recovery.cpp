@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "math/so3.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 #include "ik/ik_solver.h"
 #include "pipeline/targets.h"
 #include "retarget/pose.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/try.h"
+#include "retarget/pose.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {

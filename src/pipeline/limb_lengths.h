@@ -6,6 +6,7 @@
 
 #include "base/option_name.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 

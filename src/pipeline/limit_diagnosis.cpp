@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "ik/frame_error.h"
+#include "ik/ik_solver.h"
+#include "retarget/pose.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {

@@ -6,6 +6,8 @@
 
 #include "human/human_clip.h"
 #include "pipeline/targets.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"

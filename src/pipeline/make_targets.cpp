@@ -7,8 +7,13 @@
 
 #include "base/suggest.h"
 #include "base/try.h"
+#include "human/human_clip.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/targets.h"
+#include "pipeline/trunk_aim.h"
+#include "retarget/human.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 namespace {

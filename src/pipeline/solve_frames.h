@@ -9,9 +9,12 @@
 #include "human/human_clip.h"
 #include "ik/ik_solver.h"
 #include "pipeline/targets.h"
+#include "retarget/clip.h"
 #include "retarget/error.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/options.h"
+#include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"
 

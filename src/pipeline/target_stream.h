@@ -6,7 +6,9 @@
 #include <thread>
 #include <vector>
 
+#include "human/human_clip.h"
 #include "pipeline/targets.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 
 namespace retarget {

@@ -12,8 +12,12 @@
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_aim.h"
 #include "pipeline/trunk_lines.h"
+#include "retarget/error.h"
+#include "retarget/human.h"
 #include "retarget/options.h"
+#include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

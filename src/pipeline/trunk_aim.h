@@ -6,6 +6,7 @@
 
 #include "pipeline/limb_lengths.h"
 #include "pipeline/trunk_lines.h"
+#include "retarget/human.h"
 #include "retarget/pose.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/robot.h"

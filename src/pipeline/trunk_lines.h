@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "human/human_clip.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "retarget/error.h"
 #include "retarget/options.h"
 

@@ -1,11 +1,16 @@
 #include <filesystem>
+#include <string>
 
 #include "base/try.h"
 #include "human/human_clip.h"
 #include "plan/config_files.h"
 #include "plan/gates.h"
 #include "quality/measure.h"
+#include "retarget/human.h"
+#include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "retarget/plan.h"
+#include "retarget/report.h"
 #include "retarget/solve.h"
 #include "robot/normalize_start.h"
 

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/try.h"
 #include "bvh/read_bvh.h"
@@ -9,6 +12,9 @@
 #include "human/recognise.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
 
 namespace retarget {

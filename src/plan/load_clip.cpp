@@ -1,4 +1,7 @@
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -9,8 +12,11 @@
 #include "motion/clip_size.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
+#include "retarget/options.h"
 #include "smpl/read_smpl.h"
+#include "smpl/smpl_body.h"
 
 namespace retarget {
 namespace {

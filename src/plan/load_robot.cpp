@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "base/try.h"
 #include "plan/check_options.h"
 #include "retarget/load.h"
+#include "retarget/options.h"
 #include "robot/find_robot.h"
 #include "robot/load_robot.h"
 #include "robot/variant.h"

@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/number_text.h"
 #include "base/option_name.h"
@@ -13,7 +17,13 @@
 #include "pipeline/limb_lengths.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 namespace {

@@ -1,6 +1,7 @@
 #include "retarget/solve.h"
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "base/try.h"
 #include "plan/human_in_world.h"
 #include "plan/output_files.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "robot/normalize_start.h"
 
 namespace retarget {
 namespace {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <string>
 #include <utility>
 
 #include "base/file.h"
@@ -8,7 +9,11 @@
 #include "options/fit_options.h"
 #include "plan/check_options.h"
 #include "plan/config_files.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

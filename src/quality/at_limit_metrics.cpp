@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/lower_case.h"
+#include "retarget/motion.h"
 
 namespace retarget {
 namespace {

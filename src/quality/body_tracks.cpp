@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "quality/mujoco_contacts.h"
+#include "robot/shape_distance.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "retarget/motion.h"
 #include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "robot/collision.h"
 
 namespace retarget {

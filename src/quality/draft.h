@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "quality/measure.h"
+#include "retarget/motion.h"
+#include "retarget/report.h"
 
 namespace retarget {
 

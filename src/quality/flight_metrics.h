@@ -6,6 +6,7 @@
 #include "human/human_clip.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -4,9 +4,12 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "math/statistics.h"
 #include "quality/fault_list.h"
+#include "retarget/human.h"
 
 namespace retarget {
 namespace {

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "math/statistics.h"
 #include "math/trigonometry.h"
 #include "quality/fault_list.h"
+#include "retarget/motion.h"
 #include "retarget/pose.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "human/contact_plan.h"
+#include "human/human_clip.h"
+#include "human/source_feet.h"
 #include "pipeline/limb_lengths.h"
 #include "pipeline/limit_diagnosis.h"
 #include "quality/at_limit_metrics.h"
@@ -15,6 +17,7 @@
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
 #include "quality/tracking_metrics.h"
+#include "retarget/pose.h"
 
 namespace retarget {
 namespace {

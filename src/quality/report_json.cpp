@@ -1,5 +1,11 @@
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
 #include <nlohmann/json.hpp>
 
+#include "retarget/human.h"
 #include "retarget/report.h"
 
 namespace retarget {

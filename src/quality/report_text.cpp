@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"

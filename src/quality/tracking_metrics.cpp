@@ -11,6 +11,9 @@
 #include "pipeline/limb_lengths.h"
 #include "pipeline/targets.h"
 #include "quality/trunk_lean.h"
+#include "retarget/human.h"
+#include "retarget/pose.h"
+#include "retarget/report.h"
 
 namespace retarget {
 namespace {

@@ -4,6 +4,8 @@
 
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
+#include "quality/measure.h"
+#include "retarget/retargeting_config.h"
 
 namespace retarget {
 

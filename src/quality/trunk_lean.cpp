@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "math/so3.h"
 #include "math/statistics.h"
 #include "quality/fault_list.h"
+#include "retarget/pose.h"
+#include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {

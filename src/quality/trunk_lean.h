@@ -8,6 +8,7 @@
 #include "pipeline/trunk_lines.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
+#include "retarget/human.h"
 
 namespace retarget {
 

@@ -4,17 +4,22 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "anatomy/limbs.h"
 #include "base/suggest.h"
 #include "human/canonical_pose.h"
 #include "pipeline/targets.h"
+#include "retarget/error.h"
 #include "retarget/human.h"
+#include "retarget/pose.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/number_text.h"
+#include "rig/t_pose.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {

@@ -3,8 +3,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/try.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/rig.h"
+#include "retarget/robot.h"
 #include "rig/check_robot.h"
 #include "robot/load_robot.h"
 

@@ -1,5 +1,7 @@
 #include "rig/derive_config.h"
 
+#include <array>
+#include <optional>
 #include <string>
 
 #include "retarget/human.h"

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <string>
+
+#include "anatomy/limbs.h"
 #include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 #include "rig/t_pose.h"
 
 namespace retarget {

@@ -3,7 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/limbs.h"
 #include "anatomy/shapes.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 #include "rig/derive_config.h"
 #include "rig/t_pose.h"
 

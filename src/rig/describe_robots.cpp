@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "base/json.h"
 #include "base/number_text.h"
@@ -10,6 +12,7 @@
 #include "base/try.h"
 #include "retarget/retargeting_config.h"
 #include "retarget/rig.h"
+#include "retarget/robot.h"
 #include "robot/core_points.h"
 #include "robot/find_robot.h"
 #include "robot/kinematic_tree.h"

@@ -2,8 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <cmath>
 
+#include "retarget/pose.h"
 #include "rig/number_text.h"
 
 namespace retarget {

@@ -2,18 +2,24 @@
 
 #include <mujoco/mujoco.h>
 
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "anatomy/neighbours.h"
 #include "anatomy/shapes.h"
 #include "base/try.h"
 #include "base/utf8.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 #include "rig/derive_config.h"
 #include "rig/describe_robot.h"
 #include "rig/format_model.h"
 #include "rig/number_text.h"
+#include "rig/t_pose.h"
 #include "rig/urdf_speeds.h"
 #include "robot/load_model.h"
 

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "human/canonical_pose.h"
 #include "ik/box_qp.h"
 #include "math/so3.h"
 #include "retarget/human.h"
+#include "retarget/pose.h"
 #include "robot/composite.h"
+#include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {

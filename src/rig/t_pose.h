@@ -5,6 +5,7 @@
 
 #include "anatomy/limbs.h"
 #include "retarget/human.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -5,8 +5,10 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <system_error>
 
 #include "base/file.h"
+#include "retarget/error.h"
 
 namespace retarget {
 

@@ -1,6 +1,7 @@
 #include "robot/composite.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace retarget {
 namespace {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "retarget/motion.h"
+#include "retarget/robot.h"
 
 namespace retarget {
 

@@ -3,7 +3,10 @@
 #include <mujoco/mujoco.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "base/faults.h"
 #include "base/json.h"
 #include "base/suggest.h"
 #include "base/try.h"

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
+#include "base/faults.h"
 #include "base/json_members.h"
 #include "base/plain_name.h"
 #include "base/try.h"

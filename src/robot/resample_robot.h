@@ -1,6 +1,7 @@
 #pragma once
 
 #include "motion/resample.h"
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/motion.h"
 

@@ -1,6 +1,11 @@
+#include "retarget/clip.h"
 #include "retarget/motion.h"
+#include "retarget/robot.h"
 
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace retarget {
 

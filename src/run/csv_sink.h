@@ -11,7 +11,9 @@
 
 #include "base/file.h"
 #include "provenance/hash.h"
+#include "retarget/error.h"
 #include "retarget/motion_io.h"
+#include "retarget/robot.h"
 #include "robot/normalize_start.h"
 
 namespace retarget {

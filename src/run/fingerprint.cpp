@@ -8,12 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/try.h"
 #include "options/fit_options.h"
+#include "options/option_table.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "provenance/hash.h"
+#include "retarget/robot.h"
 #include "retarget/version.h"
 #include "run/folder_hash.h"
 

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "run/run_to_files.h"

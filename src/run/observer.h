@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "retarget/error.h"
+#include "retarget/load.h"
 #include "retarget/solve.h"
 
 namespace retarget {

@@ -7,7 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
 #include "plan/output_files.h"
+#include "retarget/clip.h"
+#include "retarget/error.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/robot.h"
 #include "run/csv_sink.h"
 
 namespace retarget {

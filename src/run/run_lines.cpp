@@ -8,6 +8,11 @@
 #include "base/number_text.h"
 #include "pipeline/limit_diagnosis.h"
 #include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
 #include "robot/limit_distance.h"
 
 namespace retarget {

@@ -4,6 +4,9 @@
 #include <vector>
 
 #include "quality/measure.h"
+#include "retarget/clip.h"
+#include "retarget/load.h"
+#include "retarget/report.h"
 #include "retarget/solve.h"
 
 namespace retarget {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "base/file.h"
@@ -10,6 +11,7 @@
 #include "base/try.h"
 #include "human/bone_map_file.h"
 #include "plan/human_in_world.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/view.h"
 #include "run/run_lines.h"

@@ -4,7 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "retarget/error.h"
+#include "retarget/load.h"
 #include "retarget/options.h"
+#include "retarget/plan.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"
 #include "run/observer.h"

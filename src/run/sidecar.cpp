@@ -10,10 +10,13 @@
 #include "base/plain_name.h"
 #include "base/try.h"
 #include "options/enum_names.h"
+#include "options/option_table.h"
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/config_files.h"
 #include "provenance/hash.h"
+#include "retarget/human.h"
+#include "retarget/plan.h"
 #include "retarget/version.h"
 #include "run/folder_hash.h"
 

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "retarget/error.h"
+#include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"

@@ -3,12 +3,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <optional>
 #include <system_error>
 
 #include "base/file.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "options/option_table.h"
 #include "options/run_tables.h"
 #include "plan/config_files.h"
 #include "plan/output_files.h"

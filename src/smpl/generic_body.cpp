@@ -1,3 +1,6 @@
+#include <array>
+#include <span>
+
 #include "smpl/smpl_body.h"
 
 namespace retarget {

@@ -6,6 +6,7 @@
 
 #include "base/npz.h"
 #include "retarget/clip.h"
+#include "retarget/error.h"
 #include "smpl/smpl_body.h"
 
 namespace retarget {

@@ -5,11 +5,13 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "base/npy.h"
 #include "base/npz.h"
 #include "base/try.h"
 

@@ -1,6 +1,10 @@
+#include <array>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "retarget/clip.h"
 #include "smpl/smpl_body.h"
 
 namespace retarget {

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "human/side_colours.h"
 #include "retarget/human.h"
+#include "retarget/pose.h"
 #include "robot/shape_distance.h"
 
 namespace retarget {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "human/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/robot.h"
 #include "robot/visible_shapes.h"
 #include "view/svg.h"

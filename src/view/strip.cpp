@@ -1,11 +1,15 @@
 #include "view/strip.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/number_text.h"
+#include "retarget/robot.h"
 #include "view/figure.h"
 #include "view/strip_frames.h"
+#include "view/svg.h"
 
 namespace retarget {
 namespace {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "human/human_clip.h"
+#include "retarget/human.h"
 #include "retarget/motion.h"
 
 namespace retarget {

@@ -1,8 +1,14 @@
 #include "argument_tables.h"
 
+#include <utility>
+#include <vector>
 #include "batch/batch_table.h"
+
+#include "batch/run_batch.h"
 #include "declare_table.h"
 #include "options/run_tables.h"
+#include "retarget/options.h"
+#include "run/run_to_files.h"
 
 namespace retarget::cli {
 namespace {

@@ -1,7 +1,12 @@
 // `retarget batch`: folders of clips to folders of motions.
 
+#include <cstddef>
+
+#include "arguments.h"
 #include "base/try.h"
+#include "batch/run_batch.h"
 #include "commands.h"
+#include "console.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "console.h"
 #include "edit_arguments.h"
+#include "retarget/error.h"
 
 namespace retarget::cli {
 

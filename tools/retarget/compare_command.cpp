@@ -1,15 +1,19 @@
 // `retarget compare`: whether two motions agree.
 
 #include <array>
+#include <string>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "io/compare_motions.h"
 #include "motion/clip_size.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
 #include "read_motion.h"
+#include "retarget/load.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {

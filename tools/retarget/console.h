@@ -9,6 +9,7 @@
 #include "base/number_text.h"
 #include "interrupt.h"
 #include "retarget/error.h"
+#include "retarget/solve.h"
 #include "run/observer.h"
 
 namespace retarget::cli {

@@ -1,18 +1,28 @@
 // `retarget convert`: robot motions from one format to another.
 
+#include <cstddef>
+#include <string>
+#include <utility>
 #include "argument_tables.h"
 #include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
 #include "human_glb.h"
+
+#include "arguments.h"
+#include "console.h"
 #include "motion/resample.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
 #include "plan/output_files.h"
 #include "read_motion.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
 #include "robot/resample_robot.h"
 #include "robot/variant.h"
 #include "run/outputs.h"

@@ -1,10 +1,16 @@
 #include <array>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "argument_tables.h"
 #include "declare.h"
 #include "declare_table.h"
+#include "edit_arguments.h"
+#include "options/enum_names.h"
+#include "options/option_table.h"
 #include "options/run_tables.h"
+#include "retarget/edit.h"
 
 namespace retarget {
 

@@ -1,8 +1,10 @@
 // The commands that are not about runs.
 
 #include "argument_tables.h"
+#include "arguments.h"
 #include "declare.h"
 #include "declare_table.h"
+#include "options/option_table.h"
 #include "options/run_tables.h"
 
 namespace retarget::cli {

@@ -1,6 +1,7 @@
 // The default command and those that are about its results.
 
 #include "argument_tables.h"
+#include "arguments.h"
 #include "declare.h"
 #include "declare_table.h"
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <initializer_list>
 #include <string_view>
 
 #include "options/option_table.h"

@@ -6,6 +6,7 @@
 
 #include "arguments.h"
 #include "retarget/edit.h"
+#include "retarget/options.h"
 
 namespace retarget::cli {
 

@@ -3,16 +3,25 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "base/try.h"
 #include "bvh/read_bvh.h"
 #include "bvh/write_bvh.h"
 #include "commands.h"
+#include "console.h"
+#include "edit_arguments.h"
 #include "human/bone_map_file.h"
 #include "human_glb.h"
+#include "retarget/clip.h"
+#include "retarget/edit.h"
+#include "retarget/ground_path.h"
+#include "retarget/human.h"
 #include "retarget/load.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"

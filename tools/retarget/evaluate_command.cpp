@@ -1,13 +1,41 @@
 // `retarget evaluate`: how good robot motions are, held against gates.
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
+#include "human/human_clip.h"
 #include "measure_files.h"
 #include "plan/check_options.h"
+#include "plan/config_files.h"
+#include "plan/gates.h"
+#include "quality/measure.h"
+#include "read_motion.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/motion.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
+#include "retarget/report.h"
+#include "retarget/retargeting_config.h"
+#include "retarget/robot.h"
+#include "retarget/solve.h"
+#include "robot/resample_robot.h"
 #include "run/run_lines.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"

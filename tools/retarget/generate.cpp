@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
 #include "declare_table.h"
 #include "options/fit_options.h"
+#include "options/option_table.h"
+#include "retarget/options.h"
 #include "retarget/version.h"
 
 namespace retarget::cli {

@@ -1,8 +1,10 @@
 #include "help_format.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "argument_tables.h"
 #include "base/wrapped_text.h"

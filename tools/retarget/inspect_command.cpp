@@ -1,12 +1,18 @@
 // `retarget inspect`: joints, rate, duration and extents of a motion file.
 
+#include <string>
+
+#include "arguments.h"
 #include "base/file.h"
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "human/bone_map_file.h"
 #include "inspect/inspect_clip.h"
+#include "retarget/clip.h"
 #include "retarget/load.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"

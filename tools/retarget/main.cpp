@@ -14,13 +14,17 @@
 #include <utility>
 #include <vector>
 
+#include "arguments.h"
 #include "commands.h"
+#include "console.h"
 #include "declare.h"
 #include "declare_table.h"
+#include "edit_arguments.h"
 #include "generate.h"
 #include "help_format.h"
 #include "interrupt.h"
 #include "options/run_tables.h"
+#include "retarget/error.h"
 #include "retarget/version.h"
 #include "usage_errors.h"
 

@@ -5,6 +5,7 @@
 
 #include "arguments.h"
 #include "console.h"
+#include "retarget/motion.h"
 #include "retarget/motion_io.h"
 #include "run/outputs.h"
 

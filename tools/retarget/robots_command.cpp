@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/printable.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "plan/config_files.h"
+#include "retarget/options.h"
 #include "retarget/rig.h"
 #include "robot/find_robot.h"
 #include "shared_arguments.h"

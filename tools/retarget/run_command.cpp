@@ -5,10 +5,14 @@
 #include <system_error>
 #include <vector>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "plan/check_options.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 #include "robot/find_robot.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"

@@ -6,6 +6,9 @@
 
 #include "arguments.h"
 #include "console.h"
+#include "retarget/error.h"
+#include "retarget/load.h"
+#include "retarget/options.h"
 #include "retarget/plan.h"
 
 namespace retarget::cli {

@@ -2,16 +2,23 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "options/enum_names.h"
+#include "options/option_table.h"
 #include "options/run_tables.h"
 #include "plan/check_options.h"
 #include "provenance/hash.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 #include "retarget/version.h"
 #include "run/run_to_files.h"
 #include "run/sidecar.h"

@@ -3,16 +3,25 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string>
 
+#include "arguments.h"
 #include "base/file.h"
 #include "base/lower_case.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
+#include "console.h"
 #include "human/human_clip.h"
 #include "measure_files.h"
 #include "plan/check_options.h"
 #include "read_motion.h"
+#include "retarget/clip.h"
+#include "retarget/human.h"
+#include "retarget/load.h"
+#include "retarget/motion_io.h"
+#include "retarget/options.h"
+#include "retarget/plan.h"
 #include "retarget/solve.h"
 #include "retarget/view.h"
 #include "run/run_to_files.h"
