@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from retarget import _retarget
+from retarget._errors import UsageError
 from retarget._results import Batch, Inspection, Report
 from retarget._signatures import names_of, with_options
 
@@ -62,14 +63,16 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
         ConfigError: an unknown robot, errors in files of options.
     """
     given: dict[str, Any] = dict(options)
+    source = _taken(given, names_of("SourceOptions") - names_of("SolvingOptions"))
+    of_robot = _taken(given, names_of("RobotOptions"))
     if not isinstance(clip, _retarget.Clip):
-        own = names_of("SourceOptions") - names_of("SolvingOptions")
-        source = {name: given.pop(name) for name in own & given.keys()}
         clip = load(clip, **source, memory=given.get("memory"))
+    elif source:
+        raise UsageError(f"{min(source)} is an option of load(), and the clip is read already")
     if not isinstance(robot, _retarget.Robot):
-        of_robot = {name: given.pop(name)
-                    for name in names_of("RobotOptions") & given.keys()}
         robot = _retarget.Robot(robot, data_dir=data_dir, **of_robot)
+    elif of_robot:
+        raise UsageError(f"{min(of_robot)} is an option of Robot(), and the robot is loaded already")
     return _retarget.to_robot(clip, robot, given, dict(fit or {}), threads, progress)
 
 
@@ -138,6 +141,11 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
     lines = [json.loads(line) for file in manifests
              for line in file.read_text(encoding="utf-8", errors="surrogateescape").splitlines()]
     return Batch(folder=folder, failed=failed, clips=lines, notes=list(notes))
+
+
+def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
+    """The options of these names, taken out of the others."""
+    return {name: options.pop(name) for name in sorted(names & options.keys())}
 
 
 def _robot(robot: _retarget.Robot | StrPath, data_dir: StrPath | None) -> _retarget.Robot:

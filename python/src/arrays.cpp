@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
@@ -37,6 +36,10 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
 
 [[noreturn]] void refuse(const std::string& message) {
   raise(usage_failure(message).value());
+}
+
+std::string shown(nb::handle object) {
+  return nb::cast<std::string>(nb::str(object));
 }
 
 // of the first number that is none: its indices
@@ -76,13 +79,12 @@ GivenArray::GivenArray(nb::handle object, const char* what,
     // lists of unequal lengths and the like; what interrupts is passed on
     if (!error.matches(PyExc_Exception)) throw;
     refuse(fmt::format("{}: expected an array of shape {}: {}", what, shape_text(shape),
-                       nb::cast<std::string>(nb::str(error.value()))));
+                       shown(error.value())));
   }
-  const nb::object dtype = array_.attr("dtype");
-  const auto kind = nb::cast<std::string>(dtype.attr("kind"));
+  const auto kind = nb::cast<std::string>(array_.attr("dtype").attr("kind"));
   if (kind != "f" && kind != "i" && kind != "u") {
     refuse(fmt::format("{}: expected an array of numbers, found dtype {}", what,
-                       nb::cast<std::string>(nb::str(dtype))));
+                       shown(nb::object(array_.attr("dtype")))));
   }
   const auto found = nb::cast<std::vector<std::int64_t>>(nb::list(array_.attr("shape")));
   bool fits = found.size() == shape.size();

@@ -52,6 +52,7 @@ Result<std::vector<int>> depth_first(const ClipArrays& arrays) {
 }
 
 Result<void> check_names(const std::vector<std::string>& names) {
+  if (names.empty()) return usage_failure("names: expected at least one joint");
   std::set<std::string_view> known;
   for (const std::string& name : names) {
     if (name.empty()) return usage_failure("names: a joint without a name");
@@ -110,6 +111,7 @@ struct OffsetFound {
 };
 
 OffsetFound find_offset(const PoseReader& poses, std::size_t frames, int joint) {
+  if (frames == 0) return {};
   const Eigen::Vector3d first = poses.local(0, joint).translation;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t f = 0; f < frames; ++f) sum += poses.local(f, joint).translation - first;

@@ -151,7 +151,10 @@ void apply_keywords(const OptionTable& table, const nb::dict& keywords) {
     const std::string name = nb::cast<std::string>(text_of(bytes_of_path(key, "option")));
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
-      refuse(fmt::format("there is no option \"{}\"{}", name, did_you_mean(name, names)));
+      // as the command spells it
+      std::string meant = name;
+      std::ranges::replace(meant, '-', '_');
+      refuse(fmt::format("there is no option \"{}\"{}", name, did_you_mean(meant, names)));
     }
     if (!value.is_none()) apply(table[static_cast<std::size_t>(found - names.begin())], value);
   }

@@ -70,10 +70,15 @@ std::string bytes_of_path(nb::handle path, const char* what) {
 void raise(const Error& error) {
   const nb::object make = errors_attribute("make_error");
   const auto& [file, line, column] = error.location;
+  // the exception's name says that it is one
+  constexpr std::string_view kWithoutPlace = "error: ";
+  const std::string whole = describe(error);
+  std::string_view text = whole;
+  if (text.starts_with(kWithoutPlace)) text.remove_prefix(kWithoutPlace.size());
   nb::list details;
   for (const std::string& detail : error.details) details.append(text_of(spell_options(detail)));
   const nb::object exception =
-      make(kind_name(error.kind), text_of(describe(error)), text_of(spell_options(error.message)),
+      make(kind_name(error.kind), text_of(text), text_of(spell_options(error.message)),
            path_of(file), line, column, details, text_of(spell_options(error.hint)));
   PyErr_SetObject(exception.type().ptr(), exception.ptr());
   throw nb::python_error();

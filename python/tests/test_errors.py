@@ -1,0 +1,116 @@
+"""Errors are exceptions with the command's text, place and hint; options are keywords."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import retarget
+
+
+def spelled(text: str) -> str:
+    """A text of the command with its options as keywords."""
+    words = []
+    for word in text.split(" "):
+        words.append(word[2:].replace("-", "_") if word.startswith("--") else word)
+    return " ".join(words)
+
+
+def test_the_text_is_the_command_s(data: Path, tmp_path: Path, command) -> None:
+    broken = tmp_path / "broken.bvh"
+    lines = (data / "walk.bvh").read_text().splitlines(keepends=True)
+    lines[-1] = "1.0 2.0 oops\n"
+    broken.write_text("".join(lines))
+    told = command(broken, "g1", "-o", tmp_path / "out.csv", code=3).stderr
+    with pytest.raises(retarget.InputError) as raised:
+        retarget.to_robot(broken, "g1")
+    error = raised.value
+    assert spelled(told.strip()).endswith(str(error))
+    assert error.kind == "input" and error.file == str(broken) and error.line == len(lines)
+    assert error.column > 0 and error.message in str(error) and error.hint in str(error)
+    assert not (tmp_path / "out.csv").exists()
+
+
+def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
+                         walked: retarget.Motion, tmp_path: Path) -> None:
+    wrong = [
+        (retarget.InputError, ValueError, lambda: retarget.load("nowhere.bvh")),
+        (retarget.InputError, ValueError, lambda: retarget.load(data)),
+        (retarget.ConfigError, ValueError, lambda: retarget.Robot("g2")),
+        (retarget.ConfigError, ValueError, lambda: retarget.Robot("g1", data_dir=tmp_path)),
+        (retarget.ConfigError, ValueError, lambda: retarget.to_robot(walk, g1, map="none.json")),
+        (retarget.UsageError, ValueError, lambda: retarget.Robot()),
+        (retarget.UsageError, ValueError, lambda: retarget.to_robot(walk, g1, start=9, end=1)),
+        (retarget.UsageError, ValueError, lambda: retarget.load(7)),
+        (retarget.UsageError, ValueError, lambda: retarget.load("a\0b")),
+        (retarget.UsageError, ValueError, lambda: walked.save(tmp_path / "walk.npz")),
+        (retarget.RunError, RuntimeError, lambda: walked.save("/dev/null/walk.csv")),
+        (retarget.RunError, RuntimeError, lambda: retarget.edit.loop(walk, threshold=1e-9)),
+    ]
+    for kind, base, call in wrong:
+        with pytest.raises(kind) as raised:
+            call()
+        assert isinstance(raised.value, (base, retarget.Error))
+        assert isinstance(raised.value, retarget.Error) and str(raised.value)
+        assert "--" not in str(raised.value), raised.value
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_wrong_robot_is_told_the_nearest() -> None:
+    with pytest.raises(retarget.ConfigError, match='did you mean "unitree_g1"'):
+        retarget.Robot("unitre_g1")
+
+
+def test_errors_travel_between_processes() -> None:
+    with pytest.raises(retarget.InputError) as raised:
+        retarget.load("nowhere.bvh")
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert type(again) is retarget.InputError
+    assert str(again) == str(raised.value) and again.file == "nowhere.bvh"
+
+
+def test_names_that_are_no_utf8(walk: retarget.Clip, tmp_path: Path) -> None:
+    name = b"wa\xfflk.bvh"
+    walk.save(bytes(tmp_path) + b"/" + name)
+    clip = retarget.load(bytes(tmp_path) + b"/" + name)
+    assert clip.name.endswith("wa\\xfflk.bvh") and "wa" in repr(clip)
+    with pytest.raises(retarget.InputError, match="absent"):
+        retarget.load(bytes(tmp_path) + b"/absent\xff.bvh")
+
+
+def test_warnings_are_python_s(data: Path, tmp_path: Path) -> None:
+    lines = (data / "walk.bvh").read_text().splitlines(keepends=True)
+    (tmp_path / "cut.bvh").write_text("".join(lines[:-1]) + lines[-1][:20])
+    with pytest.raises(retarget.InputError):
+        retarget.load(tmp_path / "cut.bvh")
+    with pytest.warns(retarget.RetargetWarning, match="cut.bvh"):
+        clip = retarget.load(tmp_path / "cut.bvh", lenient=True)
+    assert clip.warnings
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        retarget.load(data / "walk.bvh")
+        with pytest.raises(retarget.RetargetWarning):
+            retarget.load(tmp_path / "cut.bvh", lenient=True)
+
+
+def test_hostile_arguments(walk: retarget.Clip, g1: retarget.Robot,
+                           walked: retarget.Motion) -> None:
+    for call in (lambda: g1.forward_kinematics(np.zeros(36)),
+                 lambda: g1.forward_kinematics(np.zeros(35)),
+                 lambda: g1.forward_kinematics(None),
+                 lambda: g1.forward_kinematics([float("nan")] * 36),
+                 lambda: walked.tracking(format="csv"),
+                 lambda: g1.joint_limits("nothing")):
+        with pytest.raises(retarget.Error):
+            call()
+    for call in (lambda: retarget.to_robot(walk, g1, threads="many"),
+                 lambda: retarget.evaluate(walk),
+                 lambda: retarget.edit.mirror(walked),
+                 lambda: retarget.Clip(),
+                 lambda: retarget.Motion()):
+        with pytest.raises(TypeError):
+            call()

@@ -1,0 +1,73 @@
+"""Reports have the figures of `retarget evaluate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import retarget
+
+
+def evaluated(command, tmp_path: Path, *words: object) -> dict:
+    # a motion that misses a gate is a result, with a code of its own
+    try:
+        command("evaluate", *words, "--json", tmp_path / "report.json")
+    except AssertionError:
+        assert (tmp_path / "report.json").exists()
+    return json.loads((tmp_path / "report.json").read_text())["motions"][0]
+
+
+@pytest.mark.parametrize("clip", ["walk", "get_up"])
+def test_of_what_was_solved(clip: str, data: Path, tmp_path: Path, command) -> None:
+    motion = retarget.to_robot(data / f"{clip}.bvh", "unitree_g1")
+    motion.save(tmp_path / f"{clip}.csv")
+    expected = evaluated(command, tmp_path, tmp_path / f"{clip}.csv", "--robot", "unitree_g1",
+                         "--bvh", data / f"{clip}.bvh")
+    report = retarget.evaluate(motion)
+    assert report.data["fit"]["terms"]
+    own = {key: value for key, value in report.data.items() if key not in ("fit", "file")}
+    assert own == {key: value for key, value in expected.items() if key != "file"}
+
+
+def test_of_what_was_read(data: Path, walk: retarget.Clip, walked: retarget.Motion, g1,
+                          tmp_path: Path, command) -> None:
+    for name, options in (("walk.csv", {}), ("walk.npz", {"format": "npz-mjlab"})):
+        file = tmp_path / name
+        walked.save(file, **options)
+        motion = retarget.load_motion(file, g1)
+        words = [file, "--robot", "unitree_g1"]
+        assert retarget.evaluate(motion).data == evaluated(command, tmp_path, *words)
+        beside = retarget.evaluate(motion, walk)
+        assert beside.data == evaluated(command, tmp_path, *words, "--bvh", data / "walk.bvh")
+        assert "limb_angle_deg" in beside.figures and "limb_angle_deg_p95" in beside.figures
+
+
+def test_gates_and_faults(data: Path, walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, method="gmr", limits="gmr")
+    report = retarget.evaluate(motion, gates={"peak_speed": 0.1})
+    assert not report.passed
+    assert "peak_speed" in {gate["metric"] for gate in report.missed}
+    assert retarget.evaluate(motion, gates=False).passed
+    assert all(fault.begin <= fault.worst_frame < fault.end for fault in report.faults)
+    assert report.faults and {fault.metric for fault in report.faults} <= set(report.data)
+    text = str(report)
+    assert "peak_speed" in text or "peak speed" in text
+    with pytest.raises(retarget.UsageError, match='did you mean "peak_speed"'):
+        retarget.evaluate(motion, gates={"peek_speed": 1.0})
+    with pytest.raises(retarget.UsageError, match="expected a largest value"):
+        retarget.evaluate(motion, gates={"peak_speed": "high"})
+
+
+def test_the_metrics_are_explained() -> None:
+    metrics = {key: definition for key, unit, definition in retarget.metrics()}
+    assert "peak_speed" in metrics and all(metrics.values())
+
+
+def test_inspect(data: Path, walk: retarget.Clip, command) -> None:
+    expected = json.loads(command("inspect", data / "walk.bvh", "--json").stdout)
+    found = retarget.inspect(walk).data
+    assert {k: v for k, v in found.items() if k != "file"} == {
+        k: v for k, v in expected.items() if k != "file"}
+    assert "walk.bvh" in str(retarget.inspect(data / "walk.bvh"))

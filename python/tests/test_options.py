@@ -1,0 +1,110 @@
+"""Keywords are the command's options: their names, kinds and ranges."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import retarget
+from retarget import _retarget
+
+SOURCE = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize(("options", "text"), [
+    ({"metod": "gmr"}, 'there is no option "metod" (did you mean "method"?)'),
+    ({"lead-in": "keep"}, 'there is no option "lead-in" (did you mean "lead_in"?)'),
+    ({"method": "gmt"}, 'method: expected one of fit, gmr, found "gmt" (did you mean "gmr"?)'),
+    ({"method": 3}, "method: expected one of fit, gmr, found"),
+    ({"fps": -1}, "fps: expected a number from 0.001 to 1000000 or `source`"),
+    ({"fps": float("nan")}, "fps: expected a number"),
+    ({"fps": True}, "fps: expected a text, found True"),
+    ({"start": "soon"}, "start: expected a number from 0 to 1000000000, found 'soon'"),
+    ({"start": np.zeros(2)}, "start: expected a number from 0 to 1000000000, found a value of type"),
+    ({"precision": 2.5}, "precision: expected a whole number from 0 to 17, found 2.5"),
+    ({"precision": 18}, 'precision: expected a whole number from 0 to 17, found "18"'),
+    ({"precision": 10**30}, "precision: expected a whole number from 0 to 17, found 1000"),
+    ({"csv_header": "yes"}, "csv_header: expected true or false, found 'yes'"),
+    ({"csv_header": 1}, "csv_header: expected true or false, found 1"),
+    ({"format": ["csv", "xls"]}, "format: expected some of"),
+    ({"format": {"csv": 1}}, "format: expected some of"),
+    ({"without": "flor"}, "flor"),
+    ({"up": "w"}, "up: expected x, y, z"),
+    ({"map": "a\0b"}, "a path with a null byte"),
+    ({"fit": {"contact_wight": 3.0}}, 'did you mean "contact_weight"?'),
+    ({"fit": {"contact_weight": "much"}}, "contact_weight: expected a number"),
+])
+def test_wrong_options(options: dict[str, Any], text: str, walk, g1) -> None:
+    with pytest.raises(retarget.UsageError) as raised:
+        retarget.to_robot(walk, g1, **options)
+    assert text in str(raised.value)
+
+
+def test_none_and_kinds_of_numbers(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    expected = retarget.to_robot(walk, g1, fps=50, start=1, method="gmr", csv_header=True)
+    same = retarget.to_robot(walk, g1, fps=np.float32(50), start=np.int64(1), method="gmr",
+                             csv_header=np.bool_(True), limits=None, map=None)
+    text = retarget.to_robot(walk, g1, fps="50", start=np.array(1.0), method="gmr")
+    assert expected.qpos.tobytes() == same.qpos.tobytes() == text.qpos.tobytes()
+    assert retarget.to_robot(walk, g1, fps="source", method="gmr").fps == walk.fps
+
+
+def test_the_fit_s_own_options(walk: retarget.Clip, g1: retarget.Robot, tmp_path: Path) -> None:
+    (tmp_path / "fit.json").write_text('{"contact_weight": 100.0, "floor": false}')
+    by_file = retarget.to_robot(walk, g1, fit_config=tmp_path / "fit.json")
+    by_name = retarget.to_robot(walk, g1, fit={"contact_weight": 100, "floor": False})
+    assert by_file.qpos.tobytes() == by_name.qpos.tobytes()
+    assert by_file.qpos.tobytes() != retarget.to_robot(walk, g1).qpos.tobytes()
+
+
+def test_source_options_need_a_path(walk: retarget.Clip, g1: retarget.Robot, data: Path) -> None:
+    assert retarget.to_robot(data / "walk.bvh", g1, source_fps=60, fps="source").fps == 60
+    with pytest.raises(retarget.UsageError, match=r"source_fps is an option of load\(\)"):
+        retarget.to_robot(walk, g1, source_fps=60)
+    with pytest.raises(retarget.UsageError, match=r"dof is an option of Robot\(\)"):
+        retarget.to_robot(walk, g1, dof="23")
+
+
+def test_every_option_of_the_command_is_a_keyword() -> None:
+    """docs/options.md has the command's; what is left out is said here."""
+    page = (SOURCE / "docs/options.md").read_text()
+    section = page.split("\n## ")[1]
+    names = {name.replace("-", "_") for name in re.findall(r"`--([a-z-]+)", section)}
+    elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report",
+                 "write_map", "verbose", "help", "help_all", "version"}
+    keywords = set(inspect.signature(retarget.to_robot).parameters)
+    assert names - keywords <= elsewhere
+    assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords
+
+
+def test_signatures_and_docs_show_the_options() -> None:
+    parameters = inspect.signature(retarget.load).parameters
+    assert list(parameters)[:2] == ["file", "skeleton_only"] and "lenient" in parameters
+    assert "source_fps: Frames per second of the source" in retarget.load.__doc__
+    assert "--" not in retarget.to_robot.__doc__
+    assert "**options" not in str(inspect.signature(retarget.evaluate))
+
+
+def test_the_stubs_have_every_option() -> None:
+    folder = Path(retarget.__file__).parent
+    stub = folder / "_options.pyi"
+    if not stub.exists():
+        # a package in a build tree: the files are links into the sources
+        stub = Path(_retarget.__file__).parent / "_options.pyi"
+    if not stub.exists():
+        pytest.skip("a build without stubs")
+    text = stub.read_text()
+    compile(text, str(stub), "exec")
+    for name, rows in _retarget.option_tables().items():
+        part = text.split(f"class {name}(TypedDict")[1].split("\nclass ")[0]
+        for row in rows:
+            assert f"\n    {row['name']}: {row['type']} | None\n" in part
+    module = (stub.parent / "_retarget.pyi").read_text()
+    compile(module, "_retarget.pyi", "exec")
+    assert "import retarget._options" in module and "def from_arrays(names" in module
+    assert (stub.parent / "py.typed").exists()

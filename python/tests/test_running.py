@@ -1,0 +1,195 @@
+"""While it runs: progress, Ctrl-C, other threads; batches; memory."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import retarget
+
+
+@pytest.fixture(scope="module")
+def long_walk(walk: retarget.Clip) -> retarget.Clip:
+    """A clip that takes seconds."""
+    return retarget.edit.resample(walk, speed=0.02)
+
+
+def test_progress(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+    told: list[tuple[str, int, int]] = []
+    thread: set[int] = set()
+
+    def progress(stage: str, done: int, total: int) -> None:
+        told.append((stage, done, total))
+        thread.add(threading.get_ident())
+
+    short = retarget.edit.trim(long_walk, frames="0:3000")
+    motion = retarget.to_robot(short, g1, progress=progress)
+    assert {stage for stage, _, _ in told} <= {"frames", "fit"} and told
+    assert all(0 <= done <= total for _, done, total in told)
+    assert thread == {threading.get_ident()}
+    silent = retarget.to_robot(short, g1)
+    assert silent.qpos.tobytes() == motion.qpos.tobytes()
+
+
+def test_what_a_callback_raises_is_raised(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+    def progress(stage: str, done: int, total: int) -> None:
+        raise LookupError("enough")
+
+    start = time.monotonic()
+    with pytest.raises(LookupError, match="enough"):
+        retarget.to_robot(long_walk, g1, progress=progress)
+    assert time.monotonic() - start < 20
+
+
+@pytest.mark.parametrize("method", ["gmr", "fit"])
+def test_an_interrupt(method: str, long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        retarget.to_robot(long_walk, g1, method=method)
+    assert time.monotonic() - start < 20
+    timer.join()
+
+
+def test_others_run_meanwhile(long_walk: retarget.Clip, g1: retarget.Robot) -> None:
+    counted = 0
+    stop = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not stop.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    other = threading.Thread(target=count)
+    other.start()
+    retarget.to_robot(retarget.edit.trim(long_walk, frames="0:2000"), g1)
+    stop.set()
+    other.join()
+    assert counted > 20
+
+
+def test_a_batch(data: Path, tmp_path: Path, command) -> None:
+    (tmp_path / "clips").mkdir()
+    for name in ("walk", "squat"):
+        (tmp_path / f"clips/{name}.bvh").write_bytes((data / f"{name}.bvh").read_bytes())
+    (tmp_path / "clips/broken.bvh").write_text("HIERARCHY\n")
+    result = retarget.batch(tmp_path / "clips", tmp_path / "python", "unitree_g1", method="gmr",
+                            jobs=2)
+    command("batch", tmp_path / "clips", "-o", tmp_path / "command", "--robot", "unitree_g1",
+            "--method", "gmr", "--jobs", "2", code=1)
+    for name in ("walk.csv", "squat.csv"):
+        assert (tmp_path / "python" / name).read_bytes() == (
+            tmp_path / "command" / name).read_bytes()
+    assert result.failed == 1 and len(result.clips) == 3 and result.notes
+    assert (tmp_path / "python/summary.csv").exists()
+    again = retarget.batch([tmp_path / "clips"], tmp_path / "python", ["unitree_g1"], method="gmr",
+                           resume=True)
+    assert any("done and unchanged" in note for note in again.notes)
+    with pytest.raises(retarget.UsageError, match="resume"):
+        retarget.batch(tmp_path / "clips", tmp_path / "python", "g1", resume=True, redo=True)
+    with pytest.raises(retarget.UsageError, match='did you mean "jobs"'):
+        retarget.batch(tmp_path / "clips", tmp_path / "python", "g1", job=2)
+
+
+def test_an_interrupted_batch_goes_on_later(walk: retarget.Clip, tmp_path: Path) -> None:
+    (tmp_path / "clips").mkdir()
+    for number in range(6):
+        retarget.edit.resample(walk, speed=0.1).save(tmp_path / f"clips/{number}.bvh", decimals=4)
+    timer = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        retarget.batch(tmp_path / "clips", tmp_path / "out", "unitree_g1", jobs=1)
+    timer.join()
+    assert time.monotonic() - start < 20
+    done = retarget.batch(tmp_path / "clips", tmp_path / "out", "unitree_g1", method="gmr",
+                          redo=True)
+    assert done.failed == 0 and len(done.clips) == 6
+    assert not [file for file in (tmp_path / "out").rglob("*.tmp*")]
+
+
+LEAKS = """
+    import resource, sys
+    import numpy as np
+    import retarget
+
+    data, calls, clips = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    robot = retarget.Robot("unitree_g1")
+
+    def use(path):
+        clip = retarget.load(path)
+        motion = retarget.to_robot(clip, robot, method="gmr", end=0.5)
+        report = retarget.evaluate(motion)
+        made = retarget.Clip.from_arrays(clip.joint_names, clip.parents, clip.positions,
+                                         rotations_wxyz=clip.rotations, fps=30)
+        return motion.joint_positions.sum() + made.positions.sum() + len(report.figures)
+
+    def call(number, clip, motion):
+        arrays = [motion.qpos, motion.root_rotation_xyzw, motion.joint_positions, clip.positions]
+        robot.forward_kinematics(motion.qpos[0])
+        try:
+            retarget.load("nowhere.bvh")
+        except retarget.InputError:
+            pass
+        return sum(array[0].sum() for array in arrays)
+
+    def peak():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+    clip = retarget.load(data + "/walk.bvh")
+    motion = retarget.to_robot(clip, robot, method="gmr", end=0.5)
+    for number in range(min(calls, 1000)):
+        call(number, clip, motion)
+    for number in range(min(clips, 20)):
+        use(data + "/walk.bvh")
+    before = peak()
+    for number in range(calls):
+        call(number, clip, motion)
+    for number in range(clips):
+        use(data + "/walk.bvh")
+    print(f"{peak() - before:.1f} MB more after {calls} calls and {clips} clips: {peak():.0f} MB")
+    sys.exit(peak() - before > 8)
+"""
+
+
+def test_nothing_leaks(data: Path) -> None:
+    """Memory does not grow and nanobind counts no object that is left.
+
+    RETARGET_PYTHON_CALLS and RETARGET_PYTHON_CLIPS say how many (docs/python.md has a long run).
+    """
+    calls = os.environ.get("RETARGET_PYTHON_CALLS", "500")
+    clips = os.environ.get("RETARGET_PYTHON_CLIPS", "20")
+    if os.environ.get("LD_PRELOAD"):
+        pytest.skip("a sanitizer keeps freed memory")
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(LEAKS), str(data), calls, clips],
+                          capture_output=True, text=True, check=False)
+    print(done.stdout)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "leak" not in done.stderr and done.stderr == ""
+
+
+def test_a_batch_of_one_process_has_no_python_in_its_workers(data: Path, tmp_path: Path) -> None:
+    """Threads that hold Python's lock must not matter to workers."""
+    stop = threading.Event()
+    busy = threading.Thread(target=lambda: [None for _ in iter(stop.is_set, True)])
+    busy.start()
+    try:
+        result = retarget.batch(data / "walk.bvh", tmp_path / "out", "unitree_g1", method="gmr")
+    finally:
+        stop.set()
+        busy.join()
+    assert result.failed == 0
+    assert json.dumps(result.clips[0])
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_nsignals == 0
