@@ -12,7 +12,7 @@ import numpy as np
 
 from retarget import _retarget
 from retarget._errors import ConfigError, UsageError
-from retarget.gmr._errors import unknown_name
+from retarget.gmr._errors import UnknownNameError, unknown_name
 from retarget.gmr.params import IK_CONFIG_DICT, ROBOT_XML_DICT
 
 
@@ -330,9 +330,11 @@ def _config_file(src_human: str, tgt_robot: str, given: str | os.PathLike[str] |
         raise unknown_name("human", src_human, IK_CONFIG_DICT)
     configs = IK_CONFIG_DICT[src_human]
     if tgt_robot not in configs:
-        hint = ("ik_config takes a file; tables of the published package are found where that is "
-                "installed, or in the checkout that RETARGET_GMR_ROOT names")
-        raise unknown_name(f"robot for {src_human!r}:", tgt_robot, configs, hint)
+        others = f", but for {', '.join(configs)}" if configs else ""
+        raise UnknownNameError(
+            f"there are no tables of {src_human!r} for {tgt_robot!r}{others}; ik_config takes a file, "
+            "tables of the published package are found where that is installed, or in the checkout "
+            "that RETARGET_GMR_ROOT names")
     return str(configs[tgt_robot])
 
 
