@@ -29,6 +29,8 @@ def oracle() -> types.ModuleType:
 
 
 def test_committed_frames_of_the_reference() -> None:
+    if not (ROOT / "tests/golden/oracle").is_dir():
+        pytest.skip("an installed package is tested, without the tree's tests/golden")
     for name in ("walk", "turn_in_place", "squat", "wave", "get_up"):
         file = ROOT / "tests/golden/oracle" / f"{name}.csv"
         expected = from_xyzw(np.loadtxt(file, delimiter=","))
