@@ -2,8 +2,8 @@
 
     python 02_folder.py data/ unitree_g1 out/
 
-Threads share the robot and the process; retarget.batch() takes a process for each clip, which limits
-memory and time of each, resumes, and writes a manifest. Both use all processors.
+Threads share the robot and the process; retarget.batch() takes a process for each clip, which
+limits memory and time of each, resumes, and writes a manifest. Both use all processors.
 """
 
 from __future__ import annotations
