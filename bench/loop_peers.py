@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Times a loop in Python over the frames of a clip: retarget.gmr's class beside the published method.
+"""Times a loop in Python over the frames of a clip: retarget.gmr's class beside the published
+method.
 
-One process, interleaved repetitions, one thread. Every peer gets frames that are loaded already and gives a
-configuration per frame; none writes anything. The peers:
+One process, interleaved repetitions, one thread. Every peer gets frames that are loaded already and
+gives a configuration per frame; none writes anything. The peers:
 
   retarget    retarget.gmr.GeneralMotionRetargeting.retarget
   python      the Python reference (retarget_oracle.py on mink, MuJoCo and DAQP). Its targets are made
@@ -80,7 +81,7 @@ def reference_loop(bvh: pathlib.Path, shared: pathlib.Path) -> Loop:
 
 
 def published_loop(bvh: pathlib.Path) -> Loop:
-    from general_motion_retargeting import GeneralMotionRetargeting  # type: ignore[import-not-found]
+    from general_motion_retargeting import GeneralMotionRetargeting  # type: ignore
     from retarget.gmr.utils.lafan1 import load_bvh_file
     frames, height = load_bvh_file(bvh)
     return class_loop(lambda: GeneralMotionRetargeting(

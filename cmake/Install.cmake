@@ -71,3 +71,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/retargetConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/retargetConfig.cmake
   ${PROJECT_BINARY_DIR}/retargetConfigVersion.cmake cmake/FindMuJoCo.cmake cmake/FindLibZip.cmake
   DESTINATION ${retarget_package_folder})
+if(PROJECT_IS_TOP_LEVEL)
+  include(cmake/Package.cmake)
+endif()

@@ -48,6 +48,7 @@ python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
 '
 readonly kPythonPackages='
 python3-dev        | python3-devel  | python        | python        | has_python_headers
+python3-venv       | python3        | python        | python        | has_venv
 '
 readonly kDeveloperPackages='
 ccache             | ccache           | ccache    | ccache           | has_command ccache
@@ -125,6 +126,8 @@ has_python_headers() {
   python_that_can 'import os, sys, sysconfig
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' >/dev/null
 }
+
+has_venv() { python_that_can 'import ensurepip' >/dev/null; }
 
 # the very versions of tools/python.txt
 has_python_tools() {

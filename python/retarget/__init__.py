@@ -14,7 +14,9 @@ from retarget._api import batch, evaluate, inspect, load, load_motion, to_robot
 from retarget._errors import (
     ConfigError, Error, InputError, RetargetWarning, RunError, UsageError)
 from retarget._results import Batch, Fault, Inspection, Report
-from retarget._retarget import Clip, Motion, Robot, __version__, metrics, version_text
+from retarget._retarget import Clip, Motion, Robot, metrics, version_number, version_text
+
+__version__ = version_number()
 
 __all__ = [
     "Batch", "Clip", "ConfigError", "Error", "Fault", "InputError", "Inspection", "Motion",

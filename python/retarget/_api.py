@@ -35,7 +35,7 @@ def load(file: StrPath, *, skeleton_only: bool = False,
     Raises:
         InputError: errors in the file, with line and column.
     """
-    return _retarget.load(file, options, skeleton_only)
+    return _retarget.load(file, dict(options), skeleton_only)
 
 
 @with_options("SolvingOptions", "RobotOptions", "SourceOptions")
@@ -72,7 +72,8 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
     if not isinstance(robot, _retarget.Robot):
         robot = _retarget.Robot(robot, data_dir=data_dir, **of_robot)
     elif of_robot:
-        raise UsageError(f"{min(of_robot)} is an option of Robot(), and the robot is loaded already")
+        raise UsageError(f"{min(of_robot)} is an option of Robot(), and the robot is loaded "
+                         "already")
     return _retarget.to_robot(clip, robot, given, dict(fit or {}), threads, progress)
 
 
@@ -83,9 +84,10 @@ def load_motion(file: StrPath, robot: _retarget.Robot | StrPath, *,
     """Reads a robot's motion: CSV, NPZ, pickle, known by its content (docs/formats.md).
 
     Raises:
-        InputError: a malformed file; one that can be read in two ways names the option that decides.
+        InputError: a malformed file; one that can be read in two ways (names the option that
+            decides).
     """
-    return _retarget.load_motion(file, _robot(robot, data_dir), options)
+    return _retarget.load_motion(file, _robot(robot, data_dir), dict(options))
 
 
 @with_options("EvaluateOptions")
@@ -104,7 +106,7 @@ def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = N
     """
     if clip is not None and not isinstance(clip, _retarget.Clip):
         clip = load(clip)
-    return Report(*_retarget.evaluate(motion, clip, options, gates))
+    return Report(*_retarget.evaluate(motion, clip, dict(options), gates))
 
 
 @with_options("HumanOptions")
@@ -113,7 +115,7 @@ def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
     """What a clip holds: joints, rate, extents, and the human that was recognised in it."""
     if not isinstance(clip, _retarget.Clip):
         clip = load(clip)
-    return Inspection(*_retarget.inspect(clip, options, _folder(data_dir)))
+    return Inspection(*_retarget.inspect(clip, dict(options), _folder(data_dir)))
 
 
 @with_options("BatchOptions")
@@ -134,7 +136,7 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
         UsageError: a request that contradicts itself or would write a file twice. A clip that fails
             is no error: see Batch.failed.
     """
-    failed, notes = _retarget.batch(inputs, output, robots, options, quality, sidecar,
+    failed, notes = _retarget.batch(inputs, output, robots, dict(options), quality, sidecar,
                                     _folder(data_dir))
     folder = Path(os.fsdecode(output))
     manifests = sorted(folder.glob("manifest*.jsonl"))

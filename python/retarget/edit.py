@@ -52,21 +52,21 @@ def rest(clip: Clip, like: Clip) -> Clip:
 def transfer(clip: Clip, like: Clip, *, data_dir: StrPath | None = None,
              **options: Unpack[_options.EditOptions]) -> Clip:
     """A clip on another skeleton, that of `like`, moved through the T-pose."""
-    return _retarget.edit_transfer(clip, like, options, _folder(data_dir))
+    return _retarget.edit_transfer(clip, like, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
 def lafan1(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
     """A clip in the shape of LAFAN1: its joints, names, axes and size."""
-    return _retarget.edit_lafan1(clip, options, _folder(data_dir))
+    return _retarget.edit_lafan1(clip, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
 def mirror(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
     """The mirror image: left does what right did."""
-    return _retarget.edit_mirror(clip, options, _folder(data_dir))
+    return _retarget.edit_mirror(clip, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
@@ -77,21 +77,21 @@ def ground(clip: Clip, floor: float | None = None, *, data_dir: StrPath | None =
     Args:
         floor: its height in the clip, metres; None: where the feet stand.
     """
-    return _retarget.edit_ground(clip, floor, options, _folder(data_dir))
+    return _retarget.edit_ground(clip, floor, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
 def turn(clip: Clip, degrees: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
     """Turned about the vertical where the motion begins; positive to the left."""
-    return _retarget.edit_turn(clip, degrees, options, _folder(data_dir))
+    return _retarget.edit_turn(clip, degrees, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
 def move(clip: Clip, x: float, y: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
     """Moved over the ground, metres (docs/editing.md has the axes)."""
-    return _retarget.edit_move(clip, x, y, options, _folder(data_dir))
+    return _retarget.edit_move(clip, x, y, dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
@@ -107,7 +107,7 @@ def loop(clip: Clip, *, shortest: float = 0.0, times: int = 1, in_place: bool = 
         threshold: largest distance of the seam, metres.
         force: also where the ends do not fit, which raises RunError otherwise.
     """
-    return _retarget.edit_loop(clip, shortest, times, in_place, threshold, force, options,
+    return _retarget.edit_loop(clip, shortest, times, in_place, threshold, force, dict(options),
                                _folder(data_dir))
 
 
@@ -128,8 +128,8 @@ def concatenate(clips: Sequence[Clip], *, search: float | str | None = None,
     """
     _one_of("blend", blend, ("crossfade", "inertial"))
     text = "" if search is None else str(search)
-    return _retarget.edit_concatenate(list(clips), text, window, blend, threshold, force, options,
-                                      _folder(data_dir))
+    return _retarget.edit_concatenate(list(clips), text, window, blend, threshold, force,
+                                      dict(options), _folder(data_dir))
 
 
 @with_options("EditOptions")
@@ -151,7 +151,7 @@ def follow_path(clip: Clip, to: StrPath | None = None, *, radius: float = 3.0, s
     """
     _one_of("keep", keep, ("time", "speed", "stride"))
     return _retarget.edit_follow_path(clip, to, radius, scale, rotate, keep, tolerance, force,
-                                      options, _folder(data_dir))
+                                      dict(options), _folder(data_dir))
 
 
 def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
@@ -82,11 +81,10 @@ GivenArray::GivenArray(nb::handle object, const char* what,
     refuse(fmt::format("{}: expected an array of shape {}: {}", what, shape_text(shape),
                        shown(error.value())));
   }
-  const nb::object dtype = array_.attr("dtype");
-  const auto kind = nb::cast<std::string>(dtype.attr("kind"));
+  const auto kind = nb::cast<std::string>(array_.attr("dtype").attr("kind"));
   if (kind != "f" && kind != "i" && kind != "u") {
     refuse(fmt::format("{}: expected an array of numbers, found dtype {}", what,
-                       shown(dtype)));
+                       shown(nb::object(array_.attr("dtype")))));
   }
   const auto found = nb::cast<std::vector<std::int64_t>>(nb::list(array_.attr("shape")));
   bool fits = found.size() == shape.size();

@@ -1,4 +1,4 @@
-// _FrameRetargeter: the engine behind retarget.gmr, frame by frame.
+// FrameRetargeter: the engine behind retarget.gmr, frame by frame.
 
 #include "retarget/frame_retargeter.h"
 
@@ -272,26 +272,53 @@ nb::tuple offset_pose(const nb::object& position, const nb::object& rotation,
 }  // namespace
 
 void bind_frame_retargeter(nb::module_& module) {
-  nb::class_<SharedRetargeter>(module, "_FrameRetargeter")
+  nb::class_<SharedRetargeter>(
+      module, "FrameRetargeter",
+      "The published method frame by frame; retarget.gmr is the way to it.")
       .def("__init__", &construct, "model"_a, "profile"_a, "config"_a, "config_file"_a, "damping"_a,
-           "max_extra_steps"_a, "engine"_a)
+           "max_extra_steps"_a, "engine"_a,
+           nb::sig("def __init__(self, model: str | os.PathLike[str], profile: str | "
+                   "os.PathLike[str], config: str, config_file: str | os.PathLike[str], damping: "
+                   "float, max_extra_steps: int, engine: str) -> None"))
       .def("update_targets", &SharedRetargeter::update_targets, "human_data"_a.none(), "down"_a,
-           "to_ground"_a)
-      .def("solve", &SharedRetargeter::solve)
-      .def("set_qpos", &SharedRetargeter::set_qpos, "qpos"_a.none())
-      .def("error", &SharedRetargeter::error, "table"_a)
-      .def("targets", &SharedRetargeter::targets)
-      .def_prop_ro("qpos", &SharedRetargeter::qpos)
-      .def_prop_ro("target_bodies", &SharedRetargeter::target_bodies)
-      .def_prop_ro("joint_names", &SharedRetargeter::joint_names)
-      .def_prop_ro("body_names", &SharedRetargeter::body_names);
+           "to_ground"_a,
+           nb::sig("def update_targets(self, human_data: collections.abc.Mapping[str, "
+                   "typing.Any], down: float, to_ground: bool) -> None"),
+           "Sets the targets from {body: (position, quaternion w x y z)}, metres, Z up.")
+      .def("solve", &SharedRetargeter::solve, nb::sig("def solve(self) -> numpy.ndarray"),
+           "Solves towards the targets: the new configuration, a copy.")
+      .def("set_qpos", &SharedRetargeter::set_qpos, "qpos"_a.none(),
+           nb::sig("def set_qpos(self, qpos: numpy.typing.ArrayLike) -> None"),
+           "Where the next frame starts.")
+      .def("error", &SharedRetargeter::error, "table"_a,
+           "Norm of the errors of a table's tasks (1 or 2), without weights.")
+      .def("targets", &SharedRetargeter::targets,
+           nb::sig("def targets(self) -> tuple[list[str], numpy.ndarray, numpy.ndarray]"),
+           "Bodies, positions (N, 3), rotations (N, 4) w x y z.")
+      .def_prop_ro("qpos", &SharedRetargeter::qpos, nb::sig("def qpos(self) -> numpy.ndarray"),
+                   "The configuration, a copy.")
+      .def_prop_ro("target_bodies", &SharedRetargeter::target_bodies,
+                   nb::sig("def target_bodies(self) -> list[str]"),
+                   "The human's bodies that targets are made from, the root first.")
+      .def_prop_ro("joint_names", &SharedRetargeter::joint_names,
+                   nb::sig("def joint_names(self) -> list[str]"), "In the order of qpos.")
+      .def_prop_ro("body_names", &SharedRetargeter::body_names,
+                   nb::sig("def body_names(self) -> list[str]"), "By index, the world first.");
   module.def(
       "data_folder",
       [](const std::string& chosen) { return path_of(value_of(data_folder_of(chosen))); },
       "chosen"_a, "The folder with robots/ and configs/.");
-  module.def("scale_about", &scale_about, "positions"_a.none(), "scales"_a.none(), "root"_a);
+  module.def("scale_about", &scale_about, "positions"_a.none(), "scales"_a.none(), "root"_a,
+             nb::sig("def scale_about(positions: numpy.typing.ArrayLike, scales: "
+                     "numpy.typing.ArrayLike, root: int) -> numpy.ndarray"),
+             "Bodies (N, 3) scaled about the root, the root about the origin.");
   module.def("offset_pose", &offset_pose, "position"_a.none(), "rotation"_a.none(),
-             "position_offset"_a.none(), "rotation_offset"_a.none());
+             "position_offset"_a.none(), "rotation_offset"_a.none(),
+             nb::sig("def offset_pose(position: numpy.typing.ArrayLike, rotation: "
+                     "numpy.typing.ArrayLike, position_offset: numpy.typing.ArrayLike, "
+                     "rotation_offset: numpy.typing.ArrayLike) -> tuple[numpy.ndarray, "
+                     "numpy.ndarray]"),
+             "A pose with an offset in its own axes; rotations w x y z.");
 }
 
 }  // namespace retarget::python

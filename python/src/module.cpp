@@ -7,7 +7,7 @@
 NB_MODULE(_retarget, module) {
   using namespace retarget::python;
   module.doc() = "The engine of retarget: use the package `retarget`.";
-  module.attr("__version__") = retarget::version_number();
+  module.def("version_number", &retarget::version_number, "`major.minor.patch`");
   module.def("version_text", &retarget::version_text,
              "Version, commit, compiler and libraries, one a line.");
   bind_options(module);

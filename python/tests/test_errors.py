@@ -48,7 +48,6 @@ def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
         (retarget.UsageError, ValueError, lambda: retarget.load(7)),
         (retarget.UsageError, ValueError, lambda: retarget.load("a\0b")),
         (retarget.UsageError, ValueError, lambda: walked.save(tmp_path / "walk.npz")),
-        (retarget.RunError, RuntimeError, lambda: walked.save("/dev/null/walk.csv")),
         (retarget.RunError, RuntimeError, lambda: retarget.edit.loop(walk, threshold=1e-9)),
     ]
     for kind, base, call in wrong:

@@ -139,7 +139,8 @@ def test_bad_configurations(qpos) -> None:
 @pytest.mark.parametrize("changes, expected", [
     ({"tgt_robot": "unitree_g2"}, "did you mean 'unitree_g1'"),
     ({"src_human": "bvh_lafan"}, "did you mean 'bvh_lafan1'"),
-    ({"tgt_robot": "unitree_h1"}, "ik_config takes a file"),
+    ({"tgt_robot": "unitree_h1"}, "for 'unitree_h1', but for unitree_g1.*ik_config takes a file"),
+    ({"src_human": "fbx_offline"}, "no tables of 'fbx_offline' for 'unitree_g1'; ik_config"),
     ({"actual_human_height": 0.0}, "expected metres"),
     ({"actual_human_height": -1.7}, "expected metres"),
     ({"actual_human_height": NAN}, "expected metres"),

@@ -136,6 +136,16 @@ def test_motions_as_published_scripts_save_them(tmp_path) -> None:
         load_robot_motion(file)
 
 
+def test_motions_of_ours_are_read(tmp_path) -> None:
+    motion = retarget.to_robot(retarget.load(DATA / "wave.bvh"), "unitree_g1", method="gmr")
+    motion.save(tmp_path / "motion.pkl", format="pkl-gmr")
+    read, fps, root_pos, root_rot, dof_pos, local, links = load_robot_motion(tmp_path / "motion.pkl")
+    assert fps == motion.fps and len(links) == local.shape[1]
+    np.testing.assert_allclose(root_pos, motion.root_position, atol=1e-5)
+    np.testing.assert_allclose(root_rot, motion.root_rotation_wxyz, atol=1e-5)
+    np.testing.assert_allclose(dof_pos, motion.joint_positions, atol=1e-5)
+
+
 class _Runs:
     def __reduce__(self):
         return (print, ("it ran",))

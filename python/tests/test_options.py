@@ -25,7 +25,7 @@ SOURCE = Path(__file__).resolve().parents[2]
     ({"fps": float("nan")}, "fps: expected a number"),
     ({"fps": True}, "fps: expected a text, found True"),
     ({"start": "soon"}, "start: expected a number from 0 to 1000000000, found 'soon'"),
-    ({"start": np.zeros(2)}, "start: expected a number from 0 to 1000000000, found a value of type"),
+    ({"start": np.zeros(2)}, "expected a number from 0 to 1000000000, found a value of type"),
     ({"precision": 2.5}, "precision: expected a whole number from 0 to 17, found 2.5"),
     ({"precision": 18}, 'precision: expected a whole number from 0 to 17, found "18"'),
     ({"precision": 10**30}, "precision: expected a whole number from 0 to 17, found 1000"),

@@ -1,7 +1,6 @@
 #include "retarget/frame_retargeter.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

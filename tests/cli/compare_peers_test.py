@@ -2,6 +2,7 @@
 
 import json
 import os
+import pathlib
 import shlex
 import subprocess
 import sys
@@ -83,9 +84,21 @@ class ComparePeers(ToolTest):
         expected = peer["start_s"]["median"] + 300 / peer["frames_per_s"]["median"]
         self.assertAlmostEqual(peer["whole_s"]["median"], expected)
 
+    def test_a_loop_in_python(self):
+        package = pathlib.Path(TOOL).resolve().parents[2] / "python"
+        if not (package / "retarget/__init__.py").exists():
+            self.skipTest("the Python package is not built")
+        result = self.compare("--repetitions", 2, "--no-peer", sample("walk"))
+        loop = self.report(result)["clips"][0]["loop"]
+        self.assertEqual((loop["frames"], loop["missing"], loop["ratios"]), (301, {}, {}))
+        self.assertEqual(len(loop["frames_per_s"]["retarget"]["values"]), 2)
+        self.assertGreater(loop["frames_per_s"]["retarget"]["min"], 0)
+        self.assertIn("loop in Python, retarget", result.stdout)
+
     def test_faults_are_said(self):
         for arguments, words in (((self.folder / "none.bvh",), "none.bvh"),
                                  (("--tool", "nothing", sample("walk")), "no tool at nothing"),
+                                 (("--package", self.folder), "no package retarget"),
                                  (("--frames", 1), "--frames must be"),
                                  (("--peer-command", "false", sample("wave")), "false failed")):
             with self.subTest(words):

@@ -21,7 +21,8 @@ class _ArraysOnly(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
         if module in _MODULES and name in _NAMES:
             return super().find_class(module, name)
-        raise InputError(f"a motion holds arrays and numbers, but this pickle wants {module}.{name}")
+        raise InputError("a motion holds arrays and numbers, but this pickle wants "
+                         f"{module}.{name}")
 
 
 def _array(motion: dict[str, Any], key: str, path: str, last: int | None) -> np.ndarray:
@@ -40,9 +41,10 @@ def load_robot_motion(motion_file: str | os.PathLike[str]) -> tuple[
     """Reads a pickle of a robot's motion; only arrays are read from it, no code runs.
 
     Returns:
-        (motion, fps, root_pos, root_rot, dof_pos, local_body_pos, link_body_list), where motion is the
-        whole dictionary, fps frames per second (30 where the file has none), root_pos (F, 3) in metres,
-        root_rot (F, 4) quaternions w x y z, dof_pos (F, N) in radians; the last two may be None.
+        (motion, fps, root_pos, root_rot, dof_pos, local_body_pos, link_body_list), where motion is
+        the whole dictionary, fps frames per second (30 where the file has none), root_pos (F, 3) in
+        metres, root_rot (F, 4) quaternions w x y z, dof_pos (F, N) in radians; the last two may be
+        None.
     """
     path = os.fsdecode(motion_file)
     with open(path, "rb") as file:

@@ -10,5 +10,5 @@ class KinematicsModel:
 
     def __init__(self, *args: Any, **kwargs: Any) -> NoReturn:
         raise NotImplementedError(
-            "retarget has no kinematics in torch: retarget.Robot(name).forward_kinematics(qpos) gives "
-            "the poses of all bodies")
+            "retarget has no kinematics in torch: retarget.Robot(name).forward_kinematics(qpos) "
+            "gives the poses of all bodies")

@@ -12,7 +12,7 @@ import numpy as np
 
 from retarget import _retarget
 from retarget._errors import ConfigError, UsageError
-from retarget.gmr._errors import unknown_name
+from retarget.gmr._errors import UnknownNameError, unknown_name
 from retarget.gmr.params import IK_CONFIG_DICT, ROBOT_XML_DICT
 
 
@@ -35,18 +35,19 @@ _ROOT_SIZE = 7  # values of the root in qpos
 class GeneralMotionRetargeting:
     """Retargets a human to a robot frame by frame, each frame from the one before.
 
-    Constructor, methods and results are those of the published class; the solver is retarget's own. Human
-    frames are {body: (position (3,), quaternion (4,) w x y z)}, world, metres, Z up: tuples, lists, arrays
-    of any kind of number. They are not changed.
+    Constructor, methods and results are those of the published class; the solver is retarget's own.
+    Human frames are {body: (position (3,), quaternion (4,) w x y z)}, world, metres, Z up: tuples,
+    lists, arrays of any kind of number. They are not changed.
 
     Attributes:
         xml_file: the robot's MJCF.
-        qpos: (7 + N,) the robot's configuration: root x y z (metres), root quaternion w x y z, joints
-            (radians); where the next frame starts. May be set.
+        qpos: (7 + N,) the robot's configuration: root x y z (metres), root quaternion w x y z,
+            joints (radians); where the next frame starts. May be set.
         human_root_name, robot_root_name: root bodies.
-        human_scale_table: {body: scale}, the height taken into account; changes count from the next frame.
-        ik_match_table1, ik_match_table2: {robot body: [human body, position weight, rotation weight,
-            position offset, rotation offset]}, as read.
+        human_scale_table: {body: scale}, the height taken into account; changes count from the next
+            frame.
+        ik_match_table1, ik_match_table2: {robot body: [human body, position weight, rotation
+            weight, position offset, rotation offset]}, as read.
         ground: (3,) what the tables' ground height takes off position offsets.
         ground_offset: metres that targets are lowered by, see set_ground_offset.
         max_iter: further steps of a pass after its first one, at most 30. May be set.
@@ -67,8 +68,8 @@ class GeneralMotionRetargeting:
         Args:
             src_human: a key of IK_CONFIG_DICT: "bvh_lafan1", "smplx", ...
             tgt_robot: a key of ROBOT_XML_DICT: "unitree_g1", ...
-            actual_human_height: metres; scales are multiplied by its ratio to the height that the tables
-                assume. None: scales stay as they are.
+            actual_human_height: metres; scales are multiplied by its ratio to the height that the
+                tables assume. None: scales stay as they are.
             solver: any name is taken; the solver is retarget's own.
             damping: of every degree of freedom in a step.
             verbose: prints the files that are used.
@@ -105,11 +106,12 @@ class GeneralMotionRetargeting:
 
         Args:
             human_data: {body: (position (3,), quaternion (4,) w x y z)}, world, metres, Z up.
-            offset_to_ground: lifts or lowers the frame until its lowest foot is 0.1 m over the ground.
+            offset_to_ground: lifts or lowers the frame until its lowest foot is 0.1 m over the
+                ground.
 
         Returns:
-            (7 + N,) float64, the caller's own: root x y z (metres), root quaternion w x y z, joints in
-            the model's order (radians).
+            (7 + N,) float64, the caller's own: root x y z (metres), root quaternion w x y z, joints
+            in the model's order (radians).
         """
         self.update_targets(human_data, offset_to_ground)
         return self._core.solve()
@@ -157,7 +159,7 @@ class GeneralMotionRetargeting:
     def scale_human_data(self, human_data: Mapping[str, Any], human_root_name: str,
                          human_scale_table: Mapping[str, float],
                          ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """A frame scaled: the root about the world's origin, other bodies of the table about the root."""
+        """A frame scaled: the root about the origin, other bodies of the table about the root."""
         if human_root_name not in human_data or human_root_name not in human_scale_table:
             raise unknown_name("root", human_root_name, set(human_data) & set(human_scale_table))
         names = [human_root_name] + [name for name in human_data
@@ -182,7 +184,8 @@ class GeneralMotionRetargeting:
             offset[name] = [array.copy() for array in moved]
         return offset
 
-    def offset_human_data_to_ground(self, human_data: Mapping[str, Any]) -> dict[str, list[np.ndarray]]:
+    def offset_human_data_to_ground(self, human_data: Mapping[str, Any],
+                                    ) -> dict[str, list[np.ndarray]]:
         """A frame lifted or lowered until the lowest body with foot in its name is at 0.1 m."""
         feet = [np.asarray(position)[2] for name, (position, _) in human_data.items()
                 if "foot" in name or "Foot" in name]
@@ -236,11 +239,11 @@ class GeneralMotionRetargeting:
         """mujoco.MjModel of xml_file; needs the package mujoco."""
         if "_model" not in self.__dict__:
             try:
-                import mujoco
+                import mujoco  # type: ignore
             except ImportError:
-                raise AttributeError("model needs the package mujoco: pip install mujoco; retarget "
-                                     "itself does without, retarget.Robot gives names and kinematics"
-                                     ) from None
+                raise AttributeError(
+                    "model needs the package mujoco: pip install mujoco; retarget itself does "
+                    "without, retarget.Robot gives names and kinematics") from None
             self._model = mujoco.MjModel.from_xml_path(self.xml_file)
         return self._model
 
@@ -263,7 +266,7 @@ class GeneralMotionRetargeting:
         except TypeError:
             raise UsageError(f"human_scale_table: expected numbers, found {scales}") from None
         profile = pathlib.Path(self.xml_file).parent / "robot.json"
-        core = _retarget._FrameRetargeter(
+        core = _retarget.FrameRetargeter(
             model=self.xml_file, profile=str(profile) if profile.is_file() else "", config=text,
             config_file=self._config_file, damping=self._damping, max_extra_steps=self._max_iter,
             engine="fast")
@@ -299,7 +302,7 @@ class GeneralMotionRetargeting:
         self.pos_offsets2, self.rot_offsets2 = _offsets(self.ik_match_table2, self.ground)
 
     def _initial_qpos(self) -> np.ndarray:
-        """Where a motion starts: the model's zero configuration, with what the tables say of joints."""
+        """Where a motion starts: the zero configuration, with what the tables say of joints."""
         if not hasattr(self, "_zero_qpos"):
             self._zero_qpos = self._core.qpos
         qpos = self._zero_qpos.copy()
@@ -310,8 +313,8 @@ class GeneralMotionRetargeting:
                 elif np.size(value) == _ROOT_SIZE:
                     qpos[:_ROOT_SIZE] = np.ravel(value)
                 else:
-                    raise ConfigError(f'{self._config_file}: "robot_initial_qpos" names {name!r}, and '
-                                      "there is no such joint")
+                    raise ConfigError(f'{self._config_file}: "robot_initial_qpos" names {name!r}, '
+                                      "and there is no such joint")
             except (TypeError, ValueError) as error:
                 if isinstance(error, ConfigError):
                     raise
@@ -327,19 +330,21 @@ def _config_file(src_human: str, tgt_robot: str, given: str | os.PathLike[str] |
         raise unknown_name("human", src_human, IK_CONFIG_DICT)
     configs = IK_CONFIG_DICT[src_human]
     if tgt_robot not in configs:
-        hint = ("ik_config takes a file; tables of the published package are found where that is "
-                "installed, or in the checkout that RETARGET_GMR_ROOT names")
-        raise unknown_name(f"robot for {src_human!r}:", tgt_robot, configs, hint)
+        others = f", but for {', '.join(configs)}" if configs else ""
+        raise UnknownNameError(
+            f"there are no tables of {src_human!r} for {tgt_robot!r}{others}; ik_config takes a file, "
+            "tables of the published package are found where that is installed, or in the checkout "
+            "that RETARGET_GMR_ROOT names")
     return str(configs[tgt_robot])
 
 
 def _read_config(path: str) -> dict[str, Any]:
     try:
         with open(path, encoding="utf-8") as file:
-            config = json.load(file)
+            config: dict[str, Any] = json.load(file)
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: not JSON: {error}", file=path) from None
-    keys = {"ik_match_table1": dict, "ik_match_table2": dict, "human_scale_table": dict,
+    keys: dict[str, Any] = {"ik_match_table1": dict, "ik_match_table2": dict, "human_scale_table": dict,
             "human_root_name": str, "robot_root_name": str, "ground_height": (int, float),
             "human_height_assumption": (int, float)}
     for key, kind in keys.items():

@@ -1,9 +1,9 @@
 """The published dictionaries: models, retargeting configurations, root bodies, by robot.
 
-They are plain dictionaries of paths: more entries may be added, as with the published package. Models and
-the tables of LAFAN1 come with retarget. The other tables (SMPL-X, FBX, ...) belong to the published
-package; they are found where that is installed beside, or in the checkout that the environment variable
-RETARGET_GMR_ROOT names, or by use_published_files().
+They are plain dictionaries of paths: more entries may be added, as with the published package.
+Models and the tables of LAFAN1 come with retarget. The other tables (SMPL-X, FBX, ...) belong to
+the published package; they are found where that is installed beside, or in the checkout that the
+environment variable RETARGET_GMR_ROOT names, or by use_published_files().
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ _DATA = pathlib.Path(_retarget.data_folder(""))
 IK_CONFIG_ROOT = _DATA / "configs"
 ASSET_ROOT = _DATA / "robots"
 
-# by robot: its name in file names of tables, the places of its model among the published assets, its root
-# body, the distance of a camera in metres
+# by robot: its name in file names of tables, the places of its model among the published assets,
+# its root body, the distance of a camera in metres
 _ROBOTS: dict[str, tuple[str, tuple[str, ...], str, float]] = {
     "unitree_g1": ("g1", ("unitree_g1/g1_mocap_29dof.xml",), "pelvis", 2.0),
     "unitree_g1_with_hands": (
@@ -114,7 +114,7 @@ def _find_published_files() -> None:
     named = os.environ.get("RETARGET_GMR_ROOT")
     if named:
         root = pathlib.Path(named)
-        folders = (root / package, root)
+        folders: tuple[pathlib.Path, ...] = (root / package, root)
         if not any((folder / "ik_configs").is_dir() for folder in folders):
             raise UsageError(f"RETARGET_GMR_ROOT: no folder ik_configs in {folders[0]} or {root}")
     else:

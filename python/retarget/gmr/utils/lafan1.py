@@ -14,6 +14,7 @@ from retarget.gmr._frames import Frame, frames_of
 # the published package takes every body for 1.75 m
 _HEIGHT = 1.75
 _CENTIMETRE = 0.01
+_ANY = "retarget.to_robot(retarget.load(file), robot) takes every kind of skeleton"
 _TOES = {"lafan1": "Toe", "nokov": "ToeBase"}
 
 
@@ -35,21 +36,21 @@ def load_bvh_file(bvh_file: str | os.PathLike[str],
                   format: str = "lafan1") -> tuple[list[Frame], float]:
     """Reads a BVH file with LAFAN1's names of joints, Y up, in centimetres.
 
-    Frames are those of the file, one by one, whatever its rate. Files of other kinds, units and axes are
-    recognised by retarget.to_robot.
+    Frames are those of the file, one by one, whatever its rate. Files of other kinds, units and
+    axes are recognised by retarget.to_robot.
 
     Args:
         bvh_file: the file.
         format: "lafan1", or "nokov", whose toes are called ToeBase.
 
     Returns:
-        (frames, height): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres, Z up,
-        quaternions w x y z; with LeftFootMod and RightFootMod, which stand at the ankles and turn with the
-        toes. The height is always 1.75 m, as in the published package.
+        (frames, height): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres,
+        Z up, quaternions w x y z; with LeftFootMod and RightFootMod, which stand at the ankles and
+        turn with the toes. The height is always 1.75 m, as in the published package.
     """
     if format not in _TOES:
         raise UsageError(f"unknown format {format!r}: expected {' or '.join(map(repr, _TOES))}; "
-                         "retarget.to_robot(retarget.load(file), robot) takes every kind of skeleton")
+                         + _ANY)
     clip = retarget.load(bvh_file)
     names = list(clip.joint_names)
     index = {name: i for i, name in enumerate(names)}
@@ -57,9 +58,8 @@ def load_bvh_file(bvh_file: str | os.PathLike[str],
     wanted = [side + part for side in ("Left", "Right") for part in ("Foot", toes)]
     missing = [name for name in wanted if name not in index]
     if missing:
-        raise InputError(f"{os.fsdecode(bvh_file)}: there is no joint {', '.join(missing)}, so this is "
-                         f"not a skeleton of format {format!r}; "
-                         "retarget.to_robot(retarget.load(file), robot) takes every kind of skeleton")
+        raise InputError(f"{os.fsdecode(bvh_file)}: there is no joint {', '.join(missing)}, so "
+                         f"this is not a skeleton of format {format!r}; {_ANY}")
     positions = _z_up(clip.positions)
     rotations = _turned_z_up(clip.rotations_wxyz)
     sources = [(i, i) for i in range(len(names))]

@@ -13,7 +13,8 @@ import retarget
 from retarget._errors import InputError, UsageError
 from retarget.gmr._frames import Frame, frames_of
 
-# beyond this cosine of half the angle between two rotations the published package interpolates linearly
+# beyond this cosine of half the angle between two rotations the published package interpolates
+# linearly
 _NEARLY_EQUAL = 0.9995
 
 
@@ -42,13 +43,13 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
 
     Args:
         smplx_file: the motion.
-        smplx_body_model_path: your model as NPZ, or the folder with smplx/SMPLX_NEUTRAL.npz; None: lengths
-            of bones are those of a generic adult.
+        smplx_body_model_path: your model as NPZ, or the folder with smplx/SMPLX_NEUTRAL.npz; None:
+            lengths of bones are those of a generic adult.
 
     Returns:
-        (smplx_data, body_model, smplx_output, human_height): the arrays of the file; the model's file;
-        the motion as a retarget.Clip, metres, Z up; 1.66 m + 0.1 m times the first shape parameter. Pass
-        the first three on to get_smplx_data_offline_fast.
+        (smplx_data, body_model, smplx_output, human_height): the arrays of the file; the model's
+        file; the motion as a retarget.Clip, metres, Z up; 1.66 m + 0.1 m times the first shape
+        parameter. Pass the first three on to get_smplx_data_offline_fast.
     """
     arrays: dict[str, np.ndarray] = {}
     path = os.fsdecode(smplx_file)
@@ -57,7 +58,7 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
             for name in file.files:
                 try:
                     arrays[name] = file[name]
-                except ValueError:  # Python objects: of a gender or a model's type, which are not needed
+                except ValueError:  # Python objects, such as a gender: not needed
                     continue
     except (ValueError, EOFError, KeyError) as error:
         raise InputError(f"{path}: not an NPZ of SMPL-X: {error}") from None
@@ -65,7 +66,7 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
     if smplx_body_model_path is not None:
         given = pathlib.Path(smplx_body_model_path)
         model = str(_model_in(given, _text(arrays.get("gender"))) if given.is_dir() else given)
-    clip = retarget.load(path, **({"smpl_model": model} if model else {}))
+    clip = retarget.load(path, smpl_model=model)
     betas = np.asarray(arrays.get("betas", ()), dtype=float).ravel()
     height = 1.66 + 0.1 * (float(betas[0]) if betas.size else 0.0)
     return arrays, model, clip, height
@@ -103,7 +104,8 @@ def _between(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
     angle = np.arccos(np.minimum(cosine, _NEARLY_EQUAL))
     on_arc = (np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
     mixed = np.where(cosine > _NEARLY_EQUAL, (1.0 - share) * a + share * b, on_arc)
-    return mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
+    unit: np.ndarray = mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
+    return unit
 
 
 def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
@@ -111,12 +113,12 @@ def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model
                                 ) -> tuple[list[Frame], float]:
     """The frames of what load_smplx_file gave, at a lower rate where the file's is higher.
 
-    Every int(fps / tgt_fps) frames become one, interpolated at even distances from the first to the last.
-    A file with fewer frames per second than tgt_fps stays as it is.
+    Every int(fps / tgt_fps) frames become one, interpolated at even distances from the first to the
+    last. A file with fewer frames per second than tgt_fps stays as it is.
 
     Returns:
-        (frames, fps): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres, Z up,
-        quaternions w x y z; their rate.
+        (frames, fps): for every frame {joint: [position (3,), quaternion (4,)]}, world, metres, Z
+        up, quaternions w x y z; their rate.
     """
     clip = _clip_of(smplx_output)
     if not tgt_fps > 0:

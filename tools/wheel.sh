@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# Builds the Python wheel and tests what is installed from it, not the tree.
+#
+#   tools/wheel.sh [PYTHON]     (default: $PYTHON, else python3)
+#
+# The wheel comes into build/wheels: with the libraries that it needs inside, and named for the oldest
+# glibc that it runs with (auditwheel). Then: installed into a fresh virtual environment with numpy
+# alone, the program and the module work there, and the tests of python/tests pass.
+# Needs what tools/setup.sh --python installs; pip fetches the pinned rest (tools/wheel.txt).
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+readonly kMaxBytes=30000000
+python=${1:-${PYTHON:-python3}}
+out=$root/build/wheels
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+
+say() { printf 'wheel: %s\n' "$*" >&2; }
+pip() { "$1" -m pip --quiet --disable-pip-version-check "${@:2}"; }
+
+build() {
+  say "building with $("$python" --version)"
+  mkdir -p "$out" "$work/plain"
+  CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps --wheel-dir "$work/plain" "$root"
+}
+
+# the libraries of the distribution go into the wheel; MuJoCo is there already
+repair() {
+  "$python" -m venv "$work/tools"
+  pip "$work/tools/bin/python" install --require-hashes --requirement "$root/tools/wheel.txt"
+  PATH=$work/tools/bin:$PATH "$work/tools/bin/auditwheel" repair --wheel-dir "$work/repaired" \
+    "$work"/plain/retarget-*.whl
+  wheel=$(echo "$work"/repaired/retarget-*.whl)
+  "$work/tools/bin/auditwheel" show "$wheel"
+  local bytes
+  bytes=$(stat -c %s "$wheel")
+  say "$(basename "$wheel"): $bytes bytes"
+  if [ "$bytes" -ge "$kMaxBytes" ]; then
+    say "it is larger than $kMaxBytes bytes"
+    exit 1
+  fi
+  cp "$wheel" "$out/"
+}
+
+# outside of the tree, without its folders in any path
+test_installed() {
+  local installed=$work/installed
+  "$python" -m venv "$installed"
+  pip "$installed/bin/python" install "$wheel"
+  pip "$installed/bin/python" list >&2
+  cd -- "$work"
+  unset PYTHONPATH RETARGET_TOOL RETARGET_DATA_DIR
+  cp -r "$root/python/tests" "$root/data" "$work/"
+  "$installed/bin/retarget" --version
+  "$installed/bin/retarget" data/walk.bvh unitree_g1 -o walk.csv
+  "$installed/bin/python" - <<'CODE'
+import pathlib
+import retarget
+
+motion = retarget.to_robot("data/walk.bvh", "unitree_g1")
+motion.save("python.csv")
+assert pathlib.Path("python.csv").read_bytes() == pathlib.Path("walk.csv").read_bytes()
+assert "installed" in retarget.__file__, retarget.__file__
+print(repr(motion), retarget.evaluate(motion))
+CODE
+  # pytest beside it: what it brings is none of the package
+  pip "$python" install --no-deps --target "$work/pytest" --require-hashes --requirement "$root/tools/python.txt"
+  if ! "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
+    pip "$python" install --target "$work/pytest" exceptiongroup==1.3.0 tomli==2.2.1
+  fi
+  mkdir -p "$work/python" "$work/docs"
+  mv "$work/tests" "$work/python/"
+  cp "$root/docs/options.md" "$work/docs/"
+  PYTHONPATH=$work/pytest "$installed/bin/python" -m pytest -q -p no:cacheprovider "$work/python/tests"
+}
+
+[ -d "$root/build/deps/mujoco" ] || "$root/tools/setup.sh" --python
+wheel=
+build
+repair
+test_installed
+say "built and tested: $out/$(basename "$wheel")"
