@@ -96,6 +96,8 @@ def test_smplx_files_become_frames_at_a_lower_rate(tmp_path) -> None:
     assert len(same) == 61 and fps == 120.0
     with pytest.raises(ValueError, match="load_smplx_file"):
         get_smplx_data_offline_fast(data, model, object())
+    with pytest.raises(ValueError, match="hands are not read"):
+        get_smplx_data_offline_fast(data, model, output, is_smplh=True)
     with pytest.raises(ValueError, match="tgt_fps"):
         get_smplx_data_offline_fast(data, model, output, tgt_fps=0)
 

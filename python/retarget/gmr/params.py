@@ -118,7 +118,10 @@ def _find_published_files() -> None:
         if not any((folder / "ik_configs").is_dir() for folder in folders):
             raise UsageError(f"RETARGET_GMR_ROOT: no folder ik_configs in {folders[0]} or {root}")
     else:
-        spec = importlib.util.find_spec(package)  # looks, and imports nothing
+        try:
+            spec = importlib.util.find_spec(package)  # looks, and imports nothing
+        except (ImportError, ValueError):  # an importer of somebody's fails, a module without a spec
+            spec = None
         folders = tuple(pathlib.Path(place) for place in
                         (spec.submodule_search_locations or () if spec else ()))
     for folder in folders:

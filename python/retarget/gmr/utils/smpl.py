@@ -110,7 +110,7 @@ def _between(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model: str | None,
                                 smplx_output: retarget.Clip, tgt_fps: float = 30,
-                                ) -> tuple[list[Frame], float]:
+                                is_smplh: bool = False) -> tuple[list[Frame], float]:
     """The frames of what load_smplx_file gave, at a lower rate where the file's is higher.
 
     Every int(fps / tgt_fps) frames become one, interpolated at even distances from the first to the
@@ -121,6 +121,8 @@ def get_smplx_data_offline_fast(smplx_data: Mapping[str, np.ndarray], body_model
         up, quaternions w x y z; their rate.
     """
     clip = _clip_of(smplx_output)
+    if is_smplh:
+        raise UsageError("is_smplh: hands are not read, the frames have the 22 joints of the body")
     if not tgt_fps > 0:
         raise UsageError(f"tgt_fps: expected more than 0 frames per second, found {tgt_fps}")
     positions, rotations = clip.positions, clip.rotations_wxyz
