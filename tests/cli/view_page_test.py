@@ -356,14 +356,16 @@ class InABrowser(ToolTest):
     def test_a_picture_takes_little_time(self):
         # of the script alone: a small picture, for it is painted by the processor here
         self.open("two.html", size=(400, 300))
-        # at its best of three: others may need the processor
-        best = min(self.frame_time() for _ in range(3))
+        # others may need the processor: at its best of three
+        best = self.frame_time()
+        for _ in range(2):
+            best = best if best < 4.0 else min(best, self.frame_time())
         self.assertLess(best, 4.0)
 
     def frame_time(self):
         """The median of what a frame's callback takes, milliseconds."""
         self.run_script("retarget.frameTimes.length = 0; retarget.player.play()")
-        self.browser.wait_for("retarget.frameTimes.length >= 40", wait=30)
+        self.browser.wait_for("retarget.frameTimes.length >= 25", wait=30)
         self.run_script("retarget.player.pause()")
         return float(np.median(self.run_script("retarget.frameTimes")))
 
@@ -377,15 +379,15 @@ class InABrowser(ToolTest):
         for name, (page, fragment, features, script) in scenes.items():
             self.open(page, fragment, size=(640, 400), features=features)
             self.run_script(script)
-            # the scene alone: letters look otherwise elsewhere
-            self.run_script("""(() => { const stage = document.getElementById('stage');
-                Object.assign(stage.style, {position: 'fixed', inset: '0', width: '640px', height: '400px', zIndex: 99});
-                for (const id of ['tags', 'view-tools']) document.getElementById(id).hidden = true; })()""")
-            self.run_script("new Promise((done) => setTimeout(done, 100))")
+            # the scene alone, for letters look otherwise elsewhere, in a size that hangs on no letters
+            self.run_script("""Object.assign(document.getElementById('stage').style,
+                {position: 'fixed', left: 0, top: 0, width: '640px', height: '400px', minHeight: 0});""")
+            self.browser.wait_for("document.getElementById('canvas').width === 640 && document.getElementById('canvas').height === 400")
             # the camera as it would be in a window of this size
             self.browser.press("r")
-            self.run_script("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-            found[name] = pictures.coarse(pictures.read_png(self.browser.screenshot()))
+            picture = self.run_script("retarget.picture()")
+            pixels = np.frombuffer(base64.b64decode(picture["rgba"]), np.uint8)
+            found[name] = pictures.coarse(pixels.reshape(picture["height"], picture["width"], 4)[:, :, :3])
         if os.environ.get("RETARGET_WRITE_PICTURES"):
             PICTURES.mkdir(exist_ok=True)
             for name, picture in found.items():
