@@ -3,6 +3,7 @@ import {
   Color,
   Group,
   Mesh,
+  MeshBasicMaterial,
   MeshStandardMaterial,
   Quaternion,
   SphereGeometry,
@@ -37,6 +38,8 @@ const RADII = {
   ForeArm: 0.034,
 };
 const AXIS = new Vector3(0, 1, 0);
+/** Place in the order of drawing of what goes in front of the robot. */
+const FRONT = 10;
 
 const plain = (bone) => bone.replace(/^(Left|Right)/, '');
 
@@ -64,6 +67,23 @@ export class HumanFigure {
       );
     if (this.index.has('Head')) this.addHead();
     this.addFeet();
+    this.addVeil();
+  }
+
+  // draws nothing and forgets how near all is that was drawn before it
+  addVeil() {
+    const material = new MeshBasicMaterial({
+      colorWrite: false,
+      depthWrite: false,
+      depthTest: false,
+      transparent: true,
+    });
+    this.veil = new Mesh(new SphereGeometry(0.01, 3, 2), material);
+    this.veil.renderOrder = FRONT - 1;
+    this.veil.frustumCulled = false;
+    this.veil.raycast = () => {};
+    this.veil.onBeforeRender = (renderer) => renderer.clearDepth();
+    this.group.add(this.veil);
   }
 
   addMesh(geometry, material, name) {
@@ -119,11 +139,12 @@ export class HumanFigure {
     });
   }
 
-  setOpacity(opacity) {
-    for (const material of [...Object.values(this.materials), this.planted]) {
-      material.opacity = opacity;
-      material.depthWrite = opacity === 1;
-    }
+  /** Over the robot the human is seen through, and in front of all that was drawn before it. */
+  setOver(over) {
+    this.veil.visible = over;
+    for (const mesh of this.group.children) if (mesh !== this.veil) mesh.renderOrder = over ? FRONT : 0;
+    for (const material of [...Object.values(this.materials), this.planted])
+      material.opacity = over ? 0.62 : 1;
   }
 
   update(frame, showContacts) {

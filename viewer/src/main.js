@@ -30,7 +30,7 @@ function showHeader(page, motions) {
   byId('subtitle').textContent = [
     robots.join(', '),
     seconds(first.duration),
-    `${first.frames} frames at ${Number(first.fps.toFixed(3))} fps`,
+    `${first.frames} ${first.frames === 1 ? 'frame' : 'frames'} at ${Number(first.fps.toFixed(3))} fps`,
   ].join(' \u00b7 ');
   for (const motion of motions) {
     if (!motion.report) continue;

@@ -12,11 +12,20 @@ const boundText = ({ min, max }) =>
 
 /** How many gates a motion misses, in words. */
 export function verdict(motion) {
-  const gates = motion.report.gates;
+  const { gates } = motion.report;
+  const measured = gates.filter((gate) => gate.value !== undefined).length;
   const missed = gates.filter((gate) => !gate.passed).length;
-  if (gates.length === 0) return { good: true, text: 'no gates' };
-  if (missed === 0) return { good: true, text: `all ${gates.length} gates kept` };
-  return { good: false, text: `${missed} of ${gates.length} gates missed` };
+  if (measured === 0) return { good: true, text: 'no gates' };
+  const rest = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
+  if (missed === 0) return { good: true, text: `all ${measured} gates kept${rest}` };
+  return { good: false, text: `${missed} of ${measured} gates missed${rest}` };
+}
+
+/** What became of a gate, as a table's cell has it. */
+function gateState(gate) {
+  if (gate?.value === undefined) return el('span', { class: 'quiet', title: 'not measured', text: '\u2013' });
+  const [mark, word] = gate.passed ? ['\u2713', 'good'] : ['\u2717', 'bad'];
+  return el('span', { class: `state ${word}`, text: `${mark} ${numberText(gate.value)}` });
 }
 
 function head(names, motions) {
@@ -38,19 +47,7 @@ function gateTable(motions) {
   const names = [...new Set(motions.flatMap((motion) => motion.report.gates.map((gate) => gate.metric)))];
   const rows = names.map((name) => {
     const gates = motions.map((motion) => motion.report.gates.find((gate) => gate.metric === name));
-    const cells = gates.map((gate) =>
-      el(
-        'td',
-        { class: 'number' },
-        gate === undefined
-          ? '\u2013'
-          : el(
-              'span',
-              { class: `state ${gate.passed ? 'good' : 'bad'}` },
-              `${gate.passed ? '\u2713' : '\u2717'} ${gate.value === undefined ? '\u2013' : numberText(gate.value)}`,
-            ),
-      ),
-    );
+    const cells = gates.map((gate) => el('td', { class: 'number' }, gateState(gate)));
     return {
       missed: gates.some((gate) => gate && !gate.passed),
       row: el(

@@ -92,7 +92,7 @@ export class World {
     });
     for (const human of this.humans) {
       human.group.visible = this.humanMode !== 'off';
-      human.setOpacity(this.humanMode === 'over' ? 0.45 : 1);
+      human.setOver(this.humanMode === 'over');
     }
     this.middle = (Math.max(...places) + Math.min(...places)) / 2;
     this.stage.setExtent(this.height, Math.max(...places) - Math.min(...places), this.heading);
