@@ -45,6 +45,7 @@ readonly kTestPackages='
 libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
 libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
+chromium           | chromium       | chromium      | chromium      | has_command chromium chromium-browser google-chrome
 '
 readonly kPythonPackages='
 python3-dev        | python3-devel  | python        | python        | has_python_headers

@@ -38,15 +38,16 @@ std::string title_of(std::span<const PageMotion> motions) {
 }  // namespace
 
 Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
-  const std::string title = options.title.empty() ? title_of(motions) : options.title;
-  TRY_ASSIGN(PageData data, page_data(motions, title));
+  PageOptions with_title = options;
+  if (with_title.title.empty()) with_title.title = title_of(motions);
+  TRY_ASSIGN(PageData data, page_data(motions, with_title));
   const std::string policy = "default-src 'none'; script-src " + kPageScript.policy_source() +
                              "; style-src " + kPageStyle.policy_source() +
                              "; base-uri 'none'; form-action 'none'";
   // in the order of the shell
   const std::array<std::pair<std::string_view, std::string>, 6> parts = {
       {{"@POLICY@", policy},
-       {"@TITLE@", xml_text(title)},
+       {"@TITLE@", xml_text(with_title.title)},
        {"@STYLE@", kPageStyle.text()},
        {"@HEADER@", std::move(data.header)},
        {"@TRACKS@", std::move(data.tracks)},
@@ -66,7 +67,7 @@ Result<std::string> view_page(const Motion& motion, const std::string& label,
   if (motion.plan.options.save.normalize_start) normalize_start(clip);
   const HumanClip human = to_human(*motion.source, motion.plan.human.calibration);
   const PageMotion shown{label, &clip, &human, report, &motion.plan.limits};
-  return view_page({&shown, 1}, {});
+  return view_page({&shown, 1});
 }
 
 }  // namespace retarget

@@ -40,7 +40,8 @@ struct PageData {
   std::string tracks;  ///< TrackPacker's.
 };
 
+/// @param options  with a title.
 [[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
-                                         const std::string& title);
+                                         const PageOptions& options);
 
 }  // namespace retarget

@@ -123,16 +123,20 @@ OptionTable inspect_table(InspectArguments& arguments) {
 }
 
 OptionTable view_table(ViewArguments& arguments) {
-  OptionTable table = {row("strip", arguments.strip, kOutputGroup, "N",
-                           "SVG: how many poses, from the first frame to the last",
-                           {.min = 1.0, .max = 100.0, .basic = true}),
-                       row("label", arguments.labels, kOutputGroup, "TEXT",
-                           "Page: what a motion is called, one for each; repeatable (default: the "
-                           "names of the files)",
-                           {.basic = true}),
-                       row("fps", arguments.fps, kTimeGroup, "N|source",
-                           "Page: rate of motions whose files give none, in frames per second, or "
-                           "`source`; the source is resampled to it (default: 30; SOMA 120)")};
+  OptionTable table = {
+      row("strip", arguments.strip, kOutputGroup, "N",
+          "SVG: how many poses, from the first frame to the last",
+          {.min = 1.0, .max = 100.0, .basic = true}),
+      row("label", arguments.labels, kOutputGroup, "TEXT",
+          "Page: what a motion is called, one for each; repeatable (default: the "
+          "names of the files)",
+          {.basic = true}),
+      row("meshes", arguments.meshes, kOutputGroup, "DIR",
+          "Page: draw STL and OBJ files that are named like bodies, in place of the "
+          "collision primitives"),
+      row("fps", arguments.fps, kTimeGroup, "N|source",
+          "Page: rate of motions whose files give none, in frames per second, or "
+          "`source`; the source is resampled to it (default: 30; SOMA 120)")};
   append(table, only(run_command_table(arguments.run),
                      {"output",     "bvh",    "smpl",      "smpl-model",    "start",
                       "lead-in",    "map",    "partial",   "rest",          "tpose-frame",

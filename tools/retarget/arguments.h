@@ -89,6 +89,7 @@ struct InspectArguments {
 struct ViewArguments : MeasureArguments {
   int strip = 6;                    ///< Poses of a picture.
   std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
+  std::string meshes;               ///< Folder for a page; empty: none.
 };
 
 /// What `retarget robots` does.
