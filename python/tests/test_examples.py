@@ -39,12 +39,3 @@ def test_a_folder(data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     told = capsys.readouterr().out
     assert "broken.bvh:3:1" in told and "walk.bvh: good" in told and "1 failed" in told
     assert len(list((tmp_path / "out").glob("*.npz"))) == 4
-
-
-def test_a_live_loop(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                     capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("time.sleep", lambda seconds: None)
-    run("03_live_loop.py", data / "wave.bvh", "unitree_g1", tmp_path / "wave.npy")
-    rows = np.load(tmp_path / "wave.npy")
-    assert rows.shape[1] == 36 and np.isfinite(rows).all()
-    assert f"{len(rows)} frames" in capsys.readouterr().out
