@@ -39,3 +39,8 @@ def test_a_folder(data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     told = capsys.readouterr().out
     assert "broken.bvh:3:1" in told and "walk.bvh: good" in told and "1 failed" in told
     assert len(list((tmp_path / "out").glob("*.npz"))) == 4
+
+
+def test_a_live_loop(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run("03_live.py", data / "walk.bvh", "unitree_g1")
+    assert "301 frames" in capsys.readouterr().out
