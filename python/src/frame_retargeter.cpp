@@ -7,9 +7,11 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <type_traits>
 
 #include "arrays.h"
 #include "base/try.h"
@@ -124,43 +126,45 @@ class SharedRetargeter {
       throw nb::python_error();
     }
     without_gil([&] {
-      const std::lock_guard lock(mutex_);
-      const std::span all(human.begin(), human.end());
-      return retargeter_.update_targets(all.first(names_.size()), {down, to_ground});
+      return locked([&] {
+        const std::span all(human.begin(), human.end());
+        return retargeter_.update_targets(all.first(names_.size()), {down, to_ground});
+      });
     });
   }
 
   nb::object solve() {
     std::vector<double> qpos;
     without_gil([&] {
-      const std::lock_guard lock(mutex_);
-      auto solved = retargeter_.solve();
-      qpos.assign(retargeter_.qpos().begin(), retargeter_.qpos().end());
-      return solved;
+      return locked([&] {
+        auto solved = retargeter_.solve();
+        qpos.assign(retargeter_.qpos().begin(), retargeter_.qpos().end());
+        return solved;
+      });
     });
-    return writable(qpos);
+    return writable(std::move(qpos));
   }
 
   [[nodiscard]] nb::object qpos() {
-    const std::lock_guard lock(mutex_);
-    return writable({retargeter_.qpos().begin(), retargeter_.qpos().end()});
+    return writable(locked(
+        [&] { return std::vector<double>(retargeter_.qpos().begin(), retargeter_.qpos().end()); }));
   }
   void set_qpos(const nb::object& qpos) {
     const GivenArray given(qpos, "qpos", {static_cast<std::int64_t>(retargeter_.qpos().size())});
-    const std::lock_guard lock(mutex_);
-    value_of(retargeter_.set_qpos(given.numbers()));
+    value_of(locked([&] { return retargeter_.set_qpos(given.numbers()); }));
   }
   [[nodiscard]] double error(int table) {
-    const std::lock_guard lock(mutex_);
-    return value_of(retargeter_.error(table));
+    return value_of(locked([&] { return retargeter_.error(table); }));
   }
 
   // names, positions (N, 3), rotations (N, 4) wxyz
   [[nodiscard]] nb::tuple targets() {
-    const std::lock_guard lock(mutex_);
+    const std::vector<Pose> world_from_target = locked([&] {
+      const auto poses = retargeter_.world_from_target();
+      return std::vector<Pose>(poses.begin(), poses.end());
+    });
     nb::list names;
     std::vector<double> positions, rotations;
-    const auto world_from_target = retargeter_.world_from_target();
     for (std::size_t i = 0; i < world_from_target.size(); ++i) {
       const auto& [rotation, position] = world_from_target[i];
       names.append(names_[retargeter_.target_bodies()[i]]);
@@ -182,6 +186,14 @@ class SharedRetargeter {
 
  private:
   [[nodiscard]] const Robot& robot() const { return *loaded_.robot.robot; }
+
+  // nothing of Python's is made or asked in there: that may let another thread go on, which may wait for
+  // the lock with the GIL in its hands
+  template <typename Function>
+  std::invoke_result_t<const Function&> locked(const Function& function) {
+    const std::lock_guard lock(mutex_);
+    return function();
+  }
 
   static nb::object find(const nb::object& human_data, const nb::object& name) {
     if (PyDict_Check(human_data.ptr())) {
@@ -211,7 +223,7 @@ class SharedRetargeter {
   Loaded loaded_;
   FrameRetargeter retargeter_;
   std::vector<nb::object> names_;  // of the human's bodies
-  std::mutex mutex_;  // never waited for while another thread holds it and wants the GIL
+  std::mutex mutex_;
 };
 
 void construct(SharedRetargeter* self, const nb::object& model, const nb::object& profile,

@@ -41,10 +41,6 @@ def test_a_folder(data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert len(list((tmp_path / "out").glob("*.npz"))) == 4
 
 
-def test_a_live_loop(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                     capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("time.sleep", lambda seconds: None)
-    run("03_live_loop.py", data / "wave.bvh", "unitree_g1", tmp_path / "wave.npy")
-    rows = np.load(tmp_path / "wave.npy")
-    assert rows.shape[1] == 36 and np.isfinite(rows).all()
-    assert f"{len(rows)} frames" in capsys.readouterr().out
+def test_a_live_loop(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run("03_live.py", data / "walk.bvh", "unitree_g1")
+    assert "301 frames" in capsys.readouterr().out
