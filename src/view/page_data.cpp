@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/located.h"
 #include "base/try.h"
 #include "human/contact_plan.h"
 #include "quality/body_tracks.h"
@@ -236,7 +237,8 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
 
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {
   PageWriter writer(options);
-  for (const PageMotion& motion : motions) TRY(writer.add(motion));
+  // who reads several files is told which it is
+  for (const PageMotion& motion : motions) TRY(located(writer.add(motion), motion.label));
   return writer.finish();
 }
 

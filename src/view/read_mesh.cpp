@@ -142,6 +142,9 @@ Result<TriangleMesh> read_mesh(std::string_view bytes, const std::string& file) 
     if (!vertex.allFinite()) return input_failure(file, "a vertex is not a finite number");
     largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
   }
+  if (largest > 1e3 * kLargest) {
+    return input_failure(file, "a vertex is more than 10 m away, even in millimetres");
+  }
   if (largest > kLargest) {
     for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= 1e-3;
   }

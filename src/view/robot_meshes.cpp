@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "base/file.h"
 #include "base/lower_case.h"
@@ -65,7 +66,11 @@ Result<std::vector<BodyMesh>> load_body_meshes(const Robot& robot, const std::st
     TRY_ASSIGN(const FileContent content, read_file(path->string(), ErrorKind::kInput, kMaxBytes,
                                                     "meshes for a page need not be that fine"));
     TRY_ASSIGN(const TriangleMesh mesh, read_mesh(content.view(), path->string()));
-    meshes.push_back({static_cast<int>(i), simplified(mesh, kMaxTriangles)});
+    TriangleMesh simple = simplified(mesh, kMaxTriangles);
+    // all at one place
+    if (simple.triangles.empty())
+      return input_failure(path->string(), "its triangles have no area");
+    meshes.push_back({static_cast<int>(i), std::move(simple)});
   }
   if (meshes.empty()) {
     return input_failure(folder, "no STL or OBJ file is named like a body of " + robot.name(),

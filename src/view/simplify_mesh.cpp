@@ -44,7 +44,7 @@ TriangleMesh clustered(const TriangleMesh& mesh, double side) {
                                   index_of[static_cast<std::size_t>(c)]};
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     // the smallest first, the sense of turning kept
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     if (known.insert(corners).second) result.triangles.push_back(corners);
   }
   return result;

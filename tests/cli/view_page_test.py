@@ -126,7 +126,7 @@ class PageFiles(ToolTest):
             "view", far, "--robot", "unitree_g1", "--source-unit", "m", "-o", "p.html"
         )
         self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertIn("too far away to be shown", result.stderr)
+        self.assertIn("far.csv: error: frame 0 has a position too far away", result.stderr)
         self.assertFalse((self.folder / "p.html").exists())
 
     def test_texts_can_be_read_in_light_and_dark(self):

@@ -62,6 +62,7 @@ void fuzz_urdf(std::string_view bytes);
 void fuzz_manifest(std::string_view bytes);
 void fuzz_sidecar(std::string_view bytes);
 void fuzz_plan(std::string_view bytes);
+void fuzz_mesh(std::string_view bytes);
 void fuzz_line(std::string_view bytes);
 
 }  // namespace retarget::fuzz

@@ -36,6 +36,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"manifest", fuzz_manifest},
     {"sidecar", fuzz_sidecar},
     {"plan", fuzz_plan},
+    {"mesh", fuzz_mesh},
     {"line", fuzz_line},
 });
 

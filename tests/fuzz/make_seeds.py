@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import pickle
+import struct
 import subprocess
 import tempfile
 import zipfile
@@ -137,6 +138,20 @@ def pickles():
     write("pickle", "gzip.joblib", gzip.compress(pickle.dumps(values, 4), mtime=0))
 
 
+def meshes():
+    """A box as STL of both kinds, and as OBJ with all ways to name a corner."""
+    corners = [[0.1 * (i >> axis & 1) for axis in range(3)] for i in range(8)]
+    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    triangles = [each for a, b, c, d in faces for each in ((a, b, c), (a, c, d))]
+    packed = b"".join(struct.pack("<12fH", 0, 0, 0, *(v for i in each for v in corners[i]), 0) for each in triangles)
+    write("mesh", "box.stl", bytes(80) + struct.pack("<I", len(triangles)) + packed)
+    loops = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*corners[i]) for i in each) +
+                    "endloop\nendfacet\n" for each in triangles)
+    write("mesh", "text.stl", f"solid box\n{loops}endsolid\n".encode())
+    points = "".join("v {} {} {}\n".format(*corner) for corner in corners)
+    write("mesh", "box.obj", f"# box\n{points}vn 0 0 1\nf 1//1 3//1 4 2/1/1\nf -8 -7 -3\n".encode())
+
+
 def robot_motions():
     """A few frames in every format that the tool writes, and a sidecar."""
     with tempfile.TemporaryDirectory() as name:
@@ -172,4 +187,5 @@ if __name__ == "__main__":
     arrays()
     body_model()
     pickles()
+    meshes()
     robot_motions()

@@ -87,6 +87,7 @@ TEST(ReadMesh, RefusesWhatIsNone) {
         {cut, "a.stl", "no triangles"},
         {std::string("vertex 1 2"), "a.stl", "three numbers"},
         {std::string("vertex 1 2 nan vertex 1 2 3 vertex 1 2 3"), "a.stl", "not a finite number"},
+        {std::string("v 1 2 3\nv 1 2 1e30\nv 0 0 0\nf 1 2 3"), "a.obj", "even in millimetres"},
         {std::string("v 1 2"), "a.obj", "three numbers"},
         {std::string("v 1 2 3\nf 1 2 3"), "a.obj", "that stand above"},
         {std::string("v 1 2 3\nf 1 1 -2"), "a.obj", "that stand above"},

@@ -1,4 +1,4 @@
-import { Choice, el, numberText } from './dom.js';
+import { Choice, el } from './dom.js';
 import { Plot } from './plot.js';
 import { cssColour, motionColour } from './theme.js';
 
@@ -139,7 +139,8 @@ export class JointsPanel {
           if (joint < 0) return '';
           const unit =
             (motion.robot.joints[joint].slides ? 'm' : 'rad') + (this.what === 'angle' ? '' : '/s');
-          return `${numberText(this.read(motion, joint, motion.frameAt(this.player.time)))}\u202f${unit}`;
+          const value = this.read(motion, joint, motion.frameAt(this.player.time));
+          return `${value.toFixed(3)}\u202f${unit}`;
         })
         .filter(Boolean)
         .join('  \u00b7  ');
