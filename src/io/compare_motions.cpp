@@ -10,9 +10,9 @@
 
 #include "base/npz.h"
 #include "base/option_name.h"
+#include "base/pickle.h"
 #include "base/try.h"
 #include "io/csv_table.h"
-#include "io/pickle.h"
 
 namespace retarget {
 namespace {

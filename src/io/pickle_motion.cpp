@@ -4,9 +4,9 @@
 #include <set>
 
 #include "base/option_name.h"
+#include "base/pickle.h"
 #include "base/suggest.h"
 #include "base/try.h"
-#include "io/pickle.h"
 #include "io/raw_motion.h"
 
 namespace retarget {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/npz_writer.h"
+#include "base/pickle_writer.h"
 #include "base/try.h"
-#include "io/pickle_writer.h"
 #include "math/so3.h"
 #include "robot/variant.h"
 

@@ -10,6 +10,7 @@ import os
 import pathlib
 import pickle
 import subprocess
+import sys
 import tempfile
 import zipfile
 import zlib
@@ -17,6 +18,8 @@ import zlib
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "cli"))
+import torch_writer  # noqa: E402
 SEEDS = ROOT / "tests" / "fuzz" / "seeds"
 TOOL = pathlib.Path(os.environ["RETARGET_TOOL"]).resolve()
 
@@ -137,6 +140,24 @@ def pickles():
     write("pickle", "gzip.joblib", gzip.compress(pickle.dumps(values, 4), mtime=0))
 
 
+def torch_files():
+    """GVHMR's form, InterMimic's, a dictionary like an NPZ, and what is refused; as files and as
+    the pickles in them (whose storages the target has)."""
+    motion = {"root_orient": np.zeros((2, 3), "f4"), "pose_body": np.zeros((2, 63), "f4"),
+              "trans": np.zeros((2, 9), "f4")[:, 3:6], "gender": "male", "fps": 30}
+    world = {"global_orient": motion["root_orient"], "body_pose": motion["pose_body"],
+             "transl": np.zeros((3, 2), "f4").T, "betas": np.zeros((2, 10), "f4")}
+    evil = torch_writer.named("os", "system") + b"(X\x02\x00\x00\x00idtR"
+    small = {"poses": np.zeros((1, 99), "f4")[:, :66], "trans": np.zeros((33, 3), "f4")[:1], "fps": 30.0}
+    rows = np.zeros((2, 591), "f4")
+    rows[:, 6] = 1
+    for name, value in (("motion", motion), ("gvhmr", {"smpl_params_global": world}), ("evil", evil),
+                        ("intermimic", rows), ("weights", {"a": np.zeros(3, "f2"), "b": [1, None]})):
+        write("torch", name + ".pt", torch_writer.torch_bytes(value))
+    for name, value in (("small", small), ("tensor", np.zeros((3, 33), "f4")), ("evil", evil)):
+        write("torch", name + ".pkl", torch_writer.TorchPickle().value(value) + b".")
+
+
 def robot_motions():
     """A few frames in every format that the tool writes, and a sidecar."""
     with tempfile.TemporaryDirectory() as name:
@@ -172,4 +193,5 @@ if __name__ == "__main__":
     arrays()
     body_model()
     pickles()
+    torch_files()
     robot_motions()
