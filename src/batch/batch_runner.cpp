@@ -50,7 +50,7 @@ std::string ending_of(const BatchInput& input) {
 }
 
 std::uint64_t memory_of(const BatchInput& input) {
-  return kMemoryOfClip + input.bytes * (ending_of(input) == ".npz" ? kMemoryOfNpz : kMemoryOfBvh);
+  return kMemoryOfClip + input.bytes * (ending_of(input) == ".bvh" ? kMemoryOfBvh : kMemoryOfNpz);
 }
 
 // what an answer begins with; the manifest's line follows

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <map>
@@ -29,10 +30,12 @@ constexpr std::string_view kPatternLetters = "*?[";
 // millions of names; a pipe without an end has more
 constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 
-// .bvh or .npz in any letter case
+// of motions' files, in any letter case; pickles are as often a robot's, and are named one by one
+constexpr std::array<std::string_view, 4> kEndings = {".bvh", ".npz", ".pt", ".npy"};
+
 bool has_motion_ending(const std::string& name) {
   const std::string end = lower_case(fs::path(name).extension().string());
-  return end == ".bvh" || end == ".npz";
+  return std::ranges::find(kEndings, end) != kEndings.end();
 }
 
 // also of one that ends in a slash
@@ -244,7 +247,7 @@ Result<FoundInputs> InputFinder::run() {
   }
   if (found_.inputs.empty()) {
     return input_failure(search_.names.empty() ? "" : search_.names.front(),
-                         "there is no .bvh or .npz file to retarget");
+                         "there is no .bvh, .npz, .pt or .npy file to retarget");
   }
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);
@@ -266,8 +269,9 @@ Result<FoundInputs> find_inputs(const InputSearch& search) {
 }
 
 std::string output_stem(const std::string& relative) {
+  const std::size_t ending = fs::path(relative).extension().string().size();
   return has_motion_ending(fs::path(relative).filename().string())
-             ? relative.substr(0, relative.size() - 4)
+             ? relative.substr(0, relative.size() - ending)
              : relative;
 }
 

@@ -40,8 +40,8 @@ struct FoundInputs {
   std::vector<std::string> notes;  ///< What was skipped and why, one line each.
 };
 
-/// Finds the motion files: in folders all whose name ends in .bvh or .npz in any letter case, else
-/// those that are named. A folder that cannot be read is an input itself, whose reading fails.
+/// Finds the motion files: in folders all whose name ends in .bvh, .npz, .pt or .npy in any letter
+/// case, else those that are named. A folder that cannot be read is an input itself, whose reading fails.
 ///
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in
 /// folders, and the `._NAME` files of macOS archives, are skipped. A file of a list that is not
@@ -50,7 +50,7 @@ struct FoundInputs {
 /// output folder, are kUsage errors.
 [[nodiscard]] Result<FoundInputs> find_inputs(const InputSearch& search);
 
-/// The relative path without its .bvh or .npz: where outputs of an input go, but for their ending.
+/// The relative path without such an ending: where outputs of an input go, but for their ending.
 [[nodiscard]] std::string output_stem(const std::string& relative);
 
 /// Two inputs whose outputs would be the same file are a kUsage error that names them.

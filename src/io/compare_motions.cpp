@@ -13,9 +13,9 @@
 #include "base/npy.h"
 #include "base/npz.h"
 #include "base/option_name.h"
+#include "base/pickle.h"
 #include "base/try.h"
 #include "io/csv_table.h"
-#include "io/pickle.h"
 #include "retarget/robot.h"
 
 namespace retarget {

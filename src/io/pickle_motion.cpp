@@ -8,9 +8,9 @@
 
 #include "base/npy.h"
 #include "base/option_name.h"
+#include "base/pickle.h"
 #include "base/suggest.h"
 #include "base/try.h"
-#include "io/pickle.h"
 #include "io/raw_motion.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/npz_writer.h"
+#include "base/pickle_writer.h"
 #include "base/try.h"
 #include "io/gltf_motion.h"
-#include "io/pickle_writer.h"
 #include "math/so3.h"
 #include "retarget/clip.h"
 #include "retarget/motion.h"

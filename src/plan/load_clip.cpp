@@ -15,6 +15,7 @@
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
+#include "smpl/motion_file.h"
 #include "smpl/read_smpl.h"
 #include "smpl/smpl_body.h"
 
@@ -51,7 +52,9 @@ Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
   TRY_ASSIGN(SmplMotion motion, read_smpl(bytes, name, read));
   if (motion.approximate_body) {
     motion.warnings.push_back({0, 0,
-                               "bone lengths are those of a generic body, approximately; " OPTION(
+                               "bone lengths and the zero pose are those of a generic body, "
+                               "approximately: limbs may point "
+                               "up to 20 degrees elsewhere; " OPTION(
                                    "smpl-model") " FILE takes them from your body model"});
   }
   motion.clip.set_origin({name, bytes.size(), motion.height, std::move(motion.warnings)});
@@ -63,8 +66,7 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   TRY(check_no_folder(file));
   TRY_ASSIGN(const auto bytes,
              read_file(file, ErrorKind::kInput, memory_share(options.memory_gb), kLargeFileHint));
-  // archives hold NPZ, and no BVH file begins like one
-  const bool is_smpl = options.smpl || bytes.view().starts_with("PK\x03\x04");
+  const bool is_smpl = options.smpl || looks_like_motion_file(bytes.view());
   if (is_smpl) return load_smpl_clip(bytes.view(), name, options);
   if (!options.smpl_model.empty()) {
     return usage_failure(

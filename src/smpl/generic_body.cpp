@@ -77,4 +77,31 @@ SmplRestBody generic_smpl_rest_body(double height) {
   return body;
 }
 
+std::optional<SmplRestBody> smpl_rest_body_of_offsets(std::span<const Eigen::Vector3d> offsets) {
+  constexpr double kLongestBone = 1.0, kLeastTrunk = 0.2, kLeastLeg = 0.2;
+  SmplRestBody body;
+  for (int joint = 0; joint < kSmplJointCount; ++joint) {
+    if (joint > 0 && !(offsets[joint].norm() < kLongestBone)) return std::nullopt;
+    const int parent = kSmplParents[joint];
+    body.joints[joint] =
+        parent < 0 ? Eigen::Vector3d(0, 0, 0) : body.joints[parent] + offsets[joint];
+  }
+  constexpr int kLeftHipJoint = 1, kRightHipJoint = 2, kLeftAnkleJoint = 7, kRightAnkleJoint = 8,
+                kHeadJoint = 15, kLeftElbowJoint = 18, kRightElbowJoint = 19;
+  const auto& at = body.joints;
+  const double ankles = 0.5 * (at[kLeftAnkleJoint] + at[kRightAnkleJoint]).y();
+  const bool stands = at[kHeadJoint].y() > kLeastTrunk && ankles < -kLeastLeg &&
+                      at[kLeftHipJoint].x() > at[kRightHipJoint].x() &&
+                      at[kLeftElbowJoint].x() > at[kLeftHipJoint].x() &&
+                      at[kRightElbowJoint].x() < at[kRightHipJoint].x();
+  if (!stands) return std::nullopt;
+  body.height = (at[kHeadJoint].y() - ankles) / (kHead.up - kAnkle);
+  const SmplRestBody generic = generic_smpl_rest_body(body.height);
+  for (int tip = 0; tip < kSmplTipCount; ++tip) {
+    const int joint = kSmplTipJoints[tip];
+    body.tips[tip] = at[joint] + generic.tips[tip] - generic.joints[joint];
+  }
+  return body;
+}
+
 }  // namespace retarget

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,6 +27,15 @@ constexpr std::size_t kSmplxColumns = 165;
 
 constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
 
+// rotations in one array, and in two: the pelvis, the body. The first that a file has are read;
+// AMASS, smplx, AIST++, and fits to video name them so
+constexpr std::array<const char*, 4> kWholePoses = {"poses", "fullpose", "smpl_poses",
+                                                    "pose_world"};
+constexpr std::array<std::pair<const char*, const char*>, 2> kPartedPoses = {
+    {{"root_orient", "pose_body"}, {"global_orient", "body_pose"}}};
+constexpr std::array<const char*, 4> kTranslations = {"trans", "transl", "smpl_trans",
+                                                      "trans_world"};
+
 // numbers in rows, one row a frame
 struct Table {
   std::vector<double> values;
@@ -44,6 +54,18 @@ std::size_t width_of(const std::vector<std::size_t>& shape) {
   return shape.size() == 3 && shape[2] == 3 && shape[1] < kSmplxColumns ? 3 * shape[1] : 0;
 }
 
+const char* first_of(const ArraySource& file, std::span<const char* const> names) {
+  const auto found = std::ranges::find_if(names, [&](const char* name) { return file.has(name); });
+  return found == names.end() ? nullptr : *found;
+}
+
+const std::pair<const char*, const char*>* parted_poses(const ArraySource& file) {
+  const auto found = std::ranges::find_if(kPartedPoses, [&](const auto& names) {
+    return file.has(names.first) && file.has(names.second);
+  });
+  return found == kPartedPoses.end() ? nullptr : &*found;
+}
+
 std::string fault_of(double value) {
   if (std::isfinite(value)) {
     return fmt::format("expected rotation vectors in radians, found {:f}", value);
@@ -53,7 +75,7 @@ std::string fault_of(double value) {
 
 class MotionReader {
  public:
-  explicit MotionReader(const NpzFile& file) : file_(file) {}
+  MotionReader(const ArraySource& file, const MotionKind& kind) : file_(file), kind_(kind) {}
 
   Result<MotionArrays> read(std::optional<double> source_fps) {
     TRY(read_rotations());
@@ -62,6 +84,7 @@ class MotionReader {
     TRY(read_betas());
     TRY(read_gender());
     TRY(read_family());
+    TRY(read_rest_offsets());
     return std::move(arrays_);
   }
 
@@ -103,24 +126,25 @@ class MotionReader {
   Result<void> read_rotations() {
     // no joint turns so often: these are degrees, or no rotations at all
     constexpr double kMaxRadians = 100.0;
-    const bool split = file_.has("root_orient") && file_.has("pose_body");
-    if (!split && !file_.has("poses")) return no_motion();
     std::vector<Table> tables;
-    if (split) {
-      TRY_ASSIGN(Table root, read_table("root_orient", {kRootColumns}, kMaxRadians));
+    if (const auto* parts = parted_poses(file_)) {
+      TRY_ASSIGN(Table root, read_table(parts->first, {kRootColumns}, kMaxRadians));
       // 69: with SMPL's two hand joints
-      TRY_ASSIGN(Table body,
-                 read_table("pose_body", {kBodyColumns, kSmplColumns - kRootColumns}, kMaxRadians));
+      TRY_ASSIGN(Table body, read_table(parts->second, {kBodyColumns, kSmplColumns - kRootColumns},
+                                        kMaxRadians));
       if (root.rows != body.rows) {
-        return other_length("pose_body", body, "root_orient has", root.rows);
+        return other_length(parts->second, body, (std::string(parts->first) + " has").c_str(),
+                            root.rows);
       }
       tables = {std::move(root), std::move(body)};
-    } else {
+    } else if (const char* whole = first_of(file_, kWholePoses)) {
       TRY_ASSIGN(Table poses,
-                 read_table("poses", {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
+                 read_table(whole, {kUsedColumns, kSmplColumns, kSmplhColumns, kSmplxColumns},
                             kMaxRadians));
       pose_width_ = poses.width;
       tables = {std::move(poses)};
+    } else {
+      return no_motion();
     }
     const std::size_t rows = tables.front().rows;
     arrays_.frame_count = static_cast<int>(rows);
@@ -136,21 +160,34 @@ class MotionReader {
   }
 
   Result<void> read_translations() {
-    TRY_ASSIGN(const auto trans, read_table("trans", {3}));
+    const char* found = first_of(file_, kTranslations);
+    const char* name = found != nullptr ? found : kTranslations.front();
+    TRY_ASSIGN(const auto trans, read_table(name, {3}));
     if (trans.rows != static_cast<std::size_t>(arrays_.frame_count)) {
-      return other_length("trans", trans, "the rotations have", arrays_.frame_count);
+      return other_length(name, trans, "the rotations have", arrays_.frame_count);
     }
+    TRY_ASSIGN(const auto scale, read_scaling(name));
     for (std::size_t row = 0; row < trans.rows; ++row) {
-      arrays_.translations.push_back(trans.vector(row, 0));
+      arrays_.translations.push_back(trans.vector(row, 0) / scale);
     }
     return {};
+  }
+
+  // AIST++: the body is so many times as large as the model, and stands in its own unit
+  Result<double> read_scaling(std::string_view translations) const {
+    constexpr const char* kName = "smpl_scaling";
+    if (translations != "smpl_trans" || !file_.has(kName)) return 1.0;
+    TRY_ASSIGN(const auto array, file_.read(kName));
+    const auto values = array.is_number() ? array.numbers() : std::vector<double>();
+    if (values.size() == 1 && std::isfinite(values[0]) && values[0] > 0.0) return values[0];
+    return file_.array_failure(kName, "expected one number above 0");
   }
 
   Failure no_motion() const {
     std::string hint;
     if (file_.has("v_template")) {
       hint = "this is a body model, not a motion: give it as " OPTION("smpl-model");
-    } else if (file_.has("betas")) {
+    } else if (file_.has("betas") && !file_.has("global_orient") && !file_.has("body_pose")) {
       hint =
           "AMASS keeps only the body in shape.npz and *_stagei.npz; motions are *_poses.npz and "
           "*_stageii.npz";
@@ -158,7 +195,7 @@ class MotionReader {
     return file_.file_failure(
         "expected an SMPL motion with the arrays \"poses\", or \"root_orient\" and \"pose_body\"; "
         "found " +
-            (file_.names().empty() ? "no arrays at all" : list_names(file_.names())),
+            (file_.names().empty() ? "no arrays at all" : list_names(file_.names(), 20)),
         hint);
   }
 
@@ -183,6 +220,11 @@ class MotionReader {
       first = name;
     }
     if (first != nullptr) return {};
+    if (kind_.fps) {
+      arrays_.rate = frame_rate_from_fps(*kind_.fps);
+      if (!kind_.fps_reason.empty()) warn(kind_.fps_reason);
+      return {};
+    }
     return file_.file_failure(
         "no frame rate: found none of mocap_framerate, mocap_frame_rate and fps",
         std::string(kRateHint));
@@ -205,7 +247,7 @@ class MotionReader {
 
   Result<void> read_betas() {
     if (!file_.has("betas")) {
-      warn("no betas: a body of average shape is assumed");
+      if (!kind_.has_no_betas) warn("no betas: a body of average shape is assumed");
       return {};
     }
     TRY_ASSIGN(const auto array, file_.read("betas"));
@@ -238,7 +280,8 @@ class MotionReader {
 
   Result<void> read_gender() {
     if (!file_.has("gender")) {
-      warn("no gender");
+      arrays_.gender = kind_.gender;
+      if (kind_.gender.empty()) warn("no gender");
       return {};
     }
     TRY_ASSIGN(auto word, read_word("gender"));
@@ -265,6 +308,7 @@ class MotionReader {
   }
 
   Result<void> read_family() {
+    arrays_.family = kind_.family;
     if (file_.has("surface_model_type")) {
       TRY_ASSIGN(const auto word, read_word("surface_model_type"));
       if (word.starts_with("smplx")) arrays_.family = SmplFamily::kSmplx;
@@ -280,17 +324,48 @@ class MotionReader {
     return {};
   }
 
+  // where each joint is from its parent in the zero pose: OMOMO's sequences tell it
+  Result<void> read_rest_offsets() {
+    constexpr const char* kName = "rest_offsets";
+    arrays_.body = kind_.body;
+    if (!file_.has(kName)) return {};
+    TRY_ASSIGN(const auto array, file_.read(kName));
+    const bool fits = array.is_number() && array.shape.size() == 2 && array.shape[1] == 3 &&
+                      array.shape[0] >= kSmplJointCount && array.shape[0] <= kSmplxColumns / 3;
+    if (!fits) {
+      return file_.array_failure(
+          kName, fmt::format("expected numbers of shape ({} or more, 3), found {}", kSmplJointCount,
+                             shape_text(array.shape)));
+    }
+    const std::vector<double> numbers = array.numbers();
+    std::vector<Eigen::Vector3d> offsets;
+    for (int joint = 0; joint < kSmplJointCount; ++joint) {
+      offsets.emplace_back(Eigen::Map<const Eigen::Vector3d>(numbers.data() + 3 * joint));
+    }
+    arrays_.body = smpl_rest_body_of_offsets(offsets);
+    if (arrays_.body) return {};
+    return file_.array_failure(kName,
+                               "these are no offsets of a body's joints from their parents, in "
+                               "metres with y up and x to the left");
+  }
+
   void warn(std::string message) { arrays_.warnings.push_back({0, 0, std::move(message)}); }
 
-  const NpzFile& file_;
+  const ArraySource& file_;
+  const MotionKind& kind_;
   MotionArrays arrays_;
   std::size_t pose_width_ = 0;  // of `poses`, 0 without
 };
 
 }  // namespace
 
-Result<MotionArrays> read_motion_arrays(const NpzFile& file, std::optional<double> source_fps) {
-  return MotionReader(file).read(source_fps);
+bool has_motion(const ArraySource& file) {
+  return parted_poses(file) != nullptr || first_of(file, kWholePoses) != nullptr;
+}
+
+Result<MotionArrays> read_motion_arrays(const ArraySource& file, const MotionKind& kind,
+                                        std::optional<double> source_fps) {
+  return MotionReader(file, kind).read(source_fps);
 }
 
 }  // namespace retarget

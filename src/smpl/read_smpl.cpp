@@ -6,13 +6,14 @@
 #include <span>
 #include <utility>
 
-#include "base/npz.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "math/so3.h"
 #include "motion/clip_size.h"
 #include "smpl/motion_arrays.h"
+#include "smpl/motion_file.h"
+#include "smpl/translation_unit.h"
 
 namespace retarget {
 namespace {
@@ -27,7 +28,7 @@ bool is_positive(std::optional<double> value) {
   return !value || (std::isfinite(*value) && *value > 0.0);
 }
 
-Result<SmplRestBody> generic_rest_body(const NpzFile& file, const std::vector<double>& betas,
+Result<SmplRestBody> generic_rest_body(const ArraySource& file, const std::vector<double>& betas,
                                        std::optional<double> height) {
   if (height) return generic_smpl_rest_body(*height);
   const double guess = kMeanHeight + (betas.empty() ? 0.0 : kHeightPerBeta * betas.front());
@@ -62,7 +63,25 @@ SmplRestBody model_rest_body(const SmplBody& body, MotionArrays& arrays) {
   return smpl_rest_body(body, arrays.betas);
 }
 
-Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body) {
+// the user's model, the file's own bones, the generic body, whichever comes first: a model without
+// betas is a stranger's, for which the file's bones are not given up
+Result<SmplRestBody> rest_body_of(const ArraySource& file, MotionArrays& arrays,
+                                  const SmplReadOptions& options) {
+  const bool has_own = arrays.body.has_value();
+  if (options.body != nullptr && !(has_own && arrays.betas.empty())) {
+    return model_rest_body(*options.body, arrays);
+  }
+  if (has_own) return *arrays.body;
+  return generic_rest_body(file, arrays.betas, options.height);
+}
+
+// @param y_is_up  the file's world has y up; it is turned to z
+Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body, bool y_is_up) {
+  // exact: x stays, y becomes z
+  const auto with_z_up = [](const Eigen::Vector3d& v) {
+    return Eigen::Vector3d(v.x(), -v.z(), v.y());
+  };
+  const Eigen::Quaterniond z_up_from_y_up(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
   Clip clip(smpl_skeleton(body), arrays.rate, arrays.frame_count);
   const std::span<const int> order = smpl_skeleton_order();
   for (int frame = 0; frame < arrays.frame_count; ++frame) {
@@ -72,20 +91,23 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body) {
       rotations[joint] = exp_so3(arrays.rotations[first + static_cast<std::size_t>(order[joint])]);
     }
     // the models turn about the pelvis, so its own place is never turned
-    clip.translations(frame)[0] = arrays.translations[frame] + body.joints[0];
+    Eigen::Vector3d& pelvis = clip.translations(frame)[0];
+    pelvis = arrays.translations[frame] + body.joints[0];
+    if (!y_is_up) continue;
+    pelvis = with_z_up(pelvis);
+    rotations[0] = z_up_from_y_up * rotations[0];
   }
   return clip;
 }
 
 Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_name,
                                const SmplReadOptions& options) {
-  NpzReadOptions npz;
-  npz.max_number_bytes = options.max_clip_bytes;
-  TRY_ASSIGN(const auto file, NpzFile::open(bytes, file_name, npz));
-  TRY_ASSIGN(auto arrays, read_motion_arrays(file, options.source_fps));
-  TRY_ASSIGN(const auto body, options.body != nullptr
-                                  ? model_rest_body(*options.body, arrays)
-                                  : generic_rest_body(file, arrays.betas, options.height));
+  TRY_ASSIGN(auto opened, open_motion_file(bytes, file_name, options.max_clip_bytes));
+  const ArraySource& file = *opened.arrays;
+  TRY_ASSIGN(auto arrays, read_motion_arrays(file, opened.kind, options.source_fps));
+  arrays.warnings.insert(arrays.warnings.end(), opened.warnings.begin(), opened.warnings.end());
+  const bool own_body = arrays.body.has_value();
+  TRY_ASSIGN(const auto body, rest_body_of(file, arrays, options));
   const std::size_t needed =
       static_cast<std::size_t>(arrays.frame_count) * frame_bytes(*smpl_skeleton(body));
   if (needed > options.max_clip_bytes) {
@@ -95,8 +117,17 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
             number_text(static_cast<double>(options.max_clip_bytes) / 1e6, 1) + " MB are allowed",
         OPTION("memory") " allows more; or split the motion");
   }
-  return SmplMotion{clip_of(arrays, body),     arrays.family,           std::move(arrays.gender),
-                    std::move(arrays.betas),   options.body == nullptr, body.height,
+  if (const auto unit = find_translation_unit(arrays, body)) {
+    for (Eigen::Vector3d& place : arrays.translations) place *= unit->metres;
+    arrays.warnings.push_back({0, 0, unit->reason});
+  }
+  Clip clip = clip_of(arrays, body, opened.kind.y_is_up);
+  return SmplMotion{std::move(clip),
+                    arrays.family,
+                    std::move(arrays.gender),
+                    std::move(arrays.betas),
+                    options.body == nullptr && !own_body,
+                    body.height,
                     std::move(arrays.warnings)};
 }
 

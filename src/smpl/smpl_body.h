@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,9 @@ inline constexpr std::array<int, kSmplJointCount> kSmplParents = {
 enum SmplTip : std::uint8_t { kHeadTop, kLeftToes, kRightToes, kLeftFingers, kRightFingers };
 inline constexpr int kSmplTipCount = 5;
 
+/// The joint that each tip ends, by SmplTip: head, left and right foot, left and right wrist.
+inline constexpr std::array<int, kSmplTipCount> kSmplTipJoints = {15, 10, 11, 20, 21};
+
 /// Models whose betas mean the same shapes.
 enum class SmplFamily : std::uint8_t {
   kUnknown,
@@ -52,6 +56,14 @@ struct SmplRestBody {
 /// in it comes from a body model. The origin is the pelvis.
 /// @param height  in metres, above 0.
 [[nodiscard]] SmplRestBody generic_smpl_rest_body(double height);
+
+/// The body whose joints are at these offsets from their parents in the zero pose, as some motions
+/// have them; that of the pelvis is not looked at. The origin is the pelvis. Tips and height are
+/// those of the generic body with the same head above the same ankles.
+/// @param offsets  by kSmplJointNames, metres, in the models' axes.
+/// @return nothing where these are no joints of a body in metres that stands in a T-pose.
+[[nodiscard]] std::optional<SmplRestBody> smpl_rest_body_of_offsets(
+    std::span<const Eigen::Vector3d> offsets);
 
 /// The user's own body model, cut down to what joints need: each point is linear in the betas.
 struct SmplBody {

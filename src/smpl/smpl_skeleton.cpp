@@ -14,9 +14,6 @@ namespace {
 constexpr std::array<int, kSmplJointCount> kDepthFirst = {
     0, 1, 4, 7, 10, 2, 5, 8, 11, 3, 6, 9, 12, 15, 13, 16, 18, 20, 14, 17, 19, 21};
 
-// by SmplTip: head, left and right foot, left and right wrist
-constexpr std::array<int, kSmplTipCount> kJointOfTip = {15, 10, 11, 20, 21};
-
 }  // namespace
 
 std::span<const int> smpl_skeleton_order() {
@@ -40,8 +37,9 @@ std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body) {
       joint.parent = place[parent];
       joint.offset -= body.joints[parent];
     }
-    for (std::size_t tip = 0; tip < kJointOfTip.size(); ++tip) {
-      if (kJointOfTip[tip] == index) joint.end_sites.push_back(body.tips[tip] - body.joints[index]);
+    for (std::size_t tip = 0; tip < kSmplTipJoints.size(); ++tip) {
+      if (kSmplTipJoints[tip] == index)
+        joint.end_sites.push_back(body.tips[tip] - body.joints[index]);
     }
     joints.push_back(std::move(joint));
   }

@@ -1,4 +1,4 @@
-// Any bytes as a file of arrays: NPY, NPZ, an SMPL motion or model, a pickle.
+// Any bytes as a file of arrays: NPY, NPZ, an SMPL motion or model, a pickle, a file of PyTorch.
 
 #include <cmath>
 #include <cstddef>
@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "base/npz.h"
+#include "base/pickle.h"
+#include "base/torch_file.h"
 #include "fuzz/fuzz_target.h"
-#include "io/pickle.h"
 #include "smpl/read_smpl.h"
 #include "support/npz_builder.h"
 #include "support/read_npy.h"
@@ -66,6 +67,20 @@ void check_pickle(std::string_view bytes) {
   }
 }
 
+// all tensors that the root names, each only so far as its storage is there
+void check_torch(std::string_view bytes) {
+  const auto file = TorchFile::open(bytes, "fuzz.pt");
+  if (!good(file)) return;
+  const PickleDocument& document = file->document();
+  const auto check = [&](const PickleNode& node) {
+    if (node.kind == PickleNode::Kind::kTensor) check_array(file->read(node, "tensor"));
+  };
+  check(document.root());
+  for (const std::string& key : document.keys(document.root())) {
+    check(*document.find(document.root(), key));
+  }
+}
+
 }  // namespace
 
 void fuzz_npy(std::string_view bytes) {
@@ -102,6 +117,21 @@ void fuzz_smpl_body(std::string_view bytes) {
 void fuzz_pickle(std::string_view bytes) {
   check_pickle(bytes);
   check_pickle("\x80\x04" + std::string(bytes));
+}
+
+// checksums keep most changes of a whole file away, so the bytes are its pickle as well
+void fuzz_torch(std::string_view bytes) {
+  check_torch(bytes);
+  check_motion(bytes);
+  NpzBuilder archive;
+  archive.add_entry("fuzz/data.pkl", "\x80\x02" + std::string(bytes), {});
+  archive.add_entry("fuzz/byteorder", "little", {});
+  for (const char* key : {"0", "1", "2", "3"}) {
+    archive.add_entry(std::string("fuzz/data/") + key, std::string(396, '\x3c'), {});
+  }
+  const std::string file = archive.build();
+  check_torch(file);
+  check_motion(file);
 }
 
 }  // namespace retarget::fuzz

@@ -46,6 +46,7 @@ void fuzz_smpl(std::string_view bytes);
 void fuzz_smpl_arrays(std::string_view bytes);
 void fuzz_smpl_body(std::string_view bytes);
 void fuzz_pickle(std::string_view bytes);
+void fuzz_torch(std::string_view bytes);
 void fuzz_csv(std::string_view bytes);
 void fuzz_motion(std::string_view bytes);
 void fuzz_motion_table(std::string_view bytes);

@@ -20,6 +20,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"smpl_arrays", fuzz_smpl_arrays},
     {"smpl_body", fuzz_smpl_body},
     {"pickle", fuzz_pickle},
+    {"torch", fuzz_torch},
     {"csv", fuzz_csv},
     {"motion", fuzz_motion},
     {"motion_table", fuzz_motion_table},

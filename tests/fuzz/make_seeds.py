@@ -11,6 +11,7 @@ import pathlib
 import pickle
 import struct
 import subprocess
+import sys
 import tempfile
 import zipfile
 import zlib
@@ -18,6 +19,8 @@ import zlib
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "cli"))
+import torch_writer  # noqa: E402
 SEEDS = ROOT / "tests" / "fuzz" / "seeds"
 TOOL = pathlib.Path(os.environ["RETARGET_TOOL"]).resolve()
 
@@ -150,6 +153,22 @@ def meshes():
     write("mesh", "text.stl", f"solid box\n{loops}endsolid\n".encode())
     points = "".join("v {} {} {}\n".format(*corner) for corner in corners)
     write("mesh", "box.obj", f"# box\n{points}vn 0 0 1\nf 1//1 3//1 4 2/1/1\nf -8 -7 -3\n".encode())
+def torch_files():
+    """GVHMR's form, InterMimic's, a dictionary like an NPZ, and what is refused; as files and as
+    the pickles in them (whose storages the target has)."""
+    motion = {"root_orient": np.zeros((2, 3), "f4"), "pose_body": np.zeros((2, 63), "f4"),
+              "trans": np.zeros((2, 9), "f4")[:, 3:6], "gender": "male", "fps": 30}
+    world = {"global_orient": motion["root_orient"], "body_pose": motion["pose_body"],
+             "transl": np.zeros((3, 2), "f4").T, "betas": np.zeros((2, 10), "f4")}
+    evil = torch_writer.named("os", "system") + b"(X\x02\x00\x00\x00idtR"
+    small = {"poses": np.zeros((1, 99), "f4")[:, :66], "trans": np.zeros((33, 3), "f4")[:1], "fps": 30.0}
+    rows = np.zeros((2, 591), "f4")
+    rows[:, 6] = 1
+    for name, value in (("motion", motion), ("gvhmr", {"smpl_params_global": world}), ("evil", evil),
+                        ("intermimic", rows), ("weights", {"a": np.zeros(3, "f2"), "b": [1, None]})):
+        write("torch", name + ".pt", torch_writer.torch_bytes(value))
+    for name, value in (("small", small), ("tensor", np.zeros((3, 33), "f4")), ("evil", evil)):
+        write("torch", name + ".pkl", torch_writer.TorchPickle().value(value) + b".")
 
 
 def robot_motions():
@@ -188,4 +207,5 @@ if __name__ == "__main__":
     body_model()
     pickles()
     meshes()
+    torch_files()
     robot_motions()

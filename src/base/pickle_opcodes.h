@@ -14,6 +14,7 @@ enum class PickleOp : std::uint8_t {
   kBinInt1 = 'K',
   kBinInt2 = 'M',
   kNone = 'N',
+  kBinPersId = 'Q',  // in files of PyTorch alone
   kReduce = 'R',
   kBinUnicode = 'X',
   kAppend = 'a',

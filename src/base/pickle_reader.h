@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/npy_stream.h"
-#include "io/pickle.h"
-#include "io/pickle_opcodes.h"
+#include "base/pickle.h"
+#include "base/pickle_opcodes.h"
 #include "retarget/error.h"
 
 namespace retarget {
@@ -16,8 +16,12 @@ namespace retarget {
 /// Walks over a pickle's opcodes and builds its document; see read_pickle.
 class PickleReader {
  public:
-  PickleReader(std::string_view bytes, std::string file, PickleDocument& document)
-      : bytes_(bytes), file_(std::move(file)), document_(document) {}
+  /// What may be in a pickle beside plain values and NumPy arrays.
+  enum class Dialect : std::uint8_t { kPlain, kTorch };
+
+  PickleReader(std::string_view bytes, std::string file, PickleDocument& document,
+               Dialect dialect = Dialect::kPlain)
+      : bytes_(bytes), file_(std::move(file)), document_(document), dialect_(dialect) {}
 
   [[nodiscard]] Result<void> read();
 
@@ -37,6 +41,13 @@ class PickleReader {
     kType,     // a dtype: text is its code, integer its byte order
     kShell,    // an array still without content
     kWrapper,  // joblib's: the array's bytes follow its state
+    // PyTorch's
+    kRebuildTensor,     // functions and classes, by name
+    kRebuildParameter,  // the tensor that it is given
+    kSizeClass,         // the tuple that it is given
+    kWordClass,         // the text that it is given: a device, a word of an enum
+    kStorageClass,      // text is the type of its elements
+    kStorage,           // items are the parts of its persistent id
   };
 
   // opcodes by what they make; false: the opcode is of another group
@@ -61,6 +72,13 @@ class PickleReader {
                                         std::string_view data);
   [[nodiscard]] Result<NpyLayout> array_layout(const PickleNode& type, const PickleNode& shape);
 
+  // pickle_tensors.cpp: the same of PyTorch's
+  [[nodiscard]] Result<bool> push_torch_global(std::string_view full_name);
+  [[nodiscard]] Result<void> call_torch(Part callee, Node arguments);
+  [[nodiscard]] Result<void> refer_to_storage();
+  [[nodiscard]] Result<void> rebuild_tensor(const PickleNode& arguments);
+  [[nodiscard]] Result<std::vector<std::size_t>> sizes_of(const PickleNode& tuple);
+
   [[nodiscard]] Result<std::string_view> take(std::uint64_t size);
   [[nodiscard]] Result<std::uint64_t> take_size(int bytes);
   [[nodiscard]] Result<std::string_view> take_line();
@@ -79,6 +97,7 @@ class PickleReader {
   std::string_view bytes_;
   std::string file_;
   PickleDocument& document_;
+  Dialect dialect_;
   std::size_t at_ = 0;
   std::size_t opcode_at_ = 0;  // of the opcode that is being read
   std::vector<Node> stack_;

@@ -1,4 +1,4 @@
-#include "io/pickle_reader.h"
+#include "base/pickle_reader.h"
 
 #include <algorithm>
 #include <bit>
@@ -292,6 +292,10 @@ Result<bool> PickleReader::read_object(PickleOp op) {
       break;
     case PickleOp::kBuild:
       done = build();
+      break;
+    case PickleOp::kBinPersId:
+      if (dialect_ != Dialect::kTorch) return false;
+      done = refer_to_storage();
       break;
     default:
       return false;

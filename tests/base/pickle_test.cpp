@@ -1,4 +1,4 @@
-#include "io/pickle.h"
+#include "base/pickle.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/npz_writer.h"
-#include "io/pickle_writer.h"
+#include "base/pickle_writer.h"
 
 namespace retarget {
 namespace {

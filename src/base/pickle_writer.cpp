@@ -1,12 +1,12 @@
-#include "io/pickle_writer.h"
+#include "base/pickle_writer.h"
 
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "base/npz_writer.h"
+#include "base/pickle_opcodes.h"
 #include "base/utf8.h"
-#include "io/pickle_opcodes.h"
 
 namespace retarget {
 namespace {

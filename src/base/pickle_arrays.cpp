@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "base/npy_stream.h"
+#include "base/pickle.h"
+#include "base/pickle_reader.h"
 #include "base/try.h"
-#include "io/pickle.h"
-#include "io/pickle_reader.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using Kind = PickleNode::Kind;
 
 // a name from a file for a message
-std::string printable(std::string_view text) {
+std::string short_name(std::string_view text) {
   constexpr std::size_t kMaxLength = 80;
   std::string shown(text.substr(0, kMaxLength));
   std::ranges::replace_if(
@@ -36,7 +36,11 @@ std::string canonical_name(std::string_view module, std::string_view name) {
   return full + "." + std::string(name);
 }
 
-std::string refusal_hint(std::string_view name) {
+std::string refusal_hint(std::string_view name, bool in_torch_file) {
+  if (in_torch_file) {
+    return "only plain values and tensors are read, and nothing is executed: save a dictionary of "
+           "tensors with torch.save";
+  }
   if (name.starts_with("torch.")) {
     return "save NumPy arrays: tensor.cpu().numpy() before pickle.dump";
   }
@@ -59,6 +63,10 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
   constexpr std::size_t kMaxNameLength = 200;
   const bool short_enough = module.size() < kMaxNameLength && name.size() < kMaxNameLength;
   const std::string full = short_enough ? canonical_name(module, name) : std::string();
+  if (dialect_ == Dialect::kTorch) {
+    TRY_ASSIGN(const auto is_torch, push_torch_global(full));
+    if (is_torch) return {};
+  }
   for (const auto& [known, part] : kKnown) {
     if (known != full) continue;
     PickleNode made;
@@ -67,8 +75,8 @@ Result<void> PickleReader::push_global(std::string_view module, std::string_view
     return push(std::move(made));
   }
   return fault(
-      "the pickle names " + printable(module) + "." + printable(name) + ", which is refused",
-      refusal_hint(printable(module) + "."));
+      "the pickle names " + short_name(module) + "." + short_name(name) + ", which is refused",
+      refusal_hint(short_name(module) + ".", dialect_ == Dialect::kTorch));
 }
 
 Result<void> PickleReader::call() {
@@ -79,9 +87,11 @@ Result<void> PickleReader::call() {
   if (callee.kind != Kind::kObject || arguments.kind != Kind::kTuple) {
     return fault("the pickle calls something that is not a function");
   }
+  const auto part = static_cast<Part>(callee.detail);
+  if (part >= Part::kRebuildTensor) return call_torch(part, arguments_node);
   PickleNode made;
   made.kind = Kind::kObject;
-  switch (static_cast<Part>(callee.detail)) {
+  switch (part) {
     case Part::kReconstruct:
       if (arguments.items.empty() || !is_part(node(arguments.items[0]), Part::kArrayClass)) {
         return fault("the pickle makes an array of a class that is not numpy.ndarray");
@@ -212,6 +222,8 @@ Result<void> PickleReader::build() {
   if (is_part(object, Part::kShell)) return fill_shell(target, node(state));
   if (is_part(object, Part::kWrapper)) return fill_wrapper(target, node(state));
   if (is_part(object, Part::kType)) return set_byte_order(target, node(state));
+  // the version of a network's layers, beside its weights
+  if (dialect_ == Dialect::kTorch && object.kind == Kind::kDict) return {};
   return fault("the pickle gives a state to an object that has none");
 }
 

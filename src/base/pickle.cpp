@@ -1,11 +1,11 @@
-#include "io/pickle.h"
+#include "base/pickle.h"
 
 #include <zlib.h>
 
 #include <algorithm>
 
+#include "base/pickle_reader.h"
 #include "base/try.h"
-#include "io/pickle_reader.h"
 
 namespace retarget {
 namespace {
@@ -139,6 +139,16 @@ Result<PickleDocument> read_pickle(std::string_view bytes, const std::string& fi
                                             : "write it with Python 3's pickle.dump(motion, file)");
   }
   PickleReader reader(bytes, file, document);
+  TRY(reader.read());
+  return document;
+}
+
+Result<PickleDocument> read_torch_pickle(std::string bytes, const std::string& file) {
+  PickleDocument document;
+  document.unpacked_ = std::move(bytes);
+  // a short text would move with its object
+  document.unpacked_.reserve(64);
+  PickleReader reader(document.unpacked_, file, document, PickleReader::Dialect::kTorch);
   TRY(reader.read());
   return document;
 }

@@ -1,4 +1,4 @@
-#include "io/pickle_opcodes.h"
+#include "base/pickle_opcodes.h"
 
 #include <array>
 #include <string>
