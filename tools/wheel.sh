@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the Python wheel and tests what is installed from it, not the tree.
 #
-#   tools/wheel.sh [PYTHON]     (default: $PYTHON, else python3)
+#   tools/wheel.sh [PYTHON [BUILD]]     (default: $PYTHON, else python3; a build folder of its own)
 #
 # The wheel comes into build/wheels: with the libraries that it needs inside, and named for the oldest
 # glibc that it runs with (auditwheel). Then: installed into a fresh virtual environment with numpy
@@ -12,6 +12,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 readonly kMaxBytes=30000000
 python=${1:-${PYTHON:-python3}}
+folder=${2:-}
 out=$root/build/wheels
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
@@ -20,9 +21,13 @@ say() { printf 'wheel: %s\n' "$*" >&2; }
 pip() { "$1" -m pip --quiet --disable-pip-version-check "${@:2}"; }
 
 build() {
+  local settings=()
   say "building with $("$python" --version)"
   mkdir -p "$out" "$work/plain"
-  CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps --wheel-dir "$work/plain" "$root"
+  # a folder that has the libraries already saves the time; its other options stay
+  [ -z "$folder" ] || settings=(--config-settings "build-dir=$folder")
+  CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps "${settings[@]}" \
+    --wheel-dir "$work/plain" "$root"
 }
 
 # the libraries of the distribution go into the wheel; MuJoCo is there already

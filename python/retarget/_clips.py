@@ -35,5 +35,8 @@ def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: Ar
         indices = [-1 if each is None else each.__index__() for each in parents]
     except AttributeError:
         raise UsageError("parents: expected whole numbers, -1 for the root") from None
+    for joint, parent in enumerate(indices):
+        if not -1 <= parent < len(indices):
+            raise UsageError(f"parents[{joint}]: expected -1 to {len(indices) - 1}, found {parent}")
     return _retarget.clip_from_arrays(list(names), indices, positions, rotations, scalar_first,
                                       space == "local", fps, name)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from retarget import _retarget
 from retarget._errors import UsageError
@@ -33,14 +33,11 @@ def trim(clip: Clip, *, start: float | None = None, end: float | None = None,
     return _retarget.edit_trim(clip, {"start": start, "end": end, "frames": frames})
 
 
-def resample(clip: Clip, fps: float | None = None, *, speed: float | None = None,
-             interpolation: Literal["linear", "cubic"] = "cubic",
-             no_antialias: bool = False) -> Clip:
-    """A clip at another rate (frames per second), or `speed` times as fast, or both."""
-    if fps is None and speed is None:
-        raise UsageError("resample() needs fps or speed")
-    _one_of("interpolation", interpolation, ("linear", "cubic"))
-    return _retarget.edit_resample(clip, fps, speed, interpolation == "linear", not no_antialias)
+@with_options("ResampleOptions")
+def resample(clip: Clip, fps: float | None = None,
+             **options: Unpack[_options.ResampleOptions]) -> Clip:
+    """A clip at another rate, or faster or slower, or both."""
+    return _retarget.edit_resample(clip, {"fps": fps, **options})
 
 
 def rest(clip: Clip, like: Clip) -> Clip:
@@ -69,15 +66,11 @@ def mirror(clip: Clip, *, data_dir: StrPath | None = None,
     return _retarget.edit_mirror(clip, dict(options), _folder(data_dir))
 
 
-@with_options("EditOptions")
+@with_options("GroundOptions", "EditOptions")
 def ground(clip: Clip, floor: float | None = None, *, data_dir: StrPath | None = None,
-           **options: Unpack[_options.EditOptions]) -> Clip:
-    """Raised or lowered so that the floor is at height 0.
-
-    Args:
-        floor: its height in the clip, metres; None: where the feet stand.
-    """
-    return _retarget.edit_ground(clip, floor, dict(options), _folder(data_dir))
+           **options: Unpack[_options.GroundEditOptions]) -> Clip:
+    """Raised or lowered so that the floor is at height 0."""
+    return _retarget.edit_ground(clip, {"floor": floor, **options}, _folder(data_dir))
 
 
 @with_options("EditOptions")
@@ -94,69 +87,37 @@ def move(clip: Clip, x: float, y: float, *, data_dir: StrPath | None = None,
     return _retarget.edit_move(clip, x, y, dict(options), _folder(data_dir))
 
 
-@with_options("EditOptions")
-def loop(clip: Clip, *, shortest: float = 0.0, times: int = 1, in_place: bool = False,
-         threshold: float = 0.2, force: bool = False, data_dir: StrPath | None = None,
-         **options: Unpack[_options.EditOptions]) -> Clip:
+@with_options("LoopOptions", "EditOptions")
+def loop(clip: Clip, *, data_dir: StrPath | None = None,
+         **options: Unpack[_options.LoopEditOptions]) -> Clip:
     """A cycle from the first frame to the one most like it, without a seam.
 
-    Args:
-        shortest: seconds; 0: half the clip.
-        times: how often the cycle is played.
-        in_place: the body neither advances nor turns.
-        threshold: largest distance of the seam, metres.
-        force: also where the ends do not fit, which raises RunError otherwise.
+    Raises:
+        RunError: the ends do not fit, unless `force` is given.
     """
-    return _retarget.edit_loop(clip, shortest, times, in_place, threshold, force, dict(options),
-                               _folder(data_dir))
+    return _retarget.edit_loop(clip, dict(options), _folder(data_dir))
 
 
-@with_options("EditOptions")
-def concatenate(clips: Sequence[Clip], *, search: float | str | None = None,
-                window: float = 1.0 / 3.0, blend: Literal["crossfade", "inertial"] = "crossfade",
-                threshold: float = 0.2, force: bool = False, data_dir: StrPath | None = None,
-                **options: Unpack[_options.EditOptions]) -> Clip:
+@with_options("ConcatenateOptions", "EditOptions")
+def concatenate(clips: Sequence[Clip], *, data_dir: StrPath | None = None,
+                **options: Unpack[_options.ConcatenateEditOptions]) -> Clip:
     """Clips as one, joined where they fit best; on the first one's skeleton.
 
-    Args:
-        search: seconds at the end of one and the beginning of the next in which the seam is
-            searched, or "all"; None: 2, and more while no seam is good.
-        window: length of the part compared and blended, seconds.
-        blend: mix the frames that both have, or fade out the difference in the second.
-        threshold: largest distance of a seam, metres.
-        force: also where clips do not fit, which raises RunError otherwise.
+    Raises:
+        RunError: clips that do not fit, unless `force` is given.
     """
-    _one_of("blend", blend, ("crossfade", "inertial"))
-    text = "" if search is None else str(search)
-    return _retarget.edit_concatenate(list(clips), text, window, blend, threshold, force,
-                                      dict(options), _folder(data_dir))
+    return _retarget.edit_concatenate(list(clips), dict(options), _folder(data_dir))
 
 
-@with_options("EditOptions")
-def follow_path(clip: Clip, to: StrPath | None = None, *, radius: float = 3.0, scale: float = 1.0,
-                rotate: float = 0.0, keep: Literal["time", "speed", "stride"] = "time",
-                tolerance: float = 0.05, force: bool = False, data_dir: StrPath | None = None,
-                **options: Unpack[_options.EditOptions]) -> Clip:
-    """A motion along another path over the ground.
+@with_options("PathOptions", "EditOptions")
+def follow_path(clip: Clip, to: StrPath | None = None, *, data_dir: StrPath | None = None,
+                **options: Unpack[_options.PathEditOptions]) -> Clip:
+    """A motion along another path over the ground: `line`, `circle`, `figure8`, a JSON file.
 
-    Args:
-        to: `line`, `circle` or `figure8`, as long as the clip's own; a JSON file of a path; None:
-            its own, scaled or turned.
-        radius: of a circle, metres; negative: to the right.
-        scale: larger or smaller, from its beginning.
-        rotate: about its beginning, degrees to the left.
-        keep: what stays on a longer or shorter path: the duration, the speed, or the strides.
-        tolerance: how far the fitted path may be from the track, metres.
-        force: also where the path is too fast, which raises RunError otherwise.
+    Raises:
+        RunError: the path is too fast for the motion.
     """
-    _one_of("keep", keep, ("time", "speed", "stride"))
-    return _retarget.edit_follow_path(clip, to, radius, scale, rotate, keep, tolerance, force,
-                                      dict(options), _folder(data_dir))
-
-
-def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:
-    if value not in choices:
-        raise UsageError(f"{name}: expected one of {', '.join(choices)}, found {value!r}")
+    return _retarget.edit_follow_path(clip, {"to": to, **options}, _folder(data_dir))
 
 
 def _folder(data_dir: StrPath | None) -> str:

@@ -144,7 +144,7 @@ ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::objec
   arrays.scalar_first = scalar_first;
   arrays.local = local;
   arrays.name = name;
-  for (nb::handle each : names) arrays.names.push_back(nb::cast<std::string>(each));
+  for (nb::handle each : names) arrays.names.push_back(bytes_of_path(each, "names"));
   for (nb::handle each : parents) arrays.parents.push_back(nb::cast<int>(each));
   const auto joints = static_cast<std::int64_t>(arrays.names.size());
   const GivenArray places(positions, "positions", {-1, joints, 3});

@@ -1,15 +1,17 @@
 // retarget.edit: clips in, clips out.
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "base/try.h"
 #include "bindings.h"
+#include "edit/edit_tables.h"
+#include "edit_keywords.h"
 #include "edit_source.h"
 #include "keywords.h"
 #include "options/run_tables.h"
@@ -18,6 +20,12 @@
 namespace retarget::python {
 
 using namespace nb::literals;
+
+OptionTable edit_table(EditOptions& options) {
+  OptionTable table = human_table(options.human);
+  append(table, only(part_table(options.part), {"start", "end", "frames"}));
+  return table;
+}
 
 Result<EditSource> edit_source(const Clip& clip, const EditOptions& options,
                                const std::string& data_dir, EditNeeds needs) {
@@ -56,16 +64,19 @@ Result<Edited> plain(Result<SomeEdited> edited) {
 
 struct Call {
   EditOptions options;
+  EditSettings settings;
   std::string data_dir;
   EditNeeds needs;
-  bool force = false;
 };
 
+// rows of one edit, made for the settings that they are bound to
+using OwnTable = OptionTable (*)(EditSettings&);
+
 Call call_of(const nb::dict& keywords, const std::string& data_dir, EditNeeds needs,
-             bool force = false) {
-  Call call{{}, data_dir, needs, force};
-  OptionTable table = human_table(call.options.human);
-  append(table, only(part_table(call.options.part), {"start", "end", "frames"}));
+             OwnTable own = nullptr) {
+  Call call{{}, {}, data_dir, needs};
+  OptionTable table = own == nullptr ? OptionTable{} : own(call.settings);
+  append(table, edit_table(call.options));
   apply_keywords(table, keywords);
   return call;
 }
@@ -93,7 +104,7 @@ ClipHandle edited(const ClipHandle& clip, const Call& call, const Function& func
   }();
   if (!result) raise(placed(result.error(), clip->name()));
   warn(doubts, clip->name());
-  return given(*std::move(result), clip->name(), call.force);
+  return given(*std::move(result), clip->name(), call.settings.force);
 }
 
 ClipHandle trim_clip(const ClipHandle& clip, const nb::dict& keywords) {
@@ -102,20 +113,16 @@ ClipHandle trim_clip(const ClipHandle& clip, const nb::dict& keywords) {
   return ClipHandle(without_gil([&] { return trim(*clip, part); }));
 }
 
-ClipHandle resample(const ClipHandle& clip, std::optional<double> fps, std::optional<double> speed,
-                    bool linear, bool antialias) {
-  TimingOptions timing;
-  if (fps) {
-    TimeOptions time;
-    nb::dict keywords;
-    keywords["fps"] = *fps;
-    apply_keywords(only(time_table(time), {"fps"}), keywords);
-    timing.rate = frame_rate_from_fps(*time.fps);
+ClipHandle resample(const ClipHandle& clip, const nb::dict& keywords) {
+  EditSettings settings;
+  apply_keywords(resample_table(settings), keywords);
+  if (settings.fps.empty() && !settings.timing.speed) {
+    raise(usage_failure("resample() needs fps or speed").value());
   }
-  timing.speed = speed;
-  timing.linear = linear;
-  timing.antialias = antialias;
-  return ClipHandle(without_gil([&] { return change_timing(*clip, timing); }));
+  return ClipHandle(without_gil([&]() -> Result<Clip> {
+    TRY_ASSIGN(const TimingOptions timing, settings.timing_options());
+    return change_timing(*clip, timing);
+  }));
 }
 
 ClipHandle rest(const ClipHandle& clip, const ClipHandle& like) {
@@ -144,8 +151,15 @@ ClipHandle mirrored_clip(const ClipHandle& clip, const nb::dict& keywords,
                 [](EditSource& source) { return mirror(source.clip, source.calibration()); });
 }
 
+// numbers that are no options
+void check_finite(double number, const char* what) {
+  if (std::isfinite(number) && std::abs(number) <= 1e6) return;
+  raise(usage_failure(std::string(what) + ": expected a number from -1000000 to 1000000").value());
+}
+
 ClipHandle turned(const ClipHandle& clip, double degrees, const nb::dict& keywords,
                   const std::string& data_dir) {
+  check_finite(degrees, "degrees");
   return edited(clip, call_of(keywords, data_dir, {}), [&](EditSource& source) {
     return turn_clip(std::move(source.clip), source.calibration(),
                      degrees / 180.0 * std::numbers::pi);
@@ -154,15 +168,18 @@ ClipHandle turned(const ClipHandle& clip, double degrees, const nb::dict& keywor
 
 ClipHandle moved(const ClipHandle& clip, double x, double y, const nb::dict& keywords,
                  const std::string& data_dir) {
+  check_finite(x, "x");
+  check_finite(y, "y");
   return edited(clip, call_of(keywords, data_dir, {.unit = true}), [&](EditSource& source) {
     return move_clip(std::move(source.clip), source.calibration(), {x, y});
   });
 }
 
-ClipHandle grounded(const ClipHandle& clip, std::optional<double> floor, const nb::dict& keywords,
-                    const std::string& data_dir) {
-  const EditNeeds needs{.unit = floor.has_value(), .no_lead_in = true};
-  return edited(clip, call_of(keywords, data_dir, needs), [&](EditSource& source) -> Result<Clip> {
+ClipHandle grounded(const ClipHandle& clip, const nb::dict& keywords, const std::string& data_dir) {
+  Call call = call_of(keywords, data_dir, {.no_lead_in = true}, ground_table);
+  const std::optional<double>& floor = call.settings.floor;
+  call.needs.unit = floor.has_value();
+  return edited(clip, call, [&](EditSource& source) -> Result<Clip> {
     double height = floor.value_or(0.0);
     if (!floor) {
       TRY_ASSIGN(height, floor_height(source.clip, source.calibration()));
@@ -171,91 +188,73 @@ ClipHandle grounded(const ClipHandle& clip, std::optional<double> floor, const n
   });
 }
 
-ClipHandle looped(const ClipHandle& clip, double shortest, int times, bool in_place,
-                  double threshold, bool force, const nb::dict& keywords,
-                  const std::string& data_dir) {
-  return edited(clip, call_of(keywords, data_dir, {.no_lead_in = true}, force),
-                [&](EditSource& source) {
-                  LoopOptions how;
-                  how.shortest = shortest;
-                  how.times = times;
-                  how.in_place = in_place;
-                  how.seam.threshold = threshold;
-                  return make_loop(source.clip, source.calibration(), how);
-                });
+ClipHandle looped(const ClipHandle& clip, const nb::dict& keywords, const std::string& data_dir) {
+  const Call call = call_of(keywords, data_dir, {.no_lead_in = true}, loop_table);
+  return edited(clip, call, [&](EditSource& source) {
+    return make_loop(source.clip, source.calibration(), call.settings.loop_options());
+  });
 }
 
-ClipHandle joined(const std::vector<ClipHandle>& clips, const std::string& search, double window,
-                  const std::string& blend, double threshold, bool force, const nb::dict& keywords,
-                  const std::string& data_dir) {
-  ConcatenateOptions how;
-  how.threshold = threshold;
-  how.seam.window = window;
-  how.blend = blend == "inertial" ? SeamBlend::kInertial : SeamBlend::kCrossfade;
-  value_of(how.search(search));
-  if (clips.size() < 2) {
-    raise(usage_failure("clips: expected two or more").value());
-  }
-  const Call call = call_of(keywords, data_dir, {.no_lead_in = true}, force);
-  Call next_call = call;
+// the next clip at the end of those before it
+Result<void> join(EditSource& first, const ClipHandle& next, const Call& call,
+                  const std::string& before, Edited& all) {
+  TRY_ASSIGN(const ConcatenateOptions how, call.settings.concatenate_options());
+  EditOptions options = call.options;
   // a bone map is of the first clip's joints
-  next_call.options.human.map.clear();
+  options.human.map.clear();
+  TRY_ASSIGN(const EditSource source, edit_source(*next, options, call.data_dir, call.needs));
+  TRY_ASSIGN(const Edited like,
+             like_first(source.subject(), {all.clip, first.human.map, first.calibration()}));
+  TRY_ASSIGN(Edited both,
+             concatenate(all.clip, like.clip, first.calibration(), how, before, next->name()));
+  if (both.misfit && !call.settings.force) return failure(placed(*both.misfit, next->name()));
+  all.clip = std::move(both.clip);
+  all.doubts.insert(all.doubts.end(), both.doubts.begin(), both.doubts.end());
+  return {};
+}
+
+ClipHandle joined(const std::vector<ClipHandle>& clips, const nb::dict& keywords,
+                  const std::string& data_dir) {
+  const Call call = call_of(keywords, data_dir, {.no_lead_in = true}, concatenate_table);
+  if (clips.size() < 2) raise(usage_failure("clips: expected two or more").value());
   return edited(clips.front(), call, [&](EditSource& first) -> Result<Edited> {
     Edited all{std::move(first.clip)};
     for (std::size_t i = 1; i < clips.size(); ++i) {
-      TRY_ASSIGN(const auto next, edit_source(*clips[i], next_call.options, data_dir, call.needs));
-      const Subject before{all.clip, first.human.map, first.calibration()};
-      TRY_ASSIGN(const Edited like, like_first(next.subject(), before));
-      const std::string name = i == 1 ? clips.front()->name() : "what goes before";
-      TRY_ASSIGN(Edited both, concatenate(all.clip, like.clip, first.calibration(), how, name,
-                                          clips[i]->name()));
-      if (both.misfit && !force) return failure(placed(*both.misfit, clips[i]->name()));
-      all.clip = std::move(both.clip);
-      all.doubts.insert(all.doubts.end(), both.doubts.begin(), both.doubts.end());
+      TRY(join(first, clips[i], call, i == 1 ? clips.front()->name() : "what goes before", all));
     }
     return all;
   });
 }
 
-ClipHandle along_path(const ClipHandle& clip, const nb::object& to, double radius, double scale,
-                      double degrees, const std::string& keep, double tolerance, bool force,
-                      const nb::dict& keywords, const std::string& data_dir) {
-  PathChange change{{}, radius, scale, degrees};
-  if (!to.is_none()) change.to = bytes_of_path(to, "to");
-  value_of(change.check());
-  FollowPathOptions how;
-  how.fit.tolerance = tolerance;
-  how.keep = keep == "speed"    ? PathKeep::kSpeed
-             : keep == "stride" ? PathKeep::kStride
-                                : PathKeep::kTime;
-  return edited(clip, call_of(keywords, data_dir, {.unit = true, .no_lead_in = true}, force),
-                [&](EditSource& source) -> Result<FollowedPath> {
-                  const Calibration& calibration = source.calibration();
-                  TRY_ASSIGN(const auto own, fit_path(source.clip, calibration, how.fit));
-                  TRY_ASSIGN(const auto path, change_path(own.path, change));
-                  return follow_path(source.clip, calibration, path, how);
-                });
+ClipHandle along_path(const ClipHandle& clip, const nb::dict& keywords,
+                      const std::string& data_dir) {
+  const Call call = call_of(keywords, data_dir, {.unit = true, .no_lead_in = true}, path_table);
+  const PathChange& path = call.settings.path;
+  const FollowPathOptions& how = call.settings.follow_path;
+  value_of(path.check());
+  return edited(clip, call, [&](EditSource& source) -> Result<FollowedPath> {
+    const Calibration& calibration = source.calibration();
+    TRY_ASSIGN(const auto own, fit_path(source.clip, calibration, how.fit));
+    TRY_ASSIGN(const auto other, change_path(own.path, path));
+    return follow_path(source.clip, calibration, other, how);
+  });
 }
 
 }  // namespace
 
 void bind_edit(nb::module_& module) {
   module.def("edit_trim", &trim_clip, "clip"_a, "options"_a);
-  module.def("edit_resample", &resample, "clip"_a, "fps"_a.none(), "speed"_a.none(), "linear"_a,
-             "antialias"_a);
+  module.def("edit_resample", &resample, "clip"_a, "options"_a);
   module.def("edit_rest", &rest, "clip"_a, "like"_a);
   module.def("edit_transfer", &transferred, "clip"_a, "like"_a, "options"_a, "data_dir"_a);
   module.def("edit_lafan1", &lafan1, "clip"_a, "options"_a, "data_dir"_a);
   module.def("edit_mirror", &mirrored_clip, "clip"_a, "options"_a, "data_dir"_a);
   module.def("edit_turn", &turned, "clip"_a, "degrees"_a, "options"_a, "data_dir"_a);
   module.def("edit_move", &moved, "clip"_a, "x"_a, "y"_a, "options"_a, "data_dir"_a);
-  module.def("edit_ground", &grounded, "clip"_a, "floor"_a.none(), "options"_a, "data_dir"_a);
-  module.def("edit_loop", &looped, "clip"_a, "shortest"_a, "times"_a, "in_place"_a, "threshold"_a,
-             "force"_a, "options"_a, "data_dir"_a);
-  module.def("edit_concatenate", &joined, "clips"_a, "search"_a, "window"_a, "blend"_a,
-             "threshold"_a, "force"_a, "options"_a, "data_dir"_a);
-  module.def("edit_follow_path", &along_path, "clip"_a, "to"_a.none(), "radius"_a, "scale"_a,
-             "degrees"_a, "keep"_a, "tolerance"_a, "force"_a, "options"_a, "data_dir"_a);
+  module.def("edit_ground", &grounded, "clip"_a, "options"_a, "data_dir"_a);
+  module.def("edit_loop", &looped, "clip"_a, "options"_a, "data_dir"_a);
+  module.def("edit_concatenate", &joined, "clips"_a, "options"_a, "data_dir"_a);
+  module.def("edit_follow_path", &along_path, "clip"_a, "options"_a, "data_dir"_a);
 }
 
 }  // namespace retarget::python

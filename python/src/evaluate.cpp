@@ -94,7 +94,8 @@ nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb:
   const Gates gates = gates_of(given_gates, motion.robot.loaded.data_folder);
   const ClipHandle* source = clip.is_none() ? nullptr : nb::cast<const ClipHandle*>(clip);
   const bool is_own = source == nullptr || motion.made_from.lock() == source->shared();
-  Options options;
+  // of another clip, or measured in another way: what the motion was made with stays where nothing is given
+  Options options = motion.solved ? motion.solved->plan.options : Options{};
   apply_keywords(evaluate_table(options), keywords);
   const bool as_solved = motion.solved != nullptr && is_own && nb::len(keywords) == 0;
   QualityReport report = without_gil([&]() -> Result<QualityReport> {

@@ -4,6 +4,8 @@
 
 #include "batch_keywords.h"
 #include "bindings.h"
+#include "edit/edit_tables.h"
+#include "edit_keywords.h"
 #include "evaluate_table.h"
 #include "io/reading_table.h"
 #include "keywords.h"
@@ -37,9 +39,14 @@ nb::dict option_tables() {
   tables["ReadingOptions"] = described(read);
   tables["EvaluateOptions"] = described(evaluate_table(options));
   tables["BatchOptions"] = described(batch_keywords(batch));
-  OptionTable edit = human_table(options.human);
-  append(edit, only(part_table(options.part), {"start", "end", "frames"}));
-  tables["EditOptions"] = described(edit);
+  EditOptions edit;
+  EditSettings own;
+  tables["EditOptions"] = described(edit_table(edit));
+  tables["ResampleOptions"] = described(resample_table(own));
+  tables["GroundOptions"] = described(ground_table(own));
+  tables["LoopOptions"] = described(loop_table(own));
+  tables["ConcatenateOptions"] = described(concatenate_table(own));
+  tables["PathOptions"] = described(path_table(own));
   return tables;
 }
 

@@ -54,6 +54,7 @@ MotionHandle to_robot(const ClipHandle& clip, const RobotHandle& robot, const nb
   Options options;
   apply_keywords(solving_table(options), keywords);
   apply_keywords(fit_table(options.solve.fit), fit);
+  if (threads < 0) raise(usage_failure("threads: expected 0 or more").value());
   Watcher watcher(progress);
   SolveControl control;
   control.threads = threads;

@@ -23,7 +23,9 @@ StrPath = str | os.PathLike[str]
 '''
 
 # functions that take the options of several tables
-JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions")}
+JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions"),
+          **{f"{edit}EditOptions": (f"{edit}Options", "EditOptions")
+             for edit in ("Ground", "Loop", "Concatenate", "Path")}}
 
 
 def typed_dict(name: str, rows: list[dict]) -> str:

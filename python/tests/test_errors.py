@@ -48,7 +48,7 @@ def test_kinds_and_bases(data: Path, walk: retarget.Clip, g1: retarget.Robot,
         (retarget.UsageError, ValueError, lambda: retarget.load(7)),
         (retarget.UsageError, ValueError, lambda: retarget.load("a\0b")),
         (retarget.UsageError, ValueError, lambda: walked.save(tmp_path / "walk.npz")),
-        (retarget.RunError, RuntimeError, lambda: retarget.edit.loop(walk, threshold=1e-9)),
+        (retarget.RunError, RuntimeError, lambda: retarget.edit.loop(walk, threshold=1e-7)),
     ]
     for kind, base, call in wrong:
         with pytest.raises(kind) as raised:
@@ -113,3 +113,25 @@ def test_hostile_arguments(walk: retarget.Clip, g1: retarget.Robot,
                  lambda: retarget.Motion()):
         with pytest.raises(TypeError):
             call()
+
+
+def test_hostile_edits(walk: retarget.Clip) -> None:
+    edit = retarget.edit
+    nan = float("nan")
+    for call in (lambda: edit.turn(walk, nan), lambda: edit.move(walk, nan, 0),
+                 lambda: edit.move(walk, 0, float("inf")), lambda: edit.ground(walk, nan),
+                 lambda: edit.loop(walk, shortest=nan), lambda: edit.loop(walk, times=0),
+                 lambda: edit.loop(walk, times=10**9), lambda: edit.resample(walk),
+                 lambda: edit.resample(walk, speed=0), lambda: edit.resample(walk, 1e7),
+                 lambda: edit.concatenate([walk]),
+                 lambda: edit.concatenate([walk, walk], window=99),
+                 lambda: edit.concatenate([walk, walk], blend="mixed"),
+                 lambda: edit.follow_path(walk, "circle", radius=0),
+                 lambda: edit.follow_path(walk, scale=nan),
+                 lambda: edit.follow_path(walk, "no.json"),
+                 lambda: edit.follow_path(walk, keep="pace"), lambda: edit.trim(walk, frames="x"),
+                 lambda: edit.trim(walk, frames=slice(0, 9, 2)), lambda: edit.trim(walk, start=99),
+                 lambda: edit.mirror(walk, map="no.json"), lambda: edit.mirror(walk, height=-1)):
+        with pytest.raises(retarget.Error) as raised:
+            call()
+        assert "--" not in str(raised.value)

@@ -12,16 +12,7 @@
 #include "options/run_tables.h"
 #include "retarget/edit.h"
 
-namespace retarget {
-
-template <>
-inline constexpr auto kEnumNames<SeamBlend> = std::to_array<NamedValue<SeamBlend>>(
-    {{SeamBlend::kCrossfade, "crossfade"}, {SeamBlend::kInertial, "inertial"}});
-template <>
-inline constexpr auto kEnumNames<PathKeep> = std::to_array<NamedValue<PathKeep>>(
-    {{PathKeep::kTime, "time"}, {PathKeep::kSpeed, "speed"}, {PathKeep::kStride, "stride"}});
-
-namespace cli {
+namespace retarget::cli {
 namespace {
 
 // one kind of edit: `retarget edit NAME IN ... -o OUT`
@@ -47,15 +38,6 @@ constexpr std::array<EditKind, 12> kEdits = {{
     {Edit::kPath, "path", "The path over the ground: fit it, draw it, follow another"},
 }};
 
-Option number(const char* name, auto& member, const char* type, double min, double max,
-              const char* help) {
-  return option(name, member, kTimeGroup, type, help, {.min = min, .max = max});
-}
-
-Option choice(const char* name, auto& member, const char* help) {
-  return option(name, member, kTimeGroup, "", help);
-}
-
 Option file(const char* name, std::string& member, const char* help) {
   return option(name, member, kOutputGroup, "FILE", help);
 }
@@ -63,69 +45,6 @@ Option file(const char* name, std::string& member, const char* help) {
 Option like_row(const char* name, std::string& member) {
   return option(name, member, kInputGroup, "FILE", "BVH with the target skeleton",
                 {.required = true});
-}
-
-Option threshold_row(EditArguments& arguments) {
-  return number("threshold", arguments.threshold_cm, "CM", 0.0, 1e6,
-                "Largest distance of a seam, cm");
-}
-
-Option force_row(EditArguments& arguments) {
-  return choice("force", arguments.force, "Join clips even if they do not fit");
-}
-
-OptionTable resample_table(EditArguments& arguments) {
-  return {option("fps", arguments.fps, kTimeGroup, "N",
-                 "Frames per second of the output (default: the source's)"),
-          number("speed", arguments.timing.speed, "N", 0.01, 100.0,
-                 "How many times as fast: 0.8 takes 1/0.8 of the time"),
-          choice("interpolation", arguments.interpolation, "Between source frames"),
-          choice("no-antialias", arguments.no_antialias,
-                 "Do not low-pass a source that is faster than the output")};
-}
-
-OptionTable loop_table(EditArguments& arguments) {
-  return {number("shortest", arguments.loop.shortest, "S", 0.0, kMaxTime,
-                 "Shortest length of the cycle, seconds (default: half the clip)"),
-          number("times", arguments.loop.times, "N", std::numeric_limits<int>::min(),
-                 std::numeric_limits<int>::max(), "How many times the cycle is played"),
-          choice("in-place", arguments.loop.in_place, "The body neither advances nor turns"),
-          threshold_row(arguments), force_row(arguments)};
-}
-
-OptionTable concat_table(EditArguments& arguments) {
-  return {option("search", arguments.search, kTimeGroup, "S|all",
-                 "Where the seam is searched: this many seconds at the end of one and the "
-                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
-          number("window", arguments.concat.seam.window, "S", 0.0, 10.0,
-                 "Length of the part compared and blended, seconds (default: a third)"),
-          choice("blend", arguments.concat.blend,
-                 "Mix the frames that both have, or fade out the difference in the second"),
-          threshold_row(arguments),
-          force_row(arguments),
-          file("matrix", arguments.matrix,
-               "Write the searched distances as an image, PGM (of several seams: the "
-               "first)")};
-}
-
-OptionTable path_table(EditArguments& arguments) {
-  return {
-      file("fit", arguments.fit, "Write the motion's own path, JSON, for editing"),
-      file("svg", arguments.svg, "Draw the paths and the feet, seen from above"),
-      option("to", arguments.path.to, kTimeGroup, "FILE|line|circle|figure8",
-             "Path to follow: JSON, or a ready-made one with the length and start of the motion's "
-             "own (default: its own)"),
-      number("radius", arguments.path.radius, "M", -1e6, 1e6,
-             "Radius of --to circle, metres; negative turns right"),
-      number("scale", arguments.path.scale, "N", 0.001, 1000.0,
-             "Make the path larger or smaller, from its beginning"),
-      number("rotate", arguments.path.degrees, "DEG", -1e6, 1e6,
-             "Turn the path about its beginning, degrees to the left"),
-      choice("keep", arguments.follow_path.keep,
-             "On a longer or shorter path: the duration (longer strides), the speed over the "
-             "ground (slower motion), or the strides (the motion ends where its own way would)"),
-      number("tolerance", arguments.follow_path.fit.tolerance, "M", 0.001, 100.0,
-             "How far the fitted path may be from the track, metres")};
 }
 
 // what one edit takes and others do not
@@ -138,9 +57,7 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
     case Edit::kResample:
       return resample_table(arguments);
     case Edit::kGround:
-      return {option("floor", arguments.floor, kInputGroup, "H",
-                     "Height of the floor in the source, metres (default: where the feet stand)",
-                     {.min = -1e6, .max = 1e6})};
+      return ground_table(arguments);
     case Edit::kTurn: {
       OptionTable table = {
           word("degrees", arguments.degrees, "DEG", "Angle; positive to the left")};
@@ -152,10 +69,20 @@ OptionTable own_table(Edit edit, EditArguments& arguments) {
       return {word("shift", arguments.shift, "X,Y", "Along x and y, metres")};
     case Edit::kLoop:
       return loop_table(arguments);
-    case Edit::kConcat:
-      return concat_table(arguments);
-    case Edit::kPath:
-      return path_table(arguments);
+    case Edit::kConcat: {
+      OptionTable table = concatenate_table(arguments);
+      table.push_back(file("matrix", arguments.matrix,
+                           "Write the searched distances as an image, PGM (of several seams: the "
+                           "first)"));
+      return table;
+    }
+    case Edit::kPath: {
+      OptionTable table = {
+          file("fit", arguments.fit, "Write the motion's own path, JSON, for editing"),
+          file("svg", arguments.svg, "Draw the paths and the feet, seen from above")};
+      append(table, path_table(arguments));
+      return table;
+    }
     default:
       return {};
   }
@@ -196,5 +123,4 @@ CLI::App* add_edit_command(CLI::App& app, EditArguments& arguments) {
   return command;
 }
 
-}  // namespace cli
-}  // namespace retarget
+}  // namespace retarget::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "edit/edit_tables.h"
 #include "retarget/edit.h"
 #include "retarget/options.h"
 
@@ -27,7 +28,7 @@ enum class Edit : unsigned char {
 };
 
 /// `retarget edit`: BVH in, BVH out.
-struct EditArguments {
+struct EditArguments : EditSettings {
   CommonArguments common;
   std::string file;
   SourceOptions source;
@@ -35,25 +36,13 @@ struct EditArguments {
   std::string write_map;
   Edit edit = Edit::kRest;
   PartOptions part{};
-  std::string like;             ///< BVH with the target skeleton.
-  double degrees = 0.0;         ///< Of a turn.
-  std::string shift;            ///< Of a move, `X,Y` in metres.
-  std::optional<double> floor;  ///< Its height, metres; nothing: found.
-  std::string fps;              ///< Of TimingOptions::rate; empty: not given.
-  TimingOptions timing;
-  Interpolation interpolation = Interpolation::kCubic;
-  bool no_antialias = false;
-  LoopOptions loop;
+  std::string like;                ///< BVH with the target skeleton.
+  double degrees = 0.0;            ///< Of a turn.
+  std::string shift;               ///< Of a move, `X,Y` in metres.
   std::vector<std::string> files;  ///< That are joined.
-  std::string search;              ///< Seconds, or `all`; empty: 2, and more without a good seam.
-  ConcatenateOptions concat;
-  std::string matrix;          ///< PGM to write; empty: none.
-  double threshold_cm = 20.0;  ///< Of a seam.
-  bool force = false;
-  PathChange path;
-  FollowPathOptions follow_path;
-  std::string fit;  ///< JSON to write; empty: none.
-  std::string svg;  ///< Picture to write; empty: none.
+  std::string matrix;              ///< PGM to write; empty: none.
+  std::string fit;                 ///< JSON to write; empty: none.
+  std::string svg;                 ///< Picture to write; empty: none.
   std::string output;
 };
 

@@ -151,20 +151,14 @@ class EditRun {
 
   Result<Clip> edit_time() {
     const bool resample = options_.edit == Edit::kResample;
-    TimingOptions timing = options_.timing;
-    timing.linear = options_.interpolation == Interpolation::kLinear;
-    timing.antialias = !options_.no_antialias;
-    if (resample && options_.fps.empty() && !timing.speed) {
+    if (resample && options_.fps.empty() && !options_.timing.speed) {
       return usage_failure("edit resample needs --fps or --speed");
     }
     const PartOptions& part = options_.part;
     if (!resample && part.start_s < 0.0 && part.end_s < 0.0 && part.frames.empty()) {
       return usage_failure("edit trim needs --start, --end or --frames");
     }
-    if (!options_.fps.empty()) {
-      TRY_ASSIGN(const auto fps, rate_of(options_.fps));
-      if (fps) timing.rate = frame_rate_from_fps(*fps);
-    }
+    TRY_ASSIGN(const TimingOptions timing, options_.timing_options());
     TRY_ASSIGN(Clip motion, read_clip(options_.file));
     TRY_ASSIGN(auto clip, trim(std::move(motion), part));
     if (!resample) return clip;
@@ -185,11 +179,8 @@ class EditRun {
       case Edit::kTurn:
         return turn_clip(std::move(source.clip), calibration,
                          options_.degrees / 180.0 * std::numbers::pi);
-      case Edit::kLoop: {
-        LoopOptions how = options_.loop;
-        how.seam.threshold = 0.01 * options_.threshold_cm;
-        return told(make_loop(source.clip, calibration, how), file_);
-      }
+      case Edit::kLoop:
+        return told(make_loop(source.clip, calibration, options_.loop_options()), file_);
       case Edit::kMove: {
         TRY_ASSIGN(const auto way, way_from_text(options_.shift));
         return move_clip(std::move(source.clip), calibration, way);
@@ -212,9 +203,7 @@ class EditRun {
   }
 
   Result<Clip> concat() {
-    ConcatenateOptions how = options_.concat;
-    how.threshold = 0.01 * options_.threshold_cm;
-    TRY(how.search(options_.search));
+    TRY_ASSIGN(const ConcatenateOptions how, options_.concatenate_options());
     const std::vector<std::string>& files = options_.files;
     if (files.size() < 2) return usage_failure("edit concat joins two files or more");
     if (std::ranges::count(files, "-") > 1) {

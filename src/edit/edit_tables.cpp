@@ -1,0 +1,123 @@
+#include "edit/edit_tables.h"
+
+#include <array>
+#include <limits>
+
+#include "base/option_name.h"
+#include "base/try.h"
+#include "options/run_tables.h"
+
+namespace retarget {
+
+template <>
+inline constexpr auto kEnumNames<SeamBlend> = std::to_array<NamedValue<SeamBlend>>(
+    {{SeamBlend::kCrossfade, "crossfade"}, {SeamBlend::kInertial, "inertial"}});
+template <>
+inline constexpr auto kEnumNames<PathKeep> = std::to_array<NamedValue<PathKeep>>(
+    {{PathKeep::kTime, "time"}, {PathKeep::kSpeed, "speed"}, {PathKeep::kStride, "stride"}});
+
+namespace {
+
+// longer than any motion
+constexpr double kLongestCycle = 1e9;
+
+Option number_row(const char* name, auto& member, const char* type, double min, double max,
+                  const char* help) {
+  return option(name, member, kTimeGroup, type, help, {.min = min, .max = max});
+}
+
+Option choice_row(const char* name, auto& member, const char* help) {
+  return option(name, member, kTimeGroup, "", help);
+}
+
+Option threshold_row(EditSettings& settings) {
+  return number_row("threshold", settings.threshold_cm, "CM", 0.0, 1e6,
+                    "Largest distance of a seam, cm");
+}
+
+Option force_row(EditSettings& settings) {
+  return choice_row("force", settings.force, "Join clips even if they do not fit");
+}
+
+}  // namespace
+
+Result<TimingOptions> EditSettings::timing_options() const {
+  TimingOptions options = timing;
+  options.linear = interpolation == Interpolation::kLinear;
+  options.antialias = !no_antialias;
+  if (fps.empty()) return options;
+  const auto given = rate_from_text(fps);
+  if (!given) return usage_failure(OPTION("fps") ": " + given.error().message);
+  if (*given) options.rate = frame_rate_from_fps(**given);
+  return options;
+}
+
+LoopOptions EditSettings::loop_options() const {
+  LoopOptions options = loop;
+  options.seam.threshold = 0.01 * threshold_cm;
+  return options;
+}
+
+Result<ConcatenateOptions> EditSettings::concatenate_options() const {
+  ConcatenateOptions options = concat;
+  options.threshold = 0.01 * threshold_cm;
+  TRY(options.search(search));
+  return options;
+}
+
+OptionTable resample_table(EditSettings& settings) {
+  return {option("fps", settings.fps, kTimeGroup, "N",
+                 "Frames per second of the output (default: the source's)"),
+          number_row("speed", settings.timing.speed, "N", 0.01, 100.0,
+                     "How many times as fast: 0.8 takes 1/0.8 of the time"),
+          choice_row("interpolation", settings.interpolation, "Between source frames"),
+          choice_row("no-antialias", settings.no_antialias,
+                     "Do not low-pass a source that is faster than the output")};
+}
+
+OptionTable ground_table(EditSettings& settings) {
+  return {option("floor", settings.floor, kInputGroup, "H",
+                 "Height of the floor in the source, metres (default: where the feet stand)",
+                 {.min = -1e6, .max = 1e6})};
+}
+
+OptionTable loop_table(EditSettings& settings) {
+  return {number_row("shortest", settings.loop.shortest, "S", 0.0, kLongestCycle,
+                     "Shortest length of the cycle, seconds (default: half the clip)"),
+          number_row("times", settings.loop.times, "N", std::numeric_limits<int>::min(),
+                     std::numeric_limits<int>::max(), "How many times the cycle is played"),
+          choice_row("in-place", settings.loop.in_place, "The body neither advances nor turns"),
+          threshold_row(settings), force_row(settings)};
+}
+
+OptionTable concatenate_table(EditSettings& settings) {
+  return {option("search", settings.search, kTimeGroup, "S|all",
+                 "Where the seam is searched: this many seconds at the end of one and the "
+                 "beginning of the other, or `all` (default: 2, and more while no seam is good)"),
+          number_row("window", settings.concat.seam.window, "S", 0.0, 10.0,
+                     "Length of the part compared and blended, seconds (default: a third)"),
+          choice_row("blend", settings.concat.blend,
+                     "Mix the frames that both have, or fade out the difference in the second"),
+          threshold_row(settings), force_row(settings)};
+}
+
+OptionTable path_table(EditSettings& settings) {
+  return {
+      option("to", settings.path.to, kTimeGroup, "FILE|line|circle|figure8",
+             "Path to follow: JSON, or a ready-made one with the length and start of the motion's "
+             "own (default: its own)"),
+      number_row("radius", settings.path.radius, "M", -1e6, 1e6,
+                 "Radius of " OPTION("to") " circle, metres; negative turns right"),
+      number_row("scale", settings.path.scale, "N", 0.001, 1000.0,
+                 "Make the path larger or smaller, from its beginning"),
+      number_row("rotate", settings.path.degrees, "DEG", -1e6, 1e6,
+                 "Turn the path about its beginning, degrees to the left"),
+      choice_row("keep", settings.follow_path.keep,
+                 "On a longer or shorter path: the duration (longer strides), the speed over the "
+                 "ground (slower motion), or the strides (the motion ends where its own way "
+                 "would)"),
+      number_row("tolerance", settings.follow_path.fit.tolerance, "M", 0.001, 100.0,
+                 "How far the fitted path may be from the track, metres")};
+}
+
+}  // namespace retarget
