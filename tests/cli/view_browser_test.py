@@ -49,9 +49,9 @@ class InABrowser(ToolTest):
             raise unittest.SkipTest("there is no Chromium (Debian: chromium)")
         cls.pages = pathlib.Path(tempfile.mkdtemp(prefix="retarget pages "))
         cls.addClassCleanup(shutil.rmtree, cls.pages, ignore_errors=True)
-        helper = cls("make_pages")
-        helper.folder = cls.pages
-        helper.make_pages()
+        maker = cls("make_pages")
+        maker.folder = cls.pages
+        maker.make_pages()
         cls.browser = browser.Browser(program, 900, 560)
         cls.addClassCleanup(cls.browser.close)
 
