@@ -18,7 +18,7 @@ import numpy as np
 
 SOURCE = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SOURCE / "tests/cli"))
-import browser  # noqa: E402  (a helper of the tests)
+import browser  # noqa: E402  (of the tests)
 
 MOST_BYTES = 150_000
 # name: page, moment, size of the window, media features, scripts that lead there

@@ -12,7 +12,8 @@ namespace {
 
 using Cell = std::array<std::int64_t, 3>;
 
-// vertices of one cell as their mean; triangles that lose their area are left out
+// Cells have their middles at multiples of the side, so that 0 and -0 are in one. Vertices of a cell
+// as their mean; triangles that lose their area are left out
 TriangleMesh clustered(const TriangleMesh& mesh, double side) {
   struct Cluster {
     int index = 0;
@@ -26,7 +27,7 @@ TriangleMesh clustered(const TriangleMesh& mesh, double side) {
     Cell cell{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       cell[axis] =
-          static_cast<std::int64_t>(std::floor(vertex[static_cast<Eigen::Index>(axis)] / side));
+          static_cast<std::int64_t>(std::nearbyint(vertex[static_cast<Eigen::Index>(axis)] / side));
     }
     Cluster& cluster = clusters[cell];
     if (cluster.count == 0) {

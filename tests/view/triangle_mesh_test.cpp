@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
 namespace retarget {
 namespace {
@@ -98,6 +101,42 @@ TEST(ReadMesh, RefusesWhatIsNone) {
     EXPECT_THAT(mesh.error().message, HasSubstr(message));
     EXPECT_EQ(mesh.error().location.file, file);
   }
+}
+
+// edges of one triangle alone
+int open_edges(const TriangleMesh& mesh) {
+  std::map<std::pair<int, int>, int> edges;
+  for (const auto& triangle : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      ++edges[std::minmax({triangle[i], triangle[(i + 1) % 3]})];
+    }
+  }
+  return static_cast<int>(
+      std::ranges::count_if(edges, [](const auto& edge) { return edge.second == 1; }));
+}
+
+TEST(Simplified, ClosesSeamsThatRoundingLeft) {
+  // a tube whose last vertices are the first ones again, but for the last bits and the sign of 0
+  TriangleMesh seam;
+  constexpr int kAround = 64, kAlong = 30;
+  for (int j = 0; j <= kAlong; ++j) {
+    for (int i = 0; i <= kAround; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kAround;
+      seam.vertices.emplace_back(0.1 * std::cos(angle), 0.1 * std::sin(angle), 0.01 * j);
+    }
+  }
+  for (int j = 0; j < kAlong; ++j) {
+    for (int i = 0; i < kAround; ++i) {
+      const int a = j * (kAround + 1) + i, above = a + kAround + 1;
+      seam.triangles.push_back({a, a + 1, above});
+      seam.triangles.push_back({a + 1, above + 1, above});
+    }
+  }
+  EXPECT_GT(open_edges(seam), 2 * kAround);
+  // the two ends are open and nothing else
+  EXPECT_EQ(open_edges(simplified(seam, 100000)), 2 * kAround);
+  const TriangleMesh coarse = simplified(seam, 800);
+  EXPECT_LT(open_edges(coarse), 2 * kAround);
 }
 
 TEST(Simplified, KeepsTheShapeInFewTriangles) {
