@@ -72,7 +72,7 @@ NpyArray columns_of(const std::vector<double>& values, std::size_t width, std::s
   return float64_array(taken, {rows, count});
 }
 
-MotionKind kind_of(const Columns& columns) {
+MotionKind kind_of_columns(const Columns& columns) {
   const bool motion_x = columns.width == kMotionXWidth;
   MotionKind kind;
   kind.fps = 30.0;
@@ -126,7 +126,7 @@ Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& 
   add("pose_body", columns->pose_body, kBodyWidth);
   add("trans", columns->trans, 3);
   if (columns->beta_count > 0) add("betas", columns->betas, columns->beta_count);
-  MotionFile file{std::move(arrays), kind_of(*columns), {}};
+  MotionFile file{std::move(arrays), kind_of_columns(*columns), {}};
   if (columns == &kMotionX) {
     file.warnings.push_back(
         {0, 0,

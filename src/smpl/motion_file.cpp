@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, 4> kOfRobots = {"dof_pos", "root_trans_of
 std::string describe_names(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 8;
   std::vector<std::string> shown;
+  shown.reserve(names.size());
   for (const std::string& name : names) shown.push_back(printable(name));
   return list_names(shown, kShown);
 }
@@ -124,6 +125,7 @@ class MotionFinder {
 
   Failure several(const std::vector<Member>& motions) const {
     std::vector<std::string> names;
+    names.reserve(motions.size());
     for (const Member& motion : motions) names.push_back(motion.name);
     return input_failure(
         file_name_,

@@ -30,7 +30,7 @@ struct SmplReadOptions {
 
 /// A motion of an SMPL body.
 struct SmplMotion {
-  /// Metres, Z up, as AMASS stores them. Joints are kSmplJointNames in the skeleton of
+  /// Metres; Z up, as AMASS stores them, and GVHMR's and PHUMA's motions are turned to. Joints are kSmplJointNames in the skeleton of
   /// smpl_skeleton: with all rotations identity it stands in a T-pose along its own y axis and
   /// faces its z; the pelvis's rotation turns that to Z up. The pelvis's translation is its world
   /// position.
@@ -39,7 +39,7 @@ struct SmplMotion {
   SmplFamily family = SmplFamily::kUnknown;
   std::string gender;            ///< `neutral`, `female`, `male`, or empty where not known.
   std::vector<double> betas;     ///< As in the file; empty where there are none.
-  bool approximate_body = true;  ///< Bone lengths are of the generic body, not of a model.
+  bool approximate_body = true;  ///< Bones are of the generic body, not of a model or the file.
   double height = 0.0;           ///< Of the body, metres.
   std::vector<Warning> warnings;
 };
@@ -52,8 +52,13 @@ struct SmplMotion {
 /// The frame rate is `mocap_framerate`, `mocap_frame_rate` or `fps`, a scalar or an array of one.
 /// `betas` and `gender` (any text array) may be missing, with a warning.
 ///
-/// Bone lengths come from options.body, else from the generic body with a height of
-/// 1.66 m + 0.1 m * betas[0]. The world position of the pelvis is trans plus its place in the
+/// The same arrays are read from files of PyTorch and from pickles, under the other names that they
+/// have there, and from the single arrays of Motion-X and PHUMA; see open_motion_file.
+///
+/// Bones come from options.body, else from the file (`rest_offsets`, or places of joints), which come
+/// first where there are no betas; else from the generic body with a height of
+/// 1.66 m + 0.1 m * betas[0]. `trans` that is plainly in centimetres or millimetres is taken so, with
+/// a warning. The world position of the pelvis is trans plus its place in the
 /// rest body. Betas of the other family do not fit a model: it then keeps its mean shape, with a
 /// warning.
 ///

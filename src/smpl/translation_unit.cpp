@@ -44,6 +44,7 @@ Feet feet_of(const MotionArrays& arrays, const SmplRestBody& body, int frame) {
 class Figures {
  public:
   Figures(const MotionArrays& arrays, const SmplRestBody& body) : arrays_(arrays) {
+    feet_.reserve(static_cast<std::size_t>(arrays.frame_count));
     for (int frame = 0; frame < arrays.frame_count; ++frame) {
       feet_.push_back(feet_of(arrays, body, frame));
     }

@@ -13,6 +13,7 @@ from tool import ToolTest, is_sanitized, sample
 
 try:
     import numpy
+    from torch_writer import TorchPickle, archive_of, named, sequence, torch_bytes
 except ImportError:
     numpy = None
 
@@ -167,6 +168,31 @@ class SmallFiles(ToolTest):
                       "memo.pkl": opcodes(b"]\x94", 1900000), "same.pkl": opcodes(b"]2", 3000000),
                       "none.pkl": opcodes(b"N", 9000000), "numbers.pkl": opcodes(b"K\x01", 3000000),
                       "nothing.pkl": opcodes(b"\x00", 9000000)}, ("evaluate", "FILE", *of_robot))
+
+    @unittest.skipIf(numpy is None, "needs numpy")
+    def test_files_of_pytorch(self):
+        def opcodes(code, count, begin=b"", end=b"."):
+            return archive_of(b"\x80\x02" + begin + code * count + end, [bytes(64)], True)
+
+        def layout(*sizes):
+            return sequence(*(TorchPickle().value(size) for size in sizes))
+
+        name = TorchPickle().value
+        storage = sequence(name("storage"), named("torch", "FloatStorage"), name("0"), name("cpu"),
+                           name(16)) + b"Q"
+        rebuild = named("torch._utils", "_rebuild_tensor_v2")
+        view = sequence(storage, name(0), layout(*[1] * 8), layout(*[1] * 8))
+        motion = {"poses": numpy.zeros((1, 66), "f4"), "trans": numpy.zeros((1, 3), "f4"), "fps": 30}
+        wide = numpy.broadcast_to(motion["poses"], (10**9, 66))
+        self.try_all({"lists.pt": opcodes(b"]", 7000000), "marks.pt": opcodes(b"(", 3000000),
+                      "memo.pt": opcodes(b"]q\x01", 1900000), "none.pt": opcodes(b"N", 7000000),
+                      "views.pt": opcodes(b"h\x01h\x02R", 1000000,
+                                          rebuild + b"q\x01" + view + b"q\x02"),
+                      "frames.pt": torch_bytes({**motion, "poses": wide}),
+                      "rows.pt": torch_bytes(numpy.zeros((60000, 591), "u1"), True),
+                      "zeros.pt": torch_bytes({**motion, "poses": numpy.zeros((60000, 66), "u1")}, True),
+                      "array.npy": npy((1300, 69)), "wide.npy": npy((290, 322))},
+                     ("inspect", "FILE"), ("FILE", "g1", "-o", "o.csv"))
 
     def test_json(self):
         files = {"numbers.json": "[" + "0," * 49000 + "0]", "lists.json": "[" + "[]," * 32000 + "0]",

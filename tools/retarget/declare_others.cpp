@@ -12,7 +12,7 @@ namespace retarget::cli {
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a motion file contains");
   declare(*command, {word("file", arguments.run.run.motion, "FILE",
-                          "BVH or SMPL NPZ; - reads standard input")});
+                          "BVH, or SMPL as NPZ, .pt, .pkl, .npy; - reads standard input")});
   declare(*command, inspect_table(arguments));
   return command;
 }
