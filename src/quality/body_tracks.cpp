@@ -120,6 +120,32 @@ double SoleTrack::highest(int frame) const {
   return height;
 }
 
+bool SoleTrack::stands(int frame, double fps) const {
+  constexpr double kStill = 0.25;  // m/s
+  if (lowest(frame) >= kSoleHigh) return false;
+  const int frames = static_cast<int>(points.size() / sole->points.size());
+  const int before = std::max(frame - 1, 0), after = std::min(frame + 1, frames - 1);
+  if (before == after) return true;
+  return (middle(after) - middle(before)).norm() * fps / (after - before) < kStill;
+}
+
+std::vector<SoleTrack> track_soles(const RobotClip& clip) {
+  std::vector<SoleTrack> tracks;
+  for (const Sole& sole : clip.robot().profile().soles) {
+    if (!sole.points.empty()) tracks.push_back({&sole, {}});
+  }
+  std::vector<Pose> world_from_body(clip.robot().bodies().size());
+  for (int frame = 0; frame < clip.frame_count() && !tracks.empty(); ++frame) {
+    forward_kinematics(clip.robot(), clip.qpos(frame), world_from_body);
+    for (SoleTrack& track : tracks) {
+      for (const Eigen::Vector3d& point : track.sole->points) {
+        track.points.push_back(world_from_body[track.sole->body] * point);
+      }
+    }
+  }
+  return tracks;
+}
+
 BodyTracks track_bodies(const RobotClip& clip, std::vector<int> kept_bodies, int stride) {
   return BodyTracker(clip, std::move(kept_bodies), std::max(stride, 1)).track();
 }

@@ -10,6 +10,9 @@
 
 namespace retarget {
 
+/// A sole point this far above the floor is off it, metres.
+inline constexpr double kSoleHigh = 0.02;
+
 /// Where the points of a sole are in every frame; world, metres.
 struct SoleTrack {
   const Sole* sole = nullptr;
@@ -21,7 +24,13 @@ struct SoleTrack {
   [[nodiscard]] Eigen::Vector3d middle(int frame) const;
   [[nodiscard]] double lowest(int frame) const;
   [[nodiscard]] double highest(int frame) const;
+  /// Whether the foot stands, by its sole alone: its lowest point is less than kSoleHigh above the
+  /// floor, and its middle slower than 0.25 m/s.
+  [[nodiscard]] bool stands(int frame, double fps) const;
 };
+
+/// The soles of a robot's profile over a motion.
+[[nodiscard]] std::vector<SoleTrack> track_soles(const RobotClip& clip);
 
 /// The lowest of something in a frame.
 struct Lowest {

@@ -12,7 +12,7 @@ namespace retarget {
 namespace {
 
 constexpr double kDeep = 0.01;  // metres in the floor, or in itself
-constexpr double kHigh = 0.02;  // metres above the floor
+constexpr double kHigh = kSoleHigh;
 
 const std::string& name_of(const ReportBuilder& draft, int body) {
   return draft.clip.robot().bodies()[body].name;
@@ -114,15 +114,6 @@ std::vector<ContactPhase> phases_of(const std::array<std::vector<ContactPhase>, 
   return on_floor(phases[track.sole->side == "left" ? 0 : 1]);
 }
 
-// whether the robot's foot stands, by its sole alone
-bool stands(const SoleTrack& track, int frame, int frames, double fps) {
-  constexpr double kStill = 0.25;  // m/s
-  if (track.lowest(frame) >= kHigh) return false;
-  const int before = std::max(frame - 1, 0), after = std::min(frame + 1, frames - 1);
-  if (before == after) return true;
-  return (track.middle(after) - track.middle(before)).norm() * fps / (after - before) < kStill;
-}
-
 void add_foot(const ReportBuilder& draft, const BodyTracks& tracks, const SoleTrack& track,
               const std::vector<ContactPhase>& phases, ContactFigures& figures,
               FaultList& slipping) {
@@ -136,7 +127,7 @@ void add_foot(const ReportBuilder& draft, const BodyTracks& tracks, const SoleTr
     }
   }
   for (int frame = 0; frame < frames; ++frame) {
-    const bool stood = stands(track, frame, draft.clip.frame_count(), draft.clip.rate().fps());
+    const bool stood = track.stands(frame, draft.clip.rate().fps());
     ++figures.asked;
     if (planted[frame] != 0) ++figures.planted;
     if (planted[frame] != 0 && stood) ++figures.kept;

@@ -11,6 +11,7 @@
 #include "human/bone_map_file.h"
 #include "plan/human_in_world.h"
 #include "retarget/load.h"
+#include "retarget/view.h"
 #include "run/run_lines.h"
 #include "run/sidecar.h"
 
@@ -55,10 +56,23 @@ Result<OutputFile> write_report(const std::string& path, const QualityReport& re
   return file;
 }
 
+// the same
+Result<OutputFile> write_page(const std::string& path, const Motion& motion,
+                              const QualityReport& report, Observer& observer) {
+  TRY_ASSIGN(const std::string page,
+             view_page(motion, std::filesystem::path(report.file).stem().string(), &report));
+  TRY_ASSIGN(OutputFile file, OutputFile::create(path));
+  TRY(file.write(page));
+  observer.line("page", path + ": " + number_text(static_cast<double>(page.size()) / 1e6, 2) +
+                            " MB, opens in a browser");
+  return file;
+}
+
 Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
                                              const RunRequest& request, const Observer& observer) {
   // who reads the summary is told its verdict, which must not make a run fail
-  const bool asked = request.measure || request.sidecar || !request.report.empty();
+  const bool asked =
+      request.measure || request.sidecar || !request.report.empty() || !request.html.empty();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
   auto report = evaluate(motion);
   if (!report && !asked) return std::optional<QualityReport>();
@@ -86,10 +100,14 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
       return sidecar_text(run, motion, file, *outcome.quality, read);
     };
   }
-  std::optional<OutputFile> report;
+  std::optional<OutputFile> report, page;
   if (!request.report.empty()) {
     TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
     outcome.others.push_back(request.report);
+  }
+  if (!request.html.empty()) {
+    TRY_ASSIGN(page, write_page(request.html, motion, *outcome.quality, observer));
+    outcome.others.push_back(request.html);
   }
   TRY_ASSIGN(
       outcome.motions,
@@ -99,6 +117,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }
   if (report) TRY(report->commit());
+  if (page) TRY(page->commit());
   return outcome;
 }
 

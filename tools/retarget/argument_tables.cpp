@@ -38,6 +38,9 @@ OptionTable request_table(RunArguments& arguments) {
               "retarget verify checks it"),
           row("report", request.report, kOutputGroup, "FILE",
               "Write a quality report, JSON as from retarget evaluate"),
+          row("html", request.html, kOutputGroup, "FILE",
+              "Write a page that plays the motion beside its source, with its quality; opens from "
+              "disk (docs/viewing.md)"),
           row("verbose", request.verbose, kGeneralGroup, "",
               "Also print what each term of the fit costs, before and after, and its worst frames",
               {.letter = "v"})};
@@ -158,6 +161,10 @@ OptionTable inspect_table(InspectArguments& arguments) {
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",
                       {.basic = true}));
+  table.push_back(row("html", arguments.html, kOutputGroup, "FILE",
+                      "Write a page that plays the motion beside its rest pose, with what was "
+                      "found; opens from disk",
+                      {.basic = true}));
   table.push_back(row("positions", arguments.positions, kOutputGroup, "FILE",
                       "Write world positions and quaternions (xyzw) of all joints and end sites, "
                       "in the file's units and axes, as CSV; - writes standard output"));
@@ -166,15 +173,24 @@ OptionTable inspect_table(InspectArguments& arguments) {
 }
 
 OptionTable view_table(ViewArguments& arguments) {
-  OptionTable table = {row("strip", arguments.strip, kOutputGroup, "N",
-                           "How many poses, from the first frame to the last",
-                           {.min = 1.0, .max = 100.0, .basic = true})};
+  OptionTable table = {
+      row("strip", arguments.strip, kOutputGroup, "N",
+          "Picture: how many poses, from the first frame to the last",
+          {.min = 1.0, .max = 100.0, .basic = true}),
+      row("png", arguments.png, kOutputGroup, "FILE", "Also write the picture as PNG"),
+      row("label", arguments.labels, kOutputGroup, "TEXT",
+          "Page: what a motion is called, one for each; repeatable (default: the "
+          "names of the files)",
+          {.basic = true}),
+      row("fps", arguments.fps, kTimeGroup, "N|source",
+          "Page: rate of motions whose files give none, in frames per second, or "
+          "`source`; the source is resampled to it (default: 30; SOMA 120)")};
   append(table, only(run_command_table(arguments.run),
-                     {"output",     "bvh",     "smpl",      "smpl-model",    "start",
-                      "lead-in",    "map",     "partial",   "rest",          "tpose-frame",
-                      "tpose-file", "unit",    "up",        "forward",       "height",
-                      "write-map",  "robot",   "robot-xml", "robot-profile", "dof",
-                      "quiet",      "data-dir"}));
+                     {"output",     "bvh",    "smpl",      "smpl-model",    "start",
+                      "lead-in",    "map",    "partial",   "rest",          "tpose-frame",
+                      "tpose-file", "unit",   "up",        "forward",       "height",
+                      "write-map",  "robot",  "robot-xml", "robot-profile", "dof",
+                      "ik-config",  "limits", "scale",     "quiet",         "data-dir"}));
   append(table, reading_table(arguments.reading));
   return table;
 }

@@ -47,14 +47,18 @@ struct ReadingArguments {
   bool ignore_header = false;
 };
 
-/// `retarget evaluate`: how good robot motions are.
-struct EvaluateArguments {
+/// Robot motions that are measured.
+struct MeasureArguments {
   RunArguments run;                  ///< Robot, limits, source and its start; the rate.
   std::string fps;                   ///< As given; empty: not.
-  ReadingArguments reading;          ///< But for the rate.
+  ReadingArguments reading;          ///< But for the rate, where `run` has it.
   std::vector<std::string> motions;  ///< Files of robot motions.
-  std::string json;                  ///< Report to write; empty: none, `-`: standard output.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
+};
+
+/// `retarget evaluate`: how good robot motions are.
+struct EvaluateArguments : MeasureArguments {
+  std::string json;  ///< Report to write; empty: none, `-`: standard output.
 };
 
 /// `retarget verify`: whether a run still gives the same bytes.
@@ -90,14 +94,14 @@ struct InspectArguments {
   bool skeleton_only = false;
   bool json = false;
   std::string positions;  ///< CSV to write; empty: none.
+  std::string html;       ///< Page to write in place of the text; empty: none.
 };
 
-/// `retarget view`: a picture of a robot's motion.
-struct ViewArguments {
-  RunArguments run;  ///< Robot, source and its start; the output.
-  ReadingArguments reading;
-  std::string motion;
-  int strip = 6;  ///< Poses.
+/// `retarget view`: a picture of a robot's motion, or a page that plays several.
+struct ViewArguments : MeasureArguments {
+  int strip = 6;                    ///< Poses of a picture.
+  std::string png;                  ///< A picture besides the output; empty: none.
+  std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
 };
 
 /// What `retarget robots` does.

@@ -36,17 +36,29 @@ CLI::App* add_compare_command(CLI::App& app, CompareArguments& arguments) {
 }
 
 CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
-  CLI::App* command =
-      app.add_subcommand("view", "Draw a robot motion as a strip of poses, SVG or PNG");
-  declare(*command, {word("motion", arguments.motion, "MOTION",
-                          "CSV, NPZ or pickle; - reads standard input")});
+  CLI::App* command = app.add_subcommand(
+      "view",
+      "Write a page that plays robot motions, HTML, or draw one as a strip of poses, SVG or PNG");
+  declare(*command,
+          {word("motions", arguments.motions, "MOTION...",
+                "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "
+                "standard input")});
   declare(*command, view_table(arguments));
-  command->get_option("--output")
-      ->description("SVG or PNG to write, by its extension; - writes an SVG to standard output")
-      ->required();
-  command->get_option("--bvh")->description("The source of the motion, drawn above it");
-  command->get_option("--smpl")->description("The same as SMPL or SMPL-X motion, NPZ");
-  command->get_option("--start")->description("Where in the source the motion begins, seconds");
+  const auto describe_as = [command](const char* name, const char* help) {
+    command->get_option(name)->description(help);
+  };
+  describe_as("--output",
+              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output");
+  command->get_option("--output")->required();
+  describe_as("--bvh", "The source of the motions, drawn beside them");
+  describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");
+  describe_as("--start", "Where in the source the motions begin, seconds");
+  describe_as("--ik-config",
+              "Page: retargeting configuration whose targets are tracked (default: as in a run)");
+  describe_as(
+      "--limits",
+      "Page: joint limits: a set of the robot, or a JSON or MJCF file (default: the robot's own)");
+  describe_as("--scale", "Page: how the body's size scales the targets that are tracked");
   return command;
 }
 

@@ -25,8 +25,8 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           "of names; with --merge, further manifests",
                           false)});
   declare(*command,
-          without(run_command_table(arguments.run),
-                  {"bvh", "smpl", "write-map", "robot", "output", "report", "memory", "verbose"}));
+          without(run_command_table(arguments.run), {"bvh", "smpl", "write-map", "robot", "output",
+                                                     "report", "html", "memory", "verbose"}));
   declare(*command, batch_table(arguments));
   command->get_option("--without")->allow_extra_args();
   return command;

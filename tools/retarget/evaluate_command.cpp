@@ -1,48 +1,19 @@
 // `retarget evaluate`: how good robot motions are, held against gates.
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <filesystem>
 
 #include "base/file.h"
-#include "base/number_text.h"
 #include "base/printable.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "commands.h"
-#include "human/human_clip.h"
+#include "measure_files.h"
 #include "plan/check_options.h"
-#include "plan/config_files.h"
-#include "plan/gates.h"
-#include "quality/measure.h"
-#include "read_motion.h"
-#include "retarget/motion_io.h"
-#include "retarget/solve.h"
-#include "robot/resample_robot.h"
 #include "run/run_lines.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
 namespace {
-
-namespace fs = std::filesystem;
-
-// what all motions of one call are measured with
-struct Measures {
-  std::shared_ptr<const Robot> robot;
-  LimitSet limits;
-  ReadMotionOptions reading;
-  FrameRate rate;  // of the source
-  std::optional<HumanClip> human;
-  std::optional<HumanClip> human_with_lead_in;  // where there is one
-  std::optional<ResolvedConfig> config;
-  HeightScale scale = HeightScale::kPublished;
-  std::string source;  // file name
-  std::string config_file;
-  Gates gates;
-};
 
 Result<void> check_usage(const EvaluateArguments& arguments) {
   const Run& run = arguments.run.run;
@@ -62,161 +33,6 @@ Result<void> check_usage(const EvaluateArguments& arguments) {
   return check_written({arguments.json, arguments.run.request.write_map}, read);
 }
 
-// `METRIC=NUMBER` or `METRIC=none`
-Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
-  Gate gate{text.substr(0, equals), std::nullopt, std::nullopt};
-  if (find_metric(gate.metric) == nullptr) {
-    return usage_failure("--gate names an unknown metric \"" + gate.metric + "\"" +
-                         did_you_mean(gate.metric, metric_keys()));
-  }
-  const std::string_view number = std::string_view(text).substr(equals + 1);
-  if (number == "none") return gate;
-  const auto max = parse_number<double>(number);
-  if (!max) {
-    return usage_failure("--gate " + gate.metric +
-                         "= must be followed by a number or none, found \"" + std::string(number) +
-                         "\"");
-  }
-  gate.max = max;
-  return gate;
-}
-
-Result<Gates> gates_of(const EvaluateArguments& arguments, const std::string& data_folder) {
-  TRY_ASSIGN(Gates gates, default_gates(data_folder));
-  for (const std::string& text : arguments.gates) {
-    const std::size_t equals = text.find('=');
-    std::error_code ignored;
-    if (text == "none") {
-      gates.clear();
-    } else if (equals == std::string::npos || fs::exists(text, ignored)) {
-      TRY(gates.add_file(text));
-    } else {
-      TRY_ASSIGN(Gate gate, gate_from_text(text, equals));
-      gates.set(std::move(gate));
-    }
-  }
-  return gates;
-}
-
-Result<HumanClip> human_of(const Plan& plan) {
-  TRY_ASSIGN(const auto clip, prepare_clip(plan));
-  return to_human(*clip, plan.human.calibration);
-}
-
-Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
-                        Console& console) {
-  const Run& run = arguments.run;
-  TRY_ASSIGN(const RobotSetup setup, retarget::set_up_robot(std::move(robot), run.options));
-  TRY_ASSIGN(Plan plan, read_and_plan(run, arguments.request, setup, console));
-  measures.config = setup.config_for(plan.human);
-  measures.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
-  measures.scale = plan.scale;
-  measures.rate = plan.rate;
-  measures.source = fs::path(plan.clip->name()).filename().string();
-  TRY_ASSIGN(measures.human, human_of(plan));
-  if (plan.lead_in_frames == 0) return {};
-  plan.part.begin = 0;
-  TRY_ASSIGN(measures.human_with_lead_in, human_of(plan));
-  return {};
-}
-
-Result<Measures> load_measures(const EvaluateArguments& arguments, Console& console) {
-  RunArguments with_file = arguments.run;
-  TRY(take_smpl_file(with_file));
-  Run& run = with_file.run;
-  if (!arguments.fps.empty()) {
-    TRY_ASSIGN(run.options.time.fps, rate_of(arguments.fps));
-  }
-  Measures measures;
-  TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
-  TRY_ASSIGN(measures.gates, gates_of(arguments, data_folder));
-  TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
-  measures.robot = robot.robot;
-  std::string& limits = run.options.solve.limits;
-  if (limits.empty()) limits = measures.robot->limits_for({});
-  TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));
-  if (run.options.time.fps) measures.rate = frame_rate_from_fps(*run.options.time.fps);
-  measures.reading = read_motion_options(arguments.reading, run.options.source.memory_gb);
-  if (!run.motion.empty()) {
-    TRY(add_source(with_file, std::move(robot), measures, console));
-  } else if (run.options.source.source_fps > 0.0) {
-    measures.reading.rate = frame_rate_from_fps(run.options.source.source_fps);
-  }
-  if (!arguments.fps.empty()) measures.reading.default_rate = measures.rate;
-  return measures;
-}
-
-QualityReport measure_beside(const RobotClip& motion, const Measures& measures,
-                             const HumanClip& human) {
-  const QualitySource source{&human, &*measures.config, measures.scale};
-  return measure_quality(motion, measures.limits, &source);
-}
-
-// how far the limbs are from the human's, degrees
-double limb_angle(const QualityReport& report) {
-  const MetricValue* found = report.find("limb_angle_deg");
-  return found == nullptr ? HUGE_VAL : found->value;
-}
-
-// A motion may have been made with the frames in front or without them, and be a part alone: it is
-// held against those that its limbs follow.
-QualityReport measure_motion(const RobotClip& motion, const Measures& measures,
-                             const std::string& file, Console& console) {
-  if (!measures.human) return measure_quality(motion, measures.limits, nullptr);
-  const HumanClip* human = &*measures.human;
-  QualityReport report = measure_beside(motion, measures, *human);
-  if (const auto& whole = measures.human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, measures, *whole);
-    const bool needs_it = motion.frame_count() > human->frame_count;
-    if (limb_angle(with_lead_in) < limb_angle(report) ||
-        (needs_it && limb_angle(with_lead_in) == limb_angle(report))) {
-      report = std::move(with_lead_in);
-      human = &*whole;
-      console.line("lead-in", file + " follows the source with its leading frames: they are kept");
-    }
-  }
-  if (human->frame_count < motion.frame_count()) {
-    console.warn({{0, 0,
-                   "the source has " + count_text(human->frame_count, "frame") +
-                       " from its start on for the " + count_text(motion.frame_count(), "frame") +
-                       " of the motion: contacts and tracking end with it"}},
-                 file);
-  }
-  return report;
-}
-
-Result<QualityReport> evaluate_motion(const std::string& file, const Measures& measures,
-                                      Console& console) {
-  TRY_ASSIGN(RobotMotion motion, load_robot_motion(file, measures.robot, measures.reading));
-  // a rate that --fps gave is no guess
-  const bool rate_known = motion.rate_known;
-  motion.rate_known = rate_known || measures.reading.default_rate.has_value();
-  print_motion(file, motion, console, "--fps");
-  if (rate_known && measures.reading.default_rate && !measures.human &&
-      !same_rate(*measures.reading.default_rate, motion.clip.rate())) {
-    console.warn(
-        {{0, 0,
-          "the file says " + to_text(motion.clip.rate()) +
-              " fps, which is used: --fps is for files that give none, --source-fps for all"}},
-        file);
-  }
-  // frame by frame beside the source
-  RobotClip clip = std::move(motion.clip);
-  if (measures.human) {
-    TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
-  }
-  const auto start = std::chrono::steady_clock::now();
-  QualityReport report = measure_motion(clip, measures, file, console);
-  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-  report.file = file == "-" ? "-" : fs::path(file).filename().string();
-  report.source = measures.source;
-  report.config = measures.config_file;
-  measures.gates.judge(report);
-  console.line("measured", report.file + ": " + count_text(report.frames, "frame") + " in " +
-                               number_text(time.count(), 2) + " s");
-  return report;
-}
-
 }  // namespace
 
 Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) {
@@ -224,8 +40,8 @@ Result<ExitCode> evaluate(const EvaluateArguments& arguments, Console& console) 
   TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
   std::vector<QualityReport> reports;
   for (const std::string& file : arguments.motions) {
-    TRY_ASSIGN(QualityReport report, evaluate_motion(file, measures, console));
-    reports.push_back(std::move(report));
+    TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
+    reports.push_back(std::move(motion.report));
   }
   if (!arguments.json.empty()) {
     TRY(write_file(arguments.json, printable_json(report_json(reports))));

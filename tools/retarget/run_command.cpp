@@ -91,9 +91,14 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   if (request.report == "-") {
     return usage_failure("--report needs a file", "retarget evaluate --json - prints a report");
   }
-  if (!request.report.empty()) TRY(check_output_folder(request.report));
+  if (request.html == "-") {
+    return usage_failure("--html needs a file", "name one that ends in .html");
+  }
+  for (const std::string& file : {request.report, request.html}) {
+    if (!file.empty()) TRY(check_output_folder(file));
+  }
   return check_outputs(run, request.sidecar, files_of(run, data_folder),
-                       {request.report, request.write_map});
+                       {request.report, request.html, request.write_map});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `retarget view`: a picture of a robot's motion, SVG or PNG.
+// `retarget view`: a page that plays robot motions, or a picture of one.
 
 #include <algorithm>
 #include <filesystem>
@@ -10,9 +10,11 @@
 #include "base/try.h"
 #include "commands.h"
 #include "human/human_clip.h"
+#include "measure_files.h"
 #include "plan/check_options.h"
 #include "read_motion.h"
 #include "retarget/solve.h"
+#include "retarget/view.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
@@ -21,29 +23,49 @@
 namespace retarget::cli {
 namespace {
 
+namespace fs = std::filesystem;
+
+bool is_page(const std::string& output) {
+  const std::string ending = fs::path(output).extension().string();
+  return ending == ".html" || ending == ".htm";
+}
+
 Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
   TRY(check_robot_choice(run.robot));
-  if (run.motion.empty() && run.options.part.start_s >= 0.0) {
-    return usage_failure("--start needs the source", "add --bvh FILE");
+  const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
+  if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
+    return usage_failure(
+        std::string(arguments.fps == "source" ? "--fps source" : "--start") + " needs the source",
+        "add --bvh FILE");
   }
-  if (arguments.motion == "-" && run.motion == "-") {
-    return usage_failure("standard input can be read only once");
+  const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
+  if (inputs > 1) return usage_failure("standard input can be read only once");
+  if ((!is_page(run.output) || !arguments.png.empty()) && arguments.motions.size() > 1) {
+    return usage_failure("a picture is of one motion, and " +
+                             count_text(arguments.motions.size(), "motion") + " are given",
+                         "an output that ends in .html plays them side by side");
   }
-  auto inputs = files_read(run, arguments.run.common);
-  inputs.push_back(arguments.motion);
-  return check_written({run.output, arguments.run.request.write_map}, inputs);
+  if (!arguments.labels.empty() && arguments.labels.size() != arguments.motions.size()) {
+    return usage_failure(count_text(arguments.labels.size(), "label") + " and " +
+                             count_text(arguments.motions.size(), "motion") + " are given",
+                         "give one --label for each motion, in their order");
+  }
+  auto inputs_read = files_read(run, arguments.run.common);
+  inputs_read.insert(inputs_read.end(), arguments.motions.begin(), arguments.motions.end());
+  inputs_read.push_back(arguments.run.smpl_file);
+  return check_written({run.output, arguments.png, arguments.run.request.write_map}, inputs_read);
 }
 
 // a strip in the form that the file's name says
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
-  if (lower_case(std::filesystem::path(file).extension().string()) == ".png") {
+  if (file == arguments.png || lower_case(fs::path(file).extension().string()) == ".png") {
     StripPictureOptions options;
     options.poses = arguments.strip;
     return draw_strip_picture(motion.clip, human, options);
   }
-  const std::string name = std::filesystem::path(arguments.motion).filename().string();
+  const std::string name = fs::path(arguments.motions.front()).filename().string();
   return draw_strip(motion.clip, human,
                     {arguments.strip, name + ", " + motion.clip.robot().name()});
 }
@@ -60,27 +82,93 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
   return std::optional(to_human(*clip, plan.human.calibration));
 }
 
+Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
+  const Run& run = arguments.run.run;
+  const std::string& file = arguments.motions.front();
+  TRY_ASSIGN(const LoadedRobot robot,
+             load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
+  TRY_ASSIGN(
+      const RobotMotion motion,
+      load_robot_motion(file, robot.robot,
+                        read_motion_options(arguments.reading, run.options.source.memory_gb)));
+  print_motion(file, motion, console);
+  TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
+  for (const std::string& output : {run.output, arguments.png}) {
+    if (output.empty() || is_page(output)) continue;
+    TRY(write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
+    console.line(
+        "wrote",
+        output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
+  }
+  return {};
+}
+
+// a source is looked at at the rate of the motion, where that is known
+Result<void> take_rate(ViewArguments& arguments, const LoadedRobot& robot) {
+  const Run& run = arguments.run.run;
+  const std::string& file = arguments.motions.front();
+  if (!arguments.fps.empty() || run.motion.empty() || file == "-") return {};
+  TRY_ASSIGN(
+      const RobotMotion motion,
+      load_robot_motion(file, robot.robot,
+                        read_motion_options(arguments.reading, run.options.source.memory_gb)));
+  if (motion.rate_known) arguments.fps = to_text(motion.clip.rate());
+  return {};
+}
+
+// as files are told apart: by name, else by the folder as well
+std::vector<std::string> labels_of(const ViewArguments& arguments) {
+  if (!arguments.labels.empty()) return arguments.labels;
+  std::vector<std::string> labels;
+  for (const std::string& file : arguments.motions) {
+    const fs::path path(file);
+    const auto same_name = [&](const std::string& other) {
+      return fs::path(other).filename() == path.filename();
+    };
+    const bool alone = std::ranges::count_if(arguments.motions, same_name) == 1;
+    labels.push_back(file == "-" ? "standard input"
+                                 : (alone ? path.filename() : path.lexically_normal()).string());
+  }
+  return labels;
+}
+
+Result<void> write_page(ViewArguments arguments, Console& console) {
+  const std::string& output = arguments.run.run.output;
+  {
+    TRY_ASSIGN(const LoadedRobot robot,
+               retarget::load_robot(arguments.run.run.robot,
+                                    DataFolder{arguments.run.common.data_dir, {}}));
+    TRY(take_rate(arguments, robot));
+  }
+  TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
+  std::vector<MeasuredMotion> motions;
+  for (const std::string& file : arguments.motions) {
+    TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
+    motions.push_back(std::move(motion));
+  }
+  const std::vector<std::string> labels = labels_of(arguments);
+  std::vector<PageMotion> shown;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    shown.push_back(
+        {labels[i], &motions[i].clip, motions[i].human, &motions[i].report, &measures.limits});
+  }
+  TRY_ASSIGN(const std::string page, view_page(shown));
+  TRY(write_file(output, page));
+  console.line("wrote", output + ": " + count_text(motions.size(), "motion") + ", " +
+                            number_text(static_cast<double>(page.size()) / 1e6, 2) +
+                            " MB, opens in a browser");
+  return {};
+}
+
 }  // namespace
 
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
-  const Run& run = arguments.run.run;
-  TRY_ASSIGN(const LoadedRobot robot,
-             load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
-  TRY_ASSIGN(
-      const RobotMotion motion,
-      load_robot_motion(arguments.motion, robot.robot,
-                        read_motion_options(arguments.reading, run.options.source.memory_gb)));
-  print_motion(arguments.motion, motion, console);
-  TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
-  TRY(write_file(run.output,
-                 strip_bytes(run.output, arguments, motion, human ? &*human : nullptr)));
-  console.line(
-      "wrote",
-      run.output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
-  return {};
+  const bool page = is_page(arguments.run.run.output);
+  if (!page || !arguments.png.empty()) TRY(draw_picture(arguments, console));
+  return page ? write_page(std::move(arguments), console) : Result<void>();
 }
 
 }  // namespace retarget::cli

@@ -1,0 +1,35 @@
+# The files of viewer/ that a page is made of, as C++ strings: a build needs neither Node nor a network,
+# and the library finds them without a folder. Made while configuring, again when one of them changes.
+
+set(retarget_page_source ${PROJECT_BINARY_DIR}/generated/page_files.cpp)
+
+function(retarget_write_page_files output)
+  set(text "// made by cmake/PageAssets.cmake\n#include \"view/page_assets.h\"\n\nnamespace retarget {\n")
+  foreach(each IN ITEMS kPageShell:page.html kPageStyle:page.css kPageScript:dist/viewer.js)
+    string(REPLACE ":" ";" each ${each})
+    list(GET each 0 name)
+    list(GET each 1 path)
+    set(path ${PROJECT_SOURCE_DIR}/viewer/${path})
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
+    file(SHA256 ${path} hash)
+    file(READ ${path} content)
+    string(LENGTH "${content}" length)
+    string(APPEND text "\nstatic constexpr std::string_view ${name}Pieces[] = {\n")
+    set(at 0)
+    while(at LESS length)
+      string(SUBSTRING "${content}" ${at} 16000 piece)
+      string(APPEND text "R\"piece(${piece})piece\",\n")
+      math(EXPR at "${at} + 16000")
+    endwhile()
+    string(APPEND text "};\nconst PageAsset ${name} = {${name}Pieces, \"${hash}\"};\n")
+  endforeach()
+  string(APPEND text "\n}  // namespace retarget\n")
+  file(WRITE ${output}.new "${text}")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E copy_if_different ${output}.new ${output})
+  file(REMOVE ${output}.new)
+endfunction()
+
+retarget_write_page_files(${retarget_page_source})
+target_sources(retarget PRIVATE ${retarget_page_source})
+set_source_files_properties(${retarget_page_source} PROPERTIES
+  SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)

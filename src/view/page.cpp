@@ -1,0 +1,76 @@
+#include <array>
+#include <utility>
+
+#include "base/suggest.h"
+#include "base/try.h"
+#include "human/human_clip.h"
+#include "retarget/view.h"
+#include "robot/normalize_start.h"
+#include "view/page_assets.h"
+#include "view/page_data.h"
+#include "view/svg.h"
+
+namespace retarget {
+namespace {
+
+// the shell with what stands for its marks, each of which is there once
+std::string filled(const std::string& shell,
+                   std::span<const std::pair<std::string_view, std::string>> parts) {
+  std::string page;
+  std::size_t begin = 0;
+  for (const auto& [mark, text] : parts) {
+    const std::size_t at = shell.find(mark, begin);
+    if (at == std::string::npos) continue;
+    page.append(shell, begin, at - begin).append(text);
+    begin = at + mark.size();
+  }
+  return page.append(shell, begin, std::string::npos);
+}
+
+std::string title_of(std::span<const PageMotion> motions) {
+  std::vector<std::string> labels;
+  for (const PageMotion& motion : motions) {
+    labels.push_back(motion.label.empty() ? motion.clip->robot().name() : motion.label);
+  }
+  return list_names(labels);
+}
+
+}  // namespace
+
+std::string assemble_page(const std::string& title, PageData data) {
+  const std::string policy = "default-src 'none'; script-src " + kPageScript.policy_source() +
+                             "; style-src " + kPageStyle.policy_source() +
+                             "; base-uri 'none'; form-action 'none'";
+  // in the order of the shell
+  const std::array<std::pair<std::string_view, std::string>, 6> parts = {
+      {{"@POLICY@", policy},
+       {"@TITLE@", xml_text(title)},
+       {"@STYLE@", kPageStyle.text()},
+       {"@HEADER@", std::move(data.header)},
+       {"@TRACKS@", std::move(data.tracks)},
+       {"@SCRIPT@", kPageScript.text()}}};
+  return filled(kPageShell.text(), parts);
+}
+
+Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
+  const std::string title = options.title.empty() ? title_of(motions) : options.title;
+  TRY_ASSIGN(PageData data, page_data(motions, title, options.links));
+  return assemble_page(title, std::move(data));
+}
+
+Result<std::string> view_page(const Motion& motion, const std::string& label,
+                              const QualityReport* report) {
+  QualityReport measured;
+  if (report == nullptr) {
+    TRY_ASSIGN(measured, evaluate(motion));
+    report = &measured;
+  }
+  // as it is written
+  RobotClip clip = motion.clip;
+  if (motion.plan.options.save.normalize_start) normalize_start(clip);
+  const HumanClip human = to_human(*motion.source, motion.plan.human.calibration);
+  const PageMotion shown{label, &clip, &human, report, &motion.plan.limits};
+  return view_page({&shown, 1}, {});
+}
+
+}  // namespace retarget

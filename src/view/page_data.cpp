@@ -1,0 +1,237 @@
+#include "view/page_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/try.h"
+#include "human/contact_plan.h"
+#include "quality/body_tracks.h"
+#include "retarget/version.h"
+
+namespace retarget {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// half of a step is the error; a chain of joints adds up to less than 0.1 mm at a hand
+constexpr double kAngleStep = 5e-5;       // rad; metres of slides
+constexpr double kQuaternionStep = 2e-5;  // of each component
+constexpr double kRootStep = 5e-5;        // metres
+constexpr double kBoneStep = 1e-4;
+
+Json phases_json(const std::vector<ContactPhase>& phases) {
+  Json json = Json::array();
+  for (const ContactPhase& phase : phases) json.push_back({phase.begin, phase.end});
+  return json;
+}
+
+// when each of the robot's soles stands
+Json robot_contacts(const RobotClip& clip) {
+  Json json = Json::array();
+  for (const SoleTrack& track : track_soles(clip)) {
+    std::vector<ContactPhase> phases;
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      if (!track.stands(frame, clip.rate().fps())) continue;
+      if (phases.empty() || phases.back().end != frame) phases.push_back({frame, frame, 0.0});
+      ++phases.back().end;
+    }
+    json.push_back(
+        {{"side", track.sole->side}, {"body", track.sole->body}, {"phases", phases_json(phases)}});
+  }
+  return json;
+}
+
+Json limits_json(const Robot& robot, const LimitSet& limits) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const double lower = limits.lower[i], upper = limits.upper[i];
+    json.push_back(Json::array({std::isfinite(lower) ? Json(lower) : Json(),
+                                std::isfinite(upper) ? Json(upper) : Json()}));
+  }
+  return json;
+}
+
+// what motions have in common goes into the page once
+class PageWriter {
+ public:
+  Result<void> add(const PageMotion& motion);
+  Result<PageData> finish(const std::string& title, const PageLinks& links) const;
+
+ private:
+  int robot_of(const PageMotion& motion);
+  Result<int> human_of(const PageMotion& motion);
+  Result<Json> tracks_of(const RobotClip& clip);
+
+  TrackPacker packer_;
+  std::vector<const Robot*> known_robots_;
+  std::vector<const HumanClip*> known_humans_;
+  Json robots_ = Json::array(), humans_ = Json::array(), motions_ = Json::array();
+};
+
+int PageWriter::robot_of(const PageMotion& motion) {
+  const Robot* robot = &motion.clip->robot();
+  const auto found = std::ranges::find(known_robots_, robot);
+  const auto index = static_cast<int>(found - known_robots_.begin());
+  if (found != known_robots_.end()) return index;
+  known_robots_.push_back(robot);
+  robots_.push_back(page_robot(*robot));
+  return index;
+}
+
+Result<int> PageWriter::human_of(const PageMotion& motion) {
+  const HumanClip& human = *motion.human;
+  const auto found = std::ranges::find(known_humans_, &human);
+  const auto index = static_cast<int>(found - known_humans_.begin());
+  if (found != known_humans_.end()) return index;
+  known_humans_.push_back(&human);
+  std::vector<Bone> bones;
+  Json names = Json::array();
+  for (const Bone bone : kMappedBones) {
+    if (!human.has(bone)) continue;
+    bones.push_back(bone);
+    names.push_back(bone_name(bone));
+  }
+  std::vector<double> positions;
+  positions.reserve(bones.size() * 3 * static_cast<std::size_t>(human.frame_count));
+  for (int frame = 0; frame < human.frame_count; ++frame) {
+    for (const Bone bone : bones) {
+      const Eigen::Vector3d& place = human.frame(frame)[bone].translation;
+      positions.insert(positions.end(), place.begin(), place.end());
+    }
+  }
+  TRY_ASSIGN(const int track,
+             packer_.add(static_cast<int>(3 * bones.size()), kBoneStep, positions));
+  humans_.push_back({{"bones", std::move(names)},
+                     {"frames", human.frame_count},
+                     {"height", human.height},
+                     {"track", track}});
+  return index;
+}
+
+Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
+  std::vector<double> positions, rotations, joints;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto qpos = clip.qpos(frame);
+    positions.insert(positions.end(), qpos.begin(), qpos.begin() + 3);
+    const Eigen::Quaterniond rotation =
+        Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized();
+    rotations.insert(rotations.end(), {rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+    for (const RobotJoint& joint : clip.robot().joints())
+      joints.push_back(qpos[joint.qpos_address]);
+  }
+  TRY_ASSIGN(const int position, packer_.add(3, kRootStep, positions));
+  TRY_ASSIGN(const int rotation, packer_.add(4, kQuaternionStep, rotations));
+  const auto count = static_cast<int>(clip.robot().joints().size());
+  TRY_ASSIGN(const int joint, packer_.add(count, kAngleStep, joints));
+  return Json{{"position", position}, {"rotation", rotation}, {"joints", joint}};
+}
+
+Result<void> PageWriter::add(const PageMotion& motion) {
+  const RobotClip& clip = *motion.clip;
+  const Robot& robot = clip.robot();
+  Json json = {{"label", motion.label.empty() ? robot.name() : motion.label},
+               {"robot", robot_of(motion)},
+               {"frames", clip.frame_count()},
+               {"rate", {clip.rate().frames, clip.rate().seconds}}};
+  TRY_ASSIGN(json["tracks"], tracks_of(clip));
+  json["limits"] =
+      limits_json(robot, motion.limits != nullptr ? *motion.limits : robot.model_limits());
+  json["contacts"] = robot_contacts(clip);
+  if (motion.human != nullptr) {
+    TRY_ASSIGN(json["human"], human_of(motion));
+    const HumanPlacement placement = place_human(clip, *motion.human);
+    json["placement"] = {placement.scale, placement.shift.x(), placement.shift.y()};
+    Json feet = Json::array();
+    const SourceContacts contacts =
+        motion.report != nullptr ? motion.report->contacts : find_contacts(*motion.human).of_ends();
+    for (const auto& phases : contacts) feet.push_back(phases_json(phases));
+    json["source_contacts"] = std::move(feet);
+  }
+  if (motion.report != nullptr) json["report"] = page_report(*motion.report, robot);
+  motions_.push_back(std::move(json));
+  return {};
+}
+
+Json links_json(const PageLinks& links) {
+  return {{"index", links.index}, {"previous", links.previous}, {"next", links.next}};
+}
+
+Result<PageData> PageWriter::finish(const std::string& title, const PageLinks& links) const {
+  Json tracks = Json::array();
+  for (const TrackPacker::Track& track : packer_.tracks()) {
+    tracks.push_back(
+        {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
+  }
+  Json header = {{"title", title},
+                 {"tool", "retarget " + version_number()},
+                 {"precision",
+                  {{"joint", 0.5 * kAngleStep},
+                   {"root_m", 0.5 * kRootStep},
+                   {"quaternion", 0.5 * kQuaternionStep},
+                   {"bone_m", 0.5 * kBoneStep}}},
+                 {"robots", robots_},
+                 {"humans", humans_},
+                 {"motions", motions_},
+                 {"tracks", std::move(tracks)}};
+  if (!links.index.empty()) header["links"] = links_json(links);
+  TRY_ASSIGN(std::string packed, packer_.finish());
+  return PageData{script_json(header), std::move(packed)};
+}
+
+}  // namespace
+
+HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
+  constexpr double kPathSpread = 0.25;  // metres, root mean square: less is no path
+  const int frames = std::min(motion.frame_count(), human.frame_count);
+  HumanPlacement placement;
+  if (frames == 0) return placement;
+  Eigen::Vector3d root = Eigen::Vector3d::Zero(), hips = Eigen::Vector3d::Zero();
+  const auto root_at = [&](int frame) { return Eigen::Vector3d(motion.qpos(frame).data()); };
+  const auto hips_at = [&](int frame) { return human.frame(frame)[Bone::kHips].translation; };
+  for (int frame = 0; frame < frames; ++frame) {
+    root += root_at(frame) / frames;
+    hips += hips_at(frame) / frames;
+  }
+  double both = 0.0, own = 0.0;
+  for (int frame = 0; frame < frames; ++frame) {
+    const Eigen::Vector2d from = (hips_at(frame) - hips).head<2>();
+    both += from.dot((root_at(frame) - root).head<2>());
+    own += from.squaredNorm();
+  }
+  const bool walks = own > kPathSpread * kPathSpread * frames;
+  const double scale = walks ? both / own : root.z() / hips.z();
+  // a motion that has been turned or is not of this human: as it is
+  if (std::isfinite(scale) && scale > 0.2 && scale < 3.0) placement.scale = scale;
+  placement.shift = root.head<2>() - placement.scale * hips.head<2>();
+  return placement;
+}
+
+std::string script_json(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
+    switch (c) {
+      case '<':
+        text += "\\u003c";
+        break;
+      case '>':
+        text += "\\u003e";
+        break;
+      case '&':
+        text += "\\u0026";
+        break;
+      default:
+        text += c;
+    }
+  }
+  return text;
+}
+
+Result<PageData> page_data(std::span<const PageMotion> motions, const std::string& title,
+                           const PageLinks& links) {
+  PageWriter writer;
+  for (const PageMotion& motion : motions) TRY(writer.add(motion));
+  return writer.finish(title, links);
+}
+
+}  // namespace retarget

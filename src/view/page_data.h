@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "retarget/view.h"
+#include "view/track_packer.h"
+
+namespace retarget {
+
+/// What a page shows of a robot: links, bodies, joints, shapes, soles. Lengths in metres, quaternions
+/// wxyz, poses as [x, y, z, w, x, y, z] with the quaternion last.
+[[nodiscard]] nlohmann::ordered_json page_robot(const Robot& robot);
+
+/// What a page shows of a report: figures with what they mean, gates, faults by kind, tracking.
+[[nodiscard]] nlohmann::ordered_json page_report(const QualityReport& report, const Robot& robot);
+
+/// In what way a fault of a metric is one, as pages tell them apart: `jump`, `penetration`, `slip`,
+/// `self-collision`, `limit`, `speed`, `floating`, `lean`, `other`.
+[[nodiscard]] std::string_view fault_kind(std::string_view metric);
+
+/// Where a human is drawn so that it walks beside its robot: at the robot's size, its path on the
+/// robot's. x_shown = scale * x + shift on the ground; heights are scaled alone.
+struct HumanPlacement {
+  double scale = 1.0;
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+};
+
+/// From the paths of root and hips over all frames (least squares); of those who stay where they are
+/// the scale is the ratio of their mean heights.
+[[nodiscard]] HumanPlacement place_human(const RobotClip& motion, const HumanClip& human);
+
+/// All data of a page: a header, and numbers over time.
+struct PageData {
+  std::string header;  ///< JSON that may stand in a script element.
+  std::string tracks;  ///< TrackPacker's base64.
+};
+
+[[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
+                                         const std::string& title, const PageLinks& links = {});
+
+/// The whole file: shell, style, script and data.
+[[nodiscard]] std::string assemble_page(const std::string& title, PageData data);
+
+/// JSON for a script element of HTML: in ASCII, without `<`, `>` and `&`; bytes that are no UTF-8
+/// become U+FFFD.
+[[nodiscard]] std::string script_json(const nlohmann::ordered_json& json);
+
+}  // namespace retarget

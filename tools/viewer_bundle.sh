@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# Makes viewer/dist/viewer.js, the script of the pages that `retarget view` writes, from viewer/src and
+# three.js, with the tools that viewer/package-lock.json pins.
+#
+#   tools/viewer_bundle.sh           writes viewer/dist; to be called after a change in viewer/src
+#   tools/viewer_bundle.sh --check   writes nothing; exits with 1 when viewer/dist is not what it would write
+#
+# Needs Node 18 and npm, and once the network, for viewer/node_modules. The result is checked in, so that
+# building retarget needs none of them. Without Node or its packages --check says so and exits with 0.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+viewer=$root/viewer
+
+only_check=false
+case ${1:-} in
+  '') ;;
+  --check) only_check=true ;;
+  -h | --help)
+    sed -n '2,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    exit 0
+    ;;
+  *)
+    echo "viewer_bundle: unknown option $1 (known: --check)" >&2
+    exit 2
+    ;;
+esac
+
+# without: says so; that is no failure of a check
+give_up() {
+  echo "viewer_bundle: $1" >&2
+  $only_check && exit 0
+  exit 1
+}
+
+command -v node >/dev/null && command -v npm >/dev/null || give_up "left out: there is no Node with npm"
+
+# the packages that the lock file names, and no others
+if ! cmp -s "$viewer/package-lock.json" "$viewer/node_modules/.of_lock.json"; then
+  npm ci --prefix "$viewer" --ignore-scripts --silent >&2 || give_up "npm cannot fetch the packages of viewer/package-lock.json"
+  cp -- "$viewer/package-lock.json" "$viewer/node_modules/.of_lock.json"
+fi
+
+# what a copy of three.js has to have with it; in ASCII, as the whole script
+licence_comment() {
+  printf '/* The viewer of retarget, with three.js:\n\n'
+  sed 's/\xc2\xa9/(c)/g' node_modules/three/LICENSE
+  printf '*/'
+}
+
+made=$(mktemp -d)
+trap 'rm -rf -- "$made"' EXIT
+cd -- "$viewer"
+node_modules/.bin/esbuild src/main.js --bundle --minify --format=iife --target=es2022 --charset=ascii \
+  --legal-comments=none --log-level=warning --banner:js="$(licence_comment)" \
+  --outfile="$made/viewer.js" || give_up "esbuild failed"
+# a page holds it between <script> and </script>
+if grep -qi '</script\|<!--' "$made/viewer.js"; then
+  echo "viewer_bundle: the script would end its element" >&2
+  exit 1
+fi
+cp -- node_modules/three/LICENSE "$made/THREE_LICENSE"
+
+for file in viewer.js THREE_LICENSE; do
+  if $only_check; then
+    cmp -s "$made/$file" "dist/$file" || {
+      echo "viewer_bundle: viewer/dist/$file is not what viewer/src makes: call tools/viewer_bundle.sh" >&2
+      exit 1
+    }
+  else
+    mkdir -p dist
+    cp -- "$made/$file" "dist/$file"
+  fi
+done

@@ -1,0 +1,57 @@
+/** Reads what is packed into the page: the header, and numbers over time (src/view/track_packer.h). */
+
+/** @returns {object} the header: robots, humans, motions, tracks. */
+export function readHeader() {
+  return JSON.parse(document.getElementById('page-header').textContent);
+}
+
+/**
+ * Undoes folding, differences and rounding of one track.
+ * @param {Uint8Array} bytes  the track's own
+ * @param {{channels: number, frames: number, step: number}} track
+ * @returns {Float64Array} frame by frame, `channels` values each
+ */
+export function unpackTrack(bytes, { channels, frames, step }) {
+  const plane = channels * frames;
+  const values = new Float64Array(plane);
+  const channel = new Int32Array(frames);
+  for (let c = 0; c < channels; ++c) {
+    for (let i = 0; i < frames; ++i) {
+      const at = channels + c * frames + i;
+      const folded = bytes[at] | (bytes[at + plane] << 8) | (bytes[at + 2 * plane] << 16) |
+        (bytes[at + 3 * plane] << 24);
+      channel[i] = (folded >>> 1) ^ -(folded & 1);
+    }
+    for (let order = bytes[c]; order > 0; --order) {
+      for (let i = 1; i < frames; ++i) channel[i] = (channel[i] + channel[i - 1]) | 0;
+    }
+    for (let i = 0; i < frames; ++i) values[i * channels + c] = channel[i] * step;
+  }
+  return values;
+}
+
+async function inflate(base64) {
+  const text = atob(base64);
+  const packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/**
+ * @param {object[]} tracks  of the header
+ * @returns {Promise<Float64Array[]>}
+ */
+export async function readTracks(tracks) {
+  const element = document.getElementById('page-tracks');
+  const bytes = await inflate(element.textContent);
+  // half a megabyte of text that nobody reads again
+  element.remove();
+  let at = 0;
+  return tracks.map((track) => {
+    const size = track.channels + 4 * track.channels * track.frames;
+    const values = unpackTrack(bytes.subarray(at, at + size), track);
+    at += size;
+    return values;
+  });
+}

@@ -1,0 +1,50 @@
+import { Vector3 } from 'three';
+
+/**
+ * `window.retarget`: what tests and consoles may ask. Positions are read from the scene as it is
+ * drawn, in the motion's world.
+ */
+export function addTestHook(viewer) {
+  const { player, world, motions } = viewer;
+  window.retarget = {
+    player,
+    motions: motions.map(({ label, frames, fps }) => ({ label, frames, fps })),
+    frameTimes: viewer.frameTimes,
+    picked: () => viewer.picked ?? null,
+    /** Shows a frame at once. */
+    show(frame) {
+      player.pause();
+      player.seekFrame(frame);
+      viewer.frame(performance.now());
+    },
+    /** Names and places of a motion's bodies, metres. */
+    bodies(motion) {
+      const { group, bodies } = world.robots[motion];
+      group.updateMatrixWorld(true);
+      return bodies.map((body) => {
+        const place = group.worldToLocal(body.getWorldPosition(new Vector3()));
+        return { name: body.name, position: place.toArray() };
+      });
+    },
+    /** Joint positions of a frame by name. */
+    joints(motion, frame) {
+      const { robot } = motions[motion];
+      return Object.fromEntries(robot.outputs.map((joint) => [robot.joints[joint].name, motions[motion].jointValue(joint, frame)]));
+    },
+    /** Where the bones of a motion's human are, metres. */
+    bones(motion, frame) {
+      const { human } = motions[motion];
+      const count = human.bones.length;
+      return human.bones.map((name, i) => ({ name, position: [...human.positions.subarray(3 * (frame * count + i), 3 * (frame * count + i) + 3)] }));
+    },
+    /** Where a body is in the picture, pixels of the window. */
+    onScreen(motion, body) {
+      const canvas = viewer.stage.canvas.getBoundingClientRect();
+      const mesh = world.robots[motion].meshes.get(body);
+      mesh.geometry.computeBoundingSphere();
+      const place = mesh.localToWorld(mesh.geometry.boundingSphere.center.clone()).project(viewer.stage.camera);
+      return [canvas.left + (place.x * 0.5 + 0.5) * canvas.width, canvas.top + (0.5 - place.y * 0.5) * canvas.height];
+    },
+    meshBodies: (motion) => [...world.robots[motion].meshes.keys()],
+  };
+}

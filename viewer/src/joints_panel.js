@@ -1,0 +1,122 @@
+import { Choice, el, numberText } from './dom.js';
+import { Plot } from './plot.js';
+import { cssColour, motionColour } from './theme.js';
+
+const FIRST = 4;
+
+/** Curves of chosen joints, in step with the picture. */
+export class JointsPanel {
+  constructor(player, motions) {
+    this.player = player;
+    this.motions = motions;
+    this.what = 'angle';
+    this.plots = new Map();
+    this.names = [...new Set(motions.flatMap((motion) => motion.robot.outputs.map((i) => motion.robot.joints[i].name)))];
+    this.select = el('select', { 'aria-label': 'Joint to show' }, el('option', { value: '', text: 'Add a joint\u2026' }),
+      ...this.names.map((name) => el('option', { value: name, text: name })));
+    this.select.addEventListener('change', () => {
+      if (this.select.value) this.add(this.select.value);
+      this.select.value = '';
+    });
+    const choice = new Choice('Show', [['angle', 'Angle'], ['speed', 'Speed']], this.what, (what) => {
+      this.what = what;
+      this.redraw();
+    });
+    this.list = el('div');
+    this.element = el('div', {}, el('div', { class: 'field' }, this.select, choice.element), this.list);
+    this.firstJoints().forEach((name) => this.add(name));
+    player.addEventListener('time', () => this.showTime());
+  }
+
+  jointOf(motion, name) {
+    return motion.robot.joints.findIndex((joint) => joint.name === name);
+  }
+
+  /** Those with faults, worst first, then those that move most. */
+  firstJoints() {
+    const faulty = this.motions.flatMap((motion) => (motion.report?.faults ?? []).map((fault) => fault.where));
+    const [motion] = this.motions;
+    const spread = (name) => {
+      const joint = this.jointOf(motion, name);
+      if (joint < 0) return 0;
+      let low = Infinity, high = -Infinity;
+      for (let frame = 0; frame < motion.frames; ++frame) {
+        const value = motion.jointValue(joint, frame);
+        low = Math.min(low, value);
+        high = Math.max(high, value);
+      }
+      return high - low;
+    };
+    const moving = [...this.names].sort((a, b) => spread(b) - spread(a));
+    return [...new Set([...faulty.filter((name) => this.names.includes(name)), ...moving])].slice(0, FIRST);
+  }
+
+  /** Shows a joint's curve above the others. */
+  add(name) {
+    if (this.plots.has(name)) {
+      this.plots.get(name).element.scrollIntoView({ block: 'nearest' });
+      return;
+    }
+    const value = el('span', { class: 'number quiet' });
+    const close = el('button', { type: 'button', text: '\u00d7', 'aria-label': `Remove ${name}`, on: { click: () => this.remove(name) } });
+    const element = el('div', { class: 'plot' }, el('header', {}, el('b', { text: name }), value, close));
+    this.plots.set(name, { element, value, plot: null });
+    this.list.prepend(element);
+    this.draw(name);
+  }
+
+  remove(name) {
+    const { element, plot } = this.plots.get(name);
+    plot.close();
+    element.remove();
+    this.plots.delete(name);
+  }
+
+  draw(name) {
+    const entry = this.plots.get(name);
+    entry.plot?.close();
+    const series = [];
+    let limits = { lower: null, upper: null };
+    this.motions.forEach((motion, i) => {
+      const joint = this.jointOf(motion, name);
+      if (joint < 0) return;
+      const values = new Float64Array(motion.frames);
+      for (let frame = 0; frame < motion.frames; ++frame) values[frame] = this.read(motion, joint, frame);
+      series.push({ values, frameTime: motion.frameTime, colour: cssColour(motionColour(i)) });
+      limits = this.limitsOf(motion, joint);
+    });
+    entry.plot = new Plot(this.player, series, limits, `${this.what} of ${name} over time`);
+    entry.element.append(entry.plot.element);
+    this.showTime();
+  }
+
+  read(motion, joint, frame) {
+    return this.what === 'angle' ? motion.jointValue(joint, frame) : motion.jointSpeed(joint, frame);
+  }
+
+  limitsOf(motion, joint) {
+    if (this.what === 'angle') {
+      const [lower, upper] = motion.data.limits[joint];
+      return { lower, upper };
+    }
+    const speed = motion.robot.joints[joint].speed ?? null;
+    return { lower: speed === null ? null : -speed, upper: speed };
+  }
+
+  redraw() {
+    for (const name of this.plots.keys()) this.draw(name);
+  }
+
+  showTime() {
+    if (this.element.offsetParent === null) return;
+    for (const [name, { value, plot }] of this.plots) {
+      plot?.showTime();
+      value.textContent = this.motions.map((motion) => {
+        const joint = this.jointOf(motion, name);
+        if (joint < 0) return '';
+        const unit = (motion.robot.joints[joint].slides ? 'm' : 'rad') + (this.what === 'angle' ? '' : '/s');
+        return `${numberText(this.read(motion, joint, motion.frameAt(this.player.time)))}\u202f${unit}`;
+      }).filter(Boolean).join('  \u00b7  ');
+    }
+  }
+}

@@ -1,0 +1,48 @@
+import { byId, el } from './dom.js';
+
+/** Keys, as players have them, and what each does. */
+const KEYS = [
+  [['Space'], 'Play, pause'],
+  [['\u2190', '\u2192'], 'A second back, on (with Shift: a tenth)'],
+  [[',', '.'], 'A frame back, on'],
+  [['P', 'N'], 'Previous, next fault'],
+  [['[', ']'], 'Previous, next fault; in a gallery the previous, next clip'],
+  [['Home', 'End'], 'Start, end'],
+  [['\u2212', '+'], 'Slower, faster'],
+  [['I', 'O'], 'The loop begins, ends here'],
+  [['X', 'L'], 'Play all of it; loop or not'],
+  [['F'], 'Follow the robot, or stand'],
+  [['R'], 'Camera back to where it was'],
+  [['H'], 'Human: beside, over, off'],
+  [['?'], 'These keys'],
+];
+
+/** @param {Record<string, (event: KeyboardEvent) => void>} actions  by what the key is called here */
+export function addKeyboard(actions) {
+  document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || byId('help').open) return;
+    const { target } = event;
+    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const types = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== 'range');
+    if (types) return;
+    // what a focused control does with a key stays its own
+    if (name === ' ' && (target instanceof HTMLButtonElement || target.getAttribute?.('role') === 'tab')) return;
+    if (target instanceof HTMLInputElement && /^(Arrow|Home|End|Page)/.test(name)) return;
+    const action = actions[name];
+    if (!action) return;
+    event.preventDefault();
+    action(event);
+  });
+}
+
+/** The dialog that lists the keys. @param {string[]} notes  below them */
+export function addHelp(notes) {
+  const dialog = byId('help');
+  dialog.append(el('h2', { id: 'help-title', text: 'Keys' }),
+    el('table', {}, el('tbody', {}, ...KEYS.map(([keys, what]) => el('tr', {},
+      el('td', {}, ...keys.flatMap((key) => [el('kbd', { text: key }), ' '])), el('td', { text: what }))))),
+    ...notes.map((text) => el('p', { text })),
+    el('form', { method: 'dialog' }, el('button', { text: 'Close' })));
+  byId('help-button').addEventListener('click', () => dialog.showModal());
+  return () => dialog.showModal();
+}

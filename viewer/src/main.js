@@ -1,0 +1,224 @@
+import { BodyPanel } from './body_panel.js';
+import { readHeader, readTracks } from './decode.js';
+import { byId, el, seconds } from './dom.js';
+import { FaultsPanel } from './faults_panel.js';
+import { addTestHook } from './hook.js';
+import { JointsPanel } from './joints_panel.js';
+import { addHelp, addKeyboard } from './keyboard.js';
+import { Motion } from './motions.js';
+import { Player } from './player.js';
+import { qualityPanel, verdict } from './quality_panel.js';
+import { SkeletonViewer, addSkeletonHook } from './skeleton_viewer.js';
+import { Stage } from './stage.js';
+import { Tabs } from './tabs.js';
+import { Tags } from './tags.js';
+import { onThemeChange } from './theme.js';
+import { Timeline } from './timeline.js';
+import { Transport } from './transport.js';
+import { ViewTools } from './view_tools.js';
+import { World } from './world.js';
+
+const calm = window.matchMedia('(prefers-reduced-motion: reduce)');
+
+function showHeader(page, motions) {
+  byId('title').textContent = page.title;
+  const robots = [...new Set(motions.map((motion) => motion.robot.name + (motion.robot.variant ? `, ${motion.robot.variant}` : '')))];
+  const [first] = motions;
+  byId('subtitle').textContent = `${robots.join(', ')} \u00b7 ${seconds(first.duration)} \u00b7 ${first.frames} frames at ${Number(first.fps.toFixed(3))} fps`;
+  for (const motion of motions) {
+    if (!motion.report) continue;
+    const { good, text } = verdict(motion);
+    byId('verdicts').append(el('span', { class: `verdict ${good ? 'good' : 'bad'}`, text: (motions.length > 1 ? `${motion.label}: ` : '') + text }));
+  }
+}
+
+/** The way back to a gallery and to the clips beside this one. */
+function addLinks({ index, previous, next }) {
+  const link = (href, text, label) => href && el('a', { href, text, 'aria-label': label, title: label, class: 'clip-link' });
+  byId('title').before(...[link(index, '\u2190 All', 'Back to all clips'), link(previous, '[', 'Previous clip ([)'), link(next, ']', 'Next clip (])')].filter(Boolean));
+}
+
+/** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
+function linkedTime() {
+  const found = /(?:^#|[#&])t=(\d+(?:\.\d+)?)/.exec(window.location.hash);
+  return found ? Number(found[1]) : null;
+}
+
+/** Puts the parts together: what plays, what is shown, and who tells whom. */
+class Viewer {
+  constructor(page, tracks) {
+    this.motions = page.motions.map((data, index) => new Motion(data, index, page, tracks));
+    const longest = Math.max(...this.motions.map((motion) => motion.duration));
+    this.player = new Player(longest, Math.min(...this.motions.map((motion) => motion.frameTime)));
+    this.scheduled = false;
+    this.frameTimes = [];
+    this.redraw = () => this.schedule();
+    this.stage = new Stage(byId('canvas'), this.redraw);
+    this.world = new World(this.motions, this.stage);
+    this.tags = new Tags(this.world);
+    showHeader(page, this.motions);
+    this.links = page.links ?? null;
+    if (this.links) addLinks(this.links);
+    this.addControls(page);
+    this.world.update(0);
+    this.stage.frame();
+    this.player.addEventListener('time', this.redraw);
+    this.player.addEventListener('state', this.redraw);
+    onThemeChange(() => this.joints.redraw());
+    this.addPicking();
+    this.start();
+  }
+
+  addControls(page) {
+    const { player, motions } = this;
+    const onFault = (fault, motion) => this.goToFault(fault, motion);
+    this.transport = new Transport(player);
+    this.timeline = new Timeline(player, motions, onFault);
+    this.tools = new ViewTools(this.world, this.stage, this.redraw);
+    this.faults = new FaultsPanel(motions, onFault);
+    this.joints = new JointsPanel(player, motions);
+    this.body = new BodyPanel(player, motions, (motion, body) => this.pick(motion, body), (name) => {
+      this.joints.add(name);
+      this.tabs.show('joints');
+    });
+    this.tabs = new Tabs(byId('panel'), [['quality', 'Quality', qualityPanel(motions)],
+      ['faults', `Faults ${this.faults.count}`, this.faults.element], ['joints', 'Joints', this.joints.element],
+      ['body', 'Body', this.body.element]], () => {
+      this.joints?.showTime();
+      this.body?.showTime();
+    });
+    const { joint, root_m: root, bone_m: bone } = page.precision;
+    this.help = addHelp([
+      'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. A link ending in #t=12.3 opens at that second.',
+      `Numbers on this page are rounded: joints to ${joint} rad, the root to ${root * 1000} mm, bones to ${bone * 1000} mm. Made by ${page.tool}.`,
+    ]);
+    this.addKeys();
+  }
+
+  addKeys() {
+    const { player, transport, tools } = this;
+    const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
+    addKeyboard({
+      ' ': () => player.toggle(), 'k': () => player.toggle(),
+      'ArrowLeft': skip(-1), 'ArrowRight': skip(1),
+      ',': () => player.step(-1), '.': () => player.step(1),
+      '[': () => this.previousOrNext(-1), ']': () => this.previousOrNext(1),
+      '{': () => this.nextFault(-1), '}': () => this.nextFault(1),
+      'n': () => this.nextFault(1), 'p': () => this.nextFault(-1),
+      'Home': () => player.seek(player.begin), 'End': () => player.seek(player.end),
+      '-': () => transport.changeSpeed(-1), '+': () => transport.changeSpeed(1), '=': () => transport.changeSpeed(1),
+      'i': () => transport.markBegin(), 'o': () => transport.markEnd(), 'x': () => player.setRange(0, 0),
+      'l': () => player.setLooping(!player.looping),
+      'f': () => tools.setCamera(this.stage.mode === 'follow' ? 'stand' : 'follow'),
+      'r': () => tools.reset(), 'h': () => tools.nextHuman(), '?': () => this.help(),
+    });
+  }
+
+  // in a gallery of clips, else of faults
+  previousOrNext(by) {
+    if (!this.links) return this.nextFault(by);
+    const address = by < 0 ? this.links.previous : this.links.next;
+    if (address) window.location.href = address;
+  }
+
+  goToFault(fault, motion) {
+    this.player.pause();
+    this.player.seek(fault.worst * motion.frameTime);
+    this.timeline.showFault(fault);
+    this.faults.showFault(fault);
+    this.fault = fault;
+    if (fault.joint !== undefined) this.joints.add(motion.robot.joints[fault.joint].name);
+    this.pick(motion.index, fault.bodies[0] ?? null, fault.bodies, false);
+  }
+
+  // by their worst frames, from where the time is
+  nextFault(by) {
+    const items = [...this.faults.items].sort((a, b) => a.fault.worst * a.motion.frameTime - b.fault.worst * b.motion.frameTime);
+    if (items.length === 0) return;
+    const now = this.player.time;
+    const time = ({ fault, motion }) => fault.worst * motion.frameTime;
+    const at = items.findIndex(({ fault }) => fault === this.fault);
+    let next;
+    if (at >= 0 && Math.abs(time(items[at]) - now) < 1e-6) {
+      next = items[(at + by + items.length) % items.length];
+    } else {
+      next = by > 0 ? items.find((each) => time(each) > now) ?? items[0] : items.findLast((each) => time(each) < now) ?? items.at(-1);
+    }
+    this.goToFault(next.fault, next.motion);
+  }
+
+  /** Picks a body, or none. */
+  pick(motion, body, bodies = body === null ? [] : [body], show = true) {
+    this.picked = body === null ? null : { motion, body };
+    this.world.highlight(motion, bodies);
+    this.body.show(body === null ? null : motion, body);
+    if (show && body !== null) this.tabs.show('body');
+    this.redraw();
+  }
+
+  addPicking() {
+    const canvas = byId('canvas');
+    let down = null;
+    canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
+    canvas.addEventListener('pointerup', (event) => {
+      // a drag turns the camera
+      if (!down || event.button !== 0 || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5) return;
+      const hit = this.world.pick(event.clientX, event.clientY);
+      this.pick(hit?.motion ?? 0, hit?.body ?? null);
+    });
+  }
+
+  start() {
+    const linked = linkedTime();
+    this.player.seek(linked ?? 0);
+    window.addEventListener('hashchange', () => {
+      const time = linkedTime();
+      if (time === null) return;
+      this.player.pause();
+      this.player.seek(time);
+    });
+    // a link is to a moment; and who wants calm starts it himself
+    if (linked === null && !calm.matches && this.player.duration > 0) this.player.play();
+    this.redraw();
+  }
+
+  schedule() {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  frame(now) {
+    const begin = performance.now();
+    this.scheduled = false;
+    this.player.advance(now);
+    const passed = this.lastFrame === undefined ? 0 : Math.min(0.1, (now - this.lastFrame) / 1000);
+    this.lastFrame = now;
+    this.world.update(this.player.time);
+    if (!calm.matches) this.stage.turn(passed);
+    this.stage.render();
+    this.tags.update();
+    this.frameTimes.push(performance.now() - begin);
+    if (this.frameTimes.length > 240) this.frameTimes.shift();
+    if (this.player.playing || (this.stage.mode === 'orbit' && !calm.matches)) this.schedule();
+  }
+}
+
+async function main() {
+  const message = byId('message');
+  try {
+    const page = readHeader();
+    const tracks = await readTracks(page.tracks);
+    if (page.skeleton) {
+      addSkeletonHook(new SkeletonViewer(page, tracks));
+      return;
+    }
+    addTestHook(new Viewer(page, tracks));
+  } catch (error) {
+    // no WebGL, or a browser without DecompressionStream
+    message.textContent = `This motion cannot be shown here: ${error.message}`;
+    console.error(error);
+  }
+}
+
+main();

@@ -1,0 +1,76 @@
+import { Kinematics } from './kinematics.js';
+
+/** A motion with its numbers unpacked; frames are its own, times in seconds. */
+export class Motion {
+  constructor(data, index, page, tracks) {
+    this.data = data;
+    this.index = index;
+    this.label = data.label;
+    this.robot = page.robots[data.robot];
+    this.frames = data.frames;
+    this.frameTime = data.rate[1] / data.rate[0];
+    this.fps = data.rate[0] / data.rate[1];
+    this.position = tracks[data.tracks.position];
+    this.rotation = tracks[data.tracks.rotation];
+    this.joints = tracks[data.tracks.joints];
+    this.jointCount = this.robot.joints.length;
+    this.report = data.report ?? null;
+    this.kinematics = new Kinematics(this.robot);
+    this.human = null;
+    if (data.human !== undefined) {
+      const human = page.humans[data.human];
+      this.human = {
+        ...human, positions: tracks[human.track], placement: data.placement,
+        contacts: data.source_contacts ?? [[], [], [], []],
+      };
+    }
+  }
+
+  /** Of the last frame, seconds. */
+  get duration() {
+    return (this.frames - 1) * this.frameTime;
+  }
+
+  /** The frame shown at a time: the last that has begun, as players do. */
+  frameAt(time) {
+    return Math.min(this.frames - 1, Math.max(0, Math.floor(time * this.fps + 1e-6)));
+  }
+
+  /** World poses of all bodies in a frame; seven numbers each. */
+  bodyPoses(frame) {
+    this.kinematics.place(this.position, 3 * frame, this.rotation, 4 * frame, this.joints,
+      this.jointCount * frame);
+    return this.kinematics.bodyPoses;
+  }
+
+  jointValue(joint, frame) {
+    return this.joints[this.jointCount * frame + joint];
+  }
+
+  /** Of the step to the next frame, as figures have it; rad/s or m/s. */
+  jointSpeed(joint, frame) {
+    const at = Math.min(frame, this.frames - 2);
+    if (at < 0) return 0;
+    return (this.jointValue(joint, at + 1) - this.jointValue(joint, at)) * this.fps;
+  }
+
+  /** Where the robot faces on the whole: the sum of its root's x axis on the ground. */
+  heading() {
+    let x = 0, y = 0;
+    for (let frame = 0; frame < this.frames; ++frame) {
+      const [w, qx, qy, qz] = this.rotation.subarray(4 * frame, 4 * frame + 4);
+      x += 1 - 2 * (qy * qy + qz * qz);
+      y += 2 * (qx * qy + w * qz);
+    }
+    return Math.hypot(x, y) > 1e-6 ? Math.atan2(y, x) : 0;
+  }
+}
+
+/** Whether a frame is in one of the phases [begin, end), which are in order of time. */
+export function inPhase(phases, frame) {
+  for (const [begin, end] of phases) {
+    if (frame < begin) return false;
+    if (frame < end) return true;
+  }
+  return false;
+}

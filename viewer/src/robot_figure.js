@@ -1,0 +1,147 @@
+import {
+  BoxGeometry, BufferGeometry, CapsuleGeometry, Color, Float32BufferAttribute, Group, Matrix4, Mesh,
+  MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
+} from 'three';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { PICKED, ROBOT_CONTACT } from './theme.js';
+
+/** A little under the sole, so that it is seen beside the foot's own shape, metres. */
+const SOLE_RIM = 0.006;
+
+function shapeGeometry(shape) {
+  let geometry;
+  if (shape.box) {
+    geometry = new BoxGeometry(...shape.box.map((half) => 2 * half));
+  } else if (shape.capsule) {
+    const [radius, half] = shape.capsule;
+    // three's capsules stand along y, ours along z
+    geometry = new CapsuleGeometry(radius, 2 * half, 6, 18).rotateX(Math.PI / 2);
+  } else {
+    geometry = new SphereGeometry(shape.sphere, 20, 14);
+  }
+  const [x, y, z, qw, qx, qy, qz] = shape.pose;
+  return geometry.applyMatrix4(
+    new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1)));
+}
+
+/** The convex outline of points on a plane, counter-clockwise. */
+export function outline(points) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const turn = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+  const half = (list) => {
+    const chain = [];
+    for (const point of list) {
+      while (chain.length > 1 && turn(chain.at(-2), chain.at(-1), point) <= 0) chain.pop();
+      chain.push(point);
+    }
+    return chain.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+/** A thin plate along a sole's outline, in the body's frame. */
+function soleGeometry(points) {
+  let corners = outline(points);
+  if (corners.length < 3) return new SphereGeometry(0.02, 12, 8).translate(...points[0]);
+  const middle = corners.reduce((sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length], [0, 0]);
+  corners = corners.map(([x, y, z]) => {
+    const length = Math.hypot(x - middle[0], y - middle[1]) || 1;
+    const grow = 1 + (2.5 * SOLE_RIM) / length;
+    return [middle[0] + (x - middle[0]) * grow, middle[1] + (y - middle[1]) * grow, z];
+  });
+  const vertices = [], indices = [], count = corners.length;
+  for (const [x, y, z] of corners) vertices.push(x, y, z - SOLE_RIM, x, y, z + 2 * SOLE_RIM);
+  for (let i = 0; i < count; ++i) {
+    const a = 2 * i, b = 2 * ((i + 1) % count);
+    indices.push(a, b, a + 1, b, b + 1, a + 1);
+    if (i > 1) indices.push(0, 2 * i, 2 * (i - 1), 1, 2 * (i - 1) + 1, 2 * i + 1);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute(vertices, 3));
+  geometry.setIndex(indices);
+  const flat = geometry.toNonIndexed();
+  flat.computeVertexNormals();
+  return flat;
+}
+
+/** A robot in the scene: an object for each body, placed in the motion's world. */
+export class RobotFigure {
+  /** @param {import('./motions.js').Motion} motion  @param {number} colour */
+  constructor(motion, colour) {
+    this.motion = motion;
+    this.group = new Group();
+    this.group.name = `robot ${motion.index}`;
+    this.material = new MeshStandardMaterial({ color: colour, roughness: 0.62, metalness: 0.08 });
+    this.darker = this.material.clone();
+    this.darker.color.multiplyScalar(0.8);
+    this.pickedMaterial = new MeshStandardMaterial({ color: PICKED, roughness: 0.6 });
+    this.bodies = motion.robot.bodies.map((body, index) => {
+      const object = new Group();
+      object.name = body.name;
+      object.userData = { motion: motion.index, body: index };
+      this.group.add(object);
+      return object;
+    });
+    this.meshes = new Map();
+    this.addShapes();
+    this.addSoles();
+  }
+
+  addShapes() {
+    const byBody = new Map();
+    for (const shape of this.motion.robot.shapes) {
+      if (!byBody.has(shape.body)) byBody.set(shape.body, []);
+      byBody.get(shape.body).push(shapeGeometry(shape));
+    }
+    for (const [body, geometries] of byBody) this.addMesh(body, mergeGeometries(geometries));
+  }
+
+  addMesh(body, geometry) {
+    // neighbours in a chain are told apart by their shade
+    const material = this.depth(body) % 2 === 0 ? this.material : this.darker;
+    const mesh = new Mesh(geometry, material);
+    mesh.castShadow = mesh.receiveShadow = true;
+    mesh.userData = { ...this.bodies[body].userData, material };
+    this.bodies[body].add(mesh);
+    this.meshes.set(body, mesh);
+  }
+
+  depth(body) {
+    const { bodies } = this.motion.robot;
+    let depth = 0;
+    for (let at = body; at > 0; at = bodies[at].parent) depth += this.meshes.has(at) ? 1 : 0;
+    return depth;
+  }
+
+  addSoles() {
+    const material = new MeshStandardMaterial({ color: ROBOT_CONTACT, roughness: 0.5, emissive: new Color(ROBOT_CONTACT), emissiveIntensity: 0.35 });
+    this.soles = [];
+    for (const contact of this.motion.data.contacts) {
+      const sole = this.motion.robot.soles.find((each) => each.body === contact.body && each.side === contact.side);
+      if (!sole || sole.points.length === 0) continue;
+      const mesh = new Mesh(soleGeometry(sole.points), material);
+      mesh.name = `sole ${contact.side}`;
+      mesh.raycast = () => {};
+      this.bodies[sole.body].add(mesh);
+      this.soles.push({ mesh, phases: contact.phases });
+    }
+  }
+
+  /** @param {number} frame  @param {boolean} showContacts */
+  update(frame, showContacts, inPhase) {
+    const poses = this.motion.bodyPoses(frame);
+    this.bodies.forEach((body, i) => {
+      const at = 7 * i;
+      body.position.set(poses[at], poses[at + 1], poses[at + 2]);
+      body.quaternion.set(poses[at + 4], poses[at + 5], poses[at + 6], poses[at + 3]);
+    });
+    for (const { mesh, phases } of this.soles) mesh.visible = showContacts && inPhase(phases, frame);
+  }
+
+  /** Lights these bodies up and no others. @param {number[]} bodies */
+  highlight(bodies) {
+    for (const [body, mesh] of this.meshes) {
+      mesh.material = bodies.includes(body) ? this.pickedMaterial : mesh.userData.material;
+    }
+  }
+}

@@ -1,0 +1,163 @@
+import {
+  DirectionalLight, Fog, HemisphereLight, MathUtils, PCFShadowMap, PerspectiveCamera, Scene, Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Floor } from './floor.js';
+import { onThemeChange, theme } from './theme.js';
+
+const UP = new Vector3(0, 0, 1);
+/** Of the camera from the heading, when it begins: from the front and a side. */
+const SIDE = MathUtils.degToRad(38);
+/** Turns of the camera in `orbit`, rad/s. */
+const ORBIT_SPEED = 0.35;
+
+/** Renderer, light, floor and camera. World axes: metres, z up, as in the data. */
+export class Stage {
+  /** @param {HTMLCanvasElement} canvas  @param {() => void} redraw  asks for a picture */
+  constructor(canvas, redraw) {
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    // shadows are made anew when something has moved, not when the camera has
+    this.renderer.shadowMap.autoUpdate = false;
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(38, 1, 0.05, 200);
+    this.camera.up.copy(UP);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.maxPolarAngle = 0.55 * Math.PI;
+    this.controls.minDistance = 0.3;
+    this.controls.maxDistance = 60;
+    this.controls.zoomToCursor = false;
+    this.controls.addEventListener('change', redraw);
+    this.mode = 'follow';
+    this.target = new Vector3(0, 0, 0.8);
+    this.floor = new Floor();
+    this.addLights();
+    this.scene.add(this.floor.object);
+    this.applyTheme();
+    onThemeChange(() => {
+      this.applyTheme();
+      redraw();
+    });
+    new ResizeObserver(() => {
+      this.resize();
+      redraw();
+    }).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  addLights() {
+    this.ambient = new HemisphereLight(0xffffff, 0x8a8f99, 1);
+    this.ambient.position.copy(UP);
+    this.sun = new DirectionalLight(0xffffff, 1);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.radius = 5;
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = 0.012;
+    Object.assign(this.sun.shadow.camera, { near: 0.5, far: 14 });
+    // from the other side, so that no side is flat
+    this.fill = new DirectionalLight(0xdfe8ff, 0.35);
+    this.scene.add(this.ambient, this.sun, this.sun.target, this.fill, this.fill.target);
+  }
+
+  applyTheme() {
+    const colours = theme();
+    this.renderer.setClearColor(colours.sky);
+    this.scene.fog = new Fog(colours.sky, 9, 26);
+    this.ambient.intensity = colours.ambient;
+    this.sun.intensity = colours.sun;
+    this.floor.applyTheme(colours);
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /**
+   * What has to be in the picture, metres: `height` from the floor, `width` from the first to the last
+   * of a row across `heading`. The light's shadows are as wide, so that they are sharp, and it comes
+   * from where the camera begins.
+   */
+  setExtent(height, width, heading) {
+    Object.assign(this, { height, width, heading });
+    const { camera } = this.sun.shadow;
+    const half = Math.max(1.2, 0.5 * width + 0.9 * height);
+    Object.assign(camera, { left: -half, right: half, top: half, bottom: -half });
+    camera.updateProjectionMatrix();
+  }
+
+  shadowsChanged() {
+    this.renderer.shadowMap.needsUpdate = true;
+  }
+
+  /** What the camera follows, in the world. */
+  aim(x, y, z) {
+    const move = new Vector3(x, y, z).sub(this.target);
+    this.target.set(x, y, z);
+    if (this.mode !== 'stand') {
+      this.camera.position.add(move);
+      this.controls.target.add(move);
+    }
+    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y);
+    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y);
+    this.floor.follow(x, y);
+  }
+
+  // a light from so far around the heading, so far away and so high
+  shine(light, turn, distance, rise, x, y) {
+    const angle = (this.heading ?? 0) + turn;
+    light.target.position.set(x, y, 0.3);
+    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise);
+  }
+
+  /** From the front and a side, so near that the row of figures fills the picture. */
+  frame() {
+    const angle = this.heading - SIDE;
+    const tangent = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    const across = 0.5 * this.width * Math.cos(SIDE) + 0.42 * this.height;
+    const distance = 0.35 * this.width * Math.sin(SIDE) +
+      Math.max((0.74 * this.height) / tangent, across / (tangent * this.camera.aspect));
+    const rise = MathUtils.degToRad(12);
+    this.controls.target.copy(this.target);
+    this.camera.position.set(
+      this.target.x + distance * Math.cos(rise) * Math.cos(angle),
+      this.target.y + distance * Math.cos(rise) * Math.sin(angle),
+      this.target.z + distance * Math.sin(rise));
+    this.controls.update();
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    // what was left behind comes back into the picture
+    if (mode !== 'stand') {
+      const move = this.target.clone().sub(this.controls.target);
+      this.camera.position.add(move);
+      this.controls.target.add(move);
+      this.controls.update();
+    }
+  }
+
+  /** Turns the camera in `orbit`. @param {number} seconds  that have passed */
+  turn(seconds) {
+    if (this.mode !== 'orbit') return;
+    const arm = this.camera.position.clone().sub(this.controls.target);
+    arm.applyAxisAngle(UP, ORBIT_SPEED * seconds);
+    this.camera.position.copy(this.controls.target).add(arm);
+    this.controls.update();
+  }
+
+  render() {
+    // the camera may not be below the floor
+    this.camera.position.z = Math.max(0.03, this.camera.position.z);
+    this.camera.lookAt(this.controls.target);
+    this.renderer.render(this.scene, this.camera);
+  }
+}

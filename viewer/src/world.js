@@ -1,0 +1,180 @@
+import { Raycaster, Vector2, Vector3 } from 'three';
+import { HumanFigure } from './human_figure.js';
+import { inPhase } from './motions.js';
+import { Paths } from './paths.js';
+import { RobotFigure } from './robot_figure.js';
+import { motionColour } from './theme.js';
+
+/** Seconds either side over which the camera's way is calmed. */
+const CALM = 0.35;
+
+/** The figures of all motions, and where each stands: in a row across the way that they face. */
+export class World {
+  /** @param {import('./motions.js').Motion[]} motions  @param {import('./stage.js').Stage} stage */
+  constructor(motions, stage) {
+    this.motions = motions;
+    this.stage = stage;
+    this.heading = motions[0].heading();
+    this.aside = new Vector3(-Math.sin(this.heading), Math.cos(this.heading), 0);
+    this.humanMode = 'beside';
+    this.humanDistance = 1;
+    this.showContacts = true;
+    this.robots = motions.map((motion, i) => new RobotFigure(motion, motionColour(i)));
+    this.humans = this.makeHumans();
+    this.paths = motions.map((motion, i) => new Paths(motion, motionColour(i)));
+    this.height = Math.max(...motions.map(heightOf));
+    this.spacing = 0.85 * this.height;
+    this.way = calmWay(motions[0]);
+    stage.scene.add(...[...this.robots, ...this.humans, ...this.paths].map((each) => each.group));
+    this.arrange();
+  }
+
+  // one of each source: motions of one source share it
+  makeHumans() {
+    const known = new Set();
+    return this.motions.filter((motion) => {
+      if (!motion.human || known.has(motion.data.human)) return false;
+      known.add(motion.data.human);
+      return true;
+    }).map((motion) => Object.assign(new HumanFigure(motion), { motion }));
+  }
+
+  setHumanMode(mode) {
+    this.humanMode = mode;
+    this.arrange();
+  }
+
+  setHumanDistance(distance) {
+    this.humanDistance = distance;
+    this.arrange();
+  }
+
+  setPathsVisible(visible) {
+    for (const path of this.paths) path.group.visible = visible;
+  }
+
+  /** Marks feet while they stand, or not. */
+  setContactsVisible(visible) {
+    this.showContacts = visible;
+    this.shown = null;
+  }
+
+  /** Puts every figure into its place in the row. */
+  arrange() {
+    this.shown = null;
+    const beside = this.humanMode === 'beside' && this.humans.length > 0;
+    let place = 0;
+    const places = [];
+    this.motions.forEach((motion, i) => {
+      const human = this.humans.find((each) => each.motion === motion);
+      // the human to the left of its robot, which is at the right in the picture
+      if (human && beside) {
+        this.placeHuman(human, place);
+        places.push(place);
+        place -= this.spacing * this.humanDistance;
+      }
+      this.robots[i].group.position.copy(this.aside).multiplyScalar(place);
+      this.paths[i].group.position.copy(this.robots[i].group.position);
+      if (human && !beside) this.placeHuman(human, place);
+      places.push(place);
+      place -= this.spacing;
+    });
+    for (const human of this.humans) {
+      human.group.visible = this.humanMode !== 'off';
+      human.setOpacity(this.humanMode === 'over' ? 0.45 : 1);
+    }
+    this.middle = (Math.max(...places) + Math.min(...places)) / 2;
+    this.stage.setExtent(this.height, Math.max(...places) - Math.min(...places), this.heading);
+  }
+
+  placeHuman(human, place) {
+    const [scale, x, y] = human.human.placement;
+    human.group.scale.setScalar(scale);
+    human.group.position.copy(this.aside).multiplyScalar(place).add(new Vector3(x, y, 0));
+  }
+
+  /** Poses all figures. @param {number} time seconds */
+  update(time) {
+    // the same frames are shown for several pictures
+    const frames = this.motions.map((motion) => motion.frameAt(time)).join();
+    if (frames === this.shown) return;
+    this.shown = frames;
+    this.time = time;
+    this.stage.shadowsChanged();
+    this.motions.forEach((motion, i) => this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase));
+    for (const human of this.humans) human.update(human.motion.frameAt(time), this.showContacts);
+    const frame = this.motions[0].frameAt(time);
+    const [x, y] = [this.way[2 * frame], this.way[2 * frame + 1]];
+    this.stage.aim(x + this.aside.x * this.middle, y + this.aside.y * this.middle, 0.46 * this.height);
+  }
+
+  /** The body of a robot at a point of the canvas. @returns {{motion: number, body: number}|null} */
+  pick(clientX, clientY) {
+    const box = this.stage.canvas.getBoundingClientRect();
+    const point = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(point, this.stage.camera);
+    const [hit] = ray.intersectObjects(this.robots.map((robot) => robot.group), true);
+    return hit ? { motion: hit.object.userData.motion, body: hit.object.userData.body } : null;
+  }
+
+  /** Lights a body up in every motion of that robot. */
+  highlight(motion, bodies) {
+    this.robots.forEach((robot, i) => robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []));
+  }
+
+  /** Names below the figures, in pixels of the canvas. */
+  tags() {
+    const { camera, canvas } = this.stage;
+    const tags = [];
+    const add = (figure, root, text, colour) => {
+      const at = root.clone();
+      const there = figure.group.localToWorld(at);
+      there.z = -0.09 * this.height;
+      there.project(camera);
+      tags.push({ text, colour, x: (there.x * 0.5 + 0.5) * canvas.clientWidth, y: (0.5 - there.y * 0.5) * canvas.clientHeight, visible: there.z < 1 });
+    };
+    this.robots.forEach((robot, i) => {
+      add(robot, robot.bodies[this.motions[i].robot.root].position, this.motions[i].label, motionColour(i));
+    });
+    if (this.humanMode === 'beside') {
+      for (const human of this.humans) {
+        const frame = Math.min(human.motion.frameAt(this.time ?? 0), human.human.frames - 1);
+        const hips = human.index.has('Hips') ? human.place('Hips', frame, new Vector3()) : new Vector3();
+        add(human, hips, human.motion.report?.source || 'source', null);
+      }
+    }
+    return tags;
+  }
+}
+
+/** The highest body in the first frame and a head above it, metres. */
+function heightOf(motion) {
+  let highest = 0.3, lowest = 0;
+  for (const frame of [0, motion.frames >> 1, motion.frames - 1]) {
+    const poses = motion.bodyPoses(frame);
+    for (let body = 1; body < motion.robot.bodies.length; ++body) highest = Math.max(highest, poses[7 * body + 2] - lowest);
+  }
+  return Math.min(3, 1.18 * highest);
+}
+
+/** The root's way over the ground without its sway: a mean of means; x y by frame. */
+function calmWay(motion) {
+  const half = Math.max(1, Math.round(CALM * motion.fps));
+  let way = new Float64Array(2 * motion.frames);
+  for (let i = 0; i < motion.frames; ++i) way.set([motion.position[3 * i], motion.position[3 * i + 1]], 2 * i);
+  for (let pass = 0; pass < 2; ++pass) {
+    const calm = new Float64Array(way.length);
+    for (let axis = 0; axis < 2; ++axis) {
+      for (let i = 0; i < motion.frames; ++i) {
+        // as far to both sides, so that the ends stay where they are
+        const reach = Math.min(half, i, motion.frames - 1 - i);
+        let sum = 0;
+        for (let j = i - reach; j <= i + reach; ++j) sum += way[2 * j + axis];
+        calm[2 * i + axis] = sum / (2 * reach + 1);
+      }
+    }
+    way = calm;
+  }
+  return way;
+}
