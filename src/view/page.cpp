@@ -13,20 +13,6 @@
 namespace retarget {
 namespace {
 
-// the shell with what stands for its marks, each of which is there once
-std::string filled(const std::string& shell,
-                   std::span<const std::pair<std::string_view, std::string>> parts) {
-  std::string page;
-  std::size_t begin = 0;
-  for (const auto& [mark, text] : parts) {
-    const std::size_t at = shell.find(mark, begin);
-    if (at == std::string::npos) continue;
-    page.append(shell, begin, at - begin).append(text);
-    begin = at + mark.size();
-  }
-  return page.append(shell, begin, std::string::npos);
-}
-
 std::string title_of(std::span<const PageMotion> motions) {
   std::vector<std::string> labels;
   for (const PageMotion& motion : motions) {
@@ -49,7 +35,7 @@ std::string assemble_page(const std::string& title, PageData data) {
        {"@HEADER@", std::move(data.header)},
        {"@TRACKS@", std::move(data.tracks)},
        {"@SCRIPT@", kPageScript.text()}}};
-  return filled(kPageShell.text(), parts);
+  return fill_shell(kPageShell, parts);
 }
 
 Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {

@@ -9,6 +9,7 @@
 #include "base/number_text.h"
 #include "base/try.h"
 #include "commands.h"
+#include "gallery.h"
 #include "human/human_clip.h"
 #include "measure_files.h"
 #include "plan/check_options.h"
@@ -164,6 +165,9 @@ Result<void> write_page(ViewArguments arguments, Console& console) {
 
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
+  std::error_code ignored;
+  const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
+  if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
   const bool page = is_page(arguments.run.run.output);
