@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The checks beyond the tests, for developers and CI.
 #
-#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64]      (default: all seven)
+#   tools/check.sh [format] [shell] [asan] [tsan] [tidy] [fuzz] [arm64] [viewer]   (default: all eight)
 #
 #   format  clang-format (version 14) would change nothing
 #   shell   shellcheck finds nothing in the scripts
@@ -12,6 +12,7 @@
 #   tidy    clang-tidy finds nothing in the library and the tool
 #   fuzz    every reader is fuzzed for ten seconds (tools/fuzz.sh) and nothing breaks
 #   arm64   the library and the tool compile for ARM64, where its cross compiler is there
+#   viewer  the script of pages is what viewer/src makes, where there is Node (tools/viewer_bundle.sh)
 #
 # Needs what tools/setup.sh --dev installs, and calls it. JOBS: how many processes.
 set -euo pipefail
@@ -75,11 +76,15 @@ check_arm64() {
   "$root/tools/check_arm64.sh"
 }
 
+check_viewer() {
+  "$root/tools/viewer_bundle.sh" --check
+}
+
 checks=("$@")
-[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64)
+[ $# -gt 0 ] || checks=(format shell asan tsan tidy fuzz arm64 viewer)
 for check in "${checks[@]}"; do
   if ! declare -F "check_$check" >/dev/null; then
-    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64)" >&2
+    echo "check: unknown check \"$check\" (known: format, shell, asan, asan-input, tsan, tidy, fuzz, arm64, viewer)" >&2
     exit 2
   fi
 done

@@ -43,6 +43,7 @@ readonly kTestPackages='
 libgtest-dev       | gtest-devel    | gtest         | googletest    | has_header gtest/gtest.h
 libgmock-dev       | gmock-devel    | gtest         | googletest    | has_header gmock/gmock.h
 python3-numpy      | python3-numpy  | python-numpy  | numpy         | has_numpy
+chromium           | chromium       | chromium      | chromium      | has_command chromium chromium-browser google-chrome
 '
 readonly kDeveloperPackages='
 ccache             | ccache           | ccache    | ccache           | has_command ccache

@@ -33,7 +33,9 @@ give_up() {
   exit 1
 }
 
-command -v node >/dev/null && command -v npm >/dev/null || give_up "left out: there is no Node with npm"
+if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
+  give_up "left out: there is no Node with npm"
+fi
 
 # the packages that the lock file names, and no others
 if ! cmp -s "$viewer/package-lock.json" "$viewer/node_modules/.of_lock.json"; then

@@ -19,3 +19,4 @@
 #include "retarget/report.h"
 #include "retarget/solve.h"
 #include "retarget/version.h"
+#include "retarget/view.h"

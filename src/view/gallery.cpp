@@ -25,6 +25,20 @@ Json short_number(double value) {
   return parse_number<double>(number_text(value, decimals)).value_or(value);
 }
 
+// for a script element of HTML: in ASCII, without what could end it; bytes that are no UTF-8 become
+// U+FFFD
+std::string script_json(const Json& json) {
+  std::string text;
+  for (const char letter : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
+    if (letter == '<' || letter == '>' || letter == '&') {
+      text += fmt::format("\\u{:04x}", static_cast<int>(letter));
+    } else {
+      text += letter;
+    }
+  }
+  return text;
+}
+
 // metrics that some clip has; clips name them by their place
 std::vector<const Metric*> known_metrics(std::span<const GalleryClip> clips) {
   std::vector<const Metric*> metrics;

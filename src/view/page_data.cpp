@@ -14,11 +14,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// half of a step is the error; a chain of joints adds up to less than 0.1 mm at a hand
-constexpr double kAngleStep = 5e-5;       // rad; metres of slides
+// half of a step is the error; over a chain of joints they add up to less than 0.2 mm
+constexpr double kAngleStep = 1e-4;       // rad; metres of slides
 constexpr double kQuaternionStep = 2e-5;  // of each component
-constexpr double kRootStep = 5e-5;        // metres
-constexpr double kBoneStep = 1e-4;
+constexpr double kRootStep = 1e-4;        // metres
+constexpr double kBoneStep = 1.5e-4;
 
 Json phases_json(const std::vector<ContactPhase>& phases) {
   Json json = Json::array();
@@ -175,8 +175,9 @@ Result<PageData> PageWriter::finish(const std::string& title, const PageLinks& l
                  {"motions", motions_},
                  {"tracks", std::move(tracks)}};
   if (!links.index.empty()) header["links"] = links_json(links);
-  TRY_ASSIGN(std::string packed, packer_.finish());
-  return PageData{script_json(header), std::move(packed)};
+  TRY_ASSIGN(std::string packed_header, packed_json(header));
+  TRY_ASSIGN(std::string packed_tracks, packer_.finish());
+  return PageData{std::move(packed_header), std::move(packed_tracks)};
 }
 
 }  // namespace
@@ -207,24 +208,9 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   return placement;
 }
 
-std::string script_json(const Json& json) {
-  std::string text;
-  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
-    switch (c) {
-      case '<':
-        text += "\\u003c";
-        break;
-      case '>':
-        text += "\\u003e";
-        break;
-      case '&':
-        text += "\\u0026";
-        break;
-      default:
-        text += c;
-    }
-  }
-  return text;
+Result<std::string> packed_json(const Json& json) {
+  // in ASCII, with U+FFFD for bytes that are no UTF-8
+  return packed_text(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 Result<PageData> page_data(std::span<const PageMotion> motions, const std::string& title,

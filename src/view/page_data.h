@@ -33,20 +33,20 @@ struct HumanPlacement {
 /// the scale is the ratio of their mean heights.
 [[nodiscard]] HumanPlacement place_human(const RobotClip& motion, const HumanClip& human);
 
-/// All data of a page: a header, and numbers over time.
+/// All data of a page: a header, and numbers over time; both as packed_text, which may stand anywhere
+/// in HTML, whatever the names in it are.
 struct PageData {
-  std::string header;  ///< JSON that may stand in a script element.
-  std::string tracks;  ///< TrackPacker's base64.
+  std::string header;  ///< JSON.
+  std::string tracks;  ///< TrackPacker's.
 };
 
 [[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
                                          const std::string& title, const PageLinks& links = {});
 
+/// JSON as packed_text.
+[[nodiscard]] Result<std::string> packed_json(const nlohmann::ordered_json& json);
+
 /// The whole file: shell, style, script and data.
 [[nodiscard]] std::string assemble_page(const std::string& title, PageData data);
-
-/// JSON for a script element of HTML: in ASCII, without `<`, `>` and `&`; bytes that are no UTF-8
-/// become U+FFFD.
-[[nodiscard]] std::string script_json(const nlohmann::ordered_json& json);
 
 }  // namespace retarget

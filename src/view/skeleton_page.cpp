@@ -155,8 +155,9 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
                        {"precision", {{"bone_m", 0.5 * kStep}}},
                        {"skeleton", std::move(skeleton)},
                        {"tracks", std::move(tracks)}};
-  TRY_ASSIGN(std::string packed, packer.finish());
-  return assemble_page(page.title, {script_json(header), std::move(packed)});
+  TRY_ASSIGN(std::string packed_header, packed_json(header));
+  TRY_ASSIGN(std::string packed_tracks, packer.finish());
+  return assemble_page(page.title, {std::move(packed_header), std::move(packed_tracks)});
 }
 
 }  // namespace retarget

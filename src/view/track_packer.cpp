@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <string_view>
 
 #include "base/base64.h"
 
@@ -57,6 +56,17 @@ PackedChannel packed(Words values) {
 
 }  // namespace
 
+Result<std::string> packed_text(std::string_view bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string deflated(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(deflated.data()), &size,
+                             reinterpret_cast<const Bytef*>(bytes.data()),
+                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+  if (code != Z_OK) return run_failure("", "zlib cannot deflate a page's data: out of memory");
+  deflated.resize(size);
+  return base64_text(deflated);
+}
+
 Result<int> TrackPacker::add(int channels, double step, std::span<const double> values) {
   constexpr double kMost = 1e9;
   const auto wide = static_cast<std::size_t>(channels);
@@ -87,17 +97,6 @@ Result<int> TrackPacker::add(int channels, double step, std::span<const double> 
   for (const std::string& plane : planes) bytes_ += plane;
   tracks_.push_back({channels, static_cast<int>(frames), step});
   return static_cast<int>(tracks_.size()) - 1;
-}
-
-Result<std::string> TrackPacker::finish() const {
-  uLongf size = compressBound(static_cast<uLong>(bytes_.size()));
-  std::string deflated(size, '\0');
-  const int code = compress2(reinterpret_cast<Bytef*>(deflated.data()), &size,
-                             reinterpret_cast<const Bytef*>(bytes_.data()),
-                             static_cast<uLong>(bytes_.size()), Z_BEST_COMPRESSION);
-  if (code != Z_OK) return run_failure("", "zlib cannot deflate the motions: out of memory");
-  deflated.resize(size);
-  return base64_text(deflated);
 }
 
 }  // namespace retarget

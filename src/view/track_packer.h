@@ -3,11 +3,15 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "retarget/error.h"
 
 namespace retarget {
+
+/// Bytes as one zlib stream, in base64.
+[[nodiscard]] Result<std::string> packed_text(std::string_view bytes);
 
 /// Numbers over time in few bytes, for a page that has to carry them: rounded to a step, as
 /// differences from frame to frame, deflated.
@@ -30,8 +34,8 @@ class TrackPacker {
   [[nodiscard]] Result<int> add(int channels, double step, std::span<const double> values);
 
   [[nodiscard]] const std::vector<Track>& tracks() const { return tracks_; }
-  /// All tracks one after the other as one zlib stream, in base64.
-  [[nodiscard]] Result<std::string> finish() const;
+  /// All tracks, one after the other, as packed_text.
+  [[nodiscard]] Result<std::string> finish() const { return packed_text(bytes_); }
 
  private:
   std::vector<Track> tracks_;

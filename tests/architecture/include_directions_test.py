@@ -28,7 +28,7 @@ MAY_INCLUDE = {
     "quality": ["fit"],
     "plan": ["anatomy", "quality", "io"],
     "provenance": ["io"],
-    "run": ["plan", "provenance"],
+    "run": ["plan", "provenance", "view"],
     "batch": ["run"],
     "view": ["fit", "quality", "io"],
 }

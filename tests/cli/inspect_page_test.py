@@ -1,8 +1,10 @@
 """`retarget inspect --html`: a page about a source, read by hand and in a browser."""
 
+import base64
 import json
 import re
 import unittest
+import zlib
 
 import numpy as np
 
@@ -12,7 +14,8 @@ from tool import ToolTest, short_clip
 
 def page_header(text):
     """The JSON of a page."""
-    return json.loads(re.search(r'id="page-header">(.*?)</script>', text, re.S)[1])
+    header = re.search(r'id="page-header">(.*?)</script>', text, re.S)[1]
+    return json.loads(zlib.decompress(base64.b64decode(header)))
 
 
 class InspectPage(ToolTest):

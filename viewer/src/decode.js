@@ -1,10 +1,5 @@
 /** Reads what is packed into the page: the header, and numbers over time (src/view/track_packer.h). */
 
-/** @returns {object} the header: robots, humans, motions, tracks. */
-export function readHeader() {
-  return JSON.parse(document.getElementById('page-header').textContent);
-}
-
 /**
  * Undoes folding, differences and rounding of one track.
  * @param {Uint8Array} bytes  the track's own
@@ -30,12 +25,21 @@ export function unpackTrack(bytes, { channels, frames, step }) {
   return values;
 }
 
-async function inflate(base64) {
-  const text = atob(base64);
+// deflated, in base64
+async function readElement(id) {
+  const element = document.getElementById(id);
+  const text = atob(element.textContent);
+  // nobody reads it again
+  element.remove();
   const packed = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** @returns {Promise<object>} the header: robots, humans, motions, tracks. */
+export async function readHeader() {
+  return JSON.parse(new TextDecoder().decode(await readElement('page-header')));
 }
 
 /**
@@ -43,10 +47,7 @@ async function inflate(base64) {
  * @returns {Promise<Float64Array[]>}
  */
 export async function readTracks(tracks) {
-  const element = document.getElementById('page-tracks');
-  const bytes = await inflate(element.textContent);
-  // half a megabyte of text that nobody reads again
-  element.remove();
+  const bytes = await readElement('page-tracks');
   let at = 0;
   return tracks.map((track) => {
     const size = track.channels + 4 * track.channels * track.frames;

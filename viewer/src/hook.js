@@ -45,6 +45,17 @@ export function addTestHook(viewer) {
       const place = mesh.localToWorld(mesh.geometry.boundingSphere.center.clone()).project(viewer.stage.camera);
       return [canvas.left + (place.x * 0.5 + 0.5) * canvas.width, canvas.top + (0.5 - place.y * 0.5) * canvas.height];
     },
-    meshBodies: (motion) => [...world.robots[motion].meshes.keys()],
+    /** The picture as it is drawn now: width, height and RGBA in base64. */
+    picture() {
+      viewer.frame(performance.now());
+      const { canvas } = viewer.stage;
+      const { width, height } = canvas;
+      const copy = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d');
+      copy.drawImage(canvas, 0, 0);
+      const { data } = copy.getImageData(0, 0, width, height);
+      let text = '';
+      for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+      return { width, height, rgba: btoa(text) };
+    },
   };
 }

@@ -207,7 +207,7 @@ class Viewer {
 async function main() {
   const message = byId('message');
   try {
-    const page = readHeader();
+    const page = await readHeader();
     const tracks = await readTracks(page.tracks);
     if (page.skeleton) {
       addSkeletonHook(new SkeletonViewer(page, tracks));

@@ -53,10 +53,10 @@ export class Stage {
     this.ambient.position.copy(UP);
     this.sun = new DirectionalLight(0xffffff, 1);
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
-    this.sun.shadow.radius = 5;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    this.sun.shadow.radius = 3;
     this.sun.shadow.bias = -0.0004;
-    this.sun.shadow.normalBias = 0.012;
+    this.sun.shadow.normalBias = 0.016;
     Object.assign(this.sun.shadow.camera, { near: 0.5, far: 14 });
     // from the other side, so that no side is flat
     this.fill = new DirectionalLight(0xdfe8ff, 0.35);
