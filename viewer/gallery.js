@@ -55,7 +55,7 @@ function addOptions() {
   byId('sort').append(option('worst', 'Worst first'), option('name', 'Name'), option('seconds', 'Length'),
     el('optgroup', { label: 'Figure' }, ...gallery.metrics.map((metric, i) => option(`figure ${i}`, metric.key + (unitText(metric.unit) && `,${unitText(metric.unit)}`), metric.definition))));
   byId('filter').append(option('', 'all'), option('kept', 'all gates kept'), option('missed', 'a gate missed'),
-    option('failed', 'failed, or nothing to play'),
+    option('failed', 'failed, or something missing'),
     el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, key))));
   byId('robots').append(option('', 'all'), ...robots.map((robot) => option(`robot ${robot}`, robot)));
   byId('robots-label').hidden = robots.length < 2;

@@ -32,7 +32,7 @@ struct PageLinks {
 
 struct PageOptions {
   std::string title;  ///< Of the window; any text. Empty: the labels.
-  PageLinks links;
+  PageLinks links = {};
 };
 
 /// One HTML file, with everything in it, that plays motions in a browser: side by side and in step,

@@ -84,16 +84,18 @@ Frame Time: 0.1
                 shown = browser.run(f"window.retarget.show({frame}); window.retarget.joints()")
                 self.assertEqual(len(shown), 27)
                 for joint in shown:
-                    x, y, z = (places[frame, names.index(f"{joint['name']}.{axis}")] for axis in "xyz")
+                    columns = [names.index(f"{joint['name']}.{axis}") for axis in "xyz"]
                     # centimetres, Y up in the file; metres, Z up there
-                    np.testing.assert_allclose(joint["position"], [x / 100, -z / 100, y / 100], atol=2e-4)
+                    x, y, z = 0.01 * places[frame, columns]
+                    np.testing.assert_allclose(joint["position"], [x, -z, y], atol=2e-4)
             self.assertEqual(browser.complaints(), [])
             self.assertEqual(len(browser.requests()), 1)
             # the rest pose is the skeleton with all rotations zero: offsets alone
-            rest = {joint["name"]: np.array(joint["position"]) for joint in browser.run("window.retarget.rest()")}
-            thigh = np.linalg.norm(rest["LeftLeg"] - rest["LeftUpLeg"])
-            shown = {joint["name"]: np.array(joint["position"]) for joint in shown}
-            self.assertAlmostEqual(thigh, np.linalg.norm(shown["LeftLeg"] - shown["LeftUpLeg"]), delta=1e-3)
+            thighs = []
+            for points in (browser.run("window.retarget.rest()"), shown):
+                places = {point["name"]: np.array(point["position"]) for point in points}
+                thighs.append(np.linalg.norm(places["LeftLeg"] - places["LeftUpLeg"]))
+            self.assertAlmostEqual(*thighs, delta=1e-3)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@
 #include "interrupt.h"
 #include "measure_files.h"
 #include "provenance/hash.h"
+#include "shared_arguments.h"
 #include "view/gallery.h"
 #include "view/strip.h"
 
@@ -29,6 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPages = "clips";
+// how answers of workers begin
+constexpr char kNoMotion = '-', kNoPage = '!';
 
 // a name of an address, the same whenever the clip's and the robot's are
 Result<std::string> address_name(const ManifestEntry& entry) {
@@ -64,8 +67,9 @@ class GalleryMaker {
     const auto interrupts = console_.hold_interrupts();
     TRY(make_pages());
     if (console_.is_stopped()) {
-      return failure(
-          Error{ErrorKind::kInterrupted, {}, "interrupted; the index was not written", {}, {}});
+      Failure stopped = interrupted_failure();
+      stopped.value().message = "interrupted; the index was not written";
+      return stopped;
     }
     fs::path folder = fs::path(batch_.folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
@@ -82,6 +86,13 @@ class GalleryMaker {
                                                   " of the manifest are missing: ") +
                           list_names(missing_, 3)}},
                     batch_.folder);
+    }
+    if (!sources_.empty()) {
+      console_.warn(
+          {{0, 0,
+            count_text(sources_.size(), "clip") + (sources_.size() == 1 ? " is" : " are") +
+                " shown without the source, which is no longer there: " + list_names(sources_, 3)}},
+          batch_.folder);
     }
     if (unshown_ > 0) {
       console_.warn(
@@ -141,6 +152,7 @@ class GalleryMaker {
       if (!motion.empty()) missing_.push_back(file);
       return {};
     }
+    if (!is_file(entry.input.file)) sources_.push_back(entry.input.file);
     TRY_ASSIGN(const std::string name, address_name(entry));
     clip.page = fmt::format("{}/{}.html", kPages, name);
     clip.picture = fmt::format("{}/{}.png", kPages, name);
@@ -161,18 +173,19 @@ class GalleryMaker {
     return {};
   }
 
-  // page and picture of a clip
-  Result<void> make_page(const GalleryTask& task) const {
+  // page and picture of a clip; what is missing on the page, or nothing
+  Result<std::string> make_page(const GalleryTask& task) const {
     Console silent(true);
     const GalleryClip& clip = clips_[task.clip];
-    const ViewArguments arguments = arguments_of(batch_, *task.entry, arguments_);
+    ViewArguments arguments = arguments_of(batch_, *task.entry, arguments_);
+    std::string lacks;
     auto measures = load_measures(arguments, silent);
     if (!measures && !arguments.run.run.motion.empty()) {
       // a source that has changed must not keep its motion from being seen
-      ViewArguments alone = arguments;
-      alone.run.run.motion.clear();
-      alone.run.run.options.part = {};
-      measures = load_measures(alone, silent);
+      lacks = "without its source: " + describe(measures.error(), option_as_flag);
+      arguments.run.run.motion.clear();
+      arguments.run.run.options.part = {};
+      measures = load_measures(arguments, silent);
     }
     if (!measures) return failure(measures.error());
     TRY_ASSIGN(const MeasuredMotion motion,
@@ -187,18 +200,33 @@ class GalleryMaker {
     picture.times = false;
     TRY(write_file((folder_ / clip.picture).string(),
                    draw_strip_picture(motion.clip, nullptr, picture)));
-    return write_file((folder_ / clip.page).string(), page);
+    TRY(write_file((folder_ / clip.page).string(), page));
+    return lacks;
   }
 
-  // what went wrong, as text; empty: nothing
+  // what the index says of it; where there is no motion to be played, kNoMotion comes first
   std::string done_page(const GalleryTask& task) const {
     const auto made = make_page(task);
-    if (made) return {};
+    if (made) return *made;
     const GalleryClip& clip = clips_[task.clip];
-    std::string message = describe(made.error(), option_as_flag);
+    const std::string message = describe(made.error(), option_as_flag);
     const auto noted = write_file((folder_ / clip.page).string(),
                                   gallery_note_page(clip.name, message, task.links));
-    return message;
+    return (noted ? kNoMotion : kNoPage) + message;
+  }
+
+  void take_answer(const GalleryTask& task, const TaskEnd& end) {
+    GalleryClip& clip = clips_[task.clip];
+    std::string answer =
+        end.answered ? end.answer : kNoPage + std::string("its page could not be made");
+    const bool no_page = answer.starts_with(kNoPage), no_motion = answer.starts_with(kNoMotion);
+    if (no_page || no_motion) {
+      answer.erase(0, 1);
+      clip.picture.clear();
+      ++unshown_;
+    }
+    if (no_page) clip.page.clear();
+    clip.message = std::move(answer);
   }
 
   Result<void> make_pages() {
@@ -212,13 +240,7 @@ class GalleryMaker {
     auto ran = run_in_processes(
         memory, pool, [this](std::size_t i) { return done_page(tasks_[i]); },
         [&](std::size_t i, const TaskEnd& end) {
-          GalleryClip& clip = clips_[tasks_[i].clip];
-          if (!end.answered) clip.page.clear();
-          if (!end.answered || !end.answer.empty()) {
-            clip.message = end.answered ? end.answer : "its page could not be made";
-            clip.picture.clear();
-            ++unshown_;
-          }
+          take_answer(tasks_[i], end);
           console_.status(fmt::format("page {} of {}", ++done, tasks_.size()));
         });
     console_.end_progress();
@@ -229,9 +251,9 @@ class GalleryMaker {
   const BatchFolder batch_;
   const fs::path folder_;
   Console& console_;
-  std::vector<GalleryClip> clips_;  // the worst first
-  std::vector<GalleryTask> tasks_;  // in the same order
-  std::vector<std::string> missing_;
+  std::vector<GalleryClip> clips_;              // the worst first
+  std::vector<GalleryTask> tasks_;              // in the same order
+  std::vector<std::string> missing_, sources_;  // files that are no longer there
   int unshown_ = 0;
 };
 
@@ -266,6 +288,10 @@ Result<void> check_gallery(const ViewArguments& arguments) {
 Result<void> write_gallery(const ViewArguments& arguments, Console& console) {
   TRY(check_gallery(arguments));
   TRY_ASSIGN(BatchFolder batch, read_batch_folder(arguments.motions.front()));
+  const RobotChoice& robot = arguments.run.run.robot;
+  if (!robot.name.empty() || !robot.model.empty()) {
+    TRY(load_robot(robot, arguments.run.common, console, Soles::kAsTheyAre));
+  }
   GalleryMaker maker(arguments, std::move(batch), console);
   TRY(maker.make());
   maker.tell();
