@@ -4,7 +4,7 @@
 set(retarget_page_source ${PROJECT_BINARY_DIR}/generated/page_files.cpp)
 
 function(retarget_write_page_files output)
-  set(text "// made by cmake/PageAssets.cmake\n#include \"view/page_assets.h\"\n\nnamespace retarget {\n")
+  set(text "// made by cmake/PageAssets.cmake\n#include \"view/page_assets.h\"\n\nnamespace retarget {\nusing namespace std::string_view_literals;\n")
   foreach(each IN ITEMS kPageShell:page.html kPageStyle:page.css kPageScript:dist/viewer.js
       kGalleryShell:gallery.html kGalleryStyle:gallery.css kGalleryScript:gallery.js)
     string(REPLACE ":" ";" each ${each})
@@ -19,7 +19,7 @@ function(retarget_write_page_files output)
     set(at 0)
     while(at LESS length)
       string(SUBSTRING "${content}" ${at} 16000 piece)
-      string(APPEND text "R\"piece(${piece})piece\",\n")
+      string(APPEND text "R\"piece(${piece})piece\"sv,\n")
       math(EXPR at "${at} + 16000")
     endwhile()
     string(APPEND text "};\nconst PageAsset ${name} = {${name}Pieces, \"${hash}\"};\n")

@@ -24,18 +24,32 @@ MOST_BYTES = 150_000
 # name: page, moment, size of the window, media features, scripts that lead there
 SCENES = {
     "view_compare": ("two.html", "#t=3.6", (1280, 720), {}, []),
-    "view_faults": ("gmr.html", "#t=0", (1280, 720), {},
-                    ["document.getElementById('tab-faults').click()",
-                     "document.querySelectorAll('.list button')[3].click()"]),
-    "view_joints": ("get_up.html", "#t=4.2", (1280, 720), {"prefers-color-scheme": "dark"},
-                    ["document.getElementById('tab-joints').click()"]),
+    "view_faults": (
+        "gmr.html",
+        "#t=0",
+        (1280, 720),
+        {},
+        [
+            "document.getElementById('tab-faults').click()",
+            "document.querySelectorAll('.list button')[3].click()",
+        ],
+    ),
+    "view_joints": (
+        "get_up.html",
+        "#t=4.2",
+        (1280, 720),
+        {"prefers-color-scheme": "dark"},
+        ["document.getElementById('tab-joints').click()"],
+    ),
 }
 
 
 def make_pages(tool, folder):
     """Motions of two samples, and their pages."""
+
     def run(*arguments):
         subprocess.run([tool, *map(str, arguments)], cwd=folder, check=True)
+
     walk, get_up = (SOURCE / "data" / f"{name}.bvh" for name in ("walk", "get_up"))
     run(walk, "unitree_g1", "-o", "fit.csv", "-q")
     run(walk, "unitree_g1", "--method", "gmr", "-o", "gmr.csv", "-q")
@@ -51,13 +65,16 @@ def pixels_of(window, png):
     """Pixels (height, width, 3) of a PNG, decoded by the browser."""
     window.open("/dev/null")
     width, height, rgba = window.run(f"""(async () => {{
-        const bytes = Uint8Array.from(atob('{base64.b64encode(png).decode()}'), (c) => c.charCodeAt(0));
+        const text64 = '{base64.b64encode(png).decode()}';
+        const bytes = Uint8Array.from(atob(text64), (c) => c.charCodeAt(0));
         const image = await createImageBitmap(new Blob([bytes]));
         const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
         context.drawImage(image, 0, 0);
         const {{ data }} = context.getImageData(0, 0, image.width, image.height);
         let text = '';
-        for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+        for (let i = 0; i < data.length; i += 8192) {{
+            text += String.fromCharCode(...data.subarray(i, i + 8192));
+        }}
         return [image.width, image.height, btoa(text)];
     }})()""")
     return np.frombuffer(base64.b64decode(rgba), np.uint8).reshape(height, width, 4)[:, :, :3]
@@ -65,12 +82,20 @@ def pixels_of(window, png):
 
 def palette_of(pixels, most=256):
     """Colours (most, 3) by median cut, and the index of each pixel (height, width)."""
-    colours, inverse, counts = np.unique(pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
+    colours, inverse, counts = np.unique(
+        pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
+    )
     boxes = [np.arange(len(colours))]
     while len(boxes) < most:
         # the box with the widest spread, weighted by how much of the picture it is
-        spreads = [np.ptp(colours[box].astype(float), axis=0).max() * counts[box].sum() ** 0.4 if len(box) > 1 else 0.0
-                   for box in boxes]
+        spreads = [
+            (
+                np.ptp(colours[box].astype(float), axis=0).max() * counts[box].sum() ** 0.4
+                if len(box) > 1
+                else 0.0
+            )
+            for box in boxes
+        ]
         widest = int(np.argmax(spreads))
         if spreads[widest] == 0.0:
             break
@@ -94,11 +119,21 @@ def palette_png(pixels):
     height, width = index.shape
 
     def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        return (
+            struct.pack(">I", len(content))
+            + kind
+            + content
+            + struct.pack(">I", zlib.crc32(kind + content))
+        )
 
     rows = b"".join(b"\0" + row.tobytes() for row in index)
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)) +
-            chunk(b"PLTE", palette.tobytes()) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0))
+        + chunk(b"PLTE", palette.tobytes())
+        + chunk(b"IDAT", zlib.compress(rows, 9))
+        + chunk(b"IEND", b"")
+    )
 
 
 def main():
@@ -114,7 +149,11 @@ def main():
             for name, (page, moment, size, features, scripts) in SCENES.items():
                 window.open(pathlib.Path(folder) / page, moment, size=size, features=features)
                 window.wait_for("window.retarget")
-                for script in [*scripts, "new Promise((done) => setTimeout(done, 600))", "retarget.picture() && 0"]:
+                for script in [
+                    *scripts,
+                    "new Promise((done) => setTimeout(done, 600))",
+                    "retarget.picture() && 0",
+                ]:
                     window.run(script)
                 png = palette_png(pixels_of(window, window.screenshot()))
                 if len(png) > MOST_BYTES:

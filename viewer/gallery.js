@@ -21,7 +21,9 @@ const unitText = (unit) => (unit === '1' || unit === 'count' ? '' : ` ${unit}`);
 function verdict(clip) {
   if (clip.failed) return ['bad', 'failed'];
   if (!clip.missed) return ['', 'not measured'];
-  return clip.missed.length === 0 ? ['good', 'all gates kept'] : ['bad', `${count(clip.missed.length, 'gate')} missed`];
+  return clip.missed.length === 0
+    ? ['good', 'all gates kept']
+    : ['bad', `${count(clip.missed.length, 'gate')} missed`];
 }
 
 /** A clip's card; made once. */
@@ -30,13 +32,31 @@ function card(clip) {
   const [width, height] = gallery.thumbnail;
   clip.shownFigure = el('span', { class: 'figure' });
   const content = [
-    clip.picture ? el('div', { class: 'picture' }, el('img', { src: clip.picture, alt: '', loading: 'lazy', width, height })) : null,
-    el('div', { class: 'text' }, el('h2', { text: clip.name }),
-      el('div', { class: 'facts' }, el('span', { class: `badge ${kind}`, text, title: clip.missed?.join(', ') || null }),
+    clip.picture
+      ? el(
+          'div',
+          { class: 'picture' },
+          el('img', { src: clip.picture, alt: '', loading: 'lazy', width, height }),
+        )
+      : null,
+    el(
+      'div',
+      { class: 'text' },
+      el('h2', { text: clip.name }),
+      el(
+        'div',
+        { class: 'facts' },
+        el('span', { class: `badge ${kind}`, text, title: clip.missed?.join(', ') || null }),
         clip.seconds === undefined ? null : el('span', { text: `${clip.seconds}\u202fs` }),
-        robots.length > 1 ? el('span', { text: clip.robot }) : null, clip.shownFigure),
-      clip.message ? el('p', { class: 'message', text: clip.message }) : null)];
-  return clip.page ? el('a', { class: 'clip', href: clip.page }, ...content) : el('div', { class: 'clip' }, ...content);
+        robots.length > 1 ? el('span', { text: clip.robot }) : null,
+        clip.shownFigure,
+      ),
+      clip.message ? el('p', { class: 'message', text: clip.message }) : null,
+    ),
+  ];
+  return clip.page
+    ? el('a', { class: 'clip', href: clip.page }, ...content)
+    : el('div', { class: 'clip' }, ...content);
 }
 
 const robots = [...new Set(gallery.clips.map((clip) => clip.robot))].sort();
@@ -52,11 +72,29 @@ missedGates.sort((a, b) => metricKeys.indexOf(a) - metricKeys.indexOf(b));
 
 function addOptions() {
   const option = (value, text, title) => el('option', { value, text, title });
-  byId('sort').append(option('worst', 'Worst first'), option('name', 'Name'), option('seconds', 'Length'),
-    el('optgroup', { label: 'Figure' }, ...gallery.metrics.map((metric, i) => option(`figure ${i}`, metric.key + (unitText(metric.unit) && `,${unitText(metric.unit)}`), metric.definition))));
-  byId('filter').append(option('', 'all'), option('kept', 'all gates kept'), option('missed', 'a gate missed'),
+  byId('sort').append(
+    option('worst', 'Worst first'),
+    option('name', 'Name'),
+    option('seconds', 'Length'),
+    el(
+      'optgroup',
+      { label: 'Figure' },
+      ...gallery.metrics.map((metric, i) =>
+        option(
+          `figure ${i}`,
+          metric.key + (unitText(metric.unit) && `,${unitText(metric.unit)}`),
+          metric.definition,
+        ),
+      ),
+    ),
+  );
+  byId('filter').append(
+    option('', 'all'),
+    option('kept', 'all gates kept'),
+    option('missed', 'a gate missed'),
     option('failed', 'failed, or something missing'),
-    el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, key))));
+    el('optgroup', { label: 'Gate missed' }, ...missedGates.map((key) => option(`gate ${key}`, key))),
+  );
   byId('robots').append(option('', 'all'), ...robots.map((robot) => option(`robot ${robot}`, robot)));
   byId('robots-label').hidden = robots.length < 2;
 }
@@ -78,7 +116,10 @@ function isShown(clip, words, filter, robot) {
 function sorted(clips, sort, turned) {
   const sign = turned ? -1 : 1;
   if (sort === 'worst') return [...clips].sort((a, b) => sign * (a.order - b.order));
-  if (sort === 'name') return [...clips].sort((a, b) => sign * a.name.localeCompare(b.name, undefined, { numeric: true }) || a.order - b.order);
+  if (sort === 'name')
+    return [...clips].sort(
+      (a, b) => sign * a.name.localeCompare(b.name, undefined, { numeric: true }) || a.order - b.order,
+    );
   const value = sort === 'seconds' ? (clip) => clip.seconds : (clip) => clip.figures?.[Number(sort.slice(7))];
   return [...clips].sort((a, b) => {
     const [x, y] = [value(a) ?? null, value(b) ?? null];
@@ -92,16 +133,22 @@ function show() {
   const [sort, filter, robot] = ['sort', 'filter', 'robots'].map((id) => byId(id).value);
   const words = byId('search').value.toLowerCase().split(/\s+/).filter(Boolean);
   const turned = byId('turn').getAttribute('aria-pressed') === 'true';
-  const shown = sorted(gallery.clips.filter((clip) => isShown(clip, words, filter, robot)), sort, turned);
+  const shown = sorted(
+    gallery.clips.filter((clip) => isShown(clip, words, filter, robot)),
+    sort,
+    turned,
+  );
   const figure = sort.startsWith('figure ') ? Number(sort.slice(7)) : -1;
   for (const clip of shown) {
     const value = figure < 0 ? undefined : clip.figures?.[figure];
-    clip.shownFigure.textContent = value === undefined || value === null ? '' : `${value}${unitText(gallery.metrics[figure].unit)}`;
+    clip.shownFigure.textContent =
+      value === undefined || value === null ? '' : `${value}${unitText(gallery.metrics[figure].unit)}`;
   }
   byId('clips').replaceChildren(...shown.map((clip) => clip.card));
   byId('nothing').hidden = shown.length > 0;
   const all = gallery.clips.length;
-  byId('count').textContent = shown.length === all ? count(all, 'clip') : `${shown.length} of ${count(all, 'clip')}`;
+  byId('count').textContent =
+    shown.length === all ? count(all, 'clip') : `${shown.length} of ${count(all, 'clip')}`;
 }
 
 byId('title').textContent = gallery.title;

@@ -32,6 +32,9 @@ struct PageLinks {
 
 struct PageOptions {
   std::string title;  ///< Of the window; any text. Empty: the labels.
+  /// Folder with STL or OBJ files named like bodies, in metres or millimetres and in the bodies'
+  /// frames: these are drawn in place of the collision primitives. Empty: none.
+  std::string meshes = {};
   PageLinks links = {};
 };
 
@@ -41,7 +44,8 @@ struct PageOptions {
 ///
 /// Positions are within 0.1 mm of the motion's, joint positions within 1e-4 rad (slides: 0.1 mm); the
 /// page says how near. The same motions give the same bytes.
-/// Errors (kInput): numbers that are no motion's, such as a root a hundred kilometres away.
+/// Errors (kInput): numbers that are no motion's, such as a root a hundred kilometres away; meshes that
+/// cannot be read.
 /// @pre at least one motion
 [[nodiscard]] Result<std::string> view_page(std::span<const PageMotion> motions,
                                             const PageOptions& options = {});

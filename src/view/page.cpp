@@ -39,9 +39,10 @@ std::string assemble_page(const std::string& title, PageData data) {
 }
 
 Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
-  const std::string title = options.title.empty() ? title_of(motions) : options.title;
-  TRY_ASSIGN(PageData data, page_data(motions, title, options.links));
-  return assemble_page(title, std::move(data));
+  PageOptions with_title = options;
+  if (with_title.title.empty()) with_title.title = title_of(motions);
+  TRY_ASSIGN(PageData data, page_data(motions, with_title));
+  return assemble_page(with_title.title, std::move(data));
 }
 
 Result<std::string> view_page(const Motion& motion, const std::string& label,
@@ -56,7 +57,7 @@ Result<std::string> view_page(const Motion& motion, const std::string& label,
   if (motion.plan.options.save.normalize_start) normalize_start(clip);
   const HumanClip human = to_human(*motion.source, motion.plan.human.calibration);
   const PageMotion shown{label, &clip, &human, report, &motion.plan.limits};
-  return view_page({&shown, 1}, {});
+  return view_page({&shown, 1});
 }
 
 }  // namespace retarget

@@ -8,6 +8,7 @@
 #include "human/contact_plan.h"
 #include "quality/body_tracks.h"
 #include "retarget/version.h"
+#include "view/robot_meshes.h"
 
 namespace retarget {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kAngleStep = 1e-4;       // rad; metres of slides
 constexpr double kQuaternionStep = 2e-5;  // of each component
 constexpr double kRootStep = 1e-4;        // metres
 constexpr double kBoneStep = 1.5e-4;
+constexpr double kMeshStep = 4e-4;
 
 Json phases_json(const std::vector<ContactPhase>& phases) {
   Json json = Json::array();
@@ -55,27 +57,53 @@ Json limits_json(const Robot& robot, const LimitSet& limits) {
 // what motions have in common goes into the page once
 class PageWriter {
  public:
+  explicit PageWriter(const PageOptions& options) : options_(options) {}
   Result<void> add(const PageMotion& motion);
-  Result<PageData> finish(const std::string& title, const PageLinks& links) const;
+  Result<PageData> finish() const;
 
  private:
-  int robot_of(const PageMotion& motion);
+  Result<int> robot_of(const PageMotion& motion);
+  Result<Json> meshes_of(const Robot& robot);
   Result<int> human_of(const PageMotion& motion);
   Result<Json> tracks_of(const RobotClip& clip);
 
+  const PageOptions& options_;
   TrackPacker packer_;
   std::vector<const Robot*> known_robots_;
   std::vector<const HumanClip*> known_humans_;
   Json robots_ = Json::array(), humans_ = Json::array(), motions_ = Json::array();
 };
 
-int PageWriter::robot_of(const PageMotion& motion) {
+// as tracks, whose frames are vertices and triangles
+Result<Json> PageWriter::meshes_of(const Robot& robot) {
+  TRY_ASSIGN(const auto meshes, load_body_meshes(robot, options_.meshes));
+  Json json = Json::array();
+  for (const auto& [body, mesh] : meshes) {
+    std::vector<double> vertices, corners;
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+      vertices.insert(vertices.end(), vertex.begin(), vertex.end());
+    }
+    for (const auto& triangle : mesh.triangles) {
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
+    }
+    TRY_ASSIGN(const int vertex_track, packer_.add(3, kMeshStep, vertices));
+    TRY_ASSIGN(const int triangle_track, packer_.add(3, 1.0, corners));
+    json.push_back({{"body", body}, {"vertices", vertex_track}, {"triangles", triangle_track}});
+  }
+  return json;
+}
+
+Result<int> PageWriter::robot_of(const PageMotion& motion) {
   const Robot* robot = &motion.clip->robot();
   const auto found = std::ranges::find(known_robots_, robot);
   const auto index = static_cast<int>(found - known_robots_.begin());
   if (found != known_robots_.end()) return index;
   known_robots_.push_back(robot);
-  robots_.push_back(page_robot(*robot));
+  Json json = page_robot(*robot);
+  if (!options_.meshes.empty()) {
+    TRY_ASSIGN(json["meshes"], meshes_of(*robot));
+  }
+  robots_.push_back(std::move(json));
   return index;
 }
 
@@ -130,8 +158,9 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
 Result<void> PageWriter::add(const PageMotion& motion) {
   const RobotClip& clip = *motion.clip;
   const Robot& robot = clip.robot();
+  TRY_ASSIGN(const int robot_index, robot_of(motion));
   Json json = {{"label", motion.label.empty() ? robot.name() : motion.label},
-               {"robot", robot_of(motion)},
+               {"robot", robot_index},
                {"frames", clip.frame_count()},
                {"rate", {clip.rate().frames, clip.rate().seconds}}};
   TRY_ASSIGN(json["tracks"], tracks_of(clip));
@@ -157,13 +186,13 @@ Json links_json(const PageLinks& links) {
   return {{"index", links.index}, {"previous", links.previous}, {"next", links.next}};
 }
 
-Result<PageData> PageWriter::finish(const std::string& title, const PageLinks& links) const {
+Result<PageData> PageWriter::finish() const {
   Json tracks = Json::array();
   for (const TrackPacker::Track& track : packer_.tracks()) {
     tracks.push_back(
         {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
   }
-  Json header = {{"title", title},
+  Json header = {{"title", options_.title},
                  {"tool", "retarget " + version_number()},
                  {"precision",
                   {{"joint", 0.5 * kAngleStep},
@@ -174,7 +203,7 @@ Result<PageData> PageWriter::finish(const std::string& title, const PageLinks& l
                  {"humans", humans_},
                  {"motions", motions_},
                  {"tracks", std::move(tracks)}};
-  if (!links.index.empty()) header["links"] = links_json(links);
+  if (!options_.links.index.empty()) header["links"] = links_json(options_.links);
   TRY_ASSIGN(std::string packed_header, packed_json(header));
   TRY_ASSIGN(std::string packed_tracks, packer_.finish());
   return PageData{std::move(packed_header), std::move(packed_tracks)};
@@ -213,11 +242,10 @@ Result<std::string> packed_json(const Json& json) {
   return packed_text(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
-Result<PageData> page_data(std::span<const PageMotion> motions, const std::string& title,
-                           const PageLinks& links) {
-  PageWriter writer;
+Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {
+  PageWriter writer(options);
   for (const PageMotion& motion : motions) TRY(writer.add(motion));
-  return writer.finish(title, links);
+  return writer.finish();
 }
 
 }  // namespace retarget

@@ -40,8 +40,9 @@ struct PageData {
   std::string tracks;  ///< TrackPacker's.
 };
 
+/// @param options  with a title.
 [[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
-                                         const std::string& title, const PageLinks& links = {});
+                                         const PageOptions& options);
 
 /// JSON as packed_text.
 [[nodiscard]] Result<std::string> packed_json(const nlohmann::ordered_json& json);

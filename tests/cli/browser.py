@@ -1,4 +1,4 @@
-"""Chromium without a window, driven over the DevTools protocol, by nothing but the standard library."""
+"""Chromium without a window, driven over the DevTools protocol with the standard library alone."""
 
 import base64
 import fcntl
@@ -13,11 +13,23 @@ import tempfile
 import time
 
 # WebGL on the processor, so that pictures do not depend on a graphics card
-FLAGS = ["--headless=new", "--remote-debugging-pipe", "--use-gl=angle", "--use-angle=swiftshader",
-         "--enable-unsafe-swiftshader", "--hide-scrollbars", "--mute-audio", "--no-first-run",
-         "--no-default-browser-check", "--disable-extensions", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", "--force-color-profile=srgb",
-         "--font-render-hinting=none"]
+FLAGS = [
+    "--headless=new",
+    "--remote-debugging-pipe",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--mute-audio",
+    "--no-first-run",
+    "--no-default-browser-check",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--force-color-profile=srgb",
+    "--font-render-hinting=none",
+]
 
 
 def chromium():
@@ -41,10 +53,21 @@ class Browser:
 
         sandbox = ["--no-sandbox"] if os.geteuid() == 0 else []
         self.process = subprocess.Popen(
-            [program, *FLAGS, *sandbox, f"--user-data-dir={self.folder}",
-             f"--window-size={width},{height}", "about:blank"],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env={**os.environ, "HOME": self.folder}, preexec_fn=place_pipes, pass_fds=(3, 4))
+            [
+                program,
+                *FLAGS,
+                *sandbox,
+                f"--user-data-dir={self.folder}",
+                f"--window-size={width},{height}",
+                "about:blank",
+            ],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, "HOME": self.folder},
+            preexec_fn=place_pipes,
+            pass_fds=(3, 4),
+        )
         os.close(to_child)
         os.close(from_child)
         self.write_end, self.read_end = own_write, own_read
@@ -115,23 +138,37 @@ class Browser:
             self.send("Target.closeTarget", {"targetId": self.target}, browser=True)
             self.session = None
         self.events = []
-        self.target = self.send("Target.createTarget", {"url": "about:blank"}, browser=True)["targetId"]
-        self.session = self.send("Target.attachToTarget", {"targetId": self.target, "flatten": True},
-                                 browser=True)["sessionId"]
+        self.target = self.send("Target.createTarget", {"url": "about:blank"}, browser=True)[
+            "targetId"
+        ]
+        self.session = self.send(
+            "Target.attachToTarget", {"targetId": self.target, "flatten": True}, browser=True
+        )["sessionId"]
         width, height = size or self.size
         for domain in ("Page", "Runtime", "Log", "Network", "Security"):
             self.send(f"{domain}.enable")
-        self.send("Emulation.setDeviceMetricsOverride",
-                  {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
-        self.send("Emulation.setEmulatedMedia",
-                  {"features": [{"name": name, "value": value} for name, value in (features or {}).items()]})
+        self.send(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600},
+        )
+        self.send(
+            "Emulation.setEmulatedMedia",
+            {
+                "features": [
+                    {"name": name, "value": value} for name, value in (features or {}).items()
+                ]
+            },
+        )
         self.send("Page.navigate", {"url": pathlib.Path(path).resolve().as_uri() + fragment})
         self.wait_for("document.readyState === 'complete'")
 
     def run(self, script, wait=60.0):
         """The value of a script, promises awaited; an exception in it is one here."""
-        result = self.send("Runtime.evaluate", {"expression": script, "returnByValue": True,
-                                                "awaitPromise": True}, wait=wait)
+        result = self.send(
+            "Runtime.evaluate",
+            {"expression": script, "returnByValue": True, "awaitPromise": True},
+            wait=wait,
+        )
         if "exceptionDetails" in result:
             details = result["exceptionDetails"]
             raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
@@ -146,14 +183,23 @@ class Browser:
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):
-            self.send("Input.dispatchMouseEvent",
-                      {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1})
+            self.send(
+                "Input.dispatchMouseEvent",
+                {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1},
+            )
 
     def press(self, key, code=None, text=None):
         """A key by its name, such as `ArrowRight`, ` ` or `f`."""
         text = key if text is None and len(key) == 1 else text
-        self.send("Input.dispatchKeyEvent", {"type": "keyDown", "key": key, "code": code or key,
-                                             **({"text": text} if text else {})})
+        self.send(
+            "Input.dispatchKeyEvent",
+            {
+                "type": "keyDown",
+                "key": key,
+                "code": code or key,
+                **({"text": text} if text else {}),
+            },
+        )
         self.send("Input.dispatchKeyEvent", {"type": "keyUp", "key": key, "code": code or key})
 
     def screenshot(self):
@@ -167,16 +213,26 @@ class Browser:
         for event in self.events:
             params = event.get("params", {})
             if event.get("method") == "Runtime.exceptionThrown":
-                found.append(params["exceptionDetails"]["text"] + " " + params["exceptionDetails"].get(
-                    "exception", {}).get("description", ""))
+                found.append(
+                    params["exceptionDetails"]["text"]
+                    + " "
+                    + params["exceptionDetails"].get("exception", {}).get("description", "")
+                )
             elif event.get("method") == "Log.entryAdded":
                 found.append(params["entry"]["text"])
             elif event.get("method") == "Runtime.consoleAPICalled":
-                found.append(" ".join(str(each.get("value", each.get("description"))) for each in params["args"]))
+                found.append(
+                    " ".join(
+                        str(each.get("value", each.get("description"))) for each in params["args"]
+                    )
+                )
         return found
 
     def requests(self):
         """Addresses that the page asked for."""
         self.run("0")
-        return [event["params"]["request"]["url"] for event in self.events
-                if event.get("method") == "Network.requestWillBeSent"]
+        return [
+            event["params"]["request"]["url"]
+            for event in self.events
+            if event.get("method") == "Network.requestWillBeSent"
+        ]

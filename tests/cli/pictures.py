@@ -14,7 +14,7 @@ def read_png(data):
     at, packed = len(SIGNATURE), b""
     while at < len(data):
         length, kind = struct.unpack_from(">I4s", data, at)
-        content = data[at + 8:at + 8 + length]
+        content = data[at + 8 : at + 8 + length]
         if kind == b"IHDR":
             width, height, depth, colour, _, _, interlaced = struct.unpack(">IIBBBBB", content)
             assert depth == 8 and colour == 2 and not interlaced
@@ -32,20 +32,31 @@ def write_png(pixels):
     rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(np.uint8))
 
     def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        return (
+            struct.pack(">I", len(content))
+            + kind
+            + content
+            + struct.pack(">I", zlib.crc32(kind + content))
+        )
 
-    return (SIGNATURE + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
-            chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+    return (
+        SIGNATURE
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(rows, 9))
+        + chunk(b"IEND", b"")
+    )
 
 
 def coarse(pixels, side=8):
-    """The picture in blocks of side x side pixels, each its mean; what does not fill one is left out."""
+    """The picture in blocks of side x side pixels, each its mean; without what fills none."""
     height, width = (length - length % side for length in pixels.shape[:2])
-    blocks = pixels[:height, :width].astype(float).reshape(height // side, side, width // side, side, 3)
+    blocks = (
+        pixels[:height, :width].astype(float).reshape(height // side, side, width // side, side, 3)
+    )
     return blocks.mean(axis=(1, 3)).round().astype(np.uint8)
 
 
 def differences(found, expected):
-    """Mean difference of two pictures of one size, and the share of pixels that differ by over 24 of 255."""
+    """Mean difference of two pictures of one size, and the share of pixels over 24 of 255 apart."""
     apart = np.abs(found.astype(int) - expected.astype(int)).max(axis=2)
     return float(apart.mean()), float((apart > 24).mean())

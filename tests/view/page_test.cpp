@@ -31,7 +31,7 @@ std::string between(const std::string& text, std::string_view from, std::string_
 std::string page_of(const std::string& label, const std::string& title = {}) {
   const RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, 4);
   const PageMotion motion{label, &clip, nullptr, nullptr, nullptr};
-  return view_page({&motion, 1}, {title}).value();
+  return view_page({&motion, 1}, {title, {}}).value();
 }
 
 TEST(Page, IsOneFileThatAsksForNothing) {

@@ -182,6 +182,9 @@ OptionTable view_table(ViewArguments& arguments) {
           "Page: what a motion is called, one for each; repeatable (default: the "
           "names of the files)",
           {.basic = true}),
+      row("meshes", arguments.meshes, kOutputGroup, "DIR",
+          "Page: draw STL and OBJ files that are named like bodies, in place of the "
+          "collision primitives"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
           "Page: rate of motions whose files give none, in frames per second, or "
           "`source`; the source is resampled to it (default: 30; SOMA 120)")};

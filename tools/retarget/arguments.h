@@ -102,6 +102,7 @@ struct ViewArguments : MeasureArguments {
   int strip = 6;                    ///< Poses of a picture.
   std::string png;                  ///< A picture besides the output; empty: none.
   std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
+  std::string meshes;               ///< Folder for a page; empty: none.
 };
 
 /// What `retarget robots` does.

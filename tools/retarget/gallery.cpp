@@ -192,7 +192,8 @@ class GalleryMaker {
                measure_file(arguments.motions.front(), *measures, silent));
     const PageMotion shown{arguments.labels.front(), &motion.clip, motion.human, &motion.report,
                            &measures->limits};
-    TRY_ASSIGN(const std::string page, view_page({&shown, 1}, {clip.name, task.links}));
+    TRY_ASSIGN(const std::string page,
+               view_page({&shown, 1}, {clip.name, arguments_.meshes, task.links}));
     StripPictureOptions picture;
     picture.poses = 5;
     picture.width = kThumbnailWidth;

@@ -153,7 +153,7 @@ Result<void> write_page(ViewArguments arguments, Console& console) {
     shown.push_back(
         {labels[i], &motions[i].clip, motions[i].human, &motions[i].report, &measures.limits});
   }
-  TRY_ASSIGN(const std::string page, view_page(shown));
+  TRY_ASSIGN(const std::string page, view_page(shown, {{}, arguments.meshes}));
   TRY(write_file(output, page));
   console.line("wrote", output + ": " + count_text(motions.size(), "motion") + ", " +
                             number_text(static_cast<double>(page.size()) / 1e6, 2) +

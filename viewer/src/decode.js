@@ -13,8 +13,8 @@ export function unpackTrack(bytes, { channels, frames, step }) {
   for (let c = 0; c < channels; ++c) {
     for (let i = 0; i < frames; ++i) {
       const at = channels + c * frames + i;
-      const folded = bytes[at] | (bytes[at + plane] << 8) | (bytes[at + 2 * plane] << 16) |
-        (bytes[at + 3 * plane] << 24);
+      const folded =
+        bytes[at] | (bytes[at + plane] << 8) | (bytes[at + 2 * plane] << 16) | (bytes[at + 3 * plane] << 24);
       channel[i] = (folded >>> 1) ^ -(folded & 1);
     }
     for (let order = bytes[c]; order > 0; --order) {

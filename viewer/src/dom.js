@@ -9,7 +9,8 @@ export function el(tag, properties = {}, ...children) {
   for (const [name, value] of Object.entries(properties)) {
     if (value === undefined || value === null || value === false) continue;
     if (name === 'text') node.textContent = value;
-    else if (name === 'on') for (const [type, listener] of Object.entries(value)) node.addEventListener(type, listener);
+    else if (name === 'on')
+      for (const [type, listener] of Object.entries(value)) node.addEventListener(type, listener);
     else node.setAttribute(name, value === true ? '' : value);
   }
   node.append(...children.filter((child) => child !== null && child !== undefined));
@@ -41,7 +42,10 @@ export function numberText(value, digits = 3) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e6)) return value.toExponential(1);
   const decimals = size === 0 ? 0 : Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
-  return value.toFixed(Math.min(5, decimals)).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '')
+  return value
+    .toFixed(Math.min(5, decimals))
+    .replace(/(\.\d*?)0+$/, '$1')
+    .replace(/\.$/, '')
     .replace('-', '\u2212');
 }
 
@@ -58,7 +62,13 @@ export class Choice {
     this.element = el('div', { class: 'group', role: 'radiogroup', 'aria-label': name });
     this.element.append(el('span', { class: 'name', 'aria-hidden': 'true', text: name }));
     for (const [key, text, title] of options) {
-      const button = el('button', { type: 'button', role: 'radio', text, title, on: { click: () => this.choose(key) } });
+      const button = el('button', {
+        type: 'button',
+        role: 'radio',
+        text,
+        title,
+        on: { click: () => this.choose(key) },
+      });
       this.buttons.set(key, button);
       this.element.append(button);
     }

@@ -1,4 +1,12 @@
-import { CanvasTexture, Color, Mesh, MeshLambertMaterial, PlaneGeometry, RepeatWrapping, SRGBColorSpace } from 'three';
+import {
+  CanvasTexture,
+  Color,
+  Mesh,
+  MeshLambertMaterial,
+  PlaneGeometry,
+  RepeatWrapping,
+  SRGBColorSpace,
+} from 'three';
 
 /** Side of the part of the floor that is drawn, metres; beyond it there is fog. */
 const SIDE = 60;

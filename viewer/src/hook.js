@@ -29,22 +29,41 @@ export function addTestHook(viewer) {
     /** Joint positions of a frame by name. */
     joints(motion, frame) {
       const { robot } = motions[motion];
-      return Object.fromEntries(robot.outputs.map((joint) => [robot.joints[joint].name, motions[motion].jointValue(joint, frame)]));
+      return Object.fromEntries(
+        robot.outputs.map((joint) => [robot.joints[joint].name, motions[motion].jointValue(joint, frame)]),
+      );
     },
     /** Where the bones of a motion's human are, metres. */
     bones(motion, frame) {
       const { human } = motions[motion];
       const count = human.bones.length;
-      return human.bones.map((name, i) => ({ name, position: [...human.positions.subarray(3 * (frame * count + i), 3 * (frame * count + i) + 3)] }));
+      return human.bones.map((name, i) => ({
+        name,
+        position: [...human.positions.subarray(3 * (frame * count + i), 3 * (frame * count + i) + 3)],
+      }));
     },
     /** Where a body is in the picture, pixels of the window. */
     onScreen(motion, body) {
       const canvas = viewer.stage.canvas.getBoundingClientRect();
       const mesh = world.robots[motion].meshes.get(body);
       mesh.geometry.computeBoundingSphere();
-      const place = mesh.localToWorld(mesh.geometry.boundingSphere.center.clone()).project(viewer.stage.camera);
-      return [canvas.left + (place.x * 0.5 + 0.5) * canvas.width, canvas.top + (0.5 - place.y * 0.5) * canvas.height];
+      const place = mesh
+        .localToWorld(mesh.geometry.boundingSphere.center.clone())
+        .project(viewer.stage.camera);
+      return [
+        canvas.left + (place.x * 0.5 + 0.5) * canvas.width,
+        canvas.top + (0.5 - place.y * 0.5) * canvas.height,
+      ];
     },
+    /** Bodies that are drawn as meshes, with the corners of their boxes in the bodies' frames, metres. */
+    meshes: (motion) =>
+      [...world.robots[motion].covers]
+        .filter(([, mesh]) => mesh.visible)
+        .map(([body, mesh]) => {
+          mesh.geometry.computeBoundingBox();
+          const { min, max } = mesh.geometry.boundingBox;
+          return { body, min: min.toArray(), max: max.toArray() };
+        }),
     /** The picture as it is drawn now: width, height and RGBA in base64. */
     picture() {
       viewer.frame(performance.now());

@@ -1,4 +1,14 @@
-import { CapsuleGeometry, Color, Group, Mesh, MeshStandardMaterial, Quaternion, SphereGeometry, Vector3 } from 'three';
+import {
+  CapsuleGeometry,
+  Color,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
+} from 'three';
 import { HUMAN_COLOURS, SOURCE_CONTACT } from './theme.js';
 import { inPhase } from './motions.js';
 
@@ -14,8 +24,22 @@ const CHAINS = [
   }),
 ];
 /** Radii of the bones that begin there, metres of a body 1.75 m tall. */
-const RADII = { Hips: 0.075, Spine: 0.082, Spine1: 0.085, Spine2: 0.05, Neck: 0.045, UpLeg: 0.066, Leg: 0.05, Foot: 0.038, Shoulder: 0.045, Arm: 0.042, ForeArm: 0.034 };
+const RADII = {
+  Hips: 0.075,
+  Spine: 0.082,
+  Spine1: 0.085,
+  Spine2: 0.05,
+  Neck: 0.045,
+  UpLeg: 0.066,
+  Leg: 0.05,
+  Foot: 0.038,
+  Shoulder: 0.045,
+  Arm: 0.042,
+  ForeArm: 0.034,
+};
 const AXIS = new Vector3(0, 1, 0);
+/** Place in the order of drawing of what goes in front of the robot. */
+const FRONT = 10;
 
 const plain = (bone) => bone.replace(/^(Left|Right)/, '');
 
@@ -28,15 +52,38 @@ export class HumanFigure {
     this.group = new Group();
     this.group.name = `human ${motion.index}`;
     const paint = (colour) => new MeshStandardMaterial({ color: colour, roughness: 0.75, transparent: true });
-    this.materials = Object.fromEntries(Object.entries(HUMAN_COLOURS).map(([side, colour]) => [side, paint(colour)]));
+    this.materials = Object.fromEntries(
+      Object.entries(HUMAN_COLOURS).map(([side, colour]) => [side, paint(colour)]),
+    );
     this.planted = paint(SOURCE_CONTACT);
     this.planted.emissive = new Color(SOURCE_CONTACT);
     this.planted.emissiveIntensity = 0.35;
     this.size = this.human.height / 1.75;
     this.bones = [];
-    for (const [side, chain] of CHAINS) this.addChain(side, chain.filter((bone) => this.index.has(bone)));
+    for (const [side, chain] of CHAINS)
+      this.addChain(
+        side,
+        chain.filter((bone) => this.index.has(bone)),
+      );
     if (this.index.has('Head')) this.addHead();
     this.addFeet();
+    this.addVeil();
+  }
+
+  // draws nothing and forgets how near all is that was drawn before it
+  addVeil() {
+    const material = new MeshBasicMaterial({
+      colorWrite: false,
+      depthWrite: false,
+      depthTest: false,
+      transparent: true,
+    });
+    this.veil = new Mesh(new SphereGeometry(0.01, 3, 2), material);
+    this.veil.renderOrder = FRONT - 1;
+    this.veil.frustumCulled = false;
+    this.veil.raycast = () => {};
+    this.veil.onBeforeRender = (renderer) => renderer.clearDepth();
+    this.group.add(this.veil);
   }
 
   addMesh(geometry, material, name) {
@@ -55,15 +102,22 @@ export class HumanFigure {
   }
 
   addChain(side, chain) {
-    const from = new Vector3(), to = new Vector3();
+    const from = new Vector3(),
+      to = new Vector3();
     for (let i = 0; i + 1 < chain.length; ++i) {
       const length = this.place(chain[i], 0, from).distanceTo(this.place(chain[i + 1], 0, to));
       if (length < 0.01) continue;
       const bone = plain(chain[i]);
-      const hip = bone === 'Hips' && side !== 'middle', chest = bone === 'Spine2' && side !== 'middle';
-      const radius = this.size * (hip || chest ? 0.06 : RADII[bone] ?? 0.04);
+      const hip = bone === 'Hips' && side !== 'middle',
+        chest = bone === 'Spine2' && side !== 'middle';
+      const radius = this.size * (hip || chest ? 0.06 : (RADII[bone] ?? 0.04));
       const geometry = new CapsuleGeometry(radius, Math.max(1e-3, length), 5, 14);
-      this.bones.push({ mesh: this.addMesh(geometry, this.materials[hip || chest ? 'middle' : side], chain[i]), from: chain[i], to: chain[i + 1], length });
+      this.bones.push({
+        mesh: this.addMesh(geometry, this.materials[hip || chest ? 'middle' : side], chain[i]),
+        from: chain[i],
+        to: chain[i + 1],
+        length,
+      });
     }
   }
 
@@ -75,24 +129,31 @@ export class HumanFigure {
   addFeet() {
     this.feet = ['LeftFoot', 'LeftToe', 'RightFoot', 'RightToe'].map((bone, i) => {
       if (!this.index.has(bone)) return null;
-      const mesh = this.addMesh(new SphereGeometry(0.055 * this.size, 16, 12), this.planted, `contact ${bone}`);
+      const mesh = this.addMesh(
+        new SphereGeometry(0.055 * this.size, 16, 12),
+        this.planted,
+        `contact ${bone}`,
+      );
       mesh.castShadow = false;
       return { mesh, bone, phases: this.human.contacts[i] ?? [] };
     });
   }
 
-  setOpacity(opacity) {
-    for (const material of [...Object.values(this.materials), this.planted]) {
-      material.opacity = opacity;
-      material.depthWrite = opacity === 1;
-    }
+  /** Over the robot the human is seen through, and in front of all that was drawn before it. */
+  setOver(over) {
+    this.veil.visible = over;
+    for (const mesh of this.group.children) if (mesh !== this.veil) mesh.renderOrder = over ? FRONT : 0;
+    for (const material of [...Object.values(this.materials), this.planted])
+      material.opacity = over ? 0.62 : 1;
   }
 
   update(frame, showContacts) {
     const last = this.human.frames - 1;
     this.group.userData.ended = frame > last;
     const shown = Math.min(frame, last);
-    const from = new Vector3(), to = new Vector3(), turn = new Quaternion();
+    const from = new Vector3(),
+      to = new Vector3(),
+      turn = new Quaternion();
     for (const bone of this.bones) {
       this.place(bone.from, shown, from);
       this.place(bone.to, shown, to);

@@ -11,17 +11,31 @@ export class JointsPanel {
     this.motions = motions;
     this.what = 'angle';
     this.plots = new Map();
-    this.names = [...new Set(motions.flatMap((motion) => motion.robot.outputs.map((i) => motion.robot.joints[i].name)))];
-    this.select = el('select', { 'aria-label': 'Joint to show' }, el('option', { value: '', text: 'Add a joint\u2026' }),
-      ...this.names.map((name) => el('option', { value: name, text: name })));
+    this.names = [
+      ...new Set(motions.flatMap((motion) => motion.robot.outputs.map((i) => motion.robot.joints[i].name))),
+    ];
+    this.select = el(
+      'select',
+      { 'aria-label': 'Joint to show' },
+      el('option', { value: '', text: 'Add a joint\u2026' }),
+      ...this.names.map((name) => el('option', { value: name, text: name })),
+    );
     this.select.addEventListener('change', () => {
       if (this.select.value) this.add(this.select.value);
       this.select.value = '';
     });
-    const choice = new Choice('Show', [['angle', 'Angle'], ['speed', 'Speed']], this.what, (what) => {
-      this.what = what;
-      this.redraw();
-    });
+    const choice = new Choice(
+      'Show',
+      [
+        ['angle', 'Angle'],
+        ['speed', 'Speed'],
+      ],
+      this.what,
+      (what) => {
+        this.what = what;
+        this.redraw();
+      },
+    );
     this.list = el('div');
     this.element = el('div', {}, el('div', { class: 'field' }, this.select, choice.element), this.list);
     this.firstJoints().forEach((name) => this.add(name));
@@ -34,12 +48,15 @@ export class JointsPanel {
 
   /** Those with faults, worst first, then those that move most. */
   firstJoints() {
-    const faulty = this.motions.flatMap((motion) => (motion.report?.faults ?? []).map((fault) => fault.where));
+    const faulty = this.motions.flatMap((motion) =>
+      (motion.report?.faults ?? []).map((fault) => fault.where),
+    );
     const [motion] = this.motions;
     const spread = (name) => {
       const joint = this.jointOf(motion, name);
       if (joint < 0) return 0;
-      let low = Infinity, high = -Infinity;
+      let low = Infinity,
+        high = -Infinity;
       for (let frame = 0; frame < motion.frames; ++frame) {
         const value = motion.jointValue(joint, frame);
         low = Math.min(low, value);
@@ -58,7 +75,12 @@ export class JointsPanel {
       return;
     }
     const value = el('span', { class: 'number quiet' });
-    const close = el('button', { type: 'button', text: '\u00d7', 'aria-label': `Remove ${name}`, on: { click: () => this.remove(name) } });
+    const close = el('button', {
+      type: 'button',
+      text: '\u00d7',
+      'aria-label': `Remove ${name}`,
+      on: { click: () => this.remove(name) },
+    });
     const element = el('div', { class: 'plot' }, el('header', {}, el('b', { text: name }), value, close));
     this.plots.set(name, { element, value, plot: null });
     this.list.prepend(element);
@@ -111,12 +133,16 @@ export class JointsPanel {
     if (this.element.offsetParent === null) return;
     for (const [name, { value, plot }] of this.plots) {
       plot?.showTime();
-      value.textContent = this.motions.map((motion) => {
-        const joint = this.jointOf(motion, name);
-        if (joint < 0) return '';
-        const unit = (motion.robot.joints[joint].slides ? 'm' : 'rad') + (this.what === 'angle' ? '' : '/s');
-        return `${numberText(this.read(motion, joint, motion.frameAt(this.player.time)))}\u202f${unit}`;
-      }).filter(Boolean).join('  \u00b7  ');
+      value.textContent = this.motions
+        .map((motion) => {
+          const joint = this.jointOf(motion, name);
+          if (joint < 0) return '';
+          const unit =
+            (motion.robot.joints[joint].slides ? 'm' : 'rad') + (this.what === 'angle' ? '' : '/s');
+          return `${numberText(this.read(motion, joint, motion.frameAt(this.player.time)))}\u202f${unit}`;
+        })
+        .filter(Boolean)
+        .join('  \u00b7  ');
     }
   }
 }

@@ -23,10 +23,12 @@ export function addKeyboard(actions) {
     if (event.ctrlKey || event.metaKey || event.altKey || byId('help').open) return;
     const { target } = event;
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const types = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== 'range');
+    const types =
+      target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== 'range');
     if (types) return;
     // what a focused control does with a key stays its own
-    if (name === ' ' && (target instanceof HTMLButtonElement || target.getAttribute?.('role') === 'tab')) return;
+    if (name === ' ' && (target instanceof HTMLButtonElement || target.getAttribute?.('role') === 'tab'))
+      return;
     if (target instanceof HTMLInputElement && /^(Arrow|Home|End|Page)/.test(name)) return;
     const action = actions[name];
     if (!action) return;
@@ -38,11 +40,27 @@ export function addKeyboard(actions) {
 /** The dialog that lists the keys. @param {string[]} notes  below them */
 export function addHelp(notes) {
   const dialog = byId('help');
-  dialog.append(el('h2', { id: 'help-title', text: 'Keys' }),
-    el('table', {}, el('tbody', {}, ...KEYS.map(([keys, what]) => el('tr', {},
-      el('td', {}, ...keys.flatMap((key) => [el('kbd', { text: key }), ' '])), el('td', { text: what }))))),
+  dialog.append(
+    el('h2', { id: 'help-title', text: 'Keys' }),
+    el(
+      'table',
+      {},
+      el(
+        'tbody',
+        {},
+        ...KEYS.map(([keys, what]) =>
+          el(
+            'tr',
+            {},
+            el('td', {}, ...keys.flatMap((key) => [el('kbd', { text: key }), ' '])),
+            el('td', { text: what }),
+          ),
+        ),
+      ),
+    ),
     ...notes.map((text) => el('p', { text })),
-    el('form', { method: 'dialog' }, el('button', { text: 'Close' })));
+    el('form', { method: 'dialog' }, el('button', { text: 'Close' })),
+  );
   byId('help-button').addEventListener('click', () => dialog.showModal());
   return () => dialog.showModal();
 }

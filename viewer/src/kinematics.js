@@ -7,11 +7,21 @@ const POSE = 7;
 
 /** out = a * b, of poses in arrays at offsets; out may be a. */
 function compose(a, i, b, j, out, k) {
-  const w = a[i + 3], x = a[i + 4], y = a[i + 5], z = a[i + 6];
-  const px = b[j], py = b[j + 1], pz = b[j + 2];
-  const bw = b[j + 3], bx = b[j + 4], by = b[j + 5], bz = b[j + 6];
+  const w = a[i + 3],
+    x = a[i + 4],
+    y = a[i + 5],
+    z = a[i + 6];
+  const px = b[j],
+    py = b[j + 1],
+    pz = b[j + 2];
+  const bw = b[j + 3],
+    bx = b[j + 4],
+    by = b[j + 5],
+    bz = b[j + 6];
   // p + 2 w (v x p) + 2 v x (v x p)
-  const cx = y * pz - z * py, cy = z * px - x * pz, cz = x * py - y * px;
+  const cx = y * pz - z * py,
+    cy = z * px - x * pz,
+    cz = x * py - y * px;
   out[k] = a[i] + px + 2 * (w * cx + y * cz - z * cy);
   out[k + 1] = a[i + 1] + py + 2 * (w * cy + z * cx - x * cz);
   out[k + 2] = a[i + 2] + pz + 2 * (w * cz + x * cy - y * cx);

@@ -22,20 +22,40 @@ const calm = window.matchMedia('(prefers-reduced-motion: reduce)');
 
 function showHeader(page, motions) {
   byId('title').textContent = page.title;
-  const robots = [...new Set(motions.map((motion) => motion.robot.name + (motion.robot.variant ? `, ${motion.robot.variant}` : '')))];
+  const robots = [
+    ...new Set(
+      motions.map((motion) => motion.robot.name + (motion.robot.variant ? `, ${motion.robot.variant}` : '')),
+    ),
+  ];
   const [first] = motions;
-  byId('subtitle').textContent = `${robots.join(', ')} \u00b7 ${seconds(first.duration)} \u00b7 ${first.frames} frames at ${Number(first.fps.toFixed(3))} fps`;
+  byId('subtitle').textContent = [
+    robots.join(', '),
+    seconds(first.duration),
+    `${first.frames} ${first.frames === 1 ? 'frame' : 'frames'} at ${Number(first.fps.toFixed(3))} fps`,
+  ].join(' \u00b7 ');
   for (const motion of motions) {
     if (!motion.report) continue;
     const { good, text } = verdict(motion);
-    byId('verdicts').append(el('span', { class: `verdict ${good ? 'good' : 'bad'}`, text: (motions.length > 1 ? `${motion.label}: ` : '') + text }));
+    byId('verdicts').append(
+      el('span', {
+        class: `verdict ${good ? 'good' : 'bad'}`,
+        text: (motions.length > 1 ? `${motion.label}: ` : '') + text,
+      }),
+    );
   }
 }
 
 /** The way back to a gallery and to the clips beside this one. */
 function addLinks({ index, previous, next }) {
-  const link = (href, text, label) => href && el('a', { href, text, 'aria-label': label, title: label, class: 'clip-link' });
-  byId('title').before(...[link(index, '\u2190 All', 'Back to all clips'), link(previous, '[', 'Previous clip ([)'), link(next, ']', 'Next clip (])')].filter(Boolean));
+  const link = (href, text, label) =>
+    href && el('a', { href, text, 'aria-label': label, title: label, class: 'clip-link' });
+  byId('title').before(
+    ...[
+      link(index, '\u2190 All', 'Back to all clips'),
+      link(previous, '[', 'Previous clip ([)'),
+      link(next, ']', 'Next clip (])'),
+    ].filter(Boolean),
+  );
 }
 
 /** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
@@ -77,20 +97,34 @@ class Viewer {
     this.tools = new ViewTools(this.world, this.stage, this.redraw);
     this.faults = new FaultsPanel(motions, onFault);
     this.joints = new JointsPanel(player, motions);
-    this.body = new BodyPanel(player, motions, (motion, body) => this.pick(motion, body), (name) => {
-      this.joints.add(name);
-      this.tabs.show('joints');
-    });
-    this.tabs = new Tabs(byId('panel'), [['quality', 'Quality', qualityPanel(motions)],
-      ['faults', `Faults ${this.faults.count}`, this.faults.element], ['joints', 'Joints', this.joints.element],
-      ['body', 'Body', this.body.element]], () => {
-      this.joints?.showTime();
-      this.body?.showTime();
-    });
+    this.body = new BodyPanel(
+      player,
+      motions,
+      (motion, body) => this.pick(motion, body),
+      (name) => {
+        this.joints.add(name);
+        this.tabs.show('joints');
+      },
+    );
+    this.tabs = new Tabs(
+      byId('panel'),
+      [
+        ['quality', 'Quality', qualityPanel(motions)],
+        ['faults', `Faults ${this.faults.count}`, this.faults.element],
+        ['joints', 'Joints', this.joints.element],
+        ['body', 'Body', this.body.element],
+      ],
+      () => {
+        this.joints?.showTime();
+        this.body?.showTime();
+      },
+    );
     const { joint, root_m: root, bone_m: bone } = page.precision;
     this.help = addHelp([
-      'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. A link ending in #t=12.3 opens at that second.',
-      `Numbers on this page are rounded: joints to ${joint} rad, the root to ${root * 1000} mm, bones to ${bone * 1000} mm. Made by ${page.tool}.`,
+      'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. ' +
+        'A link ending in #t=12.3 opens at that second.',
+      `Numbers on this page are at most so far from the motion\u2019s: joints ${joint} rad, the root ${root * 1000} mm, ` +
+        `bones ${bone * 1000} mm. Made by ${page.tool}.`,
     ]);
     this.addKeys();
   }
@@ -99,18 +133,29 @@ class Viewer {
     const { player, transport, tools } = this;
     const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
     addKeyboard({
-      ' ': () => player.toggle(), 'k': () => player.toggle(),
-      'ArrowLeft': skip(-1), 'ArrowRight': skip(1),
-      ',': () => player.step(-1), '.': () => player.step(1),
-      '[': () => this.previousOrNext(-1), ']': () => this.previousOrNext(1),
-      '{': () => this.nextFault(-1), '}': () => this.nextFault(1),
-      'n': () => this.nextFault(1), 'p': () => this.nextFault(-1),
-      'Home': () => player.seek(player.begin), 'End': () => player.seek(player.end),
-      '-': () => transport.changeSpeed(-1), '+': () => transport.changeSpeed(1), '=': () => transport.changeSpeed(1),
-      'i': () => transport.markBegin(), 'o': () => transport.markEnd(), 'x': () => player.setRange(0, 0),
-      'l': () => player.setLooping(!player.looping),
-      'f': () => tools.setCamera(this.stage.mode === 'follow' ? 'stand' : 'follow'),
-      'r': () => tools.reset(), 'h': () => tools.nextHuman(), '?': () => this.help(),
+      ' ': () => player.toggle(),
+      k: () => player.toggle(),
+      ArrowLeft: skip(-1),
+      ArrowRight: skip(1),
+      ',': () => player.step(-1),
+      '.': () => player.step(1),
+      '[': () => this.previousOrNext(-1),
+      ']': () => this.previousOrNext(1),
+      n: () => this.nextFault(1),
+      p: () => this.nextFault(-1),
+      Home: () => player.seek(player.begin),
+      End: () => player.seek(player.end),
+      '-': () => transport.changeSpeed(-1),
+      '+': () => transport.changeSpeed(1),
+      '=': () => transport.changeSpeed(1),
+      i: () => transport.markBegin(),
+      o: () => transport.markEnd(),
+      x: () => player.setRange(0, 0),
+      l: () => player.setLooping(!player.looping),
+      f: () => tools.setCamera(this.stage.mode === 'follow' ? 'stand' : 'follow'),
+      r: () => tools.reset(),
+      h: () => tools.nextHuman(),
+      '?': () => this.help(),
     });
   }
 
@@ -133,7 +178,9 @@ class Viewer {
 
   // by their worst frames, from where the time is
   nextFault(by) {
-    const items = [...this.faults.items].sort((a, b) => a.fault.worst * a.motion.frameTime - b.fault.worst * b.motion.frameTime);
+    const items = [...this.faults.items].sort(
+      (a, b) => a.fault.worst * a.motion.frameTime - b.fault.worst * b.motion.frameTime,
+    );
     if (items.length === 0) return;
     const now = this.player.time;
     const time = ({ fault, motion }) => fault.worst * motion.frameTime;
@@ -142,7 +189,10 @@ class Viewer {
     if (at >= 0 && Math.abs(time(items[at]) - now) < 1e-6) {
       next = items[(at + by + items.length) % items.length];
     } else {
-      next = by > 0 ? items.find((each) => time(each) > now) ?? items[0] : items.findLast((each) => time(each) < now) ?? items.at(-1);
+      next =
+        by > 0
+          ? (items.find((each) => time(each) > now) ?? items[0])
+          : (items.findLast((each) => time(each) < now) ?? items.at(-1));
     }
     this.goToFault(next.fault, next.motion);
   }
@@ -159,10 +209,13 @@ class Viewer {
   addPicking() {
     const canvas = byId('canvas');
     let down = null;
-    canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
+    canvas.addEventListener('pointerdown', (event) => {
+      down = [event.clientX, event.clientY];
+    });
     canvas.addEventListener('pointerup', (event) => {
       // a drag turns the camera
-      if (!down || event.button !== 0 || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5) return;
+      if (!down || event.button !== 0 || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5)
+        return;
       const hit = this.world.pick(event.clientX, event.clientY);
       this.pick(hit?.motion ?? 0, hit?.body ?? null);
     });

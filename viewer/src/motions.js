@@ -16,11 +16,18 @@ export class Motion {
     this.jointCount = this.robot.joints.length;
     this.report = data.report ?? null;
     this.kinematics = new Kinematics(this.robot);
+    this.meshes = (this.robot.meshes ?? []).map(({ body, vertices, triangles }) => ({
+      body,
+      vertices: tracks[vertices],
+      triangles: tracks[triangles],
+    }));
     this.human = null;
     if (data.human !== undefined) {
       const human = page.humans[data.human];
       this.human = {
-        ...human, positions: tracks[human.track], placement: data.placement,
+        ...human,
+        positions: tracks[human.track],
+        placement: data.placement,
         contacts: data.source_contacts ?? [[], [], [], []],
       };
     }
@@ -38,8 +45,14 @@ export class Motion {
 
   /** World poses of all bodies in a frame; seven numbers each. */
   bodyPoses(frame) {
-    this.kinematics.place(this.position, 3 * frame, this.rotation, 4 * frame, this.joints,
-      this.jointCount * frame);
+    this.kinematics.place(
+      this.position,
+      3 * frame,
+      this.rotation,
+      4 * frame,
+      this.joints,
+      this.jointCount * frame,
+    );
     return this.kinematics.bodyPoses;
   }
 
@@ -56,7 +69,8 @@ export class Motion {
 
   /** Where the robot faces on the whole: the sum of its root's x axis on the ground. */
   heading() {
-    let x = 0, y = 0;
+    let x = 0,
+      y = 0;
     for (let frame = 0; frame < this.frames; ++frame) {
       const [w, qx, qy, qz] = this.rotation.subarray(4 * frame, 4 * frame + 4);
       x += 1 - 2 * (qy * qy + qz * qz);

@@ -17,7 +17,9 @@ export class Paths {
       lines[0].push(poses[root], poses[root + 1], LIFT);
       feet.forEach((body, i) => {
         const sole = motion.robot.soles[i];
-        const middle = [0, 1, 2].map((axis) => sole.points.reduce((sum, p) => sum + p[axis] / sole.points.length, 0));
+        const middle = [0, 1, 2].map((axis) =>
+          sole.points.reduce((sum, p) => sum + p[axis] / sole.points.length, 0),
+        );
         lines[i + 1].push(...motion.kinematics.point(body, middle));
       });
     }
@@ -25,7 +27,11 @@ export class Paths {
       if (points.length < 6) return;
       const geometry = new BufferGeometry();
       geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
-      const material = new LineBasicMaterial({ color: colour, transparent: true, opacity: i === 0 ? 0.95 : 0.5 });
+      const material = new LineBasicMaterial({
+        color: colour,
+        transparent: true,
+        opacity: i === 0 ? 0.95 : 0.5,
+      });
       this.group.add(new Line(geometry, material));
     });
     for (const line of this.group.children) line.raycast = () => {};

@@ -34,7 +34,8 @@ export class Plot {
 
   /** Lowest and highest of curves, and of the limits where they are near. */
   range() {
-    let low = Infinity, high = -Infinity;
+    let low = Infinity,
+      high = -Infinity;
     for (const { values } of this.series) {
       for (const value of values) {
         low = Math.min(low, value);
@@ -50,7 +51,9 @@ export class Plot {
   }
 
   draw() {
-    const width = this.element.clientWidth, height = this.element.clientHeight, ratio = window.devicePixelRatio;
+    const width = this.element.clientWidth,
+      height = this.element.clientHeight,
+      ratio = window.devicePixelRatio;
     if (width === 0 || height === 0) return;
     this.width = width;
     this.canvas.width = Math.round(width * ratio);

@@ -1,34 +1,63 @@
 import { breakable, el, numberText } from './dom.js';
 
-const valueText = (figure) => (figure === undefined ? '\u2013'
-  : numberText(figure.value) + (figure.p95 === undefined ? '' : ` (${numberText(figure.p95)})`));
+const valueText = (figure) =>
+  figure === undefined
+    ? '\u2013'
+    : numberText(figure.value) + (figure.p95 === undefined ? '' : ` (${numberText(figure.p95)})`);
 
-const boundText = ({ min, max }) => [min === undefined ? '' : `\u2265 ${numberText(min)}`, max === undefined ? '' : `\u2264 ${numberText(max)}`]
-  .filter(Boolean).join('\n');
+const boundText = ({ min, max }) =>
+  [min === undefined ? '' : `\u2265 ${numberText(min)}`, max === undefined ? '' : `\u2264 ${numberText(max)}`]
+    .filter(Boolean)
+    .join('\n');
 
 /** How many gates a motion misses, in words. */
 export function verdict(motion) {
-  const gates = motion.report.gates;
+  const { gates } = motion.report;
+  const measured = gates.filter((gate) => gate.value !== undefined).length;
   const missed = gates.filter((gate) => !gate.passed).length;
-  if (gates.length === 0) return { good: true, text: 'no gates' };
-  if (missed === 0) return { good: true, text: `all ${gates.length} gates kept` };
-  return { good: false, text: `${missed} of ${gates.length} gates missed` };
+  if (measured === 0) return { good: true, text: 'no gates' };
+  const rest = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
+  if (missed === 0) return { good: true, text: `all ${measured} gates kept${rest}` };
+  return { good: false, text: `${missed} of ${measured} gates missed${rest}` };
+}
+
+/** What became of a gate, as a table's cell has it. */
+function gateState(gate) {
+  if (gate?.value === undefined) return el('span', { class: 'quiet', title: 'not measured', text: '\u2013' });
+  const [mark, word] = gate.passed ? ['\u2713', 'good'] : ['\u2717', 'bad'];
+  return el('span', { class: `state ${word}`, text: `${mark} ${numberText(gate.value)}` });
 }
 
 function head(names, motions) {
-  return el('thead', {}, el('tr', {}, ...names.map((name) => el('th', { scope: 'col', text: name })),
-    ...motions.map((motion) => el('th', { scope: 'col', class: 'number', text: motion.label, title: motion.label }))));
+  return el(
+    'thead',
+    {},
+    el(
+      'tr',
+      {},
+      ...names.map((name) => el('th', { scope: 'col', text: name })),
+      ...motions.map((motion) =>
+        el('th', { scope: 'col', class: 'number', text: motion.label, title: motion.label }),
+      ),
+    ),
+  );
 }
 
 function gateTable(motions) {
   const names = [...new Set(motions.flatMap((motion) => motion.report.gates.map((gate) => gate.metric)))];
   const rows = names.map((name) => {
     const gates = motions.map((motion) => motion.report.gates.find((gate) => gate.metric === name));
-    const cells = gates.map((gate) => el('td', { class: 'number' }, gate === undefined ? '\u2013'
-      : el('span', { class: `state ${gate.passed ? 'good' : 'bad'}` },
-        `${gate.passed ? '\u2713' : '\u2717'} ${gate.value === undefined ? '\u2013' : numberText(gate.value)}`)));
-    return { missed: gates.some((gate) => gate && !gate.passed),
-      row: el('tr', {}, el('th', { scope: 'row' }, ...breakable(name)), el('td', { class: 'quiet bound', text: boundText(gates.find(Boolean)) }), ...cells) };
+    const cells = gates.map((gate) => el('td', { class: 'number' }, gateState(gate)));
+    return {
+      missed: gates.some((gate) => gate && !gate.passed),
+      row: el(
+        'tr',
+        {},
+        el('th', { scope: 'row' }, ...breakable(name)),
+        el('td', { class: 'quiet bound', text: boundText(gates.find(Boolean)) }),
+        ...cells,
+      ),
+    };
   });
   // what was missed first
   rows.sort((a, b) => Number(b.missed) - Number(a.missed));
@@ -36,10 +65,23 @@ function gateTable(motions) {
 }
 
 function figureTable(motions) {
-  const figures = new Map(motions.flatMap((motion) => motion.report.figures.map((figure) => [figure.key, figure])));
-  const rows = [...figures].map(([key, { unit, definition }]) => el('tr', { title: definition },
-    el('th', { scope: 'row' }, ...breakable(key)), el('td', { class: 'quiet', text: unit === '1' || unit === 'count' ? '' : unit }),
-    ...motions.map((motion) => el('td', { class: 'number', text: valueText(motion.report.figures.find((figure) => figure.key === key)) }))));
+  const figures = new Map(
+    motions.flatMap((motion) => motion.report.figures.map((figure) => [figure.key, figure])),
+  );
+  const rows = [...figures].map(([key, { unit, definition }]) =>
+    el(
+      'tr',
+      { title: definition },
+      el('th', { scope: 'row' }, ...breakable(key)),
+      el('td', { class: 'quiet', text: unit === '1' || unit === 'count' ? '' : unit }),
+      ...motions.map((motion) =>
+        el('td', {
+          class: 'number',
+          text: valueText(motion.report.figures.find((figure) => figure.key === key)),
+        }),
+      ),
+    ),
+  );
   return el('table', {}, head(['Figure', 'Unit'], motions), el('tbody', {}, ...rows));
 }
 
@@ -48,7 +90,23 @@ export function qualityPanel(motions) {
   const measured = motions.filter((motion) => motion.report);
   if (measured.length === 0) return el('p', { class: 'quiet', text: 'These motions were not measured.' });
   const { source, config, limits } = measured[0].report;
-  const facts = [source && `Source: ${source}.`, config && `Configuration: ${config}.`, `Limits: ${limits}.`].filter(Boolean);
-  return el('div', {}, el('h2', { text: 'Gates' }), gateTable(measured), el('h2', { text: 'Figures' }),
-    figureTable(measured), el('p', { class: 'quiet', text: `${facts.join(' ')} In brackets: the 95th percentile. Rows explain themselves when the pointer rests on them.` }));
+  const facts = [
+    source && `Source: ${source}.`,
+    config && `Configuration: ${config}.`,
+    `Limits: ${limits}.`,
+  ].filter(Boolean);
+  return el(
+    'div',
+    {},
+    el('h2', { text: 'Gates' }),
+    gateTable(measured),
+    el('h2', { text: 'Figures' }),
+    figureTable(measured),
+    el('p', {
+      class: 'quiet',
+      text:
+        `${facts.join(' ')} In brackets: the 95th percentile. ` +
+        'Rows explain themselves when the pointer rests on them.',
+    }),
+  );
 }

@@ -1,8 +1,18 @@
 import {
-  BoxGeometry, BufferGeometry, CapsuleGeometry, Color, Float32BufferAttribute, Group, Matrix4, Mesh,
-  MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
+  BoxGeometry,
+  BufferGeometry,
+  CapsuleGeometry,
+  Color,
+  Float32BufferAttribute,
+  Group,
+  Matrix4,
+  Mesh,
+  MeshStandardMaterial,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
 } from 'three';
-import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { mergeGeometries, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { PICKED, ROBOT_CONTACT } from './theme.js';
 
 /** A little under the sole, so that it is seen beside the foot's own shape, metres. */
@@ -21,7 +31,18 @@ function shapeGeometry(shape) {
   }
   const [x, y, z, qw, qx, qy, qz] = shape.pose;
   return geometry.applyMatrix4(
-    new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1)));
+    new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1)),
+  );
+}
+
+/** How sharp an edge is that is seen as one, rad. */
+const CREASE = 0.6;
+
+function meshGeometry(vertices, triangles) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute(vertices, 3));
+  geometry.setIndex(Array.from(triangles));
+  return toCreasedNormals(geometry, CREASE);
 }
 
 /** The convex outline of points on a plane, counter-clockwise. */
@@ -43,16 +64,22 @@ export function outline(points) {
 function soleGeometry(points) {
   let corners = outline(points);
   if (corners.length < 3) return new SphereGeometry(0.02, 12, 8).translate(...points[0]);
-  const middle = corners.reduce((sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length], [0, 0]);
+  const middle = corners.reduce(
+    (sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length],
+    [0, 0],
+  );
   corners = corners.map(([x, y, z]) => {
     const length = Math.hypot(x - middle[0], y - middle[1]) || 1;
     const grow = 1 + (2.5 * SOLE_RIM) / length;
     return [middle[0] + (x - middle[0]) * grow, middle[1] + (y - middle[1]) * grow, z];
   });
-  const vertices = [], indices = [], count = corners.length;
+  const vertices = [],
+    indices = [],
+    count = corners.length;
   for (const [x, y, z] of corners) vertices.push(x, y, z - SOLE_RIM, x, y, z + 2 * SOLE_RIM);
   for (let i = 0; i < count; ++i) {
-    const a = 2 * i, b = 2 * ((i + 1) % count);
+    const a = 2 * i,
+      b = 2 * ((i + 1) % count);
     indices.push(a, b, a + 1, b, b + 1, a + 1);
     if (i > 1) indices.push(0, 2 * i, 2 * (i - 1), 1, 2 * (i - 1) + 1, 2 * i + 1);
   }
@@ -84,6 +111,7 @@ export class RobotFigure {
     });
     this.meshes = new Map();
     this.addShapes();
+    this.covers = this.addMeshes();
     this.addSoles();
   }
 
@@ -106,6 +134,29 @@ export class RobotFigure {
     this.meshes.set(body, mesh);
   }
 
+  /** What the maker's bodies look like; they hide the shapes of these bodies. @returns {Map<number, Mesh>} */
+  addMeshes() {
+    const covers = new Map();
+    for (const { body, vertices, triangles } of this.motion.meshes) {
+      const geometry = meshGeometry(vertices, triangles);
+      const mesh = new Mesh(geometry, this.depth(body) % 2 === 0 ? this.material : this.darker);
+      mesh.castShadow = mesh.receiveShadow = true;
+      mesh.userData = { ...this.bodies[body].userData, material: mesh.material };
+      this.bodies[body].add(mesh);
+      covers.set(body, mesh);
+    }
+    for (const body of covers.keys()) if (this.meshes.has(body)) this.meshes.get(body).visible = false;
+    return covers;
+  }
+
+  /** Meshes or, in their place, the shapes that collide. */
+  setMeshesVisible(visible) {
+    for (const [body, mesh] of this.covers) {
+      mesh.visible = visible;
+      if (this.meshes.has(body)) this.meshes.get(body).visible = !visible;
+    }
+  }
+
   depth(body) {
     const { bodies } = this.motion.robot;
     let depth = 0;
@@ -114,10 +165,17 @@ export class RobotFigure {
   }
 
   addSoles() {
-    const material = new MeshStandardMaterial({ color: ROBOT_CONTACT, roughness: 0.5, emissive: new Color(ROBOT_CONTACT), emissiveIntensity: 0.35 });
+    const material = new MeshStandardMaterial({
+      color: ROBOT_CONTACT,
+      roughness: 0.5,
+      emissive: new Color(ROBOT_CONTACT),
+      emissiveIntensity: 0.35,
+    });
     this.soles = [];
     for (const contact of this.motion.data.contacts) {
-      const sole = this.motion.robot.soles.find((each) => each.body === contact.body && each.side === contact.side);
+      const sole = this.motion.robot.soles.find(
+        (each) => each.body === contact.body && each.side === contact.side,
+      );
       if (!sole || sole.points.length === 0) continue;
       const mesh = new Mesh(soleGeometry(sole.points), material);
       mesh.name = `sole ${contact.side}`;
@@ -140,7 +198,7 @@ export class RobotFigure {
 
   /** Lights these bodies up and no others. @param {number[]} bodies */
   highlight(bodies) {
-    for (const [body, mesh] of this.meshes) {
+    for (const [body, mesh] of [...this.meshes, ...this.covers]) {
       mesh.material = bodies.includes(body) ? this.pickedMaterial : mesh.userData.material;
     }
   }

@@ -1,5 +1,12 @@
 import {
-  DirectionalLight, Fog, HemisphereLight, MathUtils, PCFShadowMap, PerspectiveCamera, Scene, Vector3,
+  DirectionalLight,
+  Fog,
+  HemisphereLight,
+  MathUtils,
+  PCFShadowMap,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
   WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -123,14 +130,16 @@ export class Stage {
     const angle = this.heading - SIDE;
     const tangent = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
     const across = 0.5 * this.width * Math.cos(SIDE) + 0.42 * this.height;
-    const distance = 0.35 * this.width * Math.sin(SIDE) +
+    const distance =
+      0.35 * this.width * Math.sin(SIDE) +
       Math.max((0.74 * this.height) / tangent, across / (tangent * this.camera.aspect));
     const rise = MathUtils.degToRad(12);
     this.controls.target.copy(this.target);
     this.camera.position.set(
       this.target.x + distance * Math.cos(rise) * Math.cos(angle),
       this.target.y + distance * Math.cos(rise) * Math.sin(angle),
-      this.target.z + distance * Math.sin(rise));
+      this.target.z + distance * Math.sin(rise),
+    );
     this.controls.update();
   }
 

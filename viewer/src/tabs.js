@@ -7,8 +7,19 @@ export class Tabs {
     this.onShow = onShow;
     this.list = el('div', { role: 'tablist', 'aria-label': 'About the motions' });
     this.tabs = tabs.map(([id, name, content]) => {
-      const panel = el('div', { role: 'tabpanel', id: `panel-${id}`, 'aria-labelledby': `tab-${id}`, tabindex: 0 }, content);
-      const tab = el('button', { type: 'button', role: 'tab', id: `tab-${id}`, 'aria-controls': panel.id, text: name, on: { click: () => this.show(id) } });
+      const panel = el(
+        'div',
+        { role: 'tabpanel', id: `panel-${id}`, 'aria-labelledby': `tab-${id}`, tabindex: 0 },
+        content,
+      );
+      const tab = el('button', {
+        type: 'button',
+        role: 'tab',
+        id: `tab-${id}`,
+        'aria-controls': panel.id,
+        text: name,
+        on: { click: () => this.show(id) },
+      });
       this.list.append(tab);
       return { id, tab, panel };
     });

@@ -12,7 +12,8 @@ export class Tags {
   update() {
     const tags = this.world.tags();
     while (this.nodes.length < tags.length) {
-      const dot = el('span', { class: 'dot' }), text = document.createTextNode('');
+      const dot = el('span', { class: 'dot' }),
+        text = document.createTextNode('');
       const node = el('div', { class: 'tag' }, dot, text);
       byId('tags').append(node);
       this.nodes.push({ node, dot, text });

@@ -1,12 +1,22 @@
 /** Colours of the scene, light and dark; those of the rest of the page are in page.css. */
 
 const LIGHT = {
-  sky: 0xf5f6f8, floor: 0xd5d8de, square: 0xc9cdd6, line: 0xaab2bf, axis: 0x9aa5b5,
-  ambient: 1.9, sun: 2.0,
+  sky: 0xf5f6f8,
+  floor: 0xd5d8de,
+  square: 0xc9cdd6,
+  line: 0xaab2bf,
+  axis: 0x9aa5b5,
+  ambient: 1.9,
+  sun: 2.0,
 };
 const DARK = {
-  sky: 0x14171c, floor: 0x262b33, square: 0x2c323b, line: 0x3b434f, axis: 0x5d6877,
-  ambient: 1.25, sun: 2.2,
+  sky: 0x14171c,
+  floor: 0x262b33,
+  square: 0x2c323b,
+  line: 0x3b434f,
+  axis: 0x5d6877,
+  ambient: 1.25,
+  sun: 2.2,
 };
 
 /** Robots by motion: quiet colours that are told apart in light and dark, and by the colour-blind. */

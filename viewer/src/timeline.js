@@ -3,12 +3,21 @@ import { ROBOT_CONTACT, SOURCE_CONTACT, cssColour } from './theme.js';
 
 /** Kinds of faults in the order of their lanes, and what each is called. */
 export const KINDS = new Map([
-  ['jump', 'Jumps'], ['penetration', 'In the floor'], ['floating', 'Floating'], ['slip', 'Slips'],
-  ['self-collision', 'Self-collision'], ['limit', 'Limits'], ['speed', 'Speed'], ['lean', 'Lean'], ['other', 'Other'],
+  ['jump', 'Jumps'],
+  ['penetration', 'In the floor'],
+  ['floating', 'Floating'],
+  ['slip', 'Slips'],
+  ['self-collision', 'Self-collision'],
+  ['limit', 'Limits'],
+  ['speed', 'Speed'],
+  ['lean', 'Lean'],
+  ['other', 'Other'],
 ]);
 
 export function faultText(fault, motion) {
-  return `${KINDS.get(fault.kind)}: ${fault.where || fault.metric}, ${numberText(fault.amount)} ${fault.unit} at ${seconds(fault.worst * motion.frameTime)}`;
+  const amount = `${numberText(fault.amount)} ${fault.unit}`;
+  const where = fault.where || fault.metric;
+  return `${KINDS.get(fault.kind)}: ${where}, ${amount} at ${seconds(fault.worst * motion.frameTime)}`;
 }
 
 /** The scrubber, the lanes of faults by kind, and when feet stand. */
@@ -26,7 +35,13 @@ export class Timeline {
     this.addFaults();
     this.addContacts();
     this.overlay = el('div', { 'aria-hidden': 'true' }, this.loop, this.playhead);
-    Object.assign(this.overlay.style, { position: 'absolute', top: '0', bottom: '0', right: '0', pointerEvents: 'none' });
+    Object.assign(this.overlay.style, {
+      position: 'absolute',
+      top: '0',
+      bottom: '0',
+      right: '0',
+      pointerEvents: 'none',
+    });
     this.lanes.append(this.overlay);
     player.addEventListener('time', () => this.showTime());
     player.addEventListener('state', () => this.showRange());
@@ -45,7 +60,14 @@ export class Timeline {
 
   addScrubber() {
     const { player } = this;
-    this.scrub = el('input', { type: 'range', min: 0, max: Math.round(player.duration / player.frameTime), step: 1, value: 0, 'aria-label': 'Time' });
+    this.scrub = el('input', {
+      type: 'range',
+      min: 0,
+      max: Math.round(player.duration / player.frameTime),
+      step: 1,
+      value: 0,
+      'aria-label': 'Time',
+    });
     this.scrub.addEventListener('input', () => player.seekFrame(Number(this.scrub.value)));
     this.row('Time', el('div', { class: 'scrub' }, this.scrub));
   }
@@ -66,11 +88,20 @@ export class Timeline {
   mark(fault, motion, index, count) {
     const text = (count > 1 ? `${motion.label}: ` : '') + faultText(fault, motion);
     // the list of faults is for the keyboard; a hundred stops here would be in its way
-    const mark = el('button', { type: 'button', class: `mark ${fault.kind}`, tabindex: -1, title: text, 'aria-label': text });
-    const begin = this.share(fault.begin * motion.frameTime), end = this.share(fault.end * motion.frameTime);
+    const mark = el('button', {
+      type: 'button',
+      class: `mark ${fault.kind}`,
+      tabindex: -1,
+      title: text,
+      'aria-label': text,
+    });
+    const begin = this.share(fault.begin * motion.frameTime),
+      end = this.share(fault.end * motion.frameTime);
     Object.assign(mark.style, {
-      left: `${100 * Math.min(begin, 0.995)}%`, width: `${100 * Math.max(0, end - begin)}%`,
-      top: `${(100 * index) / count}%`, height: `${100 / count}%`,
+      left: `${100 * Math.min(begin, 0.995)}%`,
+      width: `${100 * Math.max(0, end - begin)}%`,
+      top: `${(100 * index) / count}%`,
+      height: `${100 / count}%`,
     });
     mark.addEventListener('click', () => this.onFault(fault, motion));
     this.marks.push({ mark, fault });
@@ -78,13 +109,21 @@ export class Timeline {
   }
 
   addContacts() {
-    for (const [side, name, ends] of [['left', 'Left foot', [0, 1]], ['right', 'Right foot', [2, 3]]]) {
+    for (const [side, name, ends] of [
+      ['left', 'Left foot', [0, 1]],
+      ['right', 'Right foot', [2, 3]],
+    ]) {
       const bands = [];
       const sources = new Set();
       for (const motion of this.motions) {
         if (motion.human && !sources.has(motion.data.human)) {
           sources.add(motion.data.human);
-          bands.push({ colour: SOURCE_CONTACT, motion, phases: ends.map((end) => motion.human.contacts[end] ?? []), alpha: 0.5 });
+          bands.push({
+            colour: SOURCE_CONTACT,
+            motion,
+            phases: ends.map((end) => motion.human.contacts[end] ?? []),
+            alpha: 0.5,
+          });
         }
         const robot = motion.data.contacts.filter((each) => each.side === side).map((each) => each.phases);
         if (robot.length > 0) bands.push({ colour: ROBOT_CONTACT, motion, phases: robot, alpha: 0.9 });
@@ -92,13 +131,19 @@ export class Timeline {
       if (bands.length === 0) continue;
       const canvas = el('canvas', { 'aria-hidden': 'true' });
       Object.assign(canvas.style, { width: '100%', height: '100%', display: 'block' });
-      this.row(name, el('div', { class: 'lane' }, canvas), 'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below');
+      this.row(
+        name,
+        el('div', { class: 'lane' }, canvas),
+        'When it stands: the human\u2019s above (heel and toe), the robot\u2019s below',
+      );
       this.contacts.push({ canvas, bands });
     }
   }
 
   drawContacts({ canvas, bands }) {
-    const width = canvas.clientWidth, height = canvas.clientHeight, ratio = window.devicePixelRatio;
+    const width = canvas.clientWidth,
+      height = canvas.clientHeight,
+      ratio = window.devicePixelRatio;
     if (width === 0) return;
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
@@ -110,7 +155,8 @@ export class Timeline {
       context.globalAlpha = alpha;
       for (const list of phases) {
         for (const [begin, end] of list) {
-          const from = this.share(begin * motion.frameTime) * width, to = this.share((end - 1) * motion.frameTime) * width;
+          const from = this.share(begin * motion.frameTime) * width,
+            to = this.share((end - 1) * motion.frameTime) * width;
           context.fillRect(from, i * band + 0.5, Math.max(1, to - from), band - 1);
         }
       }
@@ -129,7 +175,10 @@ export class Timeline {
   showTime() {
     const time = Math.min(this.player.time, this.player.duration);
     this.scrub.value = String(this.player.frame);
-    this.scrub.setAttribute('aria-valuetext', `${time.toFixed(2)} of ${this.player.duration.toFixed(2)} seconds`);
+    this.scrub.setAttribute(
+      'aria-valuetext',
+      `${time.toFixed(2)} of ${this.player.duration.toFixed(2)} seconds`,
+    );
     this.playhead.style.transform = `translateX(${this.share(time) * (this.width ?? 0) - 1}px)`;
   }
 

@@ -7,22 +7,78 @@ export class ViewTools {
     this.world = world;
     this.stage = stage;
     this.redraw = redraw;
-    this.camera = new Choice('Camera', [['follow', 'Follow', 'The camera goes along (F)'], ['orbit', 'Orbit', 'It goes along and turns'], ['stand', 'Stand', 'It stays where it is (F)']],
-      stage.mode, (mode) => this.setCamera(mode));
-    this.camera.element.append(el('button', { type: 'button', text: 'Reset', title: 'Camera back to where it was (R)', on: { click: () => this.reset() } }));
+    this.camera = new Choice(
+      'Camera',
+      [
+        ['follow', 'Follow', 'The camera goes along (F)'],
+        ['orbit', 'Orbit', 'It goes along and turns'],
+        ['stand', 'Stand', 'It stays where it is (F)'],
+      ],
+      stage.mode,
+      (mode) => this.setCamera(mode),
+    );
+    this.camera.element.append(
+      el('button', {
+        type: 'button',
+        text: 'Reset',
+        title: 'Camera back to where it was (R)',
+        on: { click: () => this.reset() },
+      }),
+    );
     byId('view-tools').append(this.camera.element);
     if (world.humans.length > 0) byId('view-tools').append(this.humanGroup());
-    byId('view-tools').append(el('div', { class: 'group' },
-      toggle('Paths', true, (on) => this.apply(() => world.setPathsVisible(on)), 'The ways of root and feet'),
-      toggle('Contacts', true, (on) => this.apply(() => world.setContactsVisible(on)), 'Feet are marked while they stand: the human\u2019s green, the robot\u2019s orange')));
+    byId('view-tools').append(
+      el(
+        'div',
+        { class: 'group' },
+        world.hasMeshes
+          ? toggle(
+              'Meshes',
+              true,
+              (on) => this.apply(() => world.setMeshesVisible(on)),
+              'Meshes, or the shapes that collide',
+            )
+          : null,
+        toggle(
+          'Paths',
+          true,
+          (on) => this.apply(() => world.setPathsVisible(on)),
+          'The ways of root and feet',
+        ),
+        toggle(
+          'Contacts',
+          true,
+          (on) => this.apply(() => world.setContactsVisible(on)),
+          'Feet are marked while they stand: the human\u2019s green, the robot\u2019s orange',
+        ),
+      ),
+    );
   }
 
   humanGroup() {
     const { world } = this;
-    this.human = new Choice('Human', [['beside', 'Beside', 'At the robot\u2019s size, beside it (H)'], ['over', 'Over', 'At the robot\u2019s size, where the robot is (H)'], ['off', 'Off']],
-      world.humanMode, (mode) => this.setHuman(mode));
-    this.distance = el('input', { type: 'range', min: 0.3, max: 3, step: 0.05, value: world.humanDistance, 'aria-label': 'Distance of the human', title: 'Distance of the human' });
-    this.distance.addEventListener('input', () => this.apply(() => world.setHumanDistance(Number(this.distance.value))));
+    this.human = new Choice(
+      'Human',
+      [
+        ['beside', 'Beside', 'At the robot\u2019s size, beside it (H)'],
+        ['over', 'Over', 'At the robot\u2019s size, where the robot is (H)'],
+        ['off', 'Off'],
+      ],
+      world.humanMode,
+      (mode) => this.setHuman(mode),
+    );
+    this.distance = el('input', {
+      type: 'range',
+      min: 0.3,
+      max: 3,
+      step: 0.05,
+      value: world.humanDistance,
+      'aria-label': 'Distance of the human',
+      title: 'Distance of the human',
+    });
+    this.distance.addEventListener('input', () =>
+      this.apply(() => world.setHumanDistance(Number(this.distance.value))),
+    );
     this.human.element.append(this.distance);
     return this.human.element;
   }

@@ -32,11 +32,13 @@ export class World {
   // one of each source: motions of one source share it
   makeHumans() {
     const known = new Set();
-    return this.motions.filter((motion) => {
-      if (!motion.human || known.has(motion.data.human)) return false;
-      known.add(motion.data.human);
-      return true;
-    }).map((motion) => Object.assign(new HumanFigure(motion), { motion }));
+    return this.motions
+      .filter((motion) => {
+        if (!motion.human || known.has(motion.data.human)) return false;
+        known.add(motion.data.human);
+        return true;
+      })
+      .map((motion) => Object.assign(new HumanFigure(motion), { motion }));
   }
 
   setHumanMode(mode) {
@@ -56,6 +58,15 @@ export class World {
   /** Marks feet while they stand, or not. */
   setContactsVisible(visible) {
     this.showContacts = visible;
+    this.shown = null;
+  }
+
+  get hasMeshes() {
+    return this.robots.some((robot) => robot.covers.size > 0);
+  }
+
+  setMeshesVisible(visible) {
+    for (const robot of this.robots) if (robot.covers.size > 0) robot.setMeshesVisible(visible);
     this.shown = null;
   }
 
@@ -81,7 +92,7 @@ export class World {
     });
     for (const human of this.humans) {
       human.group.visible = this.humanMode !== 'off';
-      human.setOpacity(this.humanMode === 'over' ? 0.45 : 1);
+      human.setOver(this.humanMode === 'over');
     }
     this.middle = (Math.max(...places) + Math.min(...places)) / 2;
     this.stage.setExtent(this.height, Math.max(...places) - Math.min(...places), this.heading);
@@ -90,7 +101,10 @@ export class World {
   placeHuman(human, place) {
     const [scale, x, y] = human.human.placement;
     human.group.scale.setScalar(scale);
-    human.group.position.copy(this.aside).multiplyScalar(place).add(new Vector3(x, y, 0));
+    human.group.position
+      .copy(this.aside)
+      .multiplyScalar(place)
+      .add(new Vector3(x, y, 0));
   }
 
   /** Poses all figures. @param {number} time seconds */
@@ -101,7 +115,9 @@ export class World {
     this.shown = frames;
     this.time = time;
     this.stage.shadowsChanged();
-    this.motions.forEach((motion, i) => this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase));
+    this.motions.forEach((motion, i) =>
+      this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase),
+    );
     for (const human of this.humans) human.update(human.motion.frameAt(time), this.showContacts);
     const frame = this.motions[0].frameAt(time);
     const [x, y] = [this.way[2 * frame], this.way[2 * frame + 1]];
@@ -111,16 +127,27 @@ export class World {
   /** The body of a robot at a point of the canvas. @returns {{motion: number, body: number}|null} */
   pick(clientX, clientY) {
     const box = this.stage.canvas.getBoundingClientRect();
-    const point = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    const point = new Vector2(
+      ((clientX - box.left) / box.width) * 2 - 1,
+      1 - ((clientY - box.top) / box.height) * 2,
+    );
     const ray = new Raycaster();
     ray.setFromCamera(point, this.stage.camera);
-    const [hit] = ray.intersectObjects(this.robots.map((robot) => robot.group), true);
+    // rays go through what is hidden as well
+    const hit = ray
+      .intersectObjects(
+        this.robots.map((robot) => robot.group),
+        true,
+      )
+      .find((each) => each.object.visible);
     return hit ? { motion: hit.object.userData.motion, body: hit.object.userData.body } : null;
   }
 
   /** Lights a body up in every motion of that robot. */
   highlight(motion, bodies) {
-    this.robots.forEach((robot, i) => robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []));
+    this.robots.forEach((robot, i) =>
+      robot.highlight(this.motions[i].robot === this.motions[motion]?.robot ? bodies : []),
+    );
   }
 
   /** Names below the figures, in pixels of the canvas. */
@@ -132,7 +159,13 @@ export class World {
       const there = figure.group.localToWorld(at);
       there.z = -0.09 * this.height;
       there.project(camera);
-      tags.push({ text, colour, x: (there.x * 0.5 + 0.5) * canvas.clientWidth, y: (0.5 - there.y * 0.5) * canvas.clientHeight, visible: there.z < 1 });
+      tags.push({
+        text,
+        colour,
+        x: (there.x * 0.5 + 0.5) * canvas.clientWidth,
+        y: (0.5 - there.y * 0.5) * canvas.clientHeight,
+        visible: there.z < 1,
+      });
     };
     this.robots.forEach((robot, i) => {
       add(robot, robot.bodies[this.motions[i].robot.root].position, this.motions[i].label, motionColour(i));
@@ -150,10 +183,12 @@ export class World {
 
 /** The highest body in the first frame and a head above it, metres. */
 function heightOf(motion) {
-  let highest = 0.3, lowest = 0;
+  let highest = 0.3,
+    lowest = 0;
   for (const frame of [0, motion.frames >> 1, motion.frames - 1]) {
     const poses = motion.bodyPoses(frame);
-    for (let body = 1; body < motion.robot.bodies.length; ++body) highest = Math.max(highest, poses[7 * body + 2] - lowest);
+    for (let body = 1; body < motion.robot.bodies.length; ++body)
+      highest = Math.max(highest, poses[7 * body + 2] - lowest);
   }
   return Math.min(3, 1.18 * highest);
 }
@@ -162,7 +197,8 @@ function heightOf(motion) {
 function calmWay(motion) {
   const half = Math.max(1, Math.round(CALM * motion.fps));
   let way = new Float64Array(2 * motion.frames);
-  for (let i = 0; i < motion.frames; ++i) way.set([motion.position[3 * i], motion.position[3 * i + 1]], 2 * i);
+  for (let i = 0; i < motion.frames; ++i)
+    way.set([motion.position[3 * i], motion.position[3 * i + 1]], 2 * i);
   for (let pass = 0; pass < 2; ++pass) {
     const calm = new Float64Array(way.length);
     for (let axis = 0; axis < 2; ++axis) {

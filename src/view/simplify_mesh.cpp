@@ -1,0 +1,80 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+
+#include "view/triangle_mesh.h"
+
+namespace retarget {
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+// vertices of one cell as their mean; triangles that lose their area are left out
+TriangleMesh clustered(const TriangleMesh& mesh, double side) {
+  struct Cluster {
+    int index = 0;
+    int count = 0;
+  };
+  std::map<Cell, Cluster> clusters;
+  TriangleMesh result;
+  std::vector<int> index_of(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d& vertex = mesh.vertices[i];
+    Cell cell{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cell[axis] =
+          static_cast<std::int64_t>(std::floor(vertex[static_cast<Eigen::Index>(axis)] / side));
+    }
+    Cluster& cluster = clusters[cell];
+    if (cluster.count == 0) {
+      cluster.index = static_cast<int>(result.vertices.size());
+      result.vertices.emplace_back(Eigen::Vector3d::Zero());
+    }
+    Eigen::Vector3d& mean = result.vertices[static_cast<std::size_t>(cluster.index)];
+    mean += (vertex - mean) / ++cluster.count;
+    index_of[i] = cluster.index;
+  }
+  std::set<std::array<int, 3>> known;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    std::array<int, 3> corners = {index_of[static_cast<std::size_t>(a)],
+                                  index_of[static_cast<std::size_t>(b)],
+                                  index_of[static_cast<std::size_t>(c)]};
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    // the smallest first, the sense of turning kept
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    if (known.insert(corners).second) result.triangles.push_back(corners);
+  }
+  return result;
+}
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3d& corner = mesh.vertices[static_cast<std::size_t>(a)];
+    area += 0.5 * (mesh.vertices[static_cast<std::size_t>(b)] - corner)
+                      .cross(mesh.vertices[static_cast<std::size_t>(c)] - corner)
+                      .norm();
+  }
+  return area;
+}
+
+}  // namespace
+
+TriangleMesh simplified(const TriangleMesh& mesh, std::size_t max_triangles) {
+  constexpr double kSame = 1e-5;  // metres
+  constexpr double kCoarser = 1.3;
+  TriangleMesh result = clustered(mesh, kSame);
+  if (result.triangles.size() <= max_triangles) return result;
+  // a cell has about two triangles; from the first mesh each time, since means of means would wander
+  const TriangleMesh first = result;
+  double side = 0.7 * std::sqrt(area_of(first) / static_cast<double>(max_triangles));
+  for (side = std::max(side, kSame); result.triangles.size() > max_triangles; side *= kCoarser) {
+    result = clustered(first, side);
+  }
+  return result;
+}
+
+}  // namespace retarget
