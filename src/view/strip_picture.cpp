@@ -12,9 +12,9 @@ namespace retarget {
 namespace {
 
 constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
-constexpr double kBetween = 0.12;    // between figures, share of the highest
-constexpr double kMargin = 0.05;     // above and below them
-constexpr double kMinSize = 0.05;    // metres; of figures without extent
+constexpr double kBetween = 0.12;  // between figures, share of the highest
+constexpr double kMargin = 0.05;   // above and below them
+constexpr double kMinSize = 0.05;  // metres; of figures without extent
 
 // figures side by side on one floor, each with its body's place on the ground at the world's origin
 struct SolidRow {

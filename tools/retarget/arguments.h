@@ -40,7 +40,7 @@ struct BatchArguments {
 struct MeasureArguments {
   RunArguments run;                  ///< Robot, limits, source and its start; the rate.
   std::string fps;                   ///< As given; empty: not.
-  ReadingOptions reading;          ///< But for the rate, where `run` has it.
+  ReadingOptions reading;            ///< But for the rate, where `run` has it.
   std::vector<std::string> motions;  ///< Files of robot motions.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
 };
