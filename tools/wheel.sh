@@ -24,7 +24,7 @@ build() {
   local settings=()
   say "building with $("$python" --version)"
   mkdir -p "$out" "$work/plain"
-  # a folder that has the libraries already saves the time; its other options stay
+  # a folder that has the libraries already saves the time; for another Python's compiler it begins anew
   [ -z "$folder" ] || settings=(--config-settings "build-dir=$folder")
   CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps "${settings[@]}" \
     --wheel-dir "$work/plain" "$root"
