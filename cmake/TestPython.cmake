@@ -1,15 +1,21 @@
-# RETARGET_PYTHON: the Python of the tests and of the module in the build tree. One that has numpy, else
-# any (tests that need numpy say so).
-if(NOT RETARGET_PYTHON)
+# RETARGET_PYTHON: the one Python of the tests and of the module in the build tree. tools/test.sh hands on what
+# tools/setup.sh chose. Else that of the environment, else one that has numpy and, for the module, its headers;
+# else any (tests that need numpy say so).
+if(NOT RETARGET_PYTHON AND DEFINED ENV{RETARGET_PYTHON})
+  set(RETARGET_PYTHON $ENV{RETARGET_PYTHON})
+elseif(NOT RETARGET_PYTHON)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  set(python ${Python3_EXECUTABLE})
+  set(RETARGET_PYTHON ${Python3_EXECUTABLE})
+  set(able "import numpy")
+  if(RETARGET_BUILD_PYTHON)
+    string(APPEND able ", os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
+  endif()
   foreach(candidate IN ITEMS ${Python3_EXECUTABLE} /usr/bin/python3)
-    execute_process(COMMAND ${candidate} -c "import numpy"
-      RESULT_VARIABLE no_numpy OUTPUT_QUIET ERROR_QUIET)
-    if(NOT no_numpy)
-      set(python ${candidate})
+    execute_process(COMMAND ${candidate} -c "${able}" RESULT_VARIABLE unable OUTPUT_QUIET ERROR_QUIET)
+    if(NOT unable)
+      set(RETARGET_PYTHON ${candidate})
       break()
     endif()
   endforeach()
-  set(RETARGET_PYTHON ${python} CACHE FILEPATH "Python for the tests and for the module in the build tree")
 endif()
+set(RETARGET_PYTHON ${RETARGET_PYTHON} CACHE FILEPATH "Python for the tests and for the module in the build tree")

@@ -41,8 +41,10 @@ check_shell() {
   { files '*.sh' '*.sbatch'; printf '.ci/run\0'; } | xargs -0 -r shellcheck
 }
 
+# the Python module, too
 check_asan() {
-  cmake --preset asan
+  "$root/tools/setup.sh" --python
+  cmake --preset asan -DRETARGET_BUILD_PYTHON=ON -DRETARGET_PYTHON="$("$root/tools/setup.sh" --python --print-python)"
   cmake --build --preset asan --parallel "$jobs"
   ctest --preset asan --parallel "$jobs"
 }

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Installs what retarget needs to be built and tested.
 #
-#   tools/setup.sh [--dev | --tool] [--python] [--check] [--older-mujoco]
+#   tools/setup.sh [--dev | --tool] [--python] [--package] [--check | --print-python] [--older-mujoco]
 #
 #   --dev           also what developers use: clang, clang-tidy, clang-format, ccache, Google Benchmark
 #   --tool          only what a build of the tool needs, without the tests' libraries
 #   --python        also what the Python module is built and tested with: Python's headers, and
 #                   nanobind and pytest as wheels in build/deps/python (tools/python.txt)
+#   --package       also what tools/package.sh makes a .deb with
+#   --print-python  install nothing; print the Python that is taken
 #   --check         install nothing; say what is missing and exit with 1 when something is
 #   --older-mujoco  MuJoCo 3.3.7 in place of 4.0.0, for package indexes that lack the latter
 #
@@ -14,6 +16,9 @@
 # are missing. MuJoCo comes as a wheel into build/deps/mujoco, checked by the SHA-256 of tools/mujoco.txt,
 # unless MuJoCo_ROOT (or MUJOCO_DIR, mujoco_DIR) names one that is there already. Where that very wheel
 # cannot be had nothing is installed. Safe to repeat: what is there is left alone.
+#
+# One Python serves the tests and the module: RETARGET_PYTHON where that is set, else the first of PYTHON,
+# python3 and /usr/bin/python3 that lacks nothing, else the last, for which the packages are.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -51,6 +56,10 @@ readonly kPythonPackages='
 python3-dev        | python3-devel  | python        | python        | has_python_headers
 python3-venv       | python3        | python        | python        | has_venv
 '
+readonly kPackagingPackages='
+file               | file           | file          | file-formula  | has_command file
+dpkg-dev           | dpkg-dev       | dpkg          | dpkg          | has_command dpkg-shlibdeps
+'
 readonly kDeveloperPackages='
 ccache             | ccache           | ccache    | ccache           | has_command ccache
 clang-14           | clang            | clang     | llvm             | has_command clang++-14 clang++
@@ -61,6 +70,8 @@ libbenchmark-dev   | google-benchmark-devel | benchmark | google-benchmark | has
 npm                | nodejs-npm     | npm           | node          | has_command npm
 shellcheck         | ShellCheck       | shellcheck | shellcheck      | has_command shellcheck
 '
+
+readonly kWithoutPython='To leave the Python module out: RETARGET_NO_PYTHON=1 tools/test.sh'
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -109,11 +120,14 @@ has_header() {
   return 1
 }
 
+# can PYTHON CODE: whether it runs
+can() { has_command "$1" && "$1" -c "$2" >/dev/null 2>&1; }
+
 # the first Python that can run `python -c CODE`
 python_that_can() {
   local python
-  for python in ${PYTHON:+"$PYTHON"} python3 /usr/bin/python3; do
-    if has_command "$python" && "$python" -c "$1" >/dev/null 2>&1; then
+  for python in ${RETARGET_PYTHON:+"$RETARGET_PYTHON"} ${PYTHON:+"$PYTHON"} python3 /usr/bin/python3; do
+    if can "$python" "$1"; then
       printf '%s\n' "$python"
       return 0
     fi
@@ -121,22 +135,56 @@ python_that_can() {
   return 1
 }
 
-has_numpy() { python_that_can 'import numpy' >/dev/null; }
-has_pip_or_no_need() { has_mujoco || python_that_can 'import pip' >/dev/null; }
+# what the one Python must be able to do
+readonly kNumpy='import numpy'
+readonly kPip='import pip'
+readonly kVenv='import ensurepip'
+readonly kHeaders='import os, sys, sysconfig
+sys.exit(sys.version_info < (3, 10) or not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'
 
-has_python_headers() {
-  python_that_can 'import os, sys, sysconfig
-sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' >/dev/null
+# choose_python: sets chosen_python, by what is wanted of it (with_tests, with_python)
+choose_python() {
+  local python candidates codes=()
+  if $with_tests; then codes+=("$kNumpy"); fi
+  if $with_python; then codes+=("$kHeaders" "$kVenv" "$kPip"); fi
+  candidates=(${PYTHON:+"$PYTHON"} python3 /usr/bin/python3)
+  [ -z "${RETARGET_PYTHON:-}" ] || candidates=("$RETARGET_PYTHON")
+  for python in "${candidates[@]}"; do
+    # the program itself: a shim chooses by the folder it is called in
+    chosen_python=$("$python" -c 'import sys; print(sys.executable)' 2>/dev/null) || chosen_python=$python
+    ! can_all "$chosen_python" "${codes[@]}" || return 0
+  done
 }
 
-has_venv() { python_that_can 'import ensurepip' >/dev/null; }
+can_all() {
+  local code
+  for code in "${@:2}"; do
+    can "$1" "$code" || return 1
+  done
+}
 
-# the very versions of tools/python.txt
+has_numpy() { can "$chosen_python" "$kNumpy"; }
+has_python_headers() { can "$chosen_python" "$kHeaders"; }
+has_venv() { can "$chosen_python" "$kVenv"; }
+
+# any Python's pip fetches MuJoCo, but the tools' markers are read by the one that uses them
+has_pip_or_no_need() {
+  if $with_python && ! has_python_tools; then
+    can "$chosen_python" "$kPip"
+  else
+    has_mujoco || python_that_can "$kPip" >/dev/null
+  fi
+}
+
+# the very versions of tools/python.txt, without those that are for older Pythons alone
 has_python_tools() {
-  local requirement
-  while IFS= read -r requirement; do
-    [ -d "$root/build/deps/python/${requirement/==/-}.dist-info" ] || return 1
-  done < <(sed -n 's/^\([a-z_]*==[0-9.]*\).*/\1/p' "$root/tools/python.txt")
+  local requirement older_than version
+  version=$("$chosen_python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) || return 1
+  while read -r requirement older_than; do
+    if [ -z "$older_than" ] || ! version_at_least "$version" "$older_than"; then
+      [ -d "$root/build/deps/python/${requirement/==/-}.dist-info" ] || return 1
+    fi
+  done < <(sed -nE 's/^([a-z_]+==[0-9.]+)( *; *python_version < "([0-9.]+)")? *\\$/\1 \3/p' "$root/tools/python.txt")
 }
 
 has_clang_runtime() {
@@ -189,6 +237,7 @@ list_missing() {
     echo "  Arch:           pacman -S $(names 3 "$1")"
     echo "  Homebrew:       brew install $(names 4 "$1")"
     explain_old_tools
+    if $with_python; then echo "$kWithoutPython"; fi
   } >&2
   exit 1
 }
@@ -233,6 +282,7 @@ install_packages() {
   mapfile -t packages < <(available_names "${packages[@]}")
   "${apt[@]}" install -y --no-install-recommends "${packages[@]}" >/dev/null </dev/null ||
     cannot_install "apt-get install failed (its messages are above)" "$rows"
+  choose_python
   rows=$(missing_rows "$rows")
   [ -z "$rows" ] || cannot_install "still missing after apt-get install" "$rows"
 }
@@ -243,7 +293,7 @@ install_packages() {
 install_mujoco() {
   local version=$1 python deps=$root/build/deps temporary pinned=$root/tools/mujoco.txt
   [ "$version" = "$kMujocoVersion" ] || pinned=$root/tools/mujoco_older.txt
-  python=$(python_that_can 'import pip') || {
+  python=$(python_that_can "$kPip") || {
     say "cannot fetch MuJoCo: no Python with pip (Debian: python3-pip)"
     exit 1
   }
@@ -270,19 +320,16 @@ install_mujoco() {
 
 # nanobind, pytest and what they need, pinned by tools/python.txt
 install_python_tools() {
-  local python deps=$root/build/deps temporary
-  python=$(python_that_can 'import pip') || {
-    say "cannot fetch nanobind and pytest: no Python with pip (Debian: python3-pip)"
-    exit 1
-  }
+  local deps=$root/build/deps temporary
   mkdir -p "$deps"
   temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
   fetch_folder=$temporary
   trap 'rm -rf -- "$fetch_folder"' EXIT
   trap 'exit 130' INT TERM
   say "fetching nanobind and pytest (tools/python.txt) into build/deps/python"
-  pip_fetch "$python" "$temporary/python" "$root/tools/python.txt" || {
-    say "cannot fetch what tools/python.txt pins: pip's messages are above. Nothing was installed of it."
+  pip_fetch "$chosen_python" "$temporary/python" "$root/tools/python.txt" || {
+    say "cannot fetch what tools/python.txt pins: pip's messages are above. Nothing was installed of it." \
+      "$kWithoutPython"
     exit 1
   }
   rm -rf -- "$deps/python"
@@ -327,49 +374,87 @@ install_node_modules() {
 
 # --- main ------------------------------------------------------------------------------------
 
+# a Python that someone named is theirs: no package of the distribution adds to it
+check_named_python() {
+  [ -n "${RETARGET_PYTHON:-}" ] || return 0
+  local lacks=
+  if ! can "$RETARGET_PYTHON" ''; then
+    say "RETARGET_PYTHON names \"$RETARGET_PYTHON\", which is no Python"
+    exit 1
+  fi
+  # the distribution's own is completed by its packages
+  [ "$chosen_python" != /usr/bin/python3 ] || return 0
+  if $with_tests && ! has_numpy; then lacks+=", numpy"; fi
+  if $with_python; then
+    has_python_headers || lacks+=", Python 3.10 with its headers"
+    has_venv || lacks+=", venv"
+    has_python_tools || can "$chosen_python" "$kPip" || lacks+=", pip"
+  fi
+  [ -z "$lacks" ] || {
+    say "RETARGET_PYTHON names \"$RETARGET_PYTHON\", which lacks: ${lacks#, }"
+    exit 1
+  }
+}
+
+check_only() {
+  has_mujoco || say "missing: MuJoCo (a Python wheel; tools/setup.sh fetches it)"
+  [ -z "$1" ] || list_missing "$1"
+  has_mujoco || exit 1
+  if $with_python && ! has_python_tools; then
+    say "missing: nanobind and pytest (tools/python.txt; tools/setup.sh --python fetches them)"
+    exit 1
+  fi
+  exit 0
+}
+
 main() {
-  local wanted=$kPackages$kTestPackages only_check=false version=$kMujocoVersion with_python=false missing own
+  local wanted=$kPackages$kTestPackages job=install version=$kMujocoVersion further='' missing own
+  with_tests=true with_python=false
   while [ $# -gt 0 ]; do
     case $1 in
       --dev) wanted+=$kDeveloperPackages ;;
-      --tool) wanted=$kPackages ;;
-      --python) with_python=true ;;
-      --check) only_check=true ;;
+      --tool)
+        wanted=$kPackages
+        with_tests=false
+        ;;
+      --python)
+        with_python=true
+        further+=$kPythonPackages
+        ;;
+      --package) further+=$kPackagingPackages ;;
+      --check) job=check ;;
+      --print-python) job=print ;;
       --older-mujoco) version=$kOlderMujocoVersion ;;
       -h | --help)
         sed -n '2,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
         exit 0
         ;;
       *)
-        say "unknown option $1 (known: --dev, --tool, --python, --check, --older-mujoco)"
+        say "unknown option $1 (known: --dev, --tool, --python, --package, --check, --print-python, --older-mujoco)"
         exit 2
         ;;
     esac
     shift
   done
 
-  if $with_python; then wanted+=$kPythonPackages; fi
   own=$(own_mujoco)
   if [ -n "$own" ] && ! [ -d "$own" ]; then
     say "MuJoCo_ROOT, MUJOCO_DIR or mujoco_DIR names \"$own\", which is no folder"
     exit 1
   fi
-
-  missing=$(missing_rows "$wanted")
-  if $only_check; then
-    has_mujoco || say "missing: MuJoCo (a Python wheel; tools/setup.sh fetches it)"
-    [ -z "$missing" ] || list_missing "$missing"
-    has_mujoco || exit 1
-    if $with_python && ! has_python_tools; then
-      say "missing: nanobind and pytest (tools/python.txt; tools/setup.sh --python fetches them)"
-      exit 1
-    fi
+  choose_python
+  check_named_python
+  if [ "$job" = print ]; then
+    printf '%s\n' "$chosen_python"
     exit 0
   fi
+
+  missing=$(missing_rows "$wanted$further")
+  [ "$job" = install ] || check_only "$missing"
   [ -z "$missing" ] || install_packages "$missing"
   has_mujoco || install_mujoco "$version"
   if $with_python && ! has_python_tools; then install_python_tools; fi
-  [ "$wanted" = "$kPackages" ] || install_node_modules
+  if $with_tests; then install_node_modules; fi
 }
 
 main "$@"

@@ -3,7 +3,9 @@
 #
 #   tools/test.sh [options for ctest]
 #
-# JOBS says how many processes to use (default: the number of processors). Safe to repeat.
+# JOBS says how many processes to use (default: the number of processors), RETARGET_PYTHON which Python (default:
+# tools/setup.sh chooses). RETARGET_NO_PYTHON=1 leaves the Python module and its tests out, and then nothing is
+# fetched for them. Safe to repeat.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -14,9 +16,14 @@ if [ -n "${MuJoCo_ROOT:-}" ]; then
 fi
 jobs=${JOBS:-$(nproc)}
 
-"$root/tools/setup.sh" --python
+module=ON options=(--python)
+if [ -n "${RETARGET_NO_PYTHON:-}" ] && [ "$RETARGET_NO_PYTHON" != 0 ]; then module=OFF options=(); fi
+
+"$root/tools/setup.sh" "${options[@]}"
+python=$("$root/tools/setup.sh" "${options[@]}" --print-python)
 cd -- "$root"
 # CI builds everything once: several files at a time are quicker then
-cmake --preset release -DRETARGET_BUILD_PYTHON=ON ${CI:+-DRETARGET_UNITY_BUILD=ON}
+cmake --preset release -DRETARGET_BUILD_PYTHON=$module -DRETARGET_PYTHON="$python" \
+  ${CI:+-DRETARGET_UNITY_BUILD=ON}
 cmake --build --preset release --parallel "$jobs"
 exec ctest --preset release --parallel "$jobs" "$@"

@@ -6,7 +6,7 @@
 # The wheel comes into build/wheels: with the libraries that it needs inside, and named for the oldest
 # glibc that it runs with (auditwheel). Then: installed into a fresh virtual environment with numpy
 # alone, the program and the module work there, and the tests of python/tests pass.
-# Needs what tools/setup.sh --python installs; pip fetches the pinned rest (tools/wheel.txt).
+# Calls tools/setup.sh --tool --python with this Python; pip fetches the pinned rest (tools/wheel.txt).
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
@@ -71,16 +71,14 @@ print(repr(motion), retarget.evaluate(motion))
 CODE
   # pytest beside it: what it brings is none of the package
   pip "$python" install --no-deps --target "$work/pytest" --require-hashes --requirement "$root/tools/python.txt"
-  if ! "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
-    pip "$python" install --target "$work/pytest" exceptiongroup==1.3.0 tomli==2.2.1
-  fi
   mkdir -p "$work/python" "$work/docs"
   mv "$work/tests" "$work/python/"
   cp "$root/docs/options.md" "$work/docs/"
   PYTHONPATH=$work/pytest "$installed/bin/python" -m pytest -q -p no:cacheprovider "$work/python/tests"
 }
 
-[ -d "$root/build/deps/mujoco" ] || "$root/tools/setup.sh" --python
+python=$("$python" -c 'import sys; print(sys.executable)')
+RETARGET_PYTHON=$python "$root/tools/setup.sh" --tool --python
 wheel=
 build
 repair

@@ -1,4 +1,4 @@
-"""tools/setup.sh takes the MuJoCo wheel whose hash it knows, and no other."""
+"""tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
 
 import hashlib
 import os
@@ -13,7 +13,9 @@ import zipfile
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 
-class Wheel(unittest.TestCase):
+class Setup(unittest.TestCase):
+    """A copy of tools/ in a tree of its own, and an index of wheels that is a folder."""
+
     def setUp(self):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="it's a test "))
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
@@ -24,7 +26,8 @@ class Wheel(unittest.TestCase):
         self.index = pathlib.Path(tempfile.mkdtemp(prefix="retarget_wheels_"))
         self.addCleanup(shutil.rmtree, self.index, ignore_errors=True)
         self.environment = {k: v for k, v in os.environ.items()
-                            if k not in ("MuJoCo_ROOT", "MUJOCO_DIR", "mujoco_DIR")}
+                            if k not in ("MuJoCo_ROOT", "MUJOCO_DIR", "mujoco_DIR",
+                                         "RETARGET_PYTHON", "RETARGET_NO_PYTHON")}
         self.environment.update(PIP_NO_INDEX="1", PIP_FIND_LINKS=str(self.index),
                                 PIP_CONFIG_FILE=os.devnull)
         # with a MuJoCo of one's own: whether anything else is missing
@@ -34,9 +37,11 @@ class Wheel(unittest.TestCase):
 
     def setup(self, *arguments, **variables):
         return subprocess.run(["bash", self.tree / "tools/setup.sh", *arguments], text=True,
-                              stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, timeout=300,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, timeout=300,
                               env={**self.environment, **variables})
 
+
+class Wheel(Setup):
     def add_wheel(self, package, version):
         """A wheel that looks like MuJoCo's; gives its hash."""
         name = f"{package}-{version}"
@@ -89,6 +94,109 @@ class Wheel(unittest.TestCase):
             self.assertGreaterEqual(text.count("--hash=sha256:"), 2, file)
 
 
+FAKE_PYTHON = """#!/bin/sh
+case "$*" in
+  *sys.executable*) echo "$0" ;;
+  *"version_info[:2]"*) echo {version} ;;
+  {lacks}) exit 1 ;;
+esac
+"""
+
+
+class OnePython(Setup):
+    """All that is wanted of a Python is asked of one."""
+
+    CODES = {"numpy": "*numpy*", "headers": "*Python.h*", "venv": "*ensurepip*", "pip": "*import?pip*",
+             "fetches": "*-m?pip*"}
+
+    def python(self, *lacks, version="3.11"):
+        """The path of a program that answers as a Python without some things would."""
+        path = self.tree / "-".join(["python", version, *lacks])
+        codes = [self.CODES[name] for name in lacks] or ["nothing"]
+        path.write_text(FAKE_PYTHON.format(version=version, lacks="|".join(codes)))
+        path.chmod(0o755)
+        return str(path)
+
+    def setup_python(self, *arguments, **variables):
+        """With a MuJoCo of one's own."""
+        return self.setup("--python", *arguments, MuJoCo_ROOT=str(self.tree), **variables)
+
+    def unpack(self, *left_out):
+        """What looks like the installed tools of tools/python.txt."""
+        pinned = re.findall(r"^(\w+)==(\S+)", (SOURCE / "tools/python.txt").read_text(), re.MULTILINE)
+        for name, version in pinned:
+            if name not in left_out:
+                (self.tree / f"build/deps/python/{name}-{version}.dist-info").mkdir(parents=True)
+
+    def test_the_first_that_lacks_nothing_is_taken(self):
+        whole = self.python()
+        self.assertEqual(self.setup_python("--print-python", PYTHON=whole).stdout.strip(), whole)
+        for lack in ("numpy", "headers", "venv", "pip"):
+            lame = self.python(lack)
+            with self.subTest(lack):
+                taken = self.setup_python("--print-python", PYTHON=lame)
+                self.assertEqual(taken.returncode, 0, taken.stderr)
+                self.assertNotEqual(taken.stdout.strip(), lame)
+
+    def test_a_wheel_needs_no_numpy(self):
+        python = self.python("numpy")
+        taken = self.setup_python("--tool", "--print-python", PYTHON=python)
+        self.assertEqual(taken.stdout.strip(), python)
+
+    def test_a_named_python_is_taken_or_refused(self):
+        whole = self.python()
+        taken = self.setup_python("--print-python", RETARGET_PYTHON=whole, PYTHON=self.python("numpy"))
+        self.assertEqual(taken.stdout.strip(), whole)
+        for lack in ("numpy", "headers", "venv", "pip"):
+            with self.subTest(lack):
+                result = self.setup_python(RETARGET_PYTHON=self.python(lack))
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertRegex(result.stderr, f"lacks: .*{lack}")
+        result = self.setup_python(RETARGET_PYTHON=str(self.tree / "nothing"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("which is no Python", result.stderr)
+
+    def test_pip_is_not_needed_where_the_tools_are(self):
+        self.unpack()
+        result = self.setup_python("--check", RETARGET_PYTHON=self.python("pip"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_markers_of_older_pythons_count_for_them_alone(self):
+        text = (SOURCE / "tools/python.txt").read_text()
+        for line in re.findall(r"^\w.*", text, re.MULTILINE):
+            self.assertRegex(line, r'^[a-z_]+==[0-9.]+( ; python_version < "3\.\d+")? \\$')
+        self.assertRegex(text, r"(?m)^tomli==.*python_version")
+        self.unpack("tomli", "exceptiongroup")
+        new, old = self.python(), self.python(version="3.10")
+        self.assertEqual(self.setup_python("--check", RETARGET_PYTHON=new).returncode, 0)
+        self.assertEqual(self.setup_python("--check", RETARGET_PYTHON=old).returncode, 1)
+
+    def test_a_fetch_that_fails_names_the_way_around_it(self):
+        result = self.setup_python("--tool", RETARGET_PYTHON=self.python("fetches"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("RETARGET_NO_PYTHON=1 tools/test.sh", result.stderr)
+        self.assertEqual(list((self.tree / "build/deps").iterdir()), [])
+
+    def test_tests_run_without_the_module_where_that_is_asked_for(self):
+        programs = self.tree / "programs"
+        programs.mkdir()
+        for name in ("cmake", "ctest"):
+            (programs / name).write_text(f'#!/bin/sh\necho {name} "$@"\n')
+            (programs / name).chmod(0o755)
+        (self.tree / "tools/setup.sh").write_text('echo setup "$@" >&2\necho a_python\n')
+        calls = {}
+        for value in ("", "0", "1"):
+            calls[value] = subprocess.run(
+                ["bash", self.tree / "tools/test.sh"], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                check=True, env={**self.environment, "RETARGET_NO_PYTHON": value,
+                                 "PATH": f"{programs}:{os.environ['PATH']}"})
+        self.assertEqual(calls["1"].stderr.splitlines(), ["setup", "setup --print-python"])
+        self.assertEqual(calls["0"].stderr.splitlines(), ["setup --python", "setup --python --print-python"])
+        self.assertEqual(calls[""].stdout, calls["0"].stdout)
+        for value, module in (("1", "OFF"), ("0", "ON")):
+            self.assertRegex(calls[value].stdout, f"RETARGET_BUILD_PYTHON={module} .*RETARGET_PYTHON=a_python")
+
+
 class TheDocsAgree(unittest.TestCase):
     """docs/building.md and docs/dependencies.md against the scripts that CI runs."""
 
@@ -98,7 +206,7 @@ class TheDocsAgree(unittest.TestCase):
     def test_the_packages_are_those_that_setup_installs(self):
         script = self.text("tools/setup.sh")
         tables = re.findall(r"^readonly k\w*Packages='\n(.*?)'", script, re.DOTALL | re.MULTILINE)
-        self.assertEqual(len(tables), 4)
+        self.assertEqual(len(tables), 5)
         wanted = [row.split("|")[0].strip() for table in tables for row in table.splitlines()]
         listed = self.text("docs/building.md").split("of developers (`tools/setup.sh`")[1]
         block = re.search(r"\n\n((?:    .*\n)+)", listed)[1]
