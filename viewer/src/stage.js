@@ -105,24 +105,24 @@ export class Stage {
     this.renderer.shadowMap.needsUpdate = true;
   }
 
-  /** What the camera follows, in the world. */
-  aim(x, y, z) {
-    const move = new Vector3(x, y, z).sub(this.target);
-    this.target.set(x, y, z);
+  /** What the camera follows, in the world; `lift` above where it is who stands on the floor. */
+  aim(x, y, z, lift = 0) {
+    const move = new Vector3(x, y, z + lift).sub(this.target);
+    this.target.set(x, y, z + lift);
     if (this.mode !== 'stand') {
       this.camera.position.add(move);
       this.controls.target.add(move);
     }
-    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y);
-    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y);
+    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y, lift);
+    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y, lift);
     this.floor.follow(x, y);
   }
 
   // a light from so far around the heading, so far away and so high
-  shine(light, turn, distance, rise, x, y) {
+  shine(light, turn, distance, rise, x, y, lift) {
     const angle = (this.heading ?? 0) + turn;
-    light.target.position.set(x, y, 0.3);
-    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise);
+    light.target.position.set(x, y, 0.3 + lift);
+    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise + lift);
   }
 
   /** From the front and a side, so near that the row of figures fills the picture. */
