@@ -2,6 +2,7 @@
 #include <map>
 #include <vector>
 
+#include "base/try.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_motion.h"
 
@@ -152,6 +153,7 @@ std::vector<int> add_gltf_human(GltfWriter& writer, const HumanInWorld& human,
 }
 
 Result<std::string> format_human_glb(const HumanInWorld& human, const std::string& name) {
+  TRY(check_key_times(human.clip->rate(), human.clip->frame_count()));
   GltfWriter writer;
   GltfAnimation animation(writer, name.empty() ? "motion" : name);
   const std::vector<int> roots = add_gltf_human(writer, human, animation);

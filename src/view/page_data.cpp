@@ -243,7 +243,9 @@ Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, 
 
 HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   constexpr double kPathSpread = 0.25;  // metres, root mean square: less is no path
-  constexpr double kMinTurn = 0.2;      // rad: hips and pelvis need not face the same way exactly
+  constexpr double kMinSpread = 0.05;   // the same, for its direction
+  constexpr double kAlike = 0.9;        // correlation of paths from which on one is the other's
+  constexpr double kMinTurn = 0.3;      // rad: hips and pelvis need not face the same way exactly
   const int frames = std::min(motion.frame_count(), human.frame_count);
   HumanPlacement placement;
   if (frames == 0) return placement;
@@ -255,23 +257,26 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
     hips += hips_at(frame) / frames;
   }
   Eigen::Vector2d both = Eigen::Vector2d::Zero();  // the turn times its scale
-  double own = 0.0;
+  double own = 0.0, other = 0.0;
   for (int frame = 0; frame < frames; ++frame) {
     const Eigen::Vector2d from = (hips_at(frame) - hips).head<2>();
     both += turn_between(from, (root_at(frame) - root).head<2>());
     own += from.squaredNorm();
+    other += (root_at(frame) - root).head<2>().squaredNorm();
   }
-  const bool walks = own > kPathSpread * kPathSpread * frames;
+  const bool alike =
+      own > kMinSpread * kMinSpread * frames && both.norm() > kAlike * std::sqrt(own * other);
+  const bool walks = alike && own > kPathSpread * kPathSpread * frames;
   const auto plausible = [](double scale) {
     return std::isfinite(scale) && scale > 0.2 && scale < 3.0;
   };
-  const bool follows = walks && plausible(both.norm() / own);
-  const double scale = follows ? both.norm() / own : root.z() / hips.z();
+  const double of_paths = both.norm() / own;
+  const double scale = walks && plausible(of_paths) ? of_paths : root.z() / hips.z();
   // a motion that is not of this human: as it is
   if (plausible(scale)) placement.scale = scale;
-  const Eigen::Vector2d turn = follows ? both : turn_of_facing(motion, human, frames);
+  const Eigen::Vector2d turn = alike ? both : turn_of_facing(motion, human, frames);
   const double yaw = atan2(turn.y(), turn.x());
-  if (follows || std::abs(yaw) > kMinTurn) placement.yaw = yaw;
+  if (alike || std::abs(yaw) > kMinTurn) placement.yaw = yaw;
   const Eigen::Vector2d direction =
       placement.yaw != 0.0 ? turn.normalized() : Eigen::Vector2d(1.0, 0.0);
   placement.shift = root.head<2>() - placement.scale * turned(direction, hips.head<2>());

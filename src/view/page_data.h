@@ -31,8 +31,9 @@ struct HumanPlacement {
 };
 
 /// From the paths of root and hips over all frames (least squares: the motion may have been turned and
-/// moved). Of those who stay where they are the scale is the ratio of their mean heights, the turn that
-/// from where the human faces to where the robot does, if it is more than a few degrees.
+/// moved). Of those who stay where they are the scale is the ratio of their mean heights; where the
+/// paths are not alike the turn is that from where the human faces to where the robot does, if it is
+/// more than some degrees.
 [[nodiscard]] HumanPlacement place_human(const RobotClip& motion, const HumanClip& human);
 
 /// All data of a page: a header, and numbers over time; both as packed_text, which may stand anywhere

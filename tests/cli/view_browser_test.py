@@ -173,6 +173,45 @@ class InABrowser(ToolTest):
             "Stand",
         )
 
+    def test_the_picture_turns_with_keys_while_it_has_the_focus(self):
+        self.open("one.html", "#t=2", size=(480, 360))
+        view = "retarget.onScreen(0, 1)"
+        before = self.run_script(view)
+        self.run_script("document.getElementById('canvas').focus()")
+        for key in ("ArrowRight", "ArrowUp", "+"):
+            self.browser.press(key)
+            after = self.run_script(f"retarget.show(60), {view}")
+            self.assertGreater(np.abs(np.subtract(after, before)).max(), 0.5, key)
+            before = after
+        self.assertEqual(self.time(), 2.0)
+        self.assertEqual(self.run_script("retarget.player.speed"), 1)
+        # a click does not give it: arrows move through time again
+        self.browser.click(240, 120)
+        self.assertEqual(self.run_script("document.activeElement.tagName"), "BODY")
+        self.browser.press("ArrowRight")
+        self.assertEqual(self.time(), 3.0)
+
+    def test_choices_hold_nothing_but_choices(self):
+        self.open("two.html")
+        self.assertEqual(
+            self.run_script(
+                "[...document.querySelectorAll('[role=radiogroup] > :not([role=radio], .name)')]"
+                ".map((each) => each.outerHTML)"
+            ),
+            [],
+        )
+        # what is looked at is said of one mark and of no other
+        self.browser.press("n")
+        self.browser.press("n")
+        self.assertEqual(
+            self.run_script(
+                "[...document.querySelectorAll('.mark')]"
+                ".map((each) => each.getAttribute('aria-current'))"
+                ".filter((value) => value !== null)"
+            ),
+            ["true"],
+        )
+
     def test_a_link_to_a_moment(self):
         self.open("one.html", "#t=2.5")
         self.assertEqual(self.time(), 2.5)

@@ -130,6 +130,7 @@ class Viewer {
     const { joint, root_m: root, bone_m: bone } = page.precision;
     this.help = addHelp([
       'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. ' +
+        'While the picture has the focus (Tab), arrows turn it, \u2212 and + zoom. ' +
         'A link ending in #t=12.3 opens at that second.',
       `Numbers on this page are at most so far from the motion\u2019s: joints ${joint} rad, the root ${root * 1000} mm, ` +
         `bones ${bone * 1000} mm. Made by ${page.tool}.`,
