@@ -156,6 +156,12 @@ struct Fault {
   std::string unit;     ///< Of the amount.
 };
 
+/// How many faults of a metric there are; a report has only the worst of them.
+struct FaultTotal {
+  std::string metric;
+  int count = 0;
+};
+
 /// A gate on a metric, and whether it passed.
 struct GateResult {
   std::string metric;
@@ -191,7 +197,8 @@ struct QualityReport {
   std::vector<LimitedJoint> limited_joints;
   /// If the motion has just been fitted: the cost of its terms, and what had to be bounded.
   std::optional<FitReport> fit;
-  std::vector<Fault> faults;  ///< By metric; the worst first.
+  std::vector<Fault> faults;             ///< By metric; the worst first.
+  std::vector<FaultTotal> fault_totals;  ///< Of metrics with faults.
   std::vector<GateResult> gates;
 
   [[nodiscard]] const MetricValue* find(std::string_view key) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ struct PageMotion {
   const HumanClip* human = nullptr;  ///< Its source, frame by frame; null: none.
   /// Its figures, gates, faults and contacts, as measure or evaluate gives them; null: none are shown.
   const QualityReport* report = nullptr;
-  const LimitSet* limits = nullptr;  ///< Shaded beside the curves; null: the model's ranges.
+  const LimitSet* limits = nullptr;         ///< Shaded beside the curves; null: the model's ranges.
+  std::optional<FrameRate> file_rate = {};  ///< If the clip was resampled: its rate before.
 };
 
 /// Where a page of a gallery leads to: addresses relative to it; empty: nowhere.
@@ -42,8 +44,9 @@ struct PageOptions {
 /// each with its robot, its source, figures, gates and faults (docs/viewing.md). It asks for nothing
 /// from anywhere, and its content security policy allows only its own script and style.
 ///
-/// Positions are within 0.1 mm of the motion's, joint positions within 1e-4 rad (slides: 0.1 mm); the
-/// page says how near. The same motions give the same bytes.
+/// The root is within 0.05 mm of the motion's, joint positions within 5e-5 rad (slides: 0.05 mm), bones
+/// within 0.075 mm along each axis, and bodies, whose errors add up along their chains, within 0.2 mm;
+/// the page says how near. The same motions give the same bytes with the same version of zlib.
 /// Errors (kInput): numbers that are no motion's, such as a root a hundred kilometres away; meshes that
 /// cannot be read.
 /// @pre at least one motion

@@ -2,6 +2,7 @@
 #include <map>
 #include <vector>
 
+#include "base/try.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_motion.h"
 
@@ -11,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using Json = GltfWriter::Json;
 
-constexpr double kLeastBone = 0.001;                    // metres; shorter ones are not shown
+constexpr double kMinBoneLength = 0.001;                // metres; shorter ones are not shown
 constexpr double kThickness = 0.15;                     // radius by length,
 constexpr double kThinnest = 0.006, kThickest = 0.035;  // and its bounds, metres
 
@@ -23,7 +24,7 @@ struct SkinPart {
 
   void add_bone(const Vector3d& from, const Vector3d& to, int joint) {
     const double length = (to - from).norm();
-    if (!(length > kLeastBone)) return;
+    if (!(length > kMinBoneLength)) return;
     mesh.add_line(from, to, std::clamp(kThickness * length, kThinnest, kThickest));
     while (joints.size() < 4 * mesh.vertex_count()) {
       joints.insert(joints.end(), {static_cast<std::uint16_t>(joint), 0, 0, 0});
@@ -152,6 +153,7 @@ std::vector<int> add_gltf_human(GltfWriter& writer, const HumanInWorld& human,
 }
 
 Result<std::string> format_human_glb(const HumanInWorld& human, const std::string& name) {
+  TRY(check_key_times(human.clip->rate(), human.clip->frame_count()));
   GltfWriter writer;
   GltfAnimation animation(writer, name.empty() ? "motion" : name);
   const std::vector<int> roots = add_gltf_human(writer, human, animation);

@@ -2,6 +2,7 @@
 #include <map>
 #include <vector>
 
+#include "base/try.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_motion.h"
 #include "robot/visible_shapes.h"
@@ -104,6 +105,8 @@ int add_nodes(const RobotClip& clip, GltfWriter& writer) {
 
 Result<std::string> format_robot_glb(const RobotClip& clip, const HumanInWorld* human,
                                      const std::string& name) {
+  TRY(check_key_times(clip.rate(), clip.frame_count()));
+  if (human != nullptr) TRY(check_key_times(human->clip->rate(), human->clip->frame_count()));
   GltfWriter writer;
   GltfAnimation animation(writer, name.empty() ? "motion" : name);
   std::vector<int> roots = {add_nodes(clip, writer)};

@@ -158,6 +158,19 @@ int add_gltf_material(GltfWriter& writer, std::string_view name, int colour) {
         {{"baseColorFactor", factor}, {"metallicFactor", 0}, {"roughnessFactor", 0.75}}}});
 }
 
+Result<void> check_key_times(const FrameRate& rate, int frames) {
+  for (int frame = 1; frame < frames; ++frame) {
+    if (static_cast<float>(rate.time_of(frame)) > static_cast<float>(rate.time_of(frame - 1)))
+      continue;
+    return run_failure("",
+                       "the times of a GLB are too coarse for so long a motion: those of frames " +
+                           std::to_string(frame - 1) + " and " + std::to_string(frame) +
+                           " are the same",
+                       "write it in parts");
+  }
+  return {};
+}
+
 GltfAnimation::GltfAnimation(GltfWriter& writer, std::string_view name)
     : writer_(writer),
       animation_({{"name", name}, {"channels", Json::array()}, {"samplers", Json::array()}}) {}

@@ -63,6 +63,10 @@ class GltfWriter {
 /// A plain material. @param colour  0xRRGGBB, sRGB. @return its index.
 int add_gltf_material(GltfWriter& writer, std::string_view name, int colour);
 
+/// Whether each key has a time of its own: times are single precision, which tells no more than 2^24
+/// frames apart for sure. Errors (kRun): it names the first that repeats.
+[[nodiscard]] Result<void> check_key_times(const FrameRate& rate, int frames);
+
 /// Keys of an animation that a node's rotation or translation follows.
 class GltfAnimation {
  public:

@@ -90,6 +90,9 @@ void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits) {
   }
   std::ranges::stable_sort(stays, std::greater(), [](const auto& s) { return s.first.frames; });
   const auto share = [&clip](int frames) { return percent(frames, clip.frame_count()); };
+  if (!stays.empty()) {
+    draft.report.fault_totals.push_back({"joint_at_limit_pct", static_cast<int>(stays.size())});
+  }
   for (std::size_t i = 0; i < std::min(kNamed, stays.size()); ++i) {
     const auto& [stay, limit] = stays[i];
     const std::string& name = clip.robot().joints()[limit.joint].name;

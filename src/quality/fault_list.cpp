@@ -20,12 +20,13 @@ void FaultList::add(const std::string& where, int frame, double amount) {
   runs_.push_back({metric_, where, frame, frame + 1, frame, amount, unit_});
 }
 
-void FaultList::move_to(std::vector<Fault>& faults, std::size_t max) {
+void FaultList::move_to(QualityReport& report, std::size_t max) {
+  if (!runs_.empty()) report.fault_totals.push_back({metric_, static_cast<int>(runs_.size())});
   std::ranges::sort(runs_, [](const Fault& a, const Fault& b) {
     return std::tuple(-a.amount, a.begin, a.where) < std::tuple(-b.amount, b.begin, b.where);
   });
   runs_.resize(std::min(max, runs_.size()));
-  faults.insert(faults.end(), runs_.begin(), runs_.end());
+  report.faults.insert(report.faults.end(), runs_.begin(), runs_.end());
   runs_.clear();
   last_run_.clear();
 }

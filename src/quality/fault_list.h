@@ -16,8 +16,8 @@ class FaultList {
 
   /// Frames of one `where` come in rising order.
   void add(const std::string& where, int frame, double amount);
-  /// Appends the `most` worst runs, the worst first, of equals the earliest.
-  void move_to(std::vector<Fault>& faults, std::size_t max);
+  /// Appends the `max` worst runs, the worst first, of equals the earliest; and how many there were.
+  void move_to(QualityReport& report, std::size_t max);
 
  private:
   std::string metric_, unit_;

@@ -72,7 +72,7 @@ void measure_flights(const ReportBuilder& draft, const BodyTracks& tracks,
   }
   draft.set("flights", static_cast<double>(flights.size()));
   draft.set("flight_peak_max_cm", kInCm * max);
-  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 }  // namespace retarget

@@ -35,7 +35,7 @@ void measure_depth(const ReportBuilder& draft, const std::vector<Lowest>& lowest
   }
   draft.set(share, percent(deep, static_cast<double>(lowest.size())));
   draft.set(deepest, -kInCm * min);
-  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 void measure_flat_slip(const ReportBuilder& draft, const BodyTracks& tracks) {
@@ -76,7 +76,7 @@ void measure_self_contact(const ReportBuilder& draft, const BodyTracks& tracks) 
   }
   draft.set("self_all_1cm_pct", percent(deep, static_cast<double>(tracks.self_contact.size())));
   draft.set("self_all_max_cm", kInCm * deepest);
-  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 // what the soles do in all contacts of a clip
@@ -178,7 +178,7 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
   }
   draft.set("float_planted_pct", percent(afloat, draft.clip.frame_count()));
   draft.set("contact_agreement_pct", percent(figures.agreed, figures.asked));
-  floating.move_to(draft.report.faults, draft.options.faults_per_metric);
+  floating.move_to(draft.report, draft.options.faults_per_metric);
   if (figures.slips.empty()) return;
   draft.set("contact_pct", percent(figures.in_contact, 2.0 * draft.clip.frame_count()));
   draft.set("contact_kept_pct", percent(figures.kept, figures.in_contact));
@@ -186,7 +186,7 @@ void measure_contacts(const ReportBuilder& draft, const BodyTracks& tracks,
   draft.set("contact_slip_p95", percentile(std::move(figures.slips), 95.0));
   draft.set("contact_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
   draft.set("contact_height_p50_cm", kInCm * median(std::move(figures.heights)));
-  slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
+  slipping.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
@@ -204,7 +204,7 @@ void measure_stances(const ReportBuilder& draft, const BodyTracks& tracks,
   draft.set("stance_slip_mean", mean(figures.slips));
   draft.set("stance_drift_p95_cm", kInCm * percentile(std::move(figures.drifts), 95.0));
   draft.set("stance_height_p50_cm", kInCm * median(std::move(figures.heights)));
-  slipping.move_to(draft.report.faults, draft.options.faults_per_metric);
+  slipping.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 }  // namespace retarget

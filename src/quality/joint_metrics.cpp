@@ -61,7 +61,7 @@ void measure_limits(const ReportBuilder& draft, const LimitSet& limits) {
   const LimitSetResult chosen = hold_against(limits, draft.clip, &faults);
   draft.set("limit_pct", chosen.frames_pct);
   draft.set("limit_max_rad", chosen.worst_excess);
-  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
 
   auto& sets = draft.report.limit_sets;
   sets.push_back(chosen);
@@ -129,8 +129,8 @@ void measure_speeds(const ReportBuilder& draft) {
   draft.set("jumps", jumps);
   draft.set("jump_frames", frames_jumping);
   draft.set("max_step_rad", max);
-  over_limit.move_to(draft.report.faults, draft.options.faults_per_metric);
-  jumping.move_to(draft.report.faults, draft.options.faults_per_metric);
+  over_limit.move_to(draft.report, draft.options.faults_per_metric);
+  jumping.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 void measure_accelerations(const ReportBuilder& draft) {
@@ -199,8 +199,8 @@ void measure_root_jumps(const ReportBuilder& draft) {
     if (turn > kMaxTurnRate) turning.add("root", frame, turn);
   }
   draft.set("root_jumps", jumps);
-  moving.move_to(draft.report.faults, draft.options.faults_per_metric);
-  turning.move_to(draft.report.faults, draft.options.faults_per_metric);
+  moving.move_to(draft.report, draft.options.faults_per_metric);
+  turning.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ void measure_trunk_lean(const ReportBuilder& draft, const BodyTracks& tracks,
                              lean_of(human_standing->col(2)),
                              lean_of(robot_standing->col(2))};
   draft.set("trunk_lean_error_deg", mean(errors), percentile(errors, 95.0));
-  faults.move_to(draft.report.faults, draft.options.faults_per_metric);
+  faults.move_to(draft.report, draft.options.faults_per_metric);
 }
 
 }  // namespace retarget

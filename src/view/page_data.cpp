@@ -7,6 +7,7 @@
 #include "base/located.h"
 #include "base/try.h"
 #include "human/contact_plan.h"
+#include "math/trigonometry.h"
 #include "quality/body_tracks.h"
 #include "retarget/version.h"
 #include "view/robot_meshes.h"
@@ -164,6 +165,7 @@ Result<void> PageWriter::add(const PageMotion& motion) {
                {"robot", robot_index},
                {"frames", clip.frame_count()},
                {"rate", {clip.rate().frames, clip.rate().seconds}}};
+  if (motion.file_rate) json["file_rate"] = {motion.file_rate->frames, motion.file_rate->seconds};
   TRY_ASSIGN(json["tracks"], tracks_of(clip));
   json["limits"] =
       limits_json(robot, motion.limits != nullptr ? *motion.limits : robot.model_limits());
@@ -171,7 +173,7 @@ Result<void> PageWriter::add(const PageMotion& motion) {
   if (motion.human != nullptr) {
     TRY_ASSIGN(json["human"], human_of(motion));
     const HumanPlacement placement = place_human(clip, *motion.human);
-    json["placement"] = {placement.scale, placement.shift.x(), placement.shift.y()};
+    json["placement"] = {placement.scale, placement.shift.x(), placement.shift.y(), placement.yaw};
     Json feet = Json::array();
     const SourceContacts contacts =
         motion.report != nullptr ? motion.report->contacts : find_contacts(*motion.human).of_ends();
@@ -212,8 +214,38 @@ Result<PageData> PageWriter::finish() const {
 
 }  // namespace
 
+namespace {
+
+// a turn on the ground as a complex number of length 1: cosine, sine
+Eigen::Vector2d turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return {from.dot(to), from.x() * to.y() - from.y() * to.x()};
+}
+
+Eigen::Vector2d turned(const Eigen::Vector2d& turn, const Eigen::Vector2d& point) {
+  return {turn.x() * point.x() - turn.y() * point.y(), turn.y() * point.x() + turn.x() * point.y()};
+}
+
+// from where the human faces to where the robot does, on the whole; not of length 1
+Eigen::Vector2d turn_of_facing(const RobotClip& motion, const HumanClip& human, int frames) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int frame = 0; frame < frames; ++frame) {
+    const auto q = motion.qpos(frame);
+    const Eigen::Vector3d robot =
+        Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d body =
+        human.frame(frame)[Bone::kHips].rotation * Eigen::Vector3d::UnitX();
+    sum += turn_between(body.head<2>(), robot.head<2>());
+  }
+  return sum;
+}
+
+}  // namespace
+
 HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   constexpr double kPathSpread = 0.25;  // metres, root mean square: less is no path
+  constexpr double kMinSpread = 0.05;   // the same, for its direction
+  constexpr double kAlike = 0.9;        // correlation of paths from which on one is the other's
+  constexpr double kMinTurn = 0.3;      // rad: hips and pelvis need not face the same way exactly
   const int frames = std::min(motion.frame_count(), human.frame_count);
   HumanPlacement placement;
   if (frames == 0) return placement;
@@ -224,17 +256,30 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
     root += root_at(frame) / frames;
     hips += hips_at(frame) / frames;
   }
-  double both = 0.0, own = 0.0;
+  Eigen::Vector2d both = Eigen::Vector2d::Zero();  // the turn times its scale
+  double own = 0.0, other = 0.0;
   for (int frame = 0; frame < frames; ++frame) {
     const Eigen::Vector2d from = (hips_at(frame) - hips).head<2>();
-    both += from.dot((root_at(frame) - root).head<2>());
+    both += turn_between(from, (root_at(frame) - root).head<2>());
     own += from.squaredNorm();
+    other += (root_at(frame) - root).head<2>().squaredNorm();
   }
-  const bool walks = own > kPathSpread * kPathSpread * frames;
-  const double scale = walks ? both / own : root.z() / hips.z();
-  // a motion that has been turned or is not of this human: as it is
-  if (std::isfinite(scale) && scale > 0.2 && scale < 3.0) placement.scale = scale;
-  placement.shift = root.head<2>() - placement.scale * hips.head<2>();
+  const bool alike =
+      own > kMinSpread * kMinSpread * frames && both.norm() > kAlike * std::sqrt(own * other);
+  const bool walks = alike && own > kPathSpread * kPathSpread * frames;
+  const auto plausible = [](double scale) {
+    return std::isfinite(scale) && scale > 0.2 && scale < 3.0;
+  };
+  const double of_paths = both.norm() / own;
+  const double scale = walks && plausible(of_paths) ? of_paths : root.z() / hips.z();
+  // a motion that is not of this human: as it is
+  if (plausible(scale)) placement.scale = scale;
+  const Eigen::Vector2d turn = alike ? both : turn_of_facing(motion, human, frames);
+  const double yaw = atan2(turn.y(), turn.x());
+  if (alike || std::abs(yaw) > kMinTurn) placement.yaw = yaw;
+  const Eigen::Vector2d direction =
+      placement.yaw != 0.0 ? turn.normalized() : Eigen::Vector2d(1.0, 0.0);
+  placement.shift = root.head<2>() - placement.scale * turned(direction, hips.head<2>());
   return placement;
 }
 

@@ -23,14 +23,17 @@ namespace retarget {
 [[nodiscard]] std::string_view fault_kind(std::string_view metric);
 
 /// Where a human is drawn so that it walks beside its robot: at the robot's size, its path on the
-/// robot's. x_shown = scale * x + shift on the ground; heights are scaled alone.
+/// robot's. x_shown = scale * turned(x) + shift on the ground; heights are scaled alone.
 struct HumanPlacement {
   double scale = 1.0;
+  double yaw = 0.0;  ///< Anticlockwise seen from above, rad.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
 };
 
-/// From the paths of root and hips over all frames (least squares); of those who stay where they are
-/// the scale is the ratio of their mean heights.
+/// From the paths of root and hips over all frames (least squares: the motion may have been turned and
+/// moved). Of those who stay where they are the scale is the ratio of their mean heights; where the
+/// paths are not alike the turn is that from where the human faces to where the robot does, if it is
+/// more than some degrees.
 [[nodiscard]] HumanPlacement place_human(const RobotClip& motion, const HumanClip& human);
 
 /// All data of a page: a header, and numbers over time; both as packed_text, which may stand anywhere

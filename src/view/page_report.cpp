@@ -97,6 +97,8 @@ Json page_report(const QualityReport& report, const Robot& robot) {
   for (const MetricValue& value : report.values) figures.push_back(figure_json(value));
   for (const GateResult& gate : report.gates) gates.push_back(gate_json(gate));
   for (const Fault& fault : report.faults) faults.push_back(fault_json(fault, robot));
+  Json totals = Json::object();
+  for (const FaultTotal& total : report.fault_totals) totals[total.metric] = total.count;
   for (const TrackingRow& row : report.tracking) tracking.push_back(tracking_json(row));
   return {{"file", report.file},
           {"source", report.source},
@@ -106,6 +108,7 @@ Json page_report(const QualityReport& report, const Robot& robot) {
           {"figures", std::move(figures)},
           {"gates", std::move(gates)},
           {"faults", std::move(faults)},
+          {"fault_totals", std::move(totals)},
           {"tracking", std::move(tracking)}};
 }
 

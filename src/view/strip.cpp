@@ -41,15 +41,18 @@ Figure placed(Figure figure, const Camera& camera, const Eigen::Vector3d& body) 
 }
 
 // draws a row below `top` and gives where it ends
-double draw_row(const Row& row, double top, double cell, double scale, SvgWriter& svg) {
-  const double floor = top + std::max(0.0, row.box.max().y()) * scale;
+// @param body  height of the highest figures, metres
+double draw_row(const Row& row, double top, double cell, double scale, double body,
+                SvgWriter& svg) {
+  const RowHeights heights = row_heights(row.box, body);
+  const double floor = top + heights.high * scale;
   const double width = cell * static_cast<double>(row.figures.size());
-  svg.stroke({kGap, floor}, {width - kGap, floor}, 1.5, kFloorColour);
+  if (heights.has_floor) svg.stroke({kGap, floor}, {width - kGap, floor}, 1.5, kFloorColour);
   const double shift = row.box.center().x() * scale;
   for (std::size_t i = 0; i < row.figures.size(); ++i) {
     draw(row.figures[i], {cell * (static_cast<double>(i) + 0.5) - shift, floor}, scale, svg);
   }
-  return floor + std::max(0.0, -row.box.min().y()) * scale;
+  return floor + -heights.low * scale;
 }
 
 }  // namespace
@@ -72,14 +75,15 @@ std::string draw_strip(const RobotClip& motion, const HumanClip* human,
                       human->frame(frame)[Bone::kHips].translation));
   }
 
-  const double scale = kRowHeight / std::max({robots.height(), humans.height(), 1e-3});
+  const double body = std::max({robots.height(), humans.height(), 1e-3});
+  const double scale = kRowHeight / body;
   double widest = robots.box.sizes().x();
   if (!humans.box.isEmpty()) widest = std::max(widest, humans.box.sizes().x());
   const double cell = widest * scale + kGap;
   SvgWriter svg;
   double bottom = kGap;
-  if (!humans.box.isEmpty()) bottom = draw_row(humans, bottom, cell, scale, svg) + kGap;
-  bottom = draw_row(robots, bottom, cell, scale, svg);
+  if (!humans.box.isEmpty()) bottom = draw_row(humans, bottom, cell, scale, body, svg) + kGap;
+  bottom = draw_row(robots, bottom, cell, scale, body, svg);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     svg.label({cell * (static_cast<double>(i) + 0.5), bottom + kLabelHeight - 4.0},
               number_text(motion.rate().time_of(frames[i]), 2) + " s");

@@ -25,4 +25,10 @@ Eigen::Vector3d facing(const RobotClip& motion, const std::vector<int>& frames) 
   return sum;
 }
 
+RowHeights row_heights(const Eigen::AlignedBox2d& figures, double body) {
+  const double low = figures.min().y(), high = figures.max().y();
+  if (low > body || high < -body) return {low, high, false};
+  return {std::min(0.0, low), std::max(0.0, high), true};
+}
+
 }  // namespace retarget

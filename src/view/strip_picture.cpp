@@ -36,10 +36,14 @@ struct RowPlace {
   double floor = 0.0;
 };
 
-RowPlace place_row(const SolidRow& row, int top, double scale, double margin) {
-  const double above = std::max(0.0, row.box.max().y()) * scale + margin;
-  const double below = std::max(0.0, -row.box.min().y()) * scale + margin;
-  return {top, static_cast<int>(std::ceil(above + below)), top + above};
+// @param body  height of the highest row's figures, metres
+RowPlace place_row(const SolidRow& row, int top, double scale, double margin, double body) {
+  const RowHeights heights = row_heights(row.box, body);
+  const double above = heights.high * scale + margin;
+  const double below = -heights.low * scale + margin;
+  // figures and as much again down to the floor: far away, where numbers are coarse, no more either
+  const double most = 2.0 * (body * scale + margin);
+  return {top, static_cast<int>(std::ceil(std::min(above + below, most))), top + above};
 }
 
 void draw_row(const SolidRow& row, const RowPlace& place, double cell, double scale,
@@ -89,10 +93,10 @@ std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
   int bottom = 0;
   RowPlace of_humans, of_robots;
   if (!humans.box.isEmpty()) {
-    of_humans = place_row(humans, bottom, scale, margin);
+    of_humans = place_row(humans, bottom, scale, margin, highest);
     bottom += of_humans.height;
   }
-  of_robots = place_row(robots, bottom, scale, margin);
+  of_robots = place_row(robots, bottom, scale, margin, highest);
   bottom += of_robots.height;
   Image image(std::max(1, static_cast<int>(std::ceil(cell * count))),
               bottom + static_cast<int>(std::ceil(1.6 * letters)), kPaper);

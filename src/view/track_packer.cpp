@@ -68,7 +68,7 @@ Result<std::string> packed_text(std::string_view bytes) {
 }
 
 Result<int> TrackPacker::add(int channels, double step, std::span<const double> values) {
-  constexpr double kMost = 1e9;
+  constexpr double kMaxSteps = 1e9;
   const auto wide = static_cast<std::size_t>(channels);
   const std::size_t frames = channels > 0 ? values.size() / wide : 0;
   std::string orders;
@@ -78,7 +78,7 @@ Result<int> TrackPacker::add(int channels, double step, std::span<const double> 
     for (std::size_t frame = 0; frame < frames; ++frame) {
       const double steps = std::nearbyint(values[frame * wide + channel] / step);
       // also false for what is no number
-      if (!(std::abs(steps) <= kMost)) {
+      if (!(std::abs(steps) <= kMaxSteps)) {
         return input_failure(
             "", "frame " + std::to_string(frame) + " has a position too far away to be shown");
       }

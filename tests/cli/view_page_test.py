@@ -1,6 +1,7 @@
 """Pages of `retarget view` and `--html`: what is in the files. view_browser_test.py opens them."""
 
 import json
+import math
 import os
 import pathlib
 import re
@@ -110,6 +111,85 @@ class PageFiles(ToolTest):
         for name in ("two.svg", "p.html", "c.csv"):
             self.assertFalse((self.folder / name).exists(), name)
 
+    def test_what_is_only_for_pages_or_pictures_is_refused(self):
+        clip = self.write("walk.bvh", short_clip("walk", 20))
+        self.assert_done(self.retarget(bvh=clip, robot="unitree_g1", output="a.csv"))
+        view = ("view", "a.csv", "--robot", "unitree_g1")
+        for arguments, message in (
+            (("-o", "p.html", "--strip", 6), "--strip is for a picture"),
+            (("-o", "p.png", "--label", "x"), "--label is for a page"),
+            (("-o", "p.svg", "--meshes", "."), "--meshes is for a page"),
+        ):
+            with self.subTest(message):
+                result = self.run_tool(*view, *arguments)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(message, result.stderr)
+                self.assertFalse((self.folder / arguments[1]).exists())
+        # both at once are for both
+        self.assert_done(self.run_tool(*view, "-o", "P.HTML", "--png", "p.png", "--strip", 2))
+        self.assertIn("<!doctype html>", (self.folder / "P.HTML").read_text())
+
+    def test_every_motion_keeps_its_own_rate(self):
+        clip = self.write("walk.bvh", short_clip("walk", 61))
+        self.assert_done(
+            self.retarget(
+                "--method",
+                "gmr",
+                "--format",
+                "npz-mjlab",
+                "--npz-fps",
+                50,
+                bvh=clip,
+                robot="unitree_g1",
+                output="a.npz",
+            )
+        )
+        self.assert_done(
+            self.retarget("--method", "gmr", bvh=clip, robot="unitree_g1", output="b.csv")
+        )
+        self.assert_done(
+            self.run_tool(
+                "view", "a.npz", "b.csv", "--robot", "unitree_g1", "--bvh", clip, "-o", "p.html"
+            )
+        )
+        first, second = data_of((self.folder / "p.html").read_text())[0]["motions"]
+        # two seconds of both, though the source is looked at at the rate of the first
+        self.assertEqual(first["rate"], second["rate"])
+        rate = first["rate"][0] / first["rate"][1]
+        self.assertAlmostEqual(rate, 50)
+        for motion in (first, second):
+            self.assertAlmostEqual((motion["frames"] - 1) / rate, 2.0, delta=0.05)
+        self.assertNotIn("file_rate", first)
+        self.assertEqual(second["file_rate"], [30, 1])
+
+    def test_a_human_is_turned_as_its_motion_was(self):
+        clip = self.write("walk.bvh", short_clip("walk", 61))
+        self.assert_done(
+            self.retarget("--method", "gmr", bvh=clip, robot="unitree_g1", output="a.csv")
+        )
+        # a quarter turn to the left about the vertical, and three metres on
+        half = math.sqrt(0.5)
+        rows = []
+        for line in (self.folder / "a.csv").read_text().splitlines():
+            x, y, z, qx, qy, qz, qw, *joints = [float(value) for value in line.split(",")]
+            turned = [half * (qx - qy), half * (qy + qx), half * (qz + qw), half * (qw - qz)]
+            rows.append([3.0 - y, x, z, *turned, *joints])
+        turned = self.write(
+            "turned.csv", "\n".join(",".join(f"{v:.6f}" for v in row) for row in rows) + "\n"
+        )
+        self.assert_done(
+            self.run_tool(
+                "view", "a.csv", turned, "--robot", "unitree_g1", "--bvh", clip, "-o", "p.html"
+            )
+        )
+        motions = data_of((self.folder / "p.html").read_text())[0]["motions"]
+        (scale, x, y, yaw), (scale_2, x_2, y_2, yaw_2) = [each["placement"] for each in motions]
+        self.assertLess(abs(yaw), 0.1)
+        self.assertAlmostEqual(yaw_2 - yaw, math.pi / 2, delta=1e-3)
+        self.assertAlmostEqual(scale, scale_2, delta=1e-3)
+        self.assertAlmostEqual(x_2, 3.0 - y, delta=2e-3)
+        self.assertAlmostEqual(y_2, x, delta=2e-3)
+
     def test_a_motion_too_far_away_leaves_nothing(self):
         self.assert_done(
             self.retarget(
@@ -131,9 +211,9 @@ class PageFiles(ToolTest):
 
     def test_texts_can_be_read_in_light_and_dark(self):
         style = (SOURCE / "viewer/page.css").read_text()
-        for name, block in zip(
-            ("light", "dark"), re.findall(r":root \{(.*?)\n\s*\}", style, re.DOTALL)
-        ):
+        blocks = re.findall(r":root \{(.*?)\n\s*\}", style, re.DOTALL)
+        self.assertEqual(len(blocks), 2)
+        for name, block in zip(("light", "dark"), blocks):
             colours = dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
             for text, ground in (
                 ("ink", "surface"),

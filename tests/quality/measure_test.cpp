@@ -223,6 +223,10 @@ TEST_F(MeasureQuality, ListsAFewFaultsWorstFirst) {
   EXPECT_EQ(faults[0].worst_frame, 39);
   EXPECT_NEAR(faults[0].amount, 0.04, 1e-12);
   EXPECT_EQ(faults[1].worst_frame, 37);
+  // and says how many there are
+  const auto total = std::ranges::find(report.fault_totals, "limit_pct", &FaultTotal::metric);
+  ASSERT_NE(total, report.fault_totals.end());
+  EXPECT_EQ(total->count, 20);
 }
 
 TEST_F(MeasureQuality, HandlesVeryShortMotions) {

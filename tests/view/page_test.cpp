@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "provenance/hash.h"
@@ -118,8 +119,40 @@ TEST(PlaceHuman, PutsItsPathOnTheRobots) {
   EXPECT_NEAR(walks.scale, 0.8, 1e-9);
   EXPECT_NEAR(walks.scale * 1.0 + walks.shift.x(), 5.0, 1e-9);
   EXPECT_NEAR(walks.scale * 2.0 + walks.shift.y(), -1.0, 1e-9);
+  EXPECT_NEAR(walks.yaw, 0.0, 1e-9);
   // who stays where it is tells its size by its height
   EXPECT_NEAR(place_human(clip, walking_human(kFrames, 0.0)).scale, 0.7, 1e-9);
+}
+
+// a quarter turn to the left about the vertical
+void turn_left(RobotClip& clip, int frame) {
+  const double half = std::sqrt(0.5);
+  const double turned[] = {half, 0.0, 0.0, half};
+  for (std::size_t i = 0; i < 4; ++i) clip.qpos(frame)[3 + i] = turned[i];
+}
+
+TEST(PlaceHuman, IsTurnedAsTheMotionWas) {
+  constexpr int kFrames = 100;
+  RobotClip clip(robot_from_text(kArm), FrameRate{30, 1}, kFrames);
+  for (int i = 0; i < kFrames; ++i) {
+    // the human goes along x from (1, 2), the robot along y from (5, -1)
+    clip.qpos(i)[0] = 5.0;
+    clip.qpos(i)[1] = -1.0 + 0.8 * 0.04 * i;
+    clip.qpos(i)[2] = 0.7;
+    turn_left(clip, i);
+  }
+  const HumanPlacement walks = place_human(clip, walking_human(kFrames, 0.04));
+  EXPECT_NEAR(walks.scale, 0.8, 1e-9);
+  EXPECT_NEAR(walks.yaw, 1.5707963267948966, 1e-9);
+  EXPECT_NEAR(-walks.scale * 2.0 + walks.shift.x(), 5.0, 1e-9);
+  EXPECT_NEAR(walks.scale * 1.0 + walks.shift.y(), -1.0, 1e-9);
+  // who stays where it is turns as it faces
+  for (int i = 0; i < kFrames; ++i) clip.qpos(i)[1] = -1.0;
+  const HumanPlacement stands = place_human(clip, walking_human(kFrames, 0.0));
+  EXPECT_NEAR(stands.scale, 0.7, 1e-9);
+  EXPECT_NEAR(stands.yaw, 1.5707963267948966, 1e-9);
+  EXPECT_NEAR(-stands.scale * 2.0 + stands.shift.x(), 5.0, 1e-9);
+  EXPECT_NEAR(stands.scale * 1.0 + stands.shift.y(), -1.0, 1e-9);
 }
 
 }  // namespace

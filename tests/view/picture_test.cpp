@@ -214,5 +214,22 @@ TEST(StripPicture, HasItsSizeItsPosesAndAlwaysTheSameBytes) {
   EXPECT_LT(decode(draw_strip_picture(clip, nullptr, small)).height, 120);
 }
 
+TEST(StripPicture, IsNoLargerForAMotionHighAboveTheFloorOrBelowIt) {
+  RobotClip clip(load_g1(), FrameRate{30, 1}, 7);
+  StripPictureOptions small;
+  small.width = 600;
+  const DecodedPng standing = decode(draw_strip_picture(clip, nullptr, small));
+  for (const double height : {100.0, 1e7, -100.0, 1e12}) {
+    for (int i = 0; i < clip.frame_count(); ++i) clip.qpos(i)[2] = height;
+    const DecodedPng high = decode(draw_strip_picture(clip, nullptr, small));
+    EXPECT_LE(high.width, 601) << height;
+    EXPECT_LE(high.height, 2 * standing.height) << height;
+    // the figures are there
+    if (std::abs(height) > 1e3) continue;
+    EXPECT_NEAR(high.height, standing.height, 3) << height;
+    EXPECT_TRUE(std::ranges::any_of(high.bytes, [](int value) { return value < 128; })) << height;
+  }
+}
+
 }  // namespace
 }  // namespace retarget

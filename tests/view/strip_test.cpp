@@ -117,6 +117,19 @@ TEST(Strip, DrawsTheHumanAboveTheRobotUntilItEnds) {
   EXPECT_EQ(poses_in(with_half), 4);
 }
 
+TEST(Strip, TheFloorIsLeftOutWhereItIsFarAway) {
+  RobotClip clip = clip_of(kPillar, 10);
+  const std::string standing = draw_strip(clip, nullptr, {2, {}});
+  for (int i = 0; i < 10; ++i) clip.qpos(i)[2] = 50.0;
+  const std::string high = draw_strip(clip, nullptr, {2, {}});
+  EXPECT_EQ(count(high, "<path d="), count(standing, "<path d=") - 1);
+  const auto height = [](const std::string& svg) {
+    const std::size_t at = svg.find("height=\"") + 8;
+    return std::stod(svg.substr(at));
+  };
+  EXPECT_NEAR(height(high), height(standing), 1.0);
+}
+
 TEST(Strip, EscapesTheTitle) {
   const std::string svg =
       draw_strip(clip_of(kPillar, 2), nullptr, {2, "a<b> & \"c\".csv\x1b[31m\xff\xef\xbf\xbf"});

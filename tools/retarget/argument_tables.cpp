@@ -130,7 +130,7 @@ OptionTable inspect_table(InspectArguments& arguments) {
 OptionTable view_table(ViewArguments& arguments) {
   OptionTable table = {
       row("strip", arguments.strip, kOutputGroup, "N",
-          "Picture: how many poses, from the first frame to the last",
+          "Picture: how many poses, from the first frame to the last (default: 6)",
           {.min = 1.0, .max = 100.0, .basic = true}),
       row("png", arguments.png, kOutputGroup, "FILE", "Also write the picture as PNG"),
       row("label", arguments.labels, kOutputGroup, "TEXT",

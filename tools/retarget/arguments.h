@@ -88,7 +88,7 @@ struct InspectArguments {
 
 /// `retarget view`: a picture of a robot's motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
-  int strip = 6;                    ///< Poses of a picture.
+  int strip = 0;                    ///< Poses of a picture; 0: six.
   std::string png;                  ///< A picture besides the output; empty: none.
   std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
   std::string meshes;               ///< Folder for a page; empty: none.

@@ -84,17 +84,20 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   if (source != nullptr) {
     human = measure.has_lead_in ? &*source->human_with_lead_in : &source->human;
   }
-  return {std::move(clip), human, std::move(measure.report)};
+  return {std::move(clip), human, std::move(measure.report), std::nullopt};
 }
 
 }  // namespace
 
-Result<Measures> load_measures(const MeasureArguments& arguments, Console& console) {
+Result<Measures> load_measures(const MeasureArguments& arguments, Console& console,
+                               const std::optional<FrameRate>& source_rate) {
   RunArguments with_file = arguments.run;
   TRY(take_smpl_file(with_file));
   Run& run = with_file.run;
   if (!arguments.fps.empty()) {
     TRY_ASSIGN(run.options.time.fps, rate_of(arguments.fps));
+  } else if (source_rate) {
+    run.options.time.fps = source_rate->fps();
   }
   Measures measures;
   TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
@@ -131,6 +134,7 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
         file);
   }
   // frame by frame beside the source
+  const FrameRate file_rate = motion.clip.rate();
   RobotClip clip = std::move(motion.clip);
   if (measures.source) {
     TRY_ASSIGN(clip, resample_robot(clip, measures.rate));
@@ -138,6 +142,7 @@ Result<MeasuredMotion> measure_file(const std::string& file, const Measures& mea
   const auto start = std::chrono::steady_clock::now();
   MeasuredMotion measured = measure(std::move(clip), measures, file, console);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  if (measures.source && !same_rate(file_rate, measures.rate)) measured.file_rate = file_rate;
   QualityReport& report = measured.report;
   report.file = file == "-" ? "-" : fs::path(file).filename().string();
   measures.gates.judge(report);

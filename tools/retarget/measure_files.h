@@ -28,10 +28,14 @@ struct MeasuredMotion {
   RobotClip clip;
   const HumanClip* human = nullptr;  ///< Of the measures' source; null: there is none.
   QualityReport report;
+  std::optional<FrameRate> file_rate;  ///< Of the file, if it was resampled to the source's.
 };
 
 /// Loads robot, limits, gates and source.
-[[nodiscard]] Result<Measures> load_measures(const MeasureArguments& arguments, Console& console);
+/// @param source_rate  that the source is looked at with where the arguments have no rate; it says
+///                     nothing of motions whose files give none.
+[[nodiscard]] Result<Measures> load_measures(const MeasureArguments& arguments, Console& console,
+                                             const std::optional<FrameRate>& source_rate = {});
 
 /// Reads a robot's motion and measures it; says what it was taken for.
 [[nodiscard]] Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,

@@ -36,13 +36,29 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_page(const std::string& output) {
-  const std::string ending = fs::path(output).extension().string();
+  const std::string ending = lower_case(fs::path(output).extension().string());
   return ending == ".html" || ending == ".htm";
+}
+
+// what is only for pages or only for pictures is not passed over in silence
+Result<void> check_use(const ViewArguments& arguments) {
+  const bool page = is_page(arguments.run.run.output);
+  if (page && arguments.png.empty() && arguments.strip > 0) {
+    return usage_failure("--strip is for a picture, and only a page is written",
+                         "add --png FILE, or name an output that ends in .png or .svg");
+  }
+  if (!page && (!arguments.labels.empty() || !arguments.meshes.empty())) {
+    return usage_failure(std::string(arguments.labels.empty() ? "--meshes" : "--label") +
+                             " is for a page, and only a picture is written",
+                         "name an output that ends in .html");
+  }
+  return {};
 }
 
 Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
   TRY(check_robot_choice(run.robot));
+  TRY(check_use(arguments));
   const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
   if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
     return usage_failure(
@@ -113,17 +129,19 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   return {};
 }
 
-// a source is looked at at the rate of the motion, where that is known
-Result<void> take_rate(ViewArguments& arguments, const LoadedRobot& robot) {
+// of the motion, where that is known: its source is looked at with it
+Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
+                                                const LoadedRobot& robot) {
   const Run& run = arguments.run.run;
   const std::string& file = arguments.motions.front();
-  if (!arguments.fps.empty() || run.motion.empty() || file == "-") return {};
+  if (!arguments.fps.empty() || run.motion.empty() || file == "-") {
+    return std::optional<FrameRate>();
+  }
   TRY_ASSIGN(
       const RobotMotion motion,
       load_robot_motion(file, robot.robot,
                         read_motion_options(arguments.reading, run.options.source.memory_gb)));
-  if (motion.rate_known) arguments.fps = to_text(motion.clip.rate());
-  return {};
+  return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
 }
 
 // as files are told apart: by name, else by the folder as well
@@ -142,15 +160,16 @@ std::vector<std::string> labels_of(const ViewArguments& arguments) {
   return labels;
 }
 
-Result<void> write_page(ViewArguments arguments, Console& console) {
+Result<void> write_page(const ViewArguments& arguments, Console& console) {
   const std::string& output = arguments.run.run.output;
+  std::optional<FrameRate> source_rate;
   {
     TRY_ASSIGN(const LoadedRobot robot,
                retarget::load_robot(arguments.run.run.robot,
                                     DataFolder{arguments.run.common.data_dir, {}}));
-    TRY(take_rate(arguments, robot));
+    TRY_ASSIGN(source_rate, rate_of_source(arguments, robot));
   }
-  TRY_ASSIGN(const Measures measures, load_measures(arguments, console));
+  TRY_ASSIGN(const Measures measures, load_measures(arguments, console, source_rate));
   std::vector<MeasuredMotion> motions;
   for (const std::string& file : arguments.motions) {
     TRY_ASSIGN(MeasuredMotion motion, measure_file(file, measures, console));
@@ -159,8 +178,8 @@ Result<void> write_page(ViewArguments arguments, Console& console) {
   const std::vector<std::string> labels = labels_of(arguments);
   std::vector<PageMotion> shown;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    shown.push_back(
-        {labels[i], &motions[i].clip, motions[i].human, &motions[i].report, &measures.limits});
+    shown.push_back({labels[i], &motions[i].clip, motions[i].human, &motions[i].report,
+                     &measures.limits, motions[i].file_rate});
   }
   TRY_ASSIGN(const std::string page, view_page(shown, {{}, arguments.meshes}));
   TRY(write_file(output, page));
@@ -179,9 +198,11 @@ Result<void> view(const ViewArguments& given, Console& console) {
   if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
+  constexpr int kPoses = 6;
+  if (arguments.strip == 0) arguments.strip = kPoses;
   const bool page = is_page(arguments.run.run.output);
   if (!page || !arguments.png.empty()) TRY(draw_picture(arguments, console));
-  return page ? write_page(std::move(arguments), console) : Result<void>();
+  return page ? write_page(arguments, console) : Result<void>();
 }
 
 }  // namespace retarget::cli

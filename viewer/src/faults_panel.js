@@ -1,5 +1,5 @@
 import { el, numberText, seconds } from './dom.js';
-import { KINDS } from './timeline.js';
+import { KINDS, countText, totalsByKind } from './timeline.js';
 
 /** The worst faults, by kind; each leads to its worst frame. */
 export class FaultsPanel {
@@ -10,6 +10,8 @@ export class FaultsPanel {
     this.many = motions.length > 1;
     this.kind = null;
     this.list = el('ul', { class: 'list' });
+    const totals = totalsByKind(motions);
+    this.total = [...totals.values()].reduce((sum, count) => sum + count, 0);
     const kinds = [...KINDS].filter(([kind]) => this.items.some(({ fault }) => fault.kind === kind));
     this.chips = [[null, 'All'], ...kinds].map(([kind, name]) => {
       const count = this.items.filter(({ fault }) => kind === null || fault.kind === kind).length;
@@ -17,7 +19,7 @@ export class FaultsPanel {
         'button',
         { type: 'button', 'aria-pressed': String(kind === null) },
         kind === null ? null : el('span', { class: `dot ${kind}` }),
-        `${name} ${count}`,
+        `${name} ${countText(count, kind === null ? this.total : totals.get(kind))}`,
       );
       chip.addEventListener('click', () => this.filter(kind));
       return { kind, chip };
@@ -63,10 +65,6 @@ export class FaultsPanel {
       return { fault, button, item: el('li', {}, button) };
     });
     this.filter(null);
-  }
-
-  get count() {
-    return this.items.length;
   }
 
   filter(kind) {

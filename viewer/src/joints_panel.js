@@ -4,6 +4,29 @@ import { cssColour, motionColour } from './theme.js';
 
 const FIRST = 4;
 
+function spreadOf(motion, joint) {
+  if (joint < 0) return 0;
+  let low = Infinity,
+    high = -Infinity;
+  for (let frame = 0; frame < motion.frames; ++frame) {
+    const value = motion.jointValue(joint, frame);
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  return high - low;
+}
+
+/** The range that all motions may have: who leaves it leaves the limits of one of them. */
+export function commonLimits(limits) {
+  const known = (end) => limits.map((each) => each[end]).filter((value) => value !== null);
+  const lower = known('lower'),
+    upper = known('upper');
+  return {
+    lower: lower.length > 0 ? Math.max(...lower) : null,
+    upper: upper.length > 0 ? Math.min(...upper) : null,
+  };
+}
+
 /** Curves of chosen joints, in step with the picture. */
 export class JointsPanel {
   constructor(player, motions) {
@@ -51,20 +74,11 @@ export class JointsPanel {
     const faulty = this.motions.flatMap((motion) =>
       (motion.report?.faults ?? []).map((fault) => fault.where),
     );
-    const [motion] = this.motions;
-    const spread = (name) => {
-      const joint = this.jointOf(motion, name);
-      if (joint < 0) return 0;
-      let low = Infinity,
-        high = -Infinity;
-      for (let frame = 0; frame < motion.frames; ++frame) {
-        const value = motion.jointValue(joint, frame);
-        low = Math.min(low, value);
-        high = Math.max(high, value);
-      }
-      return high - low;
-    };
-    const moving = [...this.names].sort((a, b) => spread(b) - spread(a));
+    // of the motion that moves it most
+    const spread = (name) =>
+      Math.max(...this.motions.map((motion) => spreadOf(motion, this.jointOf(motion, name))));
+    const spreads = new Map(this.names.map((name) => [name, spread(name)]));
+    const moving = [...this.names].sort((a, b) => spreads.get(b) - spreads.get(a));
     return [...new Set([...faulty.filter((name) => this.names.includes(name)), ...moving])].slice(0, FIRST);
   }
 
@@ -98,16 +112,16 @@ export class JointsPanel {
     const entry = this.plots.get(name);
     entry.plot?.close();
     const series = [];
-    let limits = { lower: null, upper: null };
+    const limits = [];
     this.motions.forEach((motion, i) => {
       const joint = this.jointOf(motion, name);
       if (joint < 0) return;
       const values = new Float64Array(motion.frames);
       for (let frame = 0; frame < motion.frames; ++frame) values[frame] = this.read(motion, joint, frame);
       series.push({ values, frameTime: motion.frameTime, colour: cssColour(motionColour(i)) });
-      limits = this.limitsOf(motion, joint);
+      limits.push(this.limitsOf(motion, joint));
     });
-    entry.plot = new Plot(this.player, series, limits, `${this.what} of ${name} over time`);
+    entry.plot = new Plot(this.player, series, commonLimits(limits), `${this.what} of ${name} over time`);
     entry.element.append(entry.plot.element);
     this.showTime();
   }

@@ -33,12 +33,20 @@ function showHeader(page, motions) {
     seconds(first.duration),
     `${first.frames} ${first.frames === 1 ? 'frame' : 'frames'} at ${Number(first.fps.toFixed(3))} fps`,
   ].join(' \u00b7 ');
+  const resampled = motions.filter((motion) => motion.data.file_rate);
+  if (resampled.length > 0) {
+    const rates = resampled.map(({ label, data }) => {
+      const rate = Number((data.file_rate[0] / data.file_rate[1]).toFixed(3));
+      return `${motions.length > 1 ? `${label}: ` : ''}resampled from ${rate} fps`;
+    });
+    byId('subtitle').append(` \u00b7 ${rates.join(', ')}`);
+  }
   for (const motion of motions) {
     if (!motion.report) continue;
-    const { good, text } = verdict(motion);
+    const { state, text } = verdict(motion);
     byId('verdicts').append(
       el('span', {
-        class: `verdict ${good ? 'good' : 'bad'}`,
+        class: `verdict ${state}`,
         text: (motions.length > 1 ? `${motion.label}: ` : '') + text,
       }),
     );
@@ -110,7 +118,7 @@ class Viewer {
       byId('panel'),
       [
         ['quality', 'Quality', qualityPanel(motions)],
-        ['faults', `Faults ${this.faults.count}`, this.faults.element],
+        ['faults', `Faults ${this.faults.total}`, this.faults.element],
         ['joints', 'Joints', this.joints.element],
         ['body', 'Body', this.body.element],
       ],
@@ -122,6 +130,7 @@ class Viewer {
     const { joint, root_m: root, bone_m: bone } = page.precision;
     this.help = addHelp([
       'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. ' +
+        'While the picture has the focus (Tab), arrows turn it, \u2212 and + zoom. ' +
         'A link ending in #t=12.3 opens at that second.',
       `Numbers on this page are at most so far from the motion\u2019s: joints ${joint} rad, the root ${root * 1000} mm, ` +
         `bones ${bone * 1000} mm. Made by ${page.tool}.`,

@@ -38,9 +38,19 @@ export class Motion {
     return (this.frames - 1) * this.frameTime;
   }
 
+  /** The frame of a time, though the motion may have ended before: its human may go on. */
+  step(time) {
+    return Math.max(0, Math.floor(time * this.fps + 1e-6));
+  }
+
   /** The frame shown at a time: the last that has begun, as players do. */
   frameAt(time) {
-    return Math.min(this.frames - 1, Math.max(0, Math.floor(time * this.fps + 1e-6)));
+    return Math.min(this.frames - 1, this.step(time));
+  }
+
+  /** Whether the last frame was shown for as long as every other. */
+  hasEnded(time) {
+    return this.step(time) >= this.frames;
   }
 
   /** World poses of all bodies in a frame; seven numbers each. */

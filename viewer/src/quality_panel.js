@@ -10,15 +10,15 @@ const boundText = ({ min, max }) =>
     .filter(Boolean)
     .join('\n');
 
-/** How many gates a motion misses, in words. */
+/** How many gates a motion misses, in words. @returns {{state: 'good'|'bad'|'unjudged', text: string}} */
 export function verdict(motion) {
   const { gates } = motion.report;
   const measured = gates.filter((gate) => gate.value !== undefined).length;
   const missed = gates.filter((gate) => !gate.passed).length;
-  if (measured === 0) return { good: true, text: 'no gates' };
+  if (measured === 0) return { state: 'unjudged', text: 'no gates' };
   const rest = measured < gates.length ? `, ${gates.length - measured} not measured` : '';
-  if (missed === 0) return { good: true, text: `all ${measured} gates kept${rest}` };
-  return { good: false, text: `${missed} of ${measured} gates missed${rest}` };
+  if (missed === 0) return { state: 'good', text: `all ${measured} gates kept${rest}` };
+  return { state: 'bad', text: `${missed} of ${measured} gates missed${rest}` };
 }
 
 /** What became of a gate, as a table's cell has it. */
@@ -54,7 +54,10 @@ function gateTable(motions) {
         'tr',
         {},
         el('th', { scope: 'row' }, ...breakable(name)),
-        el('td', { class: 'quiet bound', text: boundText(gates.find(Boolean)) }),
+        el('td', {
+          class: 'quiet bound',
+          text: [...new Set(gates.filter(Boolean).map(boundText))].join(' / '),
+        }),
         ...cells,
       ),
     };
@@ -89,11 +92,16 @@ function figureTable(motions) {
 export function qualityPanel(motions) {
   const measured = motions.filter((motion) => motion.report);
   if (measured.length === 0) return el('p', { class: 'quiet', text: 'These motions were not measured.' });
-  const { source, config, limits } = measured[0].report;
+  // of each motion, where they differ
+  const fact = (name, key) => {
+    const values = measured.map((motion) => motion.report[key]);
+    if (new Set(values).size <= 1) return values[0] ? `${name}: ${values[0]}.` : '';
+    return `${name}: ${measured.map((motion, i) => `${values[i] || 'none'} (${motion.label})`).join(', ')}.`;
+  };
   const facts = [
-    source && `Source: ${source}.`,
-    config && `Configuration: ${config}.`,
-    `Limits: ${limits}.`,
+    fact('Source', 'source'),
+    fact('Configuration', 'config'),
+    fact('Limits', 'limits'),
   ].filter(Boolean);
   return el(
     'div',

@@ -13,10 +13,8 @@ import {
   Vector3,
 } from 'three';
 import { mergeGeometries, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { solePlate } from './sole_plate.js';
 import { PICKED, ROBOT_CONTACT } from './theme.js';
-
-/** A little under the sole, so that it is seen beside the foot's own shape, metres. */
-const SOLE_RIM = 0.006;
 
 function shapeGeometry(shape) {
   let geometry;
@@ -45,47 +43,13 @@ function meshGeometry(vertices, triangles) {
   return toCreasedNormals(geometry, CREASE);
 }
 
-/** The convex outline of points on a plane, counter-clockwise. */
-export function outline(points) {
-  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-  const turn = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-  const half = (list) => {
-    const chain = [];
-    for (const point of list) {
-      while (chain.length > 1 && turn(chain.at(-2), chain.at(-1), point) <= 0) chain.pop();
-      chain.push(point);
-    }
-    return chain.slice(0, -1);
-  };
-  return [...half(sorted), ...half(sorted.reverse())];
-}
-
 /** A thin plate along a sole's outline, in the body's frame. */
 function soleGeometry(points) {
-  let corners = outline(points);
-  if (corners.length < 3) return new SphereGeometry(0.02, 12, 8).translate(...points[0]);
-  const middle = corners.reduce(
-    (sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length],
-    [0, 0],
-  );
-  corners = corners.map(([x, y, z]) => {
-    const length = Math.hypot(x - middle[0], y - middle[1]) || 1;
-    const grow = 1 + (2.5 * SOLE_RIM) / length;
-    return [middle[0] + (x - middle[0]) * grow, middle[1] + (y - middle[1]) * grow, z];
-  });
-  const vertices = [],
-    indices = [],
-    count = corners.length;
-  for (const [x, y, z] of corners) vertices.push(x, y, z - SOLE_RIM, x, y, z + 2 * SOLE_RIM);
-  for (let i = 0; i < count; ++i) {
-    const a = 2 * i,
-      b = 2 * ((i + 1) % count);
-    indices.push(a, b, a + 1, b, b + 1, a + 1);
-    if (i > 1) indices.push(0, 2 * i, 2 * (i - 1), 1, 2 * (i - 1) + 1, 2 * i + 1);
-  }
+  const plate = solePlate(points);
+  if (!plate) return new SphereGeometry(0.02, 12, 8).translate(...points[0]);
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new Float32BufferAttribute(vertices, 3));
-  geometry.setIndex(indices);
+  geometry.setAttribute('position', new Float32BufferAttribute(plate.vertices, 3));
+  geometry.setIndex(plate.indices);
   const flat = geometry.toNonIndexed();
   flat.computeVertexNormals();
   return flat;
@@ -194,6 +158,17 @@ export class RobotFigure {
       body.quaternion.set(poses[at + 4], poses[at + 5], poses[at + 6], poses[at + 3]);
     });
     for (const { mesh, phases } of this.soles) mesh.visible = showContacts && inPhase(phases, frame);
+  }
+
+  /** A motion that is over is pale. @param {boolean} ended */
+  setEnded(ended) {
+    if (this.ended === ended) return;
+    this.ended = ended;
+    for (const material of [this.material, this.darker]) {
+      material.transparent = ended;
+      material.opacity = ended ? 0.35 : 1;
+      material.needsUpdate = true;
+    }
   }
 
   /** Lights these bodies up and no others. @param {number[]} bodies */

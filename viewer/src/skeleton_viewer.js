@@ -188,14 +188,13 @@ export class SkeletonViewer {
       this.stage.mode,
       (mode) => this.setCamera(mode),
     );
-    this.camera.element.append(
-      el('button', {
-        type: 'button',
-        text: 'Reset',
-        title: 'Camera back to where it was (R)',
-        on: { click: () => this.reset() },
-      }),
-    );
+    // beside the choice, of which it is none
+    const reset = el('button', {
+      type: 'button',
+      text: 'Reset',
+      title: 'Camera back to where it was (R)',
+      on: { click: () => this.reset() },
+    });
     const show = (group) => (on) => {
       group.visible = on;
       this.stage.shadowsChanged();
@@ -203,6 +202,7 @@ export class SkeletonViewer {
     };
     byId('view-tools').append(
       this.camera.element,
+      el('div', { class: 'group' }, reset),
       el(
         'div',
         { class: 'group' },

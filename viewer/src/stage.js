@@ -18,6 +18,9 @@ const UP = new Vector3(0, 0, 1);
 const SIDE = MathUtils.degToRad(38);
 /** Turns of the camera in `orbit`, rad/s. */
 const ORBIT_SPEED = 0.35;
+/** Of a key's press: turn in rad, times as far away. */
+const KEY_TURN = 0.1,
+  KEY_ZOOM = 1.1;
 
 /** Renderer, light, floor and camera. World axes: metres, z up, as in the data. */
 export class Stage {
@@ -38,6 +41,7 @@ export class Stage {
     this.controls.maxDistance = 60;
     this.controls.zoomToCursor = false;
     this.controls.addEventListener('change', redraw);
+    this.addKeys(redraw);
     this.mode = 'follow';
     this.target = new Vector3(0, 0, 0.8);
     this.floor = new Floor();
@@ -53,6 +57,42 @@ export class Stage {
       redraw();
     }).observe(canvas.parentElement);
     this.resize();
+  }
+
+  // arrows turn the picture while it has the focus, which a press of the pointer does not give it:
+  // after that, arrows go on to move through time
+  addKeys(redraw) {
+    this.canvas.addEventListener('mousedown', (event) => {
+      event.preventDefault();
+      document.activeElement?.blur();
+    });
+    this.canvas.addEventListener('keydown', (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      const zoom = { '+': 1 / KEY_ZOOM, '=': 1 / KEY_ZOOM, '-': KEY_ZOOM }[event.key];
+      if (!turn && !zoom) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.orbit(...(turn ?? [0, 0]), zoom ?? 1);
+      redraw();
+    });
+  }
+
+  // so many steps around and down, and so many times as far away
+  orbit(around, down, farther) {
+    const { minDistance, maxDistance, maxPolarAngle, target } = this.controls;
+    const arm = this.camera.position.clone().sub(target);
+    const distance = arm.length();
+    const angle = Math.atan2(arm.y, arm.x) + around * KEY_TURN;
+    const polar = Math.acos(arm.z / distance) + down * KEY_TURN;
+    const tilt = Math.min(maxPolarAngle, Math.max(0.05, polar));
+    const reach = Math.min(maxDistance, Math.max(minDistance, farther * distance));
+    this.camera.position.set(
+      target.x + reach * Math.sin(tilt) * Math.cos(angle),
+      target.y + reach * Math.sin(tilt) * Math.sin(angle),
+      target.z + reach * Math.cos(tilt),
+    );
+    this.controls.update();
   }
 
   addLights() {
@@ -105,24 +145,24 @@ export class Stage {
     this.renderer.shadowMap.needsUpdate = true;
   }
 
-  /** What the camera follows, in the world. */
-  aim(x, y, z) {
-    const move = new Vector3(x, y, z).sub(this.target);
-    this.target.set(x, y, z);
+  /** What the camera follows, in the world; `lift` above where it is who stands on the floor. */
+  aim(x, y, z, lift = 0) {
+    const move = new Vector3(x, y, z + lift).sub(this.target);
+    this.target.set(x, y, z + lift);
     if (this.mode !== 'stand') {
       this.camera.position.add(move);
       this.controls.target.add(move);
     }
-    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y);
-    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y);
+    this.shine(this.sun, -SIDE - 0.95, 2.6, 5, x, y, lift);
+    this.shine(this.fill, -SIDE + 1.1, 4, 1.5, x, y, lift);
     this.floor.follow(x, y);
   }
 
   // a light from so far around the heading, so far away and so high
-  shine(light, turn, distance, rise, x, y) {
+  shine(light, turn, distance, rise, x, y, lift) {
     const angle = (this.heading ?? 0) + turn;
-    light.target.position.set(x, y, 0.3);
-    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise);
+    light.target.position.set(x, y, 0.3 + lift);
+    light.position.set(x + distance * Math.cos(angle), y + distance * Math.sin(angle), rise + lift);
   }
 
   /** From the front and a side, so near that the row of figures fills the picture. */

@@ -14,6 +14,28 @@ export const KINDS = new Map([
   ['other', 'Other'],
 ]);
 
+/** How many faults there are by kind; reports, and so lists, have the worst of each metric alone. */
+export function totalsByKind(motions) {
+  const totals = new Map();
+  for (const { report } of motions) {
+    const metrics = new Map();
+    for (const { metric, kind } of report?.faults ?? []) {
+      const listed = metrics.get(metric)?.listed ?? 0;
+      metrics.set(metric, { kind, listed: listed + 1 });
+    }
+    for (const [metric, { kind, listed }] of metrics) {
+      const count = Math.max(listed, report.fault_totals?.[metric] ?? 0);
+      totals.set(kind, (totals.get(kind) ?? 0) + count);
+    }
+  }
+  return totals;
+}
+
+/** `3`, or of more than are listed `10 worst of 37`. */
+export function countText(listed, total) {
+  return total > listed ? `${listed} worst of ${total}` : String(listed);
+}
+
 export function faultText(fault, motion) {
   const amount = `${numberText(fault.amount)} ${fault.unit}`;
   const where = fault.where || fault.metric;
@@ -74,6 +96,7 @@ export class Timeline {
 
   addFaults() {
     const count = this.motions.length;
+    const totals = totalsByKind(this.motions);
     for (const [kind, name] of KINDS) {
       const lane = el('div', { class: 'lane' });
       this.motions.forEach((motion, i) => {
@@ -81,7 +104,7 @@ export class Timeline {
           if (fault.kind === kind) lane.append(this.mark(fault, motion, i, count));
         }
       });
-      if (lane.childElementCount > 0) this.row(name, lane, `${lane.childElementCount} of them`);
+      if (lane.childElementCount > 0) this.row(name, lane, countText(lane.childElementCount, totals.get(kind)));
     }
   }
 
@@ -191,7 +214,9 @@ export class Timeline {
 
   /** @param {object|null} chosen  the fault that is looked at */
   showFault(chosen) {
-    for (const { mark, fault } of this.marks) mark.toggleAttribute('aria-current', fault === chosen);
-    for (const { mark, fault } of this.marks) if (fault === chosen) mark.setAttribute('aria-current', 'true');
+    for (const { mark, fault } of this.marks) {
+      if (fault === chosen) mark.setAttribute('aria-current', 'true');
+      else mark.removeAttribute('aria-current');
+    }
   }
 }

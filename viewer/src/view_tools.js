@@ -17,16 +17,15 @@ export class ViewTools {
       stage.mode,
       (mode) => this.setCamera(mode),
     );
-    this.camera.element.append(
-      el('button', {
-        type: 'button',
-        text: 'Reset',
-        title: 'Camera back to where it was (R)',
-        on: { click: () => this.reset() },
-      }),
-    );
-    byId('view-tools').append(this.camera.element);
-    if (world.humans.length > 0) byId('view-tools').append(this.humanGroup());
+    // beside the choice, of which it is none
+    const reset = el('button', {
+      type: 'button',
+      text: 'Reset',
+      title: 'Camera back to where it was (R)',
+      on: { click: () => this.reset() },
+    });
+    byId('view-tools').append(this.camera.element, el('div', { class: 'group' }, reset));
+    if (world.humans.length > 0) byId('view-tools').append(...this.humanGroup());
     byId('view-tools').append(
       el(
         'div',
@@ -79,8 +78,7 @@ export class ViewTools {
     this.distance.addEventListener('input', () =>
       this.apply(() => world.setHumanDistance(Number(this.distance.value))),
     );
-    this.human.element.append(this.distance);
-    return this.human.element;
+    return [this.human.element, el('div', { class: 'group' }, this.distance)];
   }
 
   apply(change) {
@@ -95,7 +93,7 @@ export class ViewTools {
 
   setHuman(mode) {
     this.human?.show(mode);
-    if (this.distance) this.distance.hidden = mode !== 'beside';
+    if (this.distance) this.distance.parentElement.hidden = mode !== 'beside';
     this.apply(() => this.world.setHumanMode(mode));
   }
 

@@ -4,9 +4,7 @@ import { inPhase } from './motions.js';
 import { Paths } from './paths.js';
 import { RobotFigure } from './robot_figure.js';
 import { motionColour } from './theme.js';
-
-/** Seconds either side over which the camera's way is calmed. */
-const CALM = 0.35;
+import { calmWay, lift, onWay, standing } from './ways.js';
 
 /** The figures of all motions, and where each stands: in a row across the way that they face. */
 export class World {
@@ -22,9 +20,10 @@ export class World {
     this.robots = motions.map((motion, i) => new RobotFigure(motion, motionColour(i)));
     this.humans = this.makeHumans();
     this.paths = motions.map((motion, i) => new Paths(motion, motionColour(i)));
-    this.height = Math.max(...motions.map(heightOf));
+    this.stand = motions.map(standing).reduce((a, b) => (b.height > a.height ? b : a));
+    this.height = this.stand.height;
     this.spacing = 0.85 * this.height;
-    this.way = calmWay(motions[0]);
+    this.way = calmWay(motions);
     stage.scene.add(...[...this.robots, ...this.humans, ...this.paths].map((each) => each.group));
     this.arrange();
   }
@@ -99,7 +98,8 @@ export class World {
   }
 
   placeHuman(human, place) {
-    const [scale, x, y] = human.human.placement;
+    const [scale, x, y, yaw] = human.human.placement;
+    human.group.rotation.z = yaw;
     human.group.scale.setScalar(scale);
     human.group.position
       .copy(this.aside)
@@ -110,18 +110,24 @@ export class World {
   /** Poses all figures. @param {number} time seconds */
   update(time) {
     // the same frames are shown for several pictures
-    const frames = this.motions.map((motion) => motion.frameAt(time)).join();
+    const frames = this.motions.map((motion) => motion.step(time)).join();
     if (frames === this.shown) return;
     this.shown = frames;
     this.time = time;
     this.stage.shadowsChanged();
-    this.motions.forEach((motion, i) =>
-      this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase),
+    this.motions.forEach((motion, i) => {
+      this.robots[i].update(motion.frameAt(time), this.showContacts, inPhase);
+      this.robots[i].setEnded(motion.hasEnded(time));
+    });
+    // a human goes on to its own end
+    for (const human of this.humans) human.update(human.motion.step(time), this.showContacts);
+    const [x, y, z] = onWay(this.way, time);
+    this.stage.aim(
+      x + this.aside.x * this.middle,
+      y + this.aside.y * this.middle,
+      0.46 * this.height,
+      lift(z, this.stand),
     );
-    for (const human of this.humans) human.update(human.motion.frameAt(time), this.showContacts);
-    const frame = this.motions[0].frameAt(time);
-    const [x, y] = [this.way[2 * frame], this.way[2 * frame + 1]];
-    this.stage.aim(x + this.aside.x * this.middle, y + this.aside.y * this.middle, 0.46 * this.height);
   }
 
   /** The body of a robot at a point of the canvas. @returns {{motion: number, body: number}|null} */
@@ -167,50 +173,20 @@ export class World {
         visible: there.z < 1,
       });
     };
+    const named = (name, ended) => (ended ? `${name} (ended)` : name);
     this.robots.forEach((robot, i) => {
-      add(robot, robot.bodies[this.motions[i].robot.root].position, this.motions[i].label, motionColour(i));
+      const motion = this.motions[i];
+      const text = named(motion.label, motion.hasEnded(this.time ?? 0));
+      add(robot, robot.bodies[motion.robot.root].position, text, motionColour(i));
     });
     if (this.humanMode === 'beside') {
       for (const human of this.humans) {
-        const frame = Math.min(human.motion.frameAt(this.time ?? 0), human.human.frames - 1);
+        const step = human.motion.step(this.time ?? 0);
+        const frame = Math.min(step, human.human.frames - 1);
         const hips = human.index.has('Hips') ? human.place('Hips', frame, new Vector3()) : new Vector3();
-        add(human, hips, human.motion.report?.source || 'source', null);
+        add(human, hips, named(human.motion.report?.source || 'source', step > frame), null);
       }
     }
     return tags;
   }
-}
-
-/** The highest body in the first frame and a head above it, metres. */
-function heightOf(motion) {
-  let highest = 0.3,
-    lowest = 0;
-  for (const frame of [0, motion.frames >> 1, motion.frames - 1]) {
-    const poses = motion.bodyPoses(frame);
-    for (let body = 1; body < motion.robot.bodies.length; ++body)
-      highest = Math.max(highest, poses[7 * body + 2] - lowest);
-  }
-  return Math.min(3, 1.18 * highest);
-}
-
-/** The root's way over the ground without its sway: a mean of means; x y by frame. */
-function calmWay(motion) {
-  const half = Math.max(1, Math.round(CALM * motion.fps));
-  let way = new Float64Array(2 * motion.frames);
-  for (let i = 0; i < motion.frames; ++i)
-    way.set([motion.position[3 * i], motion.position[3 * i + 1]], 2 * i);
-  for (let pass = 0; pass < 2; ++pass) {
-    const calm = new Float64Array(way.length);
-    for (let axis = 0; axis < 2; ++axis) {
-      for (let i = 0; i < motion.frames; ++i) {
-        // as far to both sides, so that the ends stay where they are
-        const reach = Math.min(half, i, motion.frames - 1 - i);
-        let sum = 0;
-        for (let j = i - reach; j <= i + reach; ++j) sum += way[2 * j + axis];
-        calm[2 * i + axis] = sum / (2 * reach + 1);
-      }
-    }
-    way = calm;
-  }
-  return way;
 }
