@@ -1,6 +1,7 @@
 """tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
 
 import hashlib
+import json
 import os
 import pathlib
 import re
@@ -224,6 +225,21 @@ class TheDocsAgree(unittest.TestCase):
                     name = told.get(name, name)
                     if name:
                         self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
+
+    def test_what_is_linked_has_its_notice(self):
+        rows = self.text("docs/dependencies.md").split("## Libraries")[1].split("\n\n")[1].splitlines()[2:]
+        notices = dict(re.findall(r"^={78}\n(.*)\n\nLicence: (.*)", self.text("THIRD_PARTY_NOTICES"), re.MULTILINE))
+        told = []
+        for row in rows:
+            name, _, licence, where = (cell.strip() for cell in row.split("|")[1:5])
+            if re.search(r"core|edit|rig|batch|tool|pages|Python module", where) and name != "Python's headers":
+                with self.subTest(name):
+                    told.append(name)
+                    self.assertIn(licence.split()[0], notices.get(name, "no notice"))
+        self.assertGreaterEqual(len(told), 12)
+        notice = self.text("THIRD_PARTY_NOTICES").split("Figures of robots")[1]
+        for profile in (SOURCE / "robots").glob("*/robot.json"):
+            self.assertIn(json.loads(profile.read_text())["licence"], notice)
 
     def test_the_module_is_built_with_one_nanobind(self):
         pinned = re.search(r"^nanobind==(\S+)", self.text("tools/python.txt"), re.MULTILINE)[1]
