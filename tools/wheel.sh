@@ -24,7 +24,7 @@ build() {
   local settings=()
   say "building with $("$python" --version)"
   mkdir -p "$out" "$work/plain"
-  # a folder that has the libraries already saves the time; its other options stay
+  # a folder that has the libraries already saves the time; for another Python's compiler it begins anew
   [ -z "$folder" ] || settings=(--config-settings "build-dir=$folder")
   CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)} pip "$python" wheel --no-deps "${settings[@]}" \
     --wheel-dir "$work/plain" "$root"
@@ -59,6 +59,7 @@ check_notices() {
     exit 1
   fi
   for library in "$work"/notices/retarget.libs/*; do
+    [ -e "$library" ] || continue
     # libzip-0123abcd.so.4, libtinyxml2-0123abcd.so.9
     name=$(basename "$library" | sed -E 's/(-[0-9a-f]{8})?\.so.*//')
     if ! grep -qxF "Shared libraries in the wheel: $name" "$notices"; then
