@@ -1,17 +1,43 @@
 """tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
 
 import hashlib
+import importlib.util
 import json
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
+import unittest.mock
 import zipfile
 
+from tool import absent
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Strict(unittest.TestCase):
+    """RETARGET_STRICT_TESTS: what other tests would be skipped without is there (.ci/run)."""
+
+    def test_nothing_is_skipped_that_setup_can_install(self):
+        if os.environ.get("RETARGET_STRICT_TESTS", "0") in ("", "0"):
+            self.skipTest("RETARGET_STRICT_TESTS is not set")
+        result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True,
+                                stderr=subprocess.PIPE, timeout=300)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIsNotNone(importlib.util.find_spec("numpy"), f"{sys.executable} lacks numpy")
+
+    def test_what_is_absent_fails_where_that_is_asked_for(self):
+        with unittest.mock.patch.dict(os.environ, RETARGET_STRICT_TESTS="1"):
+            with self.assertRaisesRegex(AssertionError, "no browser"):
+                absent("no browser")
+        for value in ("", "0"):
+            with unittest.mock.patch.dict(os.environ, RETARGET_STRICT_TESTS=value):
+                with self.assertRaisesRegex(unittest.SkipTest, "no browser"):
+                    absent("no browser")
 
 
 class Setup(unittest.TestCase):
@@ -34,7 +60,7 @@ class Setup(unittest.TestCase):
         # with a MuJoCo of one's own: whether anything else is missing
         rest = self.setup("--check", MuJoCo_ROOT=str(folder))
         if rest.returncode != 0:
-            self.skipTest("not all that setup.sh would install is there: " + rest.stderr)
+            absent("not all that setup.sh would install is there: " + rest.stderr)
 
     def setup(self, *arguments, **variables):
         return subprocess.run(["bash", self.tree / "tools/setup.sh", *arguments], text=True,
