@@ -67,6 +67,7 @@ clang-tidy-14      | clang-tools-extra | clang    | llvm             | has_comma
 clang-format-14    | clang-tools-extra | clang    | llvm             | has_command clang-format-14 clang-format
 libclang-rt-14-dev | compiler-rt      | compiler-rt | llvm           | has_clang_runtime
 libbenchmark-dev   | google-benchmark-devel | benchmark | google-benchmark | has_header benchmark/benchmark.h
+npm                | nodejs-npm     | npm           | node          | has_command npm
 shellcheck         | ShellCheck       | shellcheck | shellcheck      | has_command shellcheck
 '
 

@@ -93,7 +93,7 @@ ClipQuality clip_quality(const QualityReport& report) {
   return quality;
 }
 
-std::string summary_csv(std::span<const ManifestEntry> entries) {
+std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> entries) {
   std::vector<const ManifestEntry*> order;
   for (const ManifestEntry& entry : entries) order.push_back(&entry);
   const auto key = [](const ManifestEntry* entry) {
@@ -102,10 +102,14 @@ std::string summary_csv(std::span<const ManifestEntry> entries) {
                       measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);
   };
   std::ranges::sort(order, {}, key);
+  return order;
+}
+
+std::string summary_csv(std::span<const ManifestEntry> entries) {
   std::string text = "status,clip,robot,frames,fps,duration_s,gates_missed,worst,worst_ratio";
   for (const Metric& metric : quality_metrics()) text += "," + std::string(metric.key);
   text += ",message,hint\n";
-  for (const ManifestEntry* entry : order) text += row_of(*entry);
+  for (const ManifestEntry* entry : worst_first(entries)) text += row_of(*entry);
   return text;
 }
 

@@ -17,7 +17,7 @@ constexpr double kThinnest = 0.006, kThickest = 0.035;  // and its bounds, metre
 
 // vertices that move with joints, in one colour
 struct SkinPart {
-  TriangleMesh mesh;
+  GltfMesh mesh;
   std::vector<std::uint16_t> joints;
   std::vector<float> weights;
 

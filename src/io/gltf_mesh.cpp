@@ -15,13 +15,13 @@ constexpr int kRings = 5;                // of a half sphere, its equator among 
 
 }  // namespace
 
-void TriangleMesh::add_vertex(const Pose& pose, const Vector3d& place, const Vector3d& normal) {
+void GltfMesh::add_vertex(const Pose& pose, const Vector3d& place, const Vector3d& normal) {
   const Vector3d in_body = pose * place, turned = pose.rotation * normal;
   for (const double value : in_body) positions.push_back(static_cast<float>(value));
   for (const double value : turned) normals.push_back(static_cast<float>(value));
 }
 
-void TriangleMesh::add_capsule(const Pose& pose, double radius, double half_length) {
+void GltfMesh::add_capsule(const Pose& pose, double radius, double half_length) {
   const auto first = static_cast<std::uint32_t>(vertex_count());
   const auto add_ring = [&](int ring, double end) {
     const auto [sine, cosine] = portable::sin_cos(0.5 * std::numbers::pi * ring / kRings);
@@ -54,13 +54,13 @@ void TriangleMesh::add_capsule(const Pose& pose, double radius, double half_leng
   }
 }
 
-void TriangleMesh::add_line(const Vector3d& from, const Vector3d& to, double radius) {
+void GltfMesh::add_line(const Vector3d& from, const Vector3d& to, double radius) {
   const Vector3d way = to - from;
   add_capsule({rotation_between(Vector3d::UnitZ(), way), 0.5 * (from + to)}, radius,
               0.5 * way.norm());
 }
 
-void TriangleMesh::add_box(const Pose& pose, const Vector3d& half_size) {
+void GltfMesh::add_box(const Pose& pose, const Vector3d& half_size) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       const auto corner = static_cast<std::uint32_t>(vertex_count());
@@ -77,7 +77,7 @@ void TriangleMesh::add_box(const Pose& pose, const Vector3d& half_size) {
   }
 }
 
-void TriangleMesh::add_shape(const CollisionShape& shape) {
+void GltfMesh::add_shape(const CollisionShape& shape) {
   if (shape.type == CollisionShape::Type::kBox) {
     add_box(shape.body_from_shape, shape.half_size);
   } else {
@@ -86,7 +86,7 @@ void TriangleMesh::add_shape(const CollisionShape& shape) {
   }
 }
 
-GltfWriter::Json gltf_primitive(GltfWriter& writer, const TriangleMesh& mesh, int material) {
+GltfWriter::Json gltf_primitive(GltfWriter& writer, const GltfMesh& mesh, int material) {
   const int positions = writer.add_floats(mesh.positions, 3, GltfWriter::Use::kVertices);
   const int normals = writer.add_floats(mesh.normals, 3, GltfWriter::Use::kVertices);
   return {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},

@@ -11,7 +11,7 @@
 namespace retarget {
 
 /// Triangles with smooth normals, seen from outside counter-clockwise.
-struct TriangleMesh {
+struct GltfMesh {
   std::vector<float> positions, normals;  ///< x y z of each vertex; metres.
   std::vector<std::uint32_t> triangles;   ///< Three vertices each.
 
@@ -31,7 +31,7 @@ struct TriangleMesh {
 
 /// A primitive of a mesh with the attributes POSITION and NORMAL.
 /// @pre the mesh has triangles
-[[nodiscard]] GltfWriter::Json gltf_primitive(GltfWriter& writer, const TriangleMesh& mesh,
+[[nodiscard]] GltfWriter::Json gltf_primitive(GltfWriter& writer, const GltfMesh& mesh,
                                               int material);
 
 }  // namespace retarget

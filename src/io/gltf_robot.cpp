@@ -63,7 +63,7 @@ void add_keys(const RobotClip& clip, std::vector<BodyTrack>& tracks) {
 
 // the shapes of each body that has any
 std::map<int, int> add_meshes(const Robot& robot, GltfWriter& writer) {
-  std::map<int, TriangleMesh> meshes;
+  std::map<int, GltfMesh> meshes;
   for (const CollisionShape& shape : visible_shapes(robot)) meshes[shape.body].add_shape(shape);
   const int material = add_gltf_material(writer, "robot", kRobotColour);
   std::map<int, int> of_body;

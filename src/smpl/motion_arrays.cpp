@@ -27,8 +27,8 @@ constexpr std::size_t kSmplxColumns = 165;
 
 constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
 
-// rotations in one array, and in two: the pelvis, the body. The first that a file has are read;
-// AMASS, smplx, AIST++, and fits to video name them so
+// rotations in one array, and in two: the pelvis, the body. AMASS, smplx, AIST++, and fits to video
+// name them so; of several the parts in AMASS's names come first, then its whole, then the others
 constexpr std::array<const char*, 4> kWholePoses = {"poses", "fullpose", "smpl_poses",
                                                     "pose_world"};
 constexpr std::array<std::pair<const char*, const char*>, 2> kPartedPoses = {
@@ -61,7 +61,8 @@ const char* first_of(const ArraySource& file, std::span<const char* const> names
 
 const std::pair<const char*, const char*>* parted_poses(const ArraySource& file) {
   const auto found = std::ranges::find_if(kPartedPoses, [&](const auto& names) {
-    return file.has(names.first) && file.has(names.second);
+    const bool is_custom = &names == &kPartedPoses.front() || !file.has(kWholePoses.front());
+    return is_custom && file.has(names.first) && file.has(names.second);
   });
   return found == kPartedPoses.end() ? nullptr : &*found;
 }
@@ -169,6 +170,8 @@ class MotionReader {
     TRY_ASSIGN(const auto scale, read_scaling(name));
     for (std::size_t row = 0; row < trans.rows; ++row) {
       arrays_.translations.push_back(trans.vector(row, 0) / scale);
+      if (arrays_.translations.back().allFinite()) continue;
+      return file_.array_failure(name, fmt::format("too large for its scale in frame {}", row));
     }
     return {};
   }

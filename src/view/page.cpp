@@ -13,20 +13,6 @@
 namespace retarget {
 namespace {
 
-// the shell with what stands for its marks, each of which is there once
-std::string filled(const std::string& shell,
-                   std::span<const std::pair<std::string_view, std::string>> parts) {
-  std::string page;
-  std::size_t begin = 0;
-  for (const auto& [mark, text] : parts) {
-    const std::size_t at = shell.find(mark, begin);
-    if (at == std::string::npos) continue;
-    page.append(shell, begin, at - begin).append(text);
-    begin = at + mark.size();
-  }
-  return page.append(shell, begin, std::string::npos);
-}
-
 std::string title_of(std::span<const PageMotion> motions) {
   std::vector<std::string> labels;
   for (const PageMotion& motion : motions) {
@@ -37,22 +23,26 @@ std::string title_of(std::span<const PageMotion> motions) {
 
 }  // namespace
 
-Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
-  PageOptions with_title = options;
-  if (with_title.title.empty()) with_title.title = title_of(motions);
-  TRY_ASSIGN(PageData data, page_data(motions, with_title));
+std::string assemble_page(const std::string& title, PageData data) {
   const std::string policy = "default-src 'none'; script-src " + kPageScript.policy_source() +
                              "; style-src " + kPageStyle.policy_source() +
                              "; base-uri 'none'; form-action 'none'";
   // in the order of the shell
   const std::array<std::pair<std::string_view, std::string>, 6> parts = {
       {{"@POLICY@", policy},
-       {"@TITLE@", xml_text(with_title.title)},
+       {"@TITLE@", xml_text(title)},
        {"@STYLE@", kPageStyle.text()},
        {"@HEADER@", std::move(data.header)},
        {"@TRACKS@", std::move(data.tracks)},
        {"@SCRIPT@", kPageScript.text()}}};
-  return filled(kPageShell.text(), parts);
+  return fill_shell(kPageShell, parts);
+}
+
+Result<std::string> view_page(std::span<const PageMotion> motions, const PageOptions& options) {
+  PageOptions with_title = options;
+  if (with_title.title.empty()) with_title.title = title_of(motions);
+  TRY_ASSIGN(PageData data, page_data(motions, with_title));
+  return assemble_page(with_title.title, std::move(data));
 }
 
 Result<std::string> view_page(const Motion& motion, const std::string& label,

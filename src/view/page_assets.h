@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace retarget {
 
@@ -19,5 +20,13 @@ struct PageAsset {
 extern const PageAsset kPageShell;   ///< page.html, with marks for what goes into it.
 extern const PageAsset kPageStyle;   ///< page.css
 extern const PageAsset kPageScript;  ///< dist/viewer.js
+
+extern const PageAsset kGalleryShell;   ///< gallery.html, likewise.
+extern const PageAsset kGalleryStyle;   ///< gallery.css
+extern const PageAsset kGalleryScript;  ///< gallery.js
+
+/// A shell with what stands for its marks, which are in this order and each there once.
+[[nodiscard]] std::string fill_shell(
+    const PageAsset& shell, std::span<const std::pair<std::string_view, std::string>> parts);
 
 }  // namespace retarget

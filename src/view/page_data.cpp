@@ -183,26 +183,29 @@ Result<void> PageWriter::add(const PageMotion& motion) {
   return {};
 }
 
+Json links_json(const PageLinks& links) {
+  return {{"index", links.index}, {"previous", links.previous}, {"next", links.next}};
+}
+
 Result<PageData> PageWriter::finish() const {
   Json tracks = Json::array();
   for (const TrackPacker::Track& track : packer_.tracks()) {
     tracks.push_back(
         {{"channels", track.channels}, {"frames", track.frames}, {"step", track.step}});
   }
-  const Json header = {{"title", options_.title},
-                       {"tool", "retarget " + version_number()},
-                       {"precision",
-                        {{"joint", 0.5 * kAngleStep},
-                         {"root_m", 0.5 * kRootStep},
-                         {"quaternion", 0.5 * kQuaternionStep},
-                         {"bone_m", 0.5 * kBoneStep}}},
-                       {"robots", robots_},
-                       {"humans", humans_},
-                       {"motions", motions_},
-                       {"tracks", std::move(tracks)}};
-  // in ASCII, with U+FFFD for bytes that are no UTF-8
-  TRY_ASSIGN(std::string packed_header,
-             packed_text(header.dump(-1, ' ', true, Json::error_handler_t::replace)));
+  Json header = {{"title", options_.title},
+                 {"tool", "retarget " + version_number()},
+                 {"precision",
+                  {{"joint", 0.5 * kAngleStep},
+                   {"root_m", 0.5 * kRootStep},
+                   {"quaternion", 0.5 * kQuaternionStep},
+                   {"bone_m", 0.5 * kBoneStep}}},
+                 {"robots", robots_},
+                 {"humans", humans_},
+                 {"motions", motions_},
+                 {"tracks", std::move(tracks)}};
+  if (!options_.links.index.empty()) header["links"] = links_json(options_.links);
+  TRY_ASSIGN(std::string packed_header, packed_json(header));
   TRY_ASSIGN(std::string packed_tracks, packer_.finish());
   return PageData{std::move(packed_header), std::move(packed_tracks)};
 }
@@ -233,6 +236,11 @@ HumanPlacement place_human(const RobotClip& motion, const HumanClip& human) {
   if (std::isfinite(scale) && scale > 0.2 && scale < 3.0) placement.scale = scale;
   placement.shift = root.head<2>() - placement.scale * hips.head<2>();
   return placement;
+}
+
+Result<std::string> packed_json(const Json& json) {
+  // in ASCII, with U+FFFD for bytes that are no UTF-8
+  return packed_text(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 Result<PageData> page_data(std::span<const PageMotion> motions, const PageOptions& options) {

@@ -44,4 +44,10 @@ struct PageData {
 [[nodiscard]] Result<PageData> page_data(std::span<const PageMotion> motions,
                                          const PageOptions& options);
 
+/// JSON as packed_text.
+[[nodiscard]] Result<std::string> packed_json(const nlohmann::ordered_json& json);
+
+/// The whole file: shell, style, script and data.
+[[nodiscard]] std::string assemble_page(const std::string& title, PageData data);
+
 }  // namespace retarget

@@ -12,9 +12,9 @@ namespace retarget {
 namespace {
 
 constexpr int kPaper = 0xFFFFFF, kInk = 0x606060;
-constexpr double kFigureGap = 0.12;  // between figures, share of the highest
-constexpr double kMargin = 0.05;     // above and below them
-constexpr double kMinSize = 0.05;    // metres; of figures without extent
+constexpr double kBetween = 0.12;  // between figures, share of the highest
+constexpr double kMargin = 0.05;   // above and below them
+constexpr double kMinSize = 0.05;  // metres; of figures without extent
 
 // figures side by side on one floor, each with its body's place on the ground at the world's origin
 struct SolidRow {
@@ -81,10 +81,10 @@ std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
   const double highest = std::max({robots.height(), humans.height(), kMinSize});
   const double widest = std::max({robots.width(), humans.width(), kMinSize});
   const auto count = static_cast<double>(frames.size());
-  const double scale = std::min(options.width / (count * (widest + kFigureGap * highest)),
+  const double scale = std::min(options.width / (count * (widest + kBetween * highest)),
                                 options.max_row_height / highest);
   const double margin = kMargin * highest * scale;
-  const double cell = (widest + kFigureGap * highest) * scale;
+  const double cell = (widest + kBetween * highest) * scale;
   const double letters = options.times ? std::clamp(0.055 * highest * scale, 6.0, 14.0) : 0.0;
   int bottom = 0;
   RowPlace of_humans, of_robots;

@@ -56,8 +56,10 @@ void SvgWriter::stroke(const Eigen::Vector2d& from, const Eigen::Vector2d& to, d
 
 void SvgWriter::area(const Eigen::Matrix2Xd& corners, std::string_view colour, double rim) {
   std::string outline;
-  for (const auto& corner : corners.colwise())
-    outline += (outline.empty() ? "M" : "L") + place(corner);
+  for (const auto& corner : corners.colwise()) {
+    outline += outline.empty() ? 'M' : 'L';
+    outline += place(corner);
+  }
   text_ += fmt::format("<path d=\"{}Z\" fill=\"{}\"", outline, colour);
   if (rim > 0.0) {
     text_ += fmt::format(" stroke=\"{}\" stroke-width=\"{}\"", colour, number_text(rim, 1));

@@ -58,7 +58,8 @@ class GlbFiles(ToolTest):
           <body name="arm" pos="0 .2 .1" quat=".9 .1 .2 .3">
             <joint name="swing" axis="1 0 1" pos="0 -.05 .02" range="-1 2"/>
             <geom type="capsule" size=".04" fromto="0 0 0 0 .3 0" mass="1"/>
-            <body name="rod" pos="0 .3 0"><joint name="push" type="slide" axis="0 1 0" range="-.2 .2"/>
+            <body name="rod" pos="0 .3 0">
+            <joint name="push" type="slide" axis="0 1 0" range="-.2 .2"/>
               <geom size=".05" mass="1"/></body></body></body></worldbody></mujoco>"""
         self.write("machine.xml", model)
         rows = [f"0.1,0.2,{1 + 0.01 * i},0,0,0,1,{0.3 * np.sin(i / 5)},{0.1 * np.cos(i / 4)}"

@@ -25,14 +25,14 @@ def validator_folder():
     """The folder of npm's modules, or why there is none, in words."""
     if not shutil.which("node"):
         return None, "there is no node (Debian: nodejs)"
-    folder = pathlib.Path(os.environ.get("RETARGET_NODE_MODULES", SOURCE / "build/deps/node/node_modules"))
+    folder = SOURCE / "build/deps/node/node_modules"
     if not (folder / "gltf-validator").is_dir():
-        return None, f"{folder} has no gltf-validator: tools/setup.sh installs it where there is npm"
+        return None, f"no gltf-validator in {folder}: tools/setup.sh fetches it where there is npm"
     return folder, ""
 
 
 def issues(path, folder):
-    """What the validator says of a file: a list of messages, with their severity (0 error, 1 warning)."""
+    """What the validator says of a file: messages with a severity (0 error, 1 warning)."""
     result = subprocess.run(["node", "-e", VALIDATE, str(path)], text=True, check=True, timeout=60,
                             stdout=subprocess.PIPE, env={**os.environ, "NODE_PATH": str(folder)})
     return json.loads(result.stdout)["messages"]
@@ -44,7 +44,7 @@ def matrix(quaternion_xyzw):
     rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
             [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
-    return np.moveaxis(np.array([[np.asarray(cell) for cell in row] for row in rows]), (0, 1), (-2, -1))
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 class Glb:

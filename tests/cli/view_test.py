@@ -98,10 +98,9 @@ class View(ToolTest):
         # a strip and a picture at once
         self.strip(motion, "--png", "beside.png", "--strip", 2)
         self.assertEqual(pixels((self.folder / "beside.png").read_bytes()), few)
-        self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "no/x.png"),
-                          2, "no")
-        self.assert_fails(self.run_tool("view", motion, "--robot", "g1", "-o", "s.svg", "--png", "s.svg"),
-                          2, "s.svg")
+        view = ("view", motion, "--robot", "g1", "-o", "s.svg", "--png")
+        self.assert_fails(self.run_tool(*view, "no/x.png"), 2, "no")
+        self.assert_fails(self.run_tool(*view, "s.svg"), 2, "s.svg")
 
     def test_faults_are_explained(self):
         motion = self.motion()

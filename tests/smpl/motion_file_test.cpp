@@ -93,6 +93,18 @@ TEST(MotionFileTest, OtherNamesOfTheSameArrays) {
   expect_same_motion(motion_of(with("fullpose", "transl")), expected);
   expect_same_motion(motion_of(with("pose_world", "trans_world")), expected);
 
+  // AMASS's own names come first
+  const auto zeros = [](std::size_t width) {
+    return npy_doubles({kPartFrames, width}, std::vector<double>(kPartFrames * width));
+  };
+  NpzBuilder both;
+  both.add("global_orient", zeros(3)).add("body_pose", zeros(63)).add("transl", zeros(3));
+  both.add("poses", npy_doubles({kPartFrames, 72}, poses));
+  both.add("trans", npy_doubles({kPartFrames, 3}, parts.trans));
+  both.add("betas", npy_doubles({3}, parts.betas)).add("gender", npy_text("neutral"));
+  both.add("fps", npy_doubles({}, {30}));
+  expect_same_motion(motion_of(both.build()), expected);
+
   // AIST++: 60 fps, a unit of its own
   NpzBuilder dance;
   dance.add("smpl_poses", npy_doubles({kPartFrames, 72}, poses));
@@ -101,6 +113,13 @@ TEST(MotionFileTest, OtherNamesOfTheSameArrays) {
   dance.add("betas", npy_doubles({3}, parts.betas));
   dance.add("gender", npy_text("neutral"));
   expect_same_motion(motion_of(dance.build()), motion_of(parts.npz(60)));
+  for (const double scaling : {0.0, -1.0, 5e-324, std::nan("")}) {
+    NpzBuilder wrong;
+    wrong.add("smpl_poses", npy_doubles({kPartFrames, 72}, poses));
+    wrong.add("smpl_trans", npy_doubles({kPartFrames, 3}, scaled));
+    wrong.add("smpl_scaling", npy_doubles({1}, {scaling}));
+    EXPECT_THAT(error_of(wrong.build()), HasSubstr("array \"smpl_"));
+  }
 }
 
 TEST(MotionFileTest, ArraysOfMotionXAndPhuma) {

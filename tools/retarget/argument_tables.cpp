@@ -116,6 +116,10 @@ OptionTable inspect_table(InspectArguments& arguments) {
   table.push_back(write_map_row(arguments.run.request.write_map));
   table.push_back(row("json", arguments.json, kOutputGroup, "", "Print JSON on standard output",
                       {.basic = true}));
+  table.push_back(row("html", arguments.html, kOutputGroup, "FILE",
+                      "Write a page that plays the motion beside its rest pose, with what was "
+                      "found; opens from disk",
+                      {.basic = true}));
   table.push_back(row("positions", arguments.positions, kOutputGroup, "FILE",
                       "Write world positions and quaternions (xyzw) of all joints and end sites, "
                       "in the file's units and axes, as CSV; - writes standard output"));
@@ -126,8 +130,9 @@ OptionTable inspect_table(InspectArguments& arguments) {
 OptionTable view_table(ViewArguments& arguments) {
   OptionTable table = {
       row("strip", arguments.strip, kOutputGroup, "N",
-          "SVG: how many poses, from the first frame to the last",
+          "Picture: how many poses, from the first frame to the last",
           {.min = 1.0, .max = 100.0, .basic = true}),
+      row("png", arguments.png, kOutputGroup, "FILE", "Also write the picture as PNG"),
       row("label", arguments.labels, kOutputGroup, "TEXT",
           "Page: what a motion is called, one for each; repeatable (default: the "
           "names of the files)",

@@ -40,7 +40,7 @@ struct BatchArguments {
 struct MeasureArguments {
   RunArguments run;                  ///< Robot, limits, source and its start; the rate.
   std::string fps;                   ///< As given; empty: not.
-  ReadingOptions reading;          ///< But for the rate, where `run` has it.
+  ReadingOptions reading;            ///< But for the rate, where `run` has it.
   std::vector<std::string> motions;  ///< Files of robot motions.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
 };
@@ -83,11 +83,13 @@ struct InspectArguments {
   bool skeleton_only = false;
   bool json = false;
   std::string positions;  ///< CSV to write; empty: none.
+  std::string html;       ///< Page to write in place of the text; empty: none.
 };
 
 /// `retarget view`: a picture of a robot's motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
   int strip = 6;                    ///< Poses of a picture.
+  std::string png;                  ///< A picture besides the output; empty: none.
   std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
   std::string meshes;               ///< Folder for a page; empty: none.
 };

@@ -44,13 +44,14 @@ CLI::App* add_view_command(CLI::App& app, ViewArguments& arguments) {
   declare(*command,
           {word("motions", arguments.motions, "MOTION...",
                 "Robot motions, CSV, NPZ or pickle; several are played side by side; - reads "
-                "standard input")});
+                "standard input; or the output folder of a batch")});
   declare(*command, view_table(arguments));
   const auto describe_as = [command](const char* name, const char* help) {
     command->get_option(name)->description(help);
   };
   describe_as("--output",
-              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output");
+              "Page (.html) or picture (.png, else SVG); - writes an SVG to standard output; of a "
+              "folder: the gallery's folder");
   command->get_option("--output")->required();
   describe_as("--bvh", "The source of the motions, drawn beside them");
   describe_as("--smpl", "The same as SMPL or SMPL-X motion, NPZ");

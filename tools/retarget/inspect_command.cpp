@@ -1,5 +1,6 @@
 // `retarget inspect`: joints, rate, duration and extents of a motion file.
 
+#include <filesystem>
 #include <string>
 
 #include "arguments.h"
@@ -14,6 +15,7 @@
 #include "retarget/load.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/view.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
 
@@ -27,15 +29,35 @@ Result<HumanInClip> understand(Clip clip, const InspectArguments& arguments) {
   return human;
 }
 
+// what would be printed stands on the page
+Result<void> write_page(const Inspection& found, const std::string& file) {
+  SkeletonPage page;
+  page.title = std::filesystem::path(found.file).filename().string();
+  page.clip = &found.clip;
+  page.calibration = found.calibration;
+  Inspection named = found;
+  named.file = page.title;
+  page.facts = printable(inspection_text(named));
+  if (found.calibration != nullptr) {
+    for (const Warning& doubt : found.calibration->doubts) {
+      page.doubts.push_back(spell_options(doubt.message, option_as_flag));
+    }
+  }
+  if (found.reason != nullptr) page.doubts.push_back(describe(*found.reason, option_as_flag));
+  TRY_ASSIGN(const std::string bytes, skeleton_page(page));
+  return write_file(file, bytes);
+}
+
 }  // namespace
 
 Result<void> inspect(const InspectArguments& arguments, Console& console) {
+  if (arguments.html == "-") return usage_failure("--html needs a file");
   if (arguments.json && arguments.positions == "-") {
     return usage_failure("--json and --positions - both want standard output",
                          "give --positions a file name");
   }
   const Run& run = arguments.run.run;
-  TRY(check_written({arguments.positions, arguments.run.request.write_map},
+  TRY(check_written({arguments.positions, arguments.html, arguments.run.request.write_map},
                     files_read(run, arguments.run.common)));
   TRY_ASSIGN(const Clip clip, arguments.skeleton_only
                                   ? load_skeleton(run.motion, run.options.source)
@@ -56,6 +78,11 @@ Result<void> inspect(const InspectArguments& arguments, Console& console) {
     found.calibration = &human->calibration;
   } else {
     found.reason = &human.error();
+  }
+  if (!arguments.html.empty()) {
+    TRY(write_page(found, arguments.html));
+    console.line("wrote", arguments.html + ": opens in a browser");
+    return {};
   }
   return write_file("-",
                     arguments.json ? inspection_json(found) : printable(inspection_text(found)));

@@ -12,6 +12,7 @@
 #include "base/try.h"
 #include "commands.h"
 #include "console.h"
+#include "gallery.h"
 #include "human/human_clip.h"
 #include "measure_files.h"
 #include "plan/check_options.h"
@@ -50,7 +51,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
   }
   const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
   if (inputs > 1) return usage_failure("standard input can be read only once");
-  if (!is_page(run.output) && arguments.motions.size() > 1) {
+  if ((!is_page(run.output) || !arguments.png.empty()) && arguments.motions.size() > 1) {
     return usage_failure("a picture is of one motion, and " +
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "an output that ends in .html plays them side by side");
@@ -63,13 +64,13 @@ Result<void> check_usage(const ViewArguments& arguments) {
   auto inputs_read = files_read(run, arguments.run.common);
   inputs_read.insert(inputs_read.end(), arguments.motions.begin(), arguments.motions.end());
   inputs_read.push_back(arguments.run.smpl_file);
-  return check_written({run.output, arguments.run.request.write_map}, inputs_read);
+  return check_written({run.output, arguments.png, arguments.run.request.write_map}, inputs_read);
 }
 
 // a strip in the form that the file's name says
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
-  if (lower_case(fs::path(file).extension().string()) == ".png") {
+  if (file == arguments.png || lower_case(fs::path(file).extension().string()) == ".png") {
     StripPictureOptions options;
     options.poses = arguments.strip;
     return draw_strip_picture(motion.clip, human, options);
@@ -102,11 +103,13 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
                         read_motion_options(arguments.reading, run.options.source.memory_gb)));
   print_motion(file, motion, console);
   TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
-  TRY(write_file(run.output,
-                 strip_bytes(run.output, arguments, motion, human ? &*human : nullptr)));
-  console.line(
-      "wrote",
-      run.output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
+  for (const std::string& output : {run.output, arguments.png}) {
+    if (output.empty() || is_page(output)) continue;
+    TRY(write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
+    console.line(
+        "wrote",
+        output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
+  }
   return {};
 }
 
@@ -171,10 +174,14 @@ Result<void> write_page(ViewArguments arguments, Console& console) {
 
 Result<void> view(const ViewArguments& given, Console& console) {
   ViewArguments arguments = given;
+  std::error_code ignored;
+  const auto is_folder = [&](const std::string& path) { return fs::is_directory(path, ignored); };
+  if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
-  return is_page(arguments.run.run.output) ? write_page(std::move(arguments), console)
-                                           : draw_picture(arguments, console);
+  const bool page = is_page(arguments.run.run.output);
+  if (!page || !arguments.png.empty()) TRY(draw_picture(arguments, console));
+  return page ? write_page(std::move(arguments), console) : Result<void>();
 }
 
 }  // namespace retarget::cli

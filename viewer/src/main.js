@@ -8,6 +8,7 @@ import { addHelp, addKeyboard } from './keyboard.js';
 import { Motion } from './motions.js';
 import { Player } from './player.js';
 import { qualityPanel, verdict } from './quality_panel.js';
+import { SkeletonViewer, addSkeletonHook } from './skeleton_viewer.js';
 import { Stage } from './stage.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
@@ -44,6 +45,19 @@ function showHeader(page, motions) {
   }
 }
 
+/** The way back to a gallery and to the clips beside this one. */
+function addLinks({ index, previous, next }) {
+  const link = (href, text, label) =>
+    href && el('a', { href, text, 'aria-label': label, title: label, class: 'clip-link' });
+  byId('title').before(
+    ...[
+      link(index, '\u2190 All', 'Back to all clips'),
+      link(previous, '[', 'Previous clip ([)'),
+      link(next, ']', 'Next clip (])'),
+    ].filter(Boolean),
+  );
+}
+
 /** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
 function linkedTime() {
   const found = /(?:^#|[#&])t=(\d+(?:\.\d+)?)/.exec(window.location.hash);
@@ -63,6 +77,8 @@ class Viewer {
     this.world = new World(this.motions, this.stage);
     this.tags = new Tags(this.world);
     showHeader(page, this.motions);
+    this.links = page.links ?? null;
+    if (this.links) addLinks(this.links);
     this.addControls(page);
     this.world.update(0);
     this.stage.frame();
@@ -123,8 +139,10 @@ class Viewer {
       ArrowRight: skip(1),
       ',': () => player.step(-1),
       '.': () => player.step(1),
-      '[': () => this.nextFault(-1),
-      ']': () => this.nextFault(1),
+      '[': () => this.previousOrNext(-1),
+      ']': () => this.previousOrNext(1),
+      n: () => this.nextFault(1),
+      p: () => this.nextFault(-1),
       Home: () => player.seek(player.begin),
       End: () => player.seek(player.end),
       '-': () => transport.changeSpeed(-1),
@@ -139,6 +157,13 @@ class Viewer {
       h: () => tools.nextHuman(),
       '?': () => this.help(),
     });
+  }
+
+  // in a gallery of clips, else of faults
+  previousOrNext(by) {
+    if (!this.links) return this.nextFault(by);
+    const address = by < 0 ? this.links.previous : this.links.next;
+    if (address) window.location.href = address;
   }
 
   goToFault(fault, motion) {
@@ -236,8 +261,12 @@ async function main() {
   const message = byId('message');
   try {
     const page = await readHeader();
-    const viewer = new Viewer(page, await readTracks(page.tracks));
-    addTestHook(viewer);
+    const tracks = await readTracks(page.tracks);
+    if (page.skeleton) {
+      addSkeletonHook(new SkeletonViewer(page, tracks));
+      return;
+    }
+    addTestHook(new Viewer(page, tracks));
   } catch (error) {
     // no WebGL, or a browser without DecompressionStream
     message.textContent = `This motion cannot be shown here: ${error.message}`;

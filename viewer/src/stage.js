@@ -131,7 +131,7 @@ export class Stage {
     const tangent = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
     const across = 0.5 * this.width * Math.cos(SIDE) + 0.42 * this.height;
     const distance =
-      0.35 * this.width * Math.sin(SIDE) +
+      0.5 * this.width * Math.sin(SIDE) +
       Math.max((0.74 * this.height) / tangent, across / (tangent * this.camera.aspect));
     const rise = MathUtils.degToRad(12);
     this.controls.target.copy(this.target);

@@ -1,0 +1,267 @@
+"""`retarget view FOLDER`: pages of a batch and one that lists them, by hand and in a browser."""
+
+import base64
+import json
+import re
+import signal
+import struct
+import subprocess
+import time
+import unittest
+import zlib
+
+from browser import Browser, chromium
+from tool import TOOL, ToolTest, short_clip
+
+ODD = "a b <img src=x onerror=alert(1)> \"'&\u00e9\u202e.bvh"
+
+
+def data_of(path, name):
+    """The JSON that a page carries."""
+    text = re.search(rf'id="{name}">(.*?)</script>', path.read_text(), re.S)[1]
+    return json.loads(text if text.startswith("{") else zlib.decompress(base64.b64decode(text)))
+
+
+class GalleryTest(ToolTest):
+    """What both kinds of tests need."""
+
+    def batch(self, *options, clips=("walk", "squat")):
+        for name in clips:
+            self.write(f"clips/{name}.bvh", short_clip(name, 40))
+        self.run_tool("batch", "clips", "-o", "out", "--robot", "unitree_g1", "--method", "gmr",
+                      *options)
+
+    def gallery(self, *options, folder="out"):
+        return self.run_tool("view", folder, "-o", "gallery", *options)
+
+    def index(self):
+        return data_of(self.folder / "gallery/index.html", "gallery")
+
+    def entries(self):
+        lines = (self.folder / "out/manifest.jsonl").read_text().splitlines()
+        return [json.loads(line) for line in lines]
+
+    def write_entries(self, entries, name="manifest.jsonl"):
+        self.write(f"out/{name}", "".join(json.dumps(entry) + "\n" for entry in entries))
+
+
+class Gallery(GalleryTest):
+    def test_every_clip_has_its_page_and_the_worst_come_first(self):
+        self.write("clips/broken.bvh", b"HIERARCHY\n")
+        self.batch()
+        self.assert_done(self.gallery())
+        clips = self.index()["clips"]
+        rows = (self.folder / "out/summary.csv").read_text().splitlines()[1:]
+        summary = [row.split(",")[1] for row in rows]
+        self.assertEqual([clip["name"] for clip in clips], summary)
+        self.assertTrue(clips[0]["failed"])
+        self.assertIn("broken.bvh", clips[0]["message"])
+        self.assertNotIn("page", clips[0])
+        entries = {entry["relative"]: entry for entry in self.entries()}
+        metrics = [metric["key"] for metric in self.index()["metrics"]]
+        pages = []
+        for clip in clips[1:]:
+            entry = entries[clip["name"]]
+            self.assertEqual(clip["missed"], entry["quality"]["gates_missed"])
+            figures = dict(zip(metrics, clip["figures"]))
+            for key, value in entry["quality"]["figures"].items():
+                near = max(1e-4, abs(value) * 6e-3)
+                self.assertAlmostEqual(figures[key], value, delta=near, msg=key)
+            page = self.folder / "gallery" / clip["page"]
+            header = data_of(page, "page-header")
+            self.assertEqual(header["motions"][0]["frames"], entry["frames"])
+            self.assertIn("human", header["motions"][0])
+            picture = (self.folder / "gallery" / clip["picture"]).read_bytes()
+            width, height = struct.unpack_from(">II", picture, 16)
+            self.assertLessEqual((width, height), (321, 120))
+            pages.append((page.name, header["links"]))
+        index = "../index.html"
+        self.assertEqual(pages[0][1], {"index": index, "previous": "", "next": pages[1][0]})
+        self.assertEqual(pages[1][1], {"index": index, "previous": pages[0][0], "next": ""})
+        # a second time: the same bytes, and nothing else
+        before = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
+        self.assert_done(self.gallery())
+        after = {f: (self.folder / f).read_bytes() for f in self.files() if f.startswith("gal")}
+        self.assertEqual(before, after)
+
+    def test_the_options_of_the_batch_say_what_was_made_of_the_source(self):
+        self.batch("--start", 0.5, "--csv-degrees", clips=("walk",))
+        self.assert_done(self.gallery())
+        header = data_of(self.folder / "gallery" / self.index()["clips"][0]["page"], "page-header")
+        report = header["motions"][0]["report"]
+        angle = next(figure["value"] for figure in report["figures"]
+                     if figure["key"] == "limb_angle_deg")
+        entry = self.entries()[0]["quality"]["figures"]["limb_angle_deg"]
+        self.assertAlmostEqual(angle, entry, delta=0.3)
+
+    def test_what_is_missing_is_said_and_the_rest_is_shown(self):
+        self.batch()
+        (self.folder / "out/walk.csv").unlink()
+        (self.folder / "clips/squat.bvh").unlink()
+        with open(self.folder / "out/manifest.jsonl", "a") as manifest:
+            manifest.write('{"relative": "torn')
+        result = self.gallery()
+        self.assert_done(result)
+        self.assertIn("a motion of the manifest is missing: walk.csv", result.stderr)
+        self.assertIn("1 line of the manifest cannot be read", result.stderr)
+        self.assertIn("1 clip is shown without the source, which is no longer there", result.stderr)
+        walk = next(clip for clip in self.index()["clips"] if clip["name"] == "walk.bvh")
+        self.assertEqual(walk["message"], "the motion is missing: walk.csv")
+        squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
+        header = data_of(self.folder / "gallery" / squat["page"], "page-header")
+        self.assertNotIn("human", header["motions"][0])
+        # a source that is another file now keeps nothing from being seen
+        self.write("clips/squat.bvh", b"HIERARCHY\n")
+        self.assert_done(self.gallery())
+        squat = next(clip for clip in self.index()["clips"] if clip["name"] == "squat.bvh")
+        self.assertIn("without its source", squat["message"])
+        self.assertIn("page", squat)
+
+    def test_parts_of_a_batch_that_has_not_been_merged(self):
+        self.batch("--shard", "1/2")
+        self.batch("--shard", "2/2")
+        self.assertFalse((self.folder / "out/manifest.jsonl").exists())
+        self.assert_done(self.gallery())
+        self.assertEqual(len(self.index()["clips"]), 2)
+
+    def test_a_motion_that_cannot_be_read_has_a_page_that_says_so(self):
+        self.batch()
+        self.write("out/walk.csv", "1,2,<b>3\n")
+        result = self.gallery()
+        self.assert_done(result)
+        self.assertIn("1 motion cannot be shown", result.stderr)
+        walk = next(clip for clip in self.index()["clips"] if clip["name"] == "walk.bvh")
+        self.assertIn("walk.csv", walk["message"])
+        page = (self.folder / "gallery" / walk["page"]).read_text()
+        self.assertIn("walk.csv", page)
+        self.assertIn("../index.html", page)
+        self.assertNotIn("<b>3", page)
+
+    def test_faults_are_explained(self):
+        self.batch(clips=("walk",))
+        self.assert_fails(self.gallery(folder="clips"), 3, "manifest.jsonl")
+        for output, word in (("page.html", "folder"), ("out/walk.csv", "folder"), ("-", "folder"),
+                             ("out", "batch"), ("no/gallery", "no")):
+            self.assert_fails(self.run_tool("view", "out", "-o", output), 2, word)
+        self.assert_fails(self.gallery("--bvh", "clips/walk.bvh"), 2, "--bvh")
+        self.assert_fails(self.run_tool("view", "out", "clips", "-o", "gallery"), 2, "one folder")
+        self.assert_fails(self.gallery("--robot", "nobody"), 4, "nobody")
+        self.assertFalse((self.folder / "gallery").exists())
+
+    def test_one_that_is_stopped_leaves_nothing_half_written(self):
+        self.batch(clips=("walk",))
+        entry = self.entries()[0]
+        self.write_entries([{**entry, "relative": f"walk{i:03}.bvh"} for i in range(120)])
+        process = subprocess.Popen([TOOL, "view", "out", "-o", "gallery", "-q"], cwd=self.folder)
+        deadline = time.monotonic() + 60
+        while not list(self.folder.glob("gallery/clips/*.html")) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(60), 130)
+        made = sorted(f.name for f in self.folder.glob("gallery/**/*") if f.is_file())
+        self.assertNotIn("index.html", made)
+        self.assertTrue(made)
+        self.assertLess(len(made), 240)
+        for name in made:
+            self.assertRegex(name, r"^walk.*\.(html|png)$")
+            content = (self.folder / "gallery/clips" / name).read_bytes()
+            self.assertTrue(content.endswith(b"</html>\n") or b"IEND" in content[-12:], name)
+
+
+class GalleryInABrowser(GalleryTest):
+    def setUp(self):
+        super().setUp()
+        self.program = chromium()
+        if self.program is None:
+            self.skipTest("there is no Chromium (Debian: chromium)")
+
+    def names(self, browser):
+        return browser.run(
+            "[...document.querySelectorAll('.clip h2')].map((node) => node.textContent)")
+
+    def choose(self, browser, identity, value):
+        browser.run(f"document.getElementById('{identity}').value = {json.dumps(value)};"
+                    "document.getElementById('tools').dispatchEvent(new Event('input'))")
+
+    def follow(self, browser, condition):
+        """Waits for it on the page that another one leads to."""
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline:
+            try:
+                return browser.wait_for(condition, wait=deadline - time.monotonic())
+            except RuntimeError:
+                # asked while the browser was between two pages
+                time.sleep(0.05)
+        return self.fail(condition)
+
+    def test_a_thousand_clips(self):
+        self.batch(clips=("walk",))
+        entry = self.entries()[0]
+        entries = []
+        for i in range(1000):
+            quality = json.loads(json.dumps(entry["quality"]))
+            quality["figures"]["peak_speed"] = 1.0 + i * 7919 % 1000
+            quality["gates_missed"] = ["jumps"] if i % 4 == 0 else []
+            entries.append({**entry, "relative": f"take {i % 10}/clip_{i}.bvh", "frames": 30 + i,
+                            "quality": quality,
+                            "outputs": [{**entry["outputs"][0], "file": f"gone/{i}.csv"}]})
+        self.write_entries(entries)
+        result = self.gallery()
+        self.assert_done(result)
+        self.assertIn("1000 motions of the manifest are missing: gone/", result.stderr)
+        page = self.folder / "gallery/index.html"
+        self.assertLess(page.stat().st_size, 2_000_000)
+        with Browser(self.program) as browser:
+            browser.open(page)
+            spent = browser.run(
+                "performance.timing.loadEventEnd - performance.timing.navigationStart")
+            self.assertLess(spent, 3000)
+            self.assertEqual(len(self.names(browser)), 1000)
+            self.choose(browser, "search", "CLIP_99 take")
+            self.assertEqual(sorted(self.names(browser)), sorted(
+                [f"take {i % 10}/clip_{i}.bvh" for i in (99, *range(990, 1000))]))
+            self.choose(browser, "search", "")
+            self.choose(browser, "filter", "gate jumps")
+            self.assertEqual(len(self.names(browser)), 250)
+            self.assertIn("250 of 1000 clips",
+                          browser.run("document.getElementById('count').textContent"))
+            self.choose(browser, "filter", "")
+            self.choose(browser, "sort", "seconds")
+            self.assertEqual(self.names(browser)[0], "take 9/clip_999.bvh")
+            metric = [each["key"] for each in self.index()["metrics"]].index("peak_speed")
+            self.choose(browser, "sort", f"figure {metric}")
+            worst = max(range(1000), key=lambda i: i * 7919 % 1000)
+            self.assertEqual(self.names(browser)[0], f"take {worst % 10}/clip_{worst}.bvh")
+            browser.run("document.getElementById('turn').click()")
+            self.assertEqual(self.names(browser)[0], "take 0/clip_0.bvh")
+            self.choose(browser, "search", "nothing like it")
+            self.assertFalse(browser.run("document.getElementById('nothing').hidden"))
+            self.assertEqual(browser.complaints(), [])
+            self.assertEqual(len(browser.requests()), 1)
+
+    def test_pictures_links_keys_and_odd_names(self):
+        self.write("clips/" + ODD, short_clip("wave", 30))
+        self.batch()
+        self.assert_done(self.gallery())
+        with Browser(self.program) as browser:
+            browser.open(self.folder / "gallery/index.html")
+            browser.wait_for("document.images.length === 3 && "
+                             "[...document.images].every((image) => image.naturalWidth > 100)")
+            self.assertIn(ODD, self.names(browser))
+            self.assertEqual(browser.complaints(), [])
+            pages = browser.run("[...document.querySelectorAll('a.clip')].map((node) => node.href)")
+            self.assertEqual(len(pages), 3)
+            browser.run("document.querySelector('a.clip').click()")
+            # into the first, on to the others, back, and to the index
+            for key, wanted in (("", 0), ("]", 1), ("]", 2), ("]", 2), ("[", 1)):
+                if key:
+                    browser.press(key)
+                there = f"location.href === {json.dumps(pages[wanted])}"
+                self.follow(browser, f"window.retarget && {there}")
+            self.assertEqual(browser.complaints(), [])
+            browser.run("document.querySelector('.clip-link').click()")
+            self.follow(browser, "document.getElementById('clips')")
+
+
+if __name__ == "__main__":
+    unittest.main()
