@@ -6,7 +6,7 @@
 #   lib/retarget/                  MuJoCo: library, headers, licences (RETARGET_BUNDLE_MUJOCO)
 #   lib/cmake/retarget/            find_package(retarget)
 #   share/retarget/                robots/ and configs/
-#   share/doc/retarget/            the docs that help and messages name
+#   share/doc/retarget/            the docs that help and messages name, licences of all that is inside
 #   share/man, bash-completion, zsh, fish   made by the tool
 
 include(CMakePackageConfigHelpers)
@@ -20,8 +20,8 @@ install(TARGETS ${retarget_exported} EXPORT retargetTargets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(EXPORT retargetTargets NAMESPACE retarget:: DESTINATION ${retarget_package_folder})
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
-install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+install(FILES LICENSE THIRD_PARTY_NOTICES CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
 install(DIRECTORY configs DESTINATION ${retarget_data_folder})
 install(DIRECTORY robots DESTINATION ${retarget_data_folder} PATTERN unverified EXCLUDE)
 if(RETARGET_INSTALL_UNVERIFIED_ROBOTS)

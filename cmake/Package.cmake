@@ -3,7 +3,12 @@
 set(CPACK_GENERATOR "DEB;TGZ")
 set(CPACK_PACKAGE_NAME retarget)
 set(CPACK_PACKAGE_VENDOR retarget)
-set(CPACK_PACKAGE_CONTACT "the authors of retarget")
+# a Debian maintainer: CITATION.cff's name, the address of the project's commits. Who publishes packages of
+# their own sets theirs: -DRETARGET_PACKAGE_CONTACT="NAME <ADDRESS>"
+set(RETARGET_PACKAGE_CONTACT "retarget contributors <maintainers@users.noreply.h-seed-0fec6227.example>"
+  CACHE STRING "Maintainer of the packages")
+mark_as_advanced(RETARGET_PACKAGE_CONTACT)
+set(CPACK_PACKAGE_CONTACT "${RETARGET_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_RESOURCE_FILE_README ${PROJECT_SOURCE_DIR}/README.md)
@@ -24,4 +29,23 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${mujoco_folder})
 # for programs that link the library
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "libeigen3-dev, libexpected-dev, zlib1g-dev, libzip-dev, libtinyxml2-dev, libssl-dev")
+
+# where Debian looks for licences: in one file
+file(READ THIRD_PARTY_NOTICES third_party_notices)
+string(REGEX REPLACE "\n\n" "\n.\n" third_party_notices "${third_party_notices}")
+string(REGEX REPLACE "\n\n" "\n.\n" third_party_notices "${third_party_notices}")
+string(REGEX REPLACE "\n" "\n " third_party_notices "${third_party_notices}")
+file(CONFIGURE OUTPUT copyright @ONLY CONTENT [[
+Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
+Upstream-Name: retarget
+
+Files: *
+Copyright: retarget contributors
+License: Apache-2.0
+ On Debian systems, the text of the Apache License 2.0 is in
+ /usr/share/common-licenses/Apache-2.0.
+Comment: What is inside from others has the following notices; LICENSE means the text above.
+ .
+ @third_party_notices@]])
+install(FILES ${PROJECT_BINARY_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 include(CPack)

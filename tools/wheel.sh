@@ -45,7 +45,28 @@ repair() {
     say "it is larger than $kMaxBytes bytes"
     exit 1
   fi
+  check_notices
   cp "$wheel" "$out/"
+}
+
+# every library that auditwheel took in has its licence in the wheel's own notices
+check_notices() {
+  local library name notices=$work/notices
+  "$python" -m zipfile -e "$wheel" "$notices"
+  notices=$(find "$notices" -path '*.dist-info/*' -name THIRD_PARTY_NOTICES)
+  if [ -z "$notices" ] || [ ! -e "$(dirname "$notices")/LICENSE" ]; then
+    say "LICENSE and THIRD_PARTY_NOTICES are missing in it"
+    exit 1
+  fi
+  for library in "$work"/notices/retarget.libs/*; do
+    [ -e "$library" ] || continue
+    # libzip-0123abcd.so.4, libtinyxml2-0123abcd.so.9
+    name=$(basename "$library" | sed -E 's/(-[0-9a-f]{8})?\.so.*//')
+    if ! grep -qxF "Shared libraries in the wheel: $name" "$notices"; then
+      say "THIRD_PARTY_NOTICES says nothing of $name, which is inside"
+      exit 1
+    fi
+  done
 }
 
 # outside of the tree, without its folders in any path

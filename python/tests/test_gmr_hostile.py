@@ -229,8 +229,8 @@ def _resident_kib() -> int:
 
 def test_calls_do_not_make_memory_grow() -> None:
     """RETARGET_PYTHON_CALLS=100000 makes a long run of it."""
-    if "asan" in os.environ.get("LD_PRELOAD", ""):
-        pytest.skip("the address sanitizer keeps freed memory")
+    if os.environ.get("LD_PRELOAD"):
+        pytest.skip("a sanitizer keeps freed memory")
     calls = int(os.environ.get("RETARGET_PYTHON_CALLS", 2_000))
     frames = sample_frames("wave", 50)
     bad = frames[0] | {"Hips": ([0.0], [0.0])}

@@ -11,7 +11,7 @@ import unittest
 import zlib
 
 from browser import Browser, chromium
-from tool import TOOL, ToolTest, short_clip
+from tool import TOOL, ToolTest, absent, short_clip
 
 ODD = "a b <img src=x onerror=alert(1)> \"'&\u00e9\u202e.bvh"
 
@@ -173,7 +173,7 @@ class GalleryInABrowser(GalleryTest):
         super().setUp()
         self.program = chromium()
         if self.program is None:
-            self.skipTest("there is no Chromium (Debian: chromium)")
+            absent("there is no Chromium (Debian: chromium)")
 
     def names(self, browser):
         return browser.run(

@@ -1,18 +1,21 @@
 """`--format glb`: valid, and everything where the kinematics put it."""
 
 import json
+import shutil
 import unittest
 
 import numpy as np
 
 import gltf
-from tool import ToolTest, sample, short_clip
+from tool import ToolTest, absent, sample, short_clip
 
 
 class GlbFiles(ToolTest):
     def assert_valid(self, path):
         folder, why_not = gltf.validator_folder()
-        if folder is None:
+        if folder is None and shutil.which("npm"):
+            absent(why_not)
+        elif folder is None:
             self.skipTest(why_not)
         found = [(m["severity"], m["code"], m.get("pointer")) for m in gltf.issues(path, folder)
                  if m["severity"] <= 1]

@@ -9,7 +9,7 @@ import zlib
 import numpy as np
 
 from browser import Browser, chromium
-from tool import ToolTest, short_clip
+from tool import ToolTest, absent, short_clip
 
 
 def page_header(text):
@@ -72,7 +72,7 @@ Frame Time: 0.1
     def test_the_browser_shows_joints_where_they_are(self):
         program = chromium()
         if program is None:
-            self.skipTest("there is no Chromium (Debian: chromium)")
+            absent("there is no Chromium (Debian: chromium)")
         self.page()
         self.assert_done(self.run_tool("inspect", "walk.bvh", "--positions", "places.csv"))
         names = (self.folder / "places.csv").read_text().splitlines()[0].split(",")

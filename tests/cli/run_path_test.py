@@ -8,7 +8,7 @@ import sys
 import unittest
 
 import run_path
-from tool import TOOL, ToolTest
+from tool import TOOL, ToolTest, absent
 
 
 @unittest.skipUnless(sys.platform == "linux", "ELF files")
@@ -27,7 +27,7 @@ class RunPath(ToolTest):
     def test_a_library_of_the_working_directory_is_not_loaded(self):
         compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
         if compiler is None:
-            self.skipTest("no C compiler to make a library with")
+            absent("there is no C compiler to make a library with")
         source = self.write("evil.c", """#include <stdio.h>
 __attribute__((constructor)) static void run(void) { fputs("loaded", stderr); }
 """)
@@ -47,7 +47,7 @@ class Hardening(ToolTest):
     def read(self, *options):
         program = shutil.which("readelf")
         if program is None:
-            self.skipTest("there is no readelf")
+            absent("there is no readelf")
         return subprocess.run([program, "-W", *options, TOOL], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
 

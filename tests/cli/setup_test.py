@@ -1,16 +1,52 @@
 """tools/setup.sh takes the MuJoCo wheel whose hash it knows, and one Python that has everything."""
 
+import functools
 import hashlib
+import importlib.util
+import json
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
+import unittest.mock
 import zipfile
 
+from tool import absent
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Strict(unittest.TestCase):
+    """RETARGET_STRICT_TESTS: what other tests would be skipped without is there (.ci/run)."""
+
+    def test_nothing_is_skipped_that_setup_can_install(self):
+        if os.environ.get("RETARGET_STRICT_TESTS", "0") in ("", "0"):
+            self.skipTest("RETARGET_STRICT_TESTS is not set")
+        result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True,
+                                stderr=subprocess.PIPE, timeout=300)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIsNotNone(importlib.util.find_spec("numpy"), f"{sys.executable} lacks numpy")
+
+    def test_what_is_absent_fails_where_that_is_asked_for(self):
+        with unittest.mock.patch.dict(os.environ, RETARGET_STRICT_TESTS="1"):
+            with self.assertRaisesRegex(AssertionError, "no browser"):
+                absent("no browser")
+        for value in ("", "0"):
+            with unittest.mock.patch.dict(os.environ, RETARGET_STRICT_TESTS=value):
+                with self.assertRaisesRegex(unittest.SkipTest, "no browser"):
+                    absent("no browser")
+
+
+@functools.cache
+def missing_packages():
+    """What setup.sh says is missing beside MuJoCo; empty: nothing."""
+    result = subprocess.run(["bash", SOURCE / "tools/setup.sh", "--check"], text=True, stderr=subprocess.PIPE,
+                            timeout=300, env={**os.environ, "MuJoCo_ROOT": str(SOURCE)})
+    return result.stderr or "something" if result.returncode else ""
 
 
 class Setup(unittest.TestCase):
@@ -30,10 +66,8 @@ class Setup(unittest.TestCase):
                                          "RETARGET_PYTHON", "RETARGET_NO_PYTHON")}
         self.environment.update(PIP_NO_INDEX="1", PIP_FIND_LINKS=str(self.index),
                                 PIP_CONFIG_FILE=os.devnull)
-        # with a MuJoCo of one's own: whether anything else is missing
-        rest = self.setup("--check", MuJoCo_ROOT=str(folder))
-        if rest.returncode != 0:
-            self.skipTest("not all that setup.sh would install is there: " + rest.stderr)
+        if missing_packages():
+            absent("not all that setup.sh would install is there: " + missing_packages())
 
     def setup(self, *arguments, **variables):
         return subprocess.run(["bash", self.tree / "tools/setup.sh", *arguments], text=True,
@@ -224,6 +258,21 @@ class TheDocsAgree(unittest.TestCase):
                     name = told.get(name, name)
                     if name:
                         self.assertRegex(rows, rf"\n\| {re.escape(name)}[^|]* \| {version or 'any'}\b")
+
+    def test_what_is_linked_has_its_notice(self):
+        rows = self.text("docs/dependencies.md").split("## Libraries")[1].split("\n\n")[1].splitlines()[2:]
+        notices = dict(re.findall(r"^={78}\n(.*)\n\nLicence: (.*)", self.text("THIRD_PARTY_NOTICES"), re.MULTILINE))
+        told = []
+        for row in rows:
+            name, _, licence, where = (cell.strip() for cell in row.split("|")[1:5])
+            if re.search(r"core|edit|rig|batch|tool|pages|Python module", where) and name != "Python's headers":
+                with self.subTest(name):
+                    told.append(name)
+                    self.assertIn(licence.split()[0], notices.get(name, "no notice"))
+        self.assertGreaterEqual(len(told), 12)
+        notice = self.text("THIRD_PARTY_NOTICES").split("Figures of robots")[1]
+        for profile in (SOURCE / "robots").glob("*/robot.json"):
+            self.assertIn(json.loads(profile.read_text())["licence"], notice)
 
     def test_the_module_is_built_with_one_nanobind(self):
         pinned = re.search(r"^nanobind==(\S+)", self.text("tools/python.txt"), re.MULTILINE)[1]

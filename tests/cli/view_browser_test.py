@@ -14,7 +14,7 @@ import numpy as np
 import browser
 import pictures
 from pages import data_of
-from tool import SOURCE, TOOL, ToolTest, is_sanitized, sample
+from tool import SOURCE, TOOL, ToolTest, absent, is_sanitized, sample
 
 PICTURES = pathlib.Path(__file__).resolve().parent / "view_browser_pictures"
 ROBOT = SOURCE / "robots/unitree_g1/model.xml"
@@ -46,7 +46,7 @@ class InABrowser(ToolTest):
         if is_sanitized():
             raise unittest.SkipTest("pages are the same, and take a minute longer")
         if not program:
-            raise unittest.SkipTest("there is no Chromium (Debian: chromium)")
+            absent("there is no Chromium (Debian: chromium)")
         cls.pages = pathlib.Path(tempfile.mkdtemp(prefix="retarget pages "))
         cls.addClassCleanup(shutil.rmtree, cls.pages, ignore_errors=True)
         maker = cls("make_pages")

@@ -1,0 +1,31 @@
+# sanitizer_runtime(RUNTIME): what a program that has no sanitizer (Python) must load before a module that has
+# one, for LD_PRELOAD; empty where the build has none that would have to. NOTFOUND where there is no such
+# library, or none that works: clang's thread sanitizer crashes in a program that it did not link.
+function(sanitizer_runtime runtime)
+  set(${runtime} "" PARENT_SCOPE)
+  string(REGEX MATCHALL "-fsanitize=[^ ]+" sanitizers "${CMAKE_CXX_FLAGS}")
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    set(libraries address libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so thread NOTFOUND
+      undefined libclang_rt.ubsan_standalone-${CMAKE_SYSTEM_PROCESSOR}.so)
+  else()
+    # GCC's module brings the library of undefined behaviour along
+    set(libraries address libasan.so thread libtsan.so)
+  endif()
+  while(libraries)
+    list(POP_FRONT libraries sanitizer library)
+    if(sanitizers MATCHES "${sanitizer}")
+      # the compiler answers with a path, or with the name where it has no such file
+      execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${library}
+        OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE)
+      # it looks for the functions of exceptions when it starts, before Python has loaded any
+      execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.so
+        OUTPUT_VARIABLE standard_library OUTPUT_STRIP_TRAILING_WHITESPACE)
+      if(library AND IS_ABSOLUTE "${path}")
+        set(${runtime} "${path} ${standard_library}" PARENT_SCOPE)
+      else()
+        set(${runtime} NOTFOUND PARENT_SCOPE)
+      endif()
+      return()
+    endif()
+  endwhile()
+endfunction()
