@@ -3,9 +3,9 @@
 set(CPACK_GENERATOR "DEB;TGZ")
 set(CPACK_PACKAGE_NAME retarget)
 set(CPACK_PACKAGE_VENDOR retarget)
-# a Debian maintainer: CITATION.cff's name, the address of the project's commits. Who publishes packages of
+# a Debian maintainer: CITATION.cff's name with an address that nobody has. Who publishes packages of
 # their own sets theirs: -DRETARGET_PACKAGE_CONTACT="NAME <ADDRESS>"
-set(RETARGET_PACKAGE_CONTACT "retarget contributors <maintainers@users.noreply.h-seed-0fec6227.example>"
+set(RETARGET_PACKAGE_CONTACT "retarget contributors <contributors@retarget.invalid>"
   CACHE STRING "Maintainer of the packages")
 mark_as_advanced(RETARGET_PACKAGE_CONTACT)
 set(CPACK_PACKAGE_CONTACT "${RETARGET_PACKAGE_CONTACT}")
