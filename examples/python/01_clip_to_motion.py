@@ -24,9 +24,9 @@ def plot_joints(motion: retarget.Motion, file: Path, count: int = 6) -> bool:
         return False
     times = np.arange(len(motion)) / motion.fps
     limits = motion.robot.joint_limits()
-    most = np.argsort(-np.ptp(motion.joint_positions, axis=0))[:count]
+    moving = np.argsort(-np.ptp(motion.joint_positions, axis=0))[:count]
     figure, axes = plt.subplots(count, sharex=True, figsize=(8, 1.5 * count), squeeze=False)
-    for axis, joint in zip(axes[:, 0], most):
+    for axis, joint in zip(axes[:, 0], moving):
         axis.plot(times, motion.joint_positions[:, joint])
         axis.axhspan(*limits[joint], alpha=0.1)
         axis.set_ylabel("rad")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 StrPath = str | os.PathLike[str]
 Progress = Callable[[str, int, int], object]
-Bounds = float | tuple[float | None, float | None] | None
+Bounds = float | tuple[float | None, float | None] | list[float | None] | None
 
 
 @with_options("SourceOptions")
@@ -66,56 +67,69 @@ def to_robot(clip: _retarget.Clip | StrPath, robot: _retarget.Robot | StrPath | 
     source = _taken(given, names_of("SourceOptions") - names_of("SolvingOptions"))
     of_robot = _taken(given, names_of("RobotOptions"))
     if not isinstance(clip, _retarget.Clip):
-        clip = load(clip, **source, memory=given.get("memory"))
-    elif source:
-        raise UsageError(f"{min(source)} is an option of load(), and the clip is read already")
-    if not isinstance(robot, _retarget.Robot):
-        robot = _retarget.Robot(robot, data_dir=data_dir, **of_robot)
-    elif of_robot:
-        raise UsageError(f"{min(of_robot)} is an option of Robot(), and the robot is loaded "
-                         "already")
+        source["memory"] = given.get("memory")
+    clip = _clip(clip, source)
+    robot = _robot(robot, data_dir, of_robot)
     return _retarget.to_robot(clip, robot, given, dict(fit or {}), threads, progress)
 
 
-@with_options("ReadingOptions")
-def load_motion(file: StrPath, robot: _retarget.Robot | StrPath, *,
+@with_options("ReadingOptions", "RobotOptions")
+def load_motion(file: StrPath, robot: _retarget.Robot | StrPath | None = None, *,
                 data_dir: StrPath | None = None,
-                **options: Unpack[_options.ReadingOptions]) -> _retarget.Motion:
+                **options: Unpack[_options.LoadMotionOptions]) -> _retarget.Motion:
     """Reads a robot's motion: CSV, NPZ, pickle, known by its content (docs/formats.md).
+
+    Args:
+        robot: whose motion it is: a robot, or what Robot() takes (then its options may be given as
+            well; `dof` is the variant that the file's columns are of).
+        data_dir: folder with robots/ and configs/, of a robot that is loaded here.
 
     Raises:
         InputError: a malformed file; one that can be read in two ways (names the option that
             decides).
     """
-    return _retarget.load_motion(file, _robot(robot, data_dir), dict(options))
+    given: dict[str, Any] = dict(options)
+    of_robot = _taken(given, names_of("RobotOptions") - names_of("ReadingOptions"))
+    return _retarget.load_motion(file, _robot(robot, data_dir, of_robot), given)
 
 
-@with_options("EvaluateOptions")
+@with_options("EvaluateOptions", "SourceOptions")
 def evaluate(motion: _retarget.Motion, clip: _retarget.Clip | StrPath | None = None, *,
              gates: Mapping[str, Bounds] | StrPath | Literal[False] | None = None,
-             **options: Unpack[_options.EvaluateOptions]) -> Report:
+             **options: Unpack[_options.EvaluateClipOptions]) -> Report:
     """Measures a motion and holds it against gates (docs/quality.md).
 
     A motion of to_robot() is measured beside the clip that it was made from, rounded as it is
-    written. One that was read is measured beside `clip`, at `fps` (30 without any).
+    written, at its own rate; only `limits` can be others then. One that was read is measured beside
+    `clip`, at `fps` (30 without any), as the command does.
 
     Args:
-        clip: the human motion it came from; None: its own.
+        clip: the human motion it came from; None: its own. Of a path, options of load() may be
+            given as well.
         gates: None: the default ones; a dictionary changes some of them (a largest value,
             (smallest, largest), or None for no gate), a file too; False: no gates at all.
     """
-    if clip is not None and not isinstance(clip, _retarget.Clip):
-        clip = load(clip)
-    return Report(*_retarget.evaluate(motion, clip, dict(options), gates))
+    given: dict[str, Any] = dict(options)
+    source = _taken(given, names_of("SourceOptions") - names_of("EvaluateOptions"))
+    if clip is not None or source:
+        clip = _clip(clip, source)
+    if isinstance(gates, Mapping):
+        gates = dict(gates)
+    return Report(*_retarget.evaluate(motion, clip, given, gates))
 
 
-@with_options("HumanOptions")
+@with_options("HumanOptions", "SourceOptions")
 def inspect(clip: _retarget.Clip | StrPath, *, data_dir: StrPath | None = None,
-            **options: Unpack[_options.HumanOptions]) -> Inspection:
-    """What a clip holds: joints, rate, extents, and the human that was recognised in it."""
-    if not isinstance(clip, _retarget.Clip):
-        clip = load(clip)
-    return Inspection(*_retarget.inspect(clip, dict(options), _folder(data_dir)))
+            **options: Unpack[_options.InspectOptions]) -> Inspection:
+    """What a clip holds: joints, rate, extents, and the human that was recognised in it.
+
+    Args:
+        clip: a clip, or the path of one (then options of load() may be given as well).
+        data_dir: folder with robots/ and configs/.
+    """
+    given: dict[str, Any] = dict(options)
+    source = _taken(given, names_of("SourceOptions") - names_of("HumanOptions"))
+    return Inspection(*_retarget.inspect(_clip(clip, source), given, data_dir))
 
 
 @with_options("BatchOptions")
@@ -137,12 +151,28 @@ def batch(inputs: StrPath | Iterable[StrPath], output: StrPath,
             is no error: see Batch.failed.
     """
     failed, notes = _retarget.batch(inputs, output, robots, dict(options), quality, sidecar,
-                                    _folder(data_dir))
+                                    data_dir)
     folder = Path(os.fsdecode(output))
-    manifests = sorted(folder.glob("manifest*.jsonl"))
-    lines = [json.loads(line) for file in manifests
-             for line in file.read_text(encoding="utf-8", errors="surrogateescape").splitlines()]
-    return Batch(folder=folder, failed=failed, clips=lines, notes=list(notes))
+    part = re.fullmatch(r"0*([0-9]+)/0*([0-9]+)", str(options.get("shard") or ""))
+    manifest = f"manifest.{part[1]}-of-{part[2]}.jsonl" if part else "manifest.jsonl"
+    return Batch(folder=folder, failed=failed, clips=_manifest_lines(folder / manifest),
+                 notes=list(notes))
+
+
+def _manifest_lines(file: Path) -> list[dict[str, Any]]:
+    """The entries of a manifest; lines that a kill tore are left out."""
+    if not file.is_file():
+        return []
+    lines = []
+    # not splitlines(): it cuts at characters that JSON may hold
+    for line in file.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(entry, dict):
+            lines.append(entry)
+    return lines
 
 
 def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
@@ -150,11 +180,22 @@ def _taken(options: dict[str, Any], names: frozenset[str]) -> dict[str, Any]:
     return {name: options.pop(name) for name in sorted(names & options.keys())}
 
 
-def _robot(robot: _retarget.Robot | StrPath, data_dir: StrPath | None) -> _retarget.Robot:
-    if isinstance(robot, _retarget.Robot):
-        return robot
-    return _retarget.Robot(robot, data_dir=data_dir)
+def _clip(clip: _retarget.Clip | StrPath | None, options: dict[str, Any]) -> _retarget.Clip:
+    """A clip, or that of a path, read with options."""
+    if clip is not None and not isinstance(clip, _retarget.Clip):
+        return load(clip, **options)
+    if options:
+        raise UsageError(f"{min(options)} is an option of load(), and the clip is read already")
+    assert clip is not None
+    return clip
 
 
-def _folder(data_dir: StrPath | None) -> str:
-    return "" if data_dir is None else os.fspath(data_dir)
+def _robot(robot: _retarget.Robot | StrPath | None, data_dir: StrPath | None,
+           options: dict[str, Any]) -> _retarget.Robot:
+    """A robot, or what Robot() makes of a name and options."""
+    if not isinstance(robot, _retarget.Robot):
+        return _retarget.Robot(robot, data_dir=data_dir, **options)
+    given = [*sorted(options), *(["data_dir"] if data_dir is not None else [])]
+    if given:
+        raise UsageError(f"{given[0]} is an option of Robot(), and the robot is loaded already")
+    return robot

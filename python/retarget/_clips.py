@@ -32,8 +32,14 @@ def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: Ar
         raise UsageError(f"parents: expected {len(names)} of them, one for each name, "
                          f"found {len(parents)}")
     try:
+        fps = float(fps)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"fps: expected frames per second, found {fps!r}") from None
+    if not isinstance(name, str):
+        raise UsageError(f"name: expected a text, found {name!r}")
+    try:
         indices = [-1 if each is None else each.__index__() for each in parents]
-    except AttributeError:
+    except (AttributeError, TypeError):
         raise UsageError("parents: expected whole numbers, -1 for the root") from None
     for joint, parent in enumerate(indices):
         if not -1 <= parent < len(indices):

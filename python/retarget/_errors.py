@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from typing import Any
 
@@ -78,4 +79,13 @@ def make_error(kind: str, text: str, message: str, file: str, line: int, column:
 
 def warn(text: str) -> None:
     """Called by the module for a warning of the library; names the user's line."""
-    warnings.warn(text, RetargetWarning, stacklevel=3)
+    level = 1
+    frame = sys._getframe()
+    while frame.f_back is not None and _is_ours(frame.f_globals.get("__name__", "")):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, RetargetWarning, stacklevel=level)
+
+
+def _is_ours(module: str) -> bool:
+    return module == "retarget" or module.startswith("retarget.")

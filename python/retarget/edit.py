@@ -29,14 +29,24 @@ def trim(clip: Clip, *, start: float | None = None, end: float | None = None,
     if isinstance(frames, slice):
         if frames.step not in (None, 1):
             raise UsageError("frames: a slice with a step; resample() gives fewer frames")
-        frames = ":".join("" if end is None else str(end) for end in (frames.start, frames.stop))
+        first, behind, _ = frames.indices(len(clip))
+        frames = f"{first}:{behind}"
     return _retarget.edit_trim(clip, {"start": start, "end": end, "frames": frames})
 
 
 @with_options("ResampleOptions")
-def resample(clip: Clip, fps: float | None = None,
+def resample(clip: Clip, fps: float | None = None, *, antialias: bool = True,
              **options: Unpack[_options.ResampleOptions]) -> Clip:
-    """A clip at another rate, or faster or slower, or both."""
+    """A clip at another rate, or faster or slower, or both.
+
+    Args:
+        fps: frames per second; None: the clip's.
+        antialias: low-pass a clip that is brought to a lower rate.
+    """
+    if not antialias:
+        if options.get("no_antialias") is False:
+            raise UsageError("antialias=False and no_antialias=False contradict each other")
+        options["no_antialias"] = True
     return _retarget.edit_resample(clip, {"fps": fps, **options})
 
 
@@ -49,42 +59,42 @@ def rest(clip: Clip, like: Clip) -> Clip:
 def transfer(clip: Clip, like: Clip, *, data_dir: StrPath | None = None,
              **options: Unpack[_options.EditOptions]) -> Clip:
     """A clip on another skeleton, that of `like`, moved through the T-pose."""
-    return _retarget.edit_transfer(clip, like, dict(options), _folder(data_dir))
+    return _retarget.edit_transfer(clip, like, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def lafan1(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
     """A clip in the shape of LAFAN1: its joints, names, axes and size."""
-    return _retarget.edit_lafan1(clip, dict(options), _folder(data_dir))
+    return _retarget.edit_lafan1(clip, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def mirror(clip: Clip, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.EditOptions]) -> Clip:
     """The mirror image: left does what right did."""
-    return _retarget.edit_mirror(clip, dict(options), _folder(data_dir))
+    return _retarget.edit_mirror(clip, dict(options), data_dir)
 
 
 @with_options("GroundOptions", "EditOptions")
 def ground(clip: Clip, floor: float | None = None, *, data_dir: StrPath | None = None,
            **options: Unpack[_options.GroundEditOptions]) -> Clip:
     """Raised or lowered so that the floor is at height 0."""
-    return _retarget.edit_ground(clip, {"floor": floor, **options}, _folder(data_dir))
+    return _retarget.edit_ground(clip, {"floor": floor, **options}, data_dir)
 
 
 @with_options("EditOptions")
 def turn(clip: Clip, degrees: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
     """Turned about the vertical where the motion begins; positive to the left."""
-    return _retarget.edit_turn(clip, degrees, dict(options), _folder(data_dir))
+    return _retarget.edit_turn(clip, degrees, dict(options), data_dir)
 
 
 @with_options("EditOptions")
 def move(clip: Clip, x: float, y: float, *, data_dir: StrPath | None = None,
          **options: Unpack[_options.EditOptions]) -> Clip:
     """Moved over the ground, metres (docs/editing.md has the axes)."""
-    return _retarget.edit_move(clip, x, y, dict(options), _folder(data_dir))
+    return _retarget.edit_move(clip, x, y, dict(options), data_dir)
 
 
 @with_options("LoopOptions", "EditOptions")
@@ -95,7 +105,7 @@ def loop(clip: Clip, *, data_dir: StrPath | None = None,
     Raises:
         RunError: the ends do not fit, unless `force` is given.
     """
-    return _retarget.edit_loop(clip, dict(options), _folder(data_dir))
+    return _retarget.edit_loop(clip, dict(options), data_dir)
 
 
 @with_options("ConcatenateOptions", "EditOptions")
@@ -106,7 +116,7 @@ def concatenate(clips: Sequence[Clip], *, data_dir: StrPath | None = None,
     Raises:
         RunError: clips that do not fit, unless `force` is given.
     """
-    return _retarget.edit_concatenate(list(clips), dict(options), _folder(data_dir))
+    return _retarget.edit_concatenate(list(clips), dict(options), data_dir)
 
 
 @with_options("PathOptions", "EditOptions")
@@ -117,8 +127,4 @@ def follow_path(clip: Clip, to: StrPath | None = None, *, data_dir: StrPath | No
     Raises:
         RunError: the path is too fast for the motion.
     """
-    return _retarget.edit_follow_path(clip, {"to": to, **options}, _folder(data_dir))
-
-
-def _folder(data_dir: StrPath | None) -> str:
-    return "" if data_dir is None else os.fspath(data_dir)
+    return _retarget.edit_follow_path(clip, {"to": to, **options}, data_dir)

@@ -39,7 +39,10 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
 }
 
 std::string shown(nb::handle object) {
-  return nb::cast<std::string>(nb::str(object));
+  const nb::object text = nb::steal(PyObject_Str(object.ptr()));
+  if (text.is_valid()) return shown_text(text);
+  forget_exception();
+  return "what cannot be shown";
 }
 
 // of the first number that is none: its indices

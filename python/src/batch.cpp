@@ -7,6 +7,7 @@
 #include <csignal>
 #include <string>
 
+#include "base/exit_code.h"
 #include "batch/batch_table.h"
 #include "batch_keywords.h"
 #include "bindings.h"
@@ -39,22 +40,6 @@ void begin_worker() {
   // Python's handlers are none of a worker's; the terminal sends Ctrl-C to the parent, which passes it on
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, [](int) { worker_is_stopped = 1; });
-}
-
-// as the command's exit codes: manifests have them
-int exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::kUsage:
-      return 2;
-    case ErrorKind::kInput:
-      return 3;
-    case ErrorKind::kConfig:
-      return 4;
-    case ErrorKind::kInterrupted:
-      return 130;
-    default:
-      return 1;
-  }
 }
 
 // what Python is told of a batch
@@ -98,7 +83,7 @@ std::vector<std::string> paths_of(const nb::object& given, const char* what) {
 
 // how many clips failed, and the lines of the summary
 nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::object& robots,
-                const nb::dict& keywords, bool quality, bool sidecar, const std::string& data_dir) {
+                const nb::dict& keywords, bool quality, bool sidecar, const nb::object& data_dir) {
   BatchRequest request;
   apply_keywords(batch_keywords(request), keywords);
   request.inputs = paths_of(inputs, "inputs");
@@ -106,9 +91,9 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
   if (!robots.is_none()) request.robots = paths_of(robots, "robots");
   request.quality = quality;
   request.of_clip.sidecar = sidecar;
-  request.exit_code = exit_code;
+  request.exit_code = exit_code_of;
   request.begin_worker = begin_worker;
-  request.data_folder = value_of(data_folder_of(data_dir));
+  request.data_folder = value_of(data_folder_of(bytes_of_folder(data_dir)));
   nb::list notes;
   Watcher watcher(nb::none());
   BatchObserver observer(watcher, notes);
@@ -124,7 +109,7 @@ nb::tuple batch(const nb::object& inputs, const nb::object& output, const nb::ob
 
 void bind_batch(nb::module_& module) {
   module.def("batch", &batch, "inputs"_a.none(), "output"_a.none(), "robots"_a.none(), "options"_a,
-             "quality"_a, "sidecar"_a, "data_dir"_a);
+             "quality"_a, "sidecar"_a, "data_dir"_a.none());
 }
 
 }  // namespace retarget::python

@@ -138,13 +138,13 @@ FrameRate rate_of(double fps) {
 
 ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::object positions,
                        nb::object rotations, bool scalar_first, bool local, double fps,
-                       const std::string& name) {
+                       const nb::object& name) {
   ClipArrays arrays;
   arrays.rate = rate_of(fps);
   arrays.scalar_first = scalar_first;
   arrays.local = local;
-  arrays.name = name;
-  for (nb::handle each : names) arrays.names.push_back(bytes_of_path(each, "names"));
+  arrays.name = bytes_of_name(name, "name");
+  for (nb::handle each : names) arrays.names.push_back(bytes_of_name(each, "names"));
   for (nb::handle each : parents) arrays.parents.push_back(nb::cast<int>(each));
   const auto joints = static_cast<std::int64_t>(arrays.names.size());
   const GivenArray places(positions, "positions", {-1, joints, 3});
@@ -172,13 +172,14 @@ void save(const ClipHandle& clip, const nb::object& file, std::optional<int> dec
 }
 
 // text and JSON of what a clip holds
-nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const std::string& data_dir) {
+nb::tuple inspect(const ClipHandle& handle, const nb::dict& options, const nb::object& data_dir) {
   HumanOptions how;
+  const std::string chosen = bytes_of_folder(data_dir);
   apply_keywords(human_table(how), options);
   Clip clip = *handle;
   const auto human = [&] {
     const nb::gil_scoped_release released;
-    const auto folder = data_folder_of(data_dir);
+    const auto folder = data_folder_of(chosen);
     return folder ? find_human(clip, how, *folder) : failure(folder.error());
   }();
   // what was asked for must be possible; what was only looked at need not be a human
@@ -217,7 +218,7 @@ void bind_clip(nb::module_& module) {
           "duration", [](const ClipHandle& clip) { return clip->duration(); },
           "Seconds from the first to the last frame.")
       .def_prop_ro(
-          "joint_names", [](const ClipHandle& clip) { return texts_of(clip->skeleton().names()); },
+          "joint_names", [](const ClipHandle& clip) { return names_of(clip->skeleton().names()); },
           nb::sig("def joint_names(self) -> list[str]"), "J names, parents before children.")
       .def_prop_ro("parents", &parents, nb::sig("def parents(self) -> list[int]"),
                    "Index of each joint's parent; -1: the root.")
@@ -282,7 +283,7 @@ void bind_clip(nb::module_& module) {
   module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),
              "rotations"_a.none(), "scalar_first"_a, "local"_a, "fps"_a, "name"_a);
   module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a);
-  module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a);
+  module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a.none());
 }
 
 }  // namespace retarget::python

@@ -72,9 +72,9 @@ struct Call {
 // rows of one edit, made for the settings that they are bound to
 using OwnTable = OptionTable (*)(EditSettings&);
 
-Call call_of(const nb::dict& keywords, const std::string& data_dir, EditNeeds needs,
+Call call_of(const nb::dict& keywords, const nb::object& data_dir, EditNeeds needs,
              OwnTable own = nullptr) {
-  Call call{{}, {}, data_dir, needs};
+  Call call{{}, {}, bytes_of_folder(data_dir), needs};
   OptionTable table = own == nullptr ? OptionTable{} : own(call.settings);
   append(table, edit_table(call.options));
   apply_keywords(table, keywords);
@@ -132,21 +132,21 @@ ClipHandle rest(const ClipHandle& clip, const ClipHandle& like) {
 }
 
 ClipHandle transferred(const ClipHandle& clip, const ClipHandle& like, const nb::dict& keywords,
-                       const std::string& data_dir) {
-  return edited(clip, call_of(keywords, data_dir, {}),
-                [&](EditSource& source) -> Result<Transferred> {
-                  TRY_ASSIGN(const auto target, edit_source(*like, {}, data_dir, {}));
-                  return transfer(source.subject(), target.subject());
-                });
+                       const nb::object& data_dir) {
+  const Call call = call_of(keywords, data_dir, {});
+  return edited(clip, call, [&](EditSource& source) -> Result<Transferred> {
+    TRY_ASSIGN(const auto target, edit_source(*like, {}, call.data_dir, {}));
+    return transfer(source.subject(), target.subject());
+  });
 }
 
-ClipHandle lafan1(const ClipHandle& clip, const nb::dict& keywords, const std::string& data_dir) {
+ClipHandle lafan1(const ClipHandle& clip, const nb::dict& keywords, const nb::object& data_dir) {
   return edited(clip, call_of(keywords, data_dir, {}),
                 [](EditSource& source) { return lafan1_clip(source.clip, source.calibration()); });
 }
 
 ClipHandle mirrored_clip(const ClipHandle& clip, const nb::dict& keywords,
-                         const std::string& data_dir) {
+                         const nb::object& data_dir) {
   return edited(clip, call_of(keywords, data_dir, {}),
                 [](EditSource& source) { return mirror(source.clip, source.calibration()); });
 }
@@ -158,7 +158,7 @@ void check_finite(double number, const char* what) {
 }
 
 ClipHandle turned(const ClipHandle& clip, double degrees, const nb::dict& keywords,
-                  const std::string& data_dir) {
+                  const nb::object& data_dir) {
   check_finite(degrees, "degrees");
   return edited(clip, call_of(keywords, data_dir, {}), [&](EditSource& source) {
     return turn_clip(std::move(source.clip), source.calibration(),
@@ -167,7 +167,7 @@ ClipHandle turned(const ClipHandle& clip, double degrees, const nb::dict& keywor
 }
 
 ClipHandle moved(const ClipHandle& clip, double x, double y, const nb::dict& keywords,
-                 const std::string& data_dir) {
+                 const nb::object& data_dir) {
   check_finite(x, "x");
   check_finite(y, "y");
   return edited(clip, call_of(keywords, data_dir, {.unit = true}), [&](EditSource& source) {
@@ -175,7 +175,7 @@ ClipHandle moved(const ClipHandle& clip, double x, double y, const nb::dict& key
   });
 }
 
-ClipHandle grounded(const ClipHandle& clip, const nb::dict& keywords, const std::string& data_dir) {
+ClipHandle grounded(const ClipHandle& clip, const nb::dict& keywords, const nb::object& data_dir) {
   Call call = call_of(keywords, data_dir, {.no_lead_in = true}, ground_table);
   const std::optional<double>& floor = call.settings.floor;
   call.needs.unit = floor.has_value();
@@ -188,7 +188,7 @@ ClipHandle grounded(const ClipHandle& clip, const nb::dict& keywords, const std:
   });
 }
 
-ClipHandle looped(const ClipHandle& clip, const nb::dict& keywords, const std::string& data_dir) {
+ClipHandle looped(const ClipHandle& clip, const nb::dict& keywords, const nb::object& data_dir) {
   const Call call = call_of(keywords, data_dir, {.no_lead_in = true}, loop_table);
   return edited(clip, call, [&](EditSource& source) {
     return make_loop(source.clip, source.calibration(), call.settings.loop_options());
@@ -214,7 +214,7 @@ Result<void> join(EditSource& first, const ClipHandle& next, const Call& call,
 }
 
 ClipHandle joined(const std::vector<ClipHandle>& clips, const nb::dict& keywords,
-                  const std::string& data_dir) {
+                  const nb::object& data_dir) {
   const Call call = call_of(keywords, data_dir, {.no_lead_in = true}, concatenate_table);
   if (clips.size() < 2) raise(usage_failure("clips: expected two or more").value());
   return edited(clips.front(), call, [&](EditSource& first) -> Result<Edited> {
@@ -227,7 +227,7 @@ ClipHandle joined(const std::vector<ClipHandle>& clips, const nb::dict& keywords
 }
 
 ClipHandle along_path(const ClipHandle& clip, const nb::dict& keywords,
-                      const std::string& data_dir) {
+                      const nb::object& data_dir) {
   const Call call = call_of(keywords, data_dir, {.unit = true, .no_lead_in = true}, path_table);
   const PathChange& path = call.settings.path;
   const FollowPathOptions& how = call.settings.follow_path;
@@ -246,15 +246,15 @@ void bind_edit(nb::module_& module) {
   module.def("edit_trim", &trim_clip, "clip"_a, "options"_a);
   module.def("edit_resample", &resample, "clip"_a, "options"_a);
   module.def("edit_rest", &rest, "clip"_a, "like"_a);
-  module.def("edit_transfer", &transferred, "clip"_a, "like"_a, "options"_a, "data_dir"_a);
-  module.def("edit_lafan1", &lafan1, "clip"_a, "options"_a, "data_dir"_a);
-  module.def("edit_mirror", &mirrored_clip, "clip"_a, "options"_a, "data_dir"_a);
-  module.def("edit_turn", &turned, "clip"_a, "degrees"_a, "options"_a, "data_dir"_a);
-  module.def("edit_move", &moved, "clip"_a, "x"_a, "y"_a, "options"_a, "data_dir"_a);
-  module.def("edit_ground", &grounded, "clip"_a, "options"_a, "data_dir"_a);
-  module.def("edit_loop", &looped, "clip"_a, "options"_a, "data_dir"_a);
-  module.def("edit_concatenate", &joined, "clips"_a, "options"_a, "data_dir"_a);
-  module.def("edit_follow_path", &along_path, "clip"_a, "options"_a, "data_dir"_a);
+  module.def("edit_transfer", &transferred, "clip"_a, "like"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_lafan1", &lafan1, "clip"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_mirror", &mirrored_clip, "clip"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_turn", &turned, "clip"_a, "degrees"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_move", &moved, "clip"_a, "x"_a, "y"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_ground", &grounded, "clip"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_loop", &looped, "clip"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_concatenate", &joined, "clips"_a, "options"_a, "data_dir"_a.none());
+  module.def("edit_follow_path", &along_path, "clip"_a, "options"_a, "data_dir"_a.none());
 }
 
 }  // namespace retarget::python

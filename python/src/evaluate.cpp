@@ -36,7 +36,7 @@ namespace {
 
 // of a metric: its largest value, (smallest, largest) or None, which removes its gate
 Gate gate_of(nb::handle key, nb::handle bounds) {
-  Gate gate{bytes_of_path(key, "gates"), std::nullopt, std::nullopt};
+  Gate gate{bytes_of_name(key, "gates"), std::nullopt, std::nullopt};
   if (find_metric(gate.metric) == nullptr) {
     raise(usage_failure("gates: there is no metric \"" + gate.metric + "\"" +
                         did_you_mean(gate.metric, metric_keys()))
@@ -46,12 +46,13 @@ Gate gate_of(nb::handle key, nb::handle bounds) {
     if (object.is_none()) return std::nullopt;
     const double value = PyFloat_AsDouble(object.ptr());
     if (PyErr_Occurred() == nullptr) return value;
-    PyErr_Clear();
+    forget_exception();
     raise(usage_failure("gates: " + gate.metric +
                         ": expected a largest value, (smallest, largest) or None")
               .value());
   };
-  if (nb::isinstance<nb::tuple>(bounds) && nb::len(bounds) == 2) {
+  const bool is_pair = nb::isinstance<nb::tuple>(bounds) || nb::isinstance<nb::list>(bounds);
+  if (is_pair && nb::len(bounds) == 2) {
     gate.min = number(bounds[0]);
     gate.max = number(bounds[1]);
   } else {
@@ -88,18 +89,52 @@ Result<QualityReport> measure(const MotionHandle& motion, const ClipHandle* clip
   return measure_motion(at_rate, limits, &source).report;
 }
 
+// beside the clip it was made from only limits may be others: what else is given must be as it was
+void check_kept(Options options, const Plan& plan, const nb::dict& keywords) {
+  options.time.fps = plan.rate.fps();
+  const OptionTable table = without(evaluate_table(options), {"limits"});
+  std::vector<std::string> before;
+  for (const Option& row : table) before.push_back(to_text(row.get()));
+  nb::dict given;
+  for (const auto& [key, value] : keywords) given[key] = value;
+  if (given.contains("limits")) nb::del(given["limits"]);
+  // it may be called the source's rate as well
+  if (!plan.options.time.fps && given.contains("fps") &&
+      nb::str(given["fps"]).equal(nb::str("source"))) {
+    nb::del(given["fps"]);
+  }
+  apply_keywords(table, given);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (to_text(table[i].get()) == before[i]) continue;
+    const std::string name = keyword_of(table[i]);
+    raise(usage_failure(name + ": the motion is measured as it was made, with " + name + " \"" +
+                        before[i] + "\"; to_robot() takes another one")
+              .value());
+  }
+}
+
+Result<QualityReport> measure_as_solved(const MotionHandle& handle, const std::string& limits) {
+  if (limits == handle.solved->plan.options.solve.limits) return retarget::evaluate(*handle.solved);
+  Motion motion = *handle.solved;
+  TRY_ASSIGN(motion.plan.limits, load_limits(*handle.robot, limits));
+  return retarget::evaluate(motion);
+}
+
 // text, JSON and whether the motion passed
 nb::tuple evaluate(const MotionHandle& motion, const nb::object& clip, const nb::dict& keywords,
                    const nb::object& given_gates) {
   const Gates gates = gates_of(given_gates, motion.robot.loaded.data_folder);
   const ClipHandle* source = clip.is_none() ? nullptr : nb::cast<const ClipHandle*>(clip);
-  const bool is_own = source == nullptr || motion.made_from.lock() == source->shared();
+  const bool is_own = motion.solved != nullptr &&
+                      (source == nullptr || motion.made_from.lock() == source->shared() ||
+                       motion.solved->source == source->shared());
   // of another clip, or measured in another way: what the motion was made with stays where nothing is given
   Options options = motion.solved ? motion.solved->plan.options : Options{};
+  if (motion.solved) options.time.fps = motion.clip->rate().fps();
+  if (is_own) check_kept(options, motion.solved->plan, keywords);
   apply_keywords(evaluate_table(options), keywords);
-  const bool as_solved = motion.solved != nullptr && is_own && nb::len(keywords) == 0;
   QualityReport report = without_gil([&]() -> Result<QualityReport> {
-    if (as_solved) return retarget::evaluate(*motion.solved);
+    if (is_own) return measure_as_solved(motion, options.solve.limits);
     return measure(motion, source, options);
   });
   report.file = std::filesystem::path(motion.name).filename().string();

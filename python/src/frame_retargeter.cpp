@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <type_traits>
 
 #include "arrays.h"
@@ -64,7 +65,7 @@ Pose read_pose(nb::handle value, const std::string& body) {
     position = nb::steal(PySequence_GetItem(value.ptr(), 0));
     rotation = nb::steal(PySequence_GetItem(value.ptr(), 1));
   }
-  PyErr_Clear();
+  forget_exception();
   if (!position.is_valid() || !rotation.is_valid()) {
     raise(usage_failure(
               fmt::format("\"{}\": expected a position (3,) and a quaternion (4,), w x y z", body))
@@ -99,7 +100,7 @@ class SharedRetargeter {
  public:
   SharedRetargeter(Loaded loaded, FrameRetargeter retargeter)
       : loaded_(std::move(loaded)), retargeter_(std::move(retargeter)) {
-    for (const std::string& body : retargeter_.human_bodies()) names_.push_back(text_of(body));
+    for (const std::string& body : retargeter_.human_bodies()) names_.push_back(name_of(body));
   }
 
   // {body: (position, quaternion)}
@@ -125,10 +126,21 @@ class SharedRetargeter {
       PyErr_SetObject(exception.type().ptr(), exception.ptr());
       throw nb::python_error();
     }
-    without_gil([&] {
-      return locked([&] {
-        const std::span all(human.begin(), human.end());
-        return retargeter_.update_targets(all.first(names_.size()), {down, to_ground});
+    without_gil([&] { return locked([&] { return take({human, {down, to_ground}}); }); });
+  }
+
+  // the configuration and the last frame of one that was made with other options
+  void go_on_from(SharedRetargeter& before) {
+    std::vector<double> qpos;
+    std::optional<Frame> frame;
+    without_gil([&]() -> Result<void> {
+      before.locked([&] {
+        qpos.assign(before.retargeter_.qpos().begin(), before.retargeter_.qpos().end());
+        frame = before.frame_;
+      });
+      return locked([&]() -> Result<void> {
+        TRY(retargeter_.set_qpos(qpos));
+        return frame ? take(*frame) : Result<void>();
       });
     });
   }
@@ -181,11 +193,24 @@ class SharedRetargeter {
     for (const int body : retargeter_.target_bodies()) names.append(names_[body]);
     return names;
   }
-  [[nodiscard]] nb::list joint_names() const { return texts_of(robot().joint_names()); }
-  [[nodiscard]] nb::list body_names() const { return texts_of(robot().body_names()); }
+  [[nodiscard]] nb::list joint_names() const { return names_of(robot().joint_names()); }
+  [[nodiscard]] nb::list body_names() const { return names_of(robot().body_names()); }
 
  private:
   [[nodiscard]] const Robot& robot() const { return *loaded_.robot.robot; }
+
+  // of the human, as it was given
+  struct Frame {
+    HumanPose human;
+    TargetShift shift;
+  };
+
+  Result<void> take(const Frame& frame) {
+    const std::span all(frame.human.begin(), frame.human.end());
+    TRY(retargeter_.update_targets(all.first(names_.size()), frame.shift));
+    frame_ = frame;
+    return {};
+  }
 
   // nothing of Python's is made or asked in there: that may let another thread go on, which may wait for
   // the lock with the GIL in its hands
@@ -222,6 +247,7 @@ class SharedRetargeter {
 
   Loaded loaded_;
   FrameRetargeter retargeter_;
+  std::optional<Frame> frame_;     // that targets are made from
   std::vector<nb::object> names_;  // of the human's bodies
   std::mutex mutex_;
 };
@@ -236,6 +262,10 @@ void construct(SharedRetargeter* self, const nb::object& model, const nb::object
   FrameRetargeterOptions options;
   options.damping = damping;
   options.max_extra_steps = max_extra_steps;
+  if (engine != "fast" && engine != "reference") {
+    raise(usage_failure("engine: expected \"fast\" or \"reference\", found \"" + engine + "\"")
+              .value());
+  }
   options.engine = engine == "reference" ? IkEngine::kReference : IkEngine::kFast;
   Loaded loaded = without_gil([&] { return load(choice, config, file); });
   auto made = FrameRetargeter::make(loaded.robot.robot, loaded.config, loaded.limits, options);
@@ -299,6 +329,9 @@ void bind_frame_retargeter(nb::module_& module) {
            "Sets the targets from {body: (position, quaternion w x y z)}, metres, Z up.")
       .def("solve", &SharedRetargeter::solve, nb::sig("def solve(self) -> numpy.ndarray"),
            "Solves towards the targets: the new configuration, a copy.")
+      .def("go_on_from", &SharedRetargeter::go_on_from, "before"_a,
+           nb::sig("def go_on_from(self, before: FrameRetargeter) -> None"),
+           "Takes the configuration and the last frame of another one for the same robot.")
       .def("set_qpos", &SharedRetargeter::set_qpos, "qpos"_a.none(),
            nb::sig("def set_qpos(self, qpos: numpy.typing.ArrayLike) -> None"),
            "Where the next frame starts.")

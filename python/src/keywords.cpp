@@ -12,27 +12,32 @@
 namespace retarget::python {
 namespace {
 
-std::string class_name(nb::handle object) {
-  return nb::cast<std::string>(nb::str(object.type().attr("__name__")));
+bool is_word(nb::handle object, const char* word) {
+  return PyUnicode_Check(object.ptr()) && PyUnicode_CompareWithASCIIString(object.ptr(), word) == 0;
 }
 
 // what was found, for messages: short, whatever it is
 std::string found_text(nb::handle object) {
   constexpr std::size_t kLongest = 60;
-  if (!nb::isinstance<nb::str>(object) && !PyFloat_Check(object.ptr()) &&
-      !PyLong_Check(object.ptr())) {
-    return "a value of type " + class_name(object);
+  const bool is_plain =
+      nb::isinstance<nb::str>(object) || PyFloat_Check(object.ptr()) || PyLong_Check(object.ptr());
+  const nb::object ascii = nb::steal(is_plain ? PyObject_ASCII(object.ptr()) : nullptr);
+  if (!ascii.is_valid()) {
+    // it has more digits than Python prints, or a class of its own
+    forget_exception();
+    return "a value of type " + shown_text(object.type().attr("__name__"));
   }
-  std::string text = nb::cast<std::string>(
-      text_of(nb::cast<std::string>(nb::steal<nb::str>(PyObject_ASCII(object.ptr())))));
+  std::string text = shown_text(ascii);
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
   return text;
 }
 
 bool is_flag(nb::handle object) {
   // numpy's own: `bool` from numpy 2 on, `bool_` before
-  return PyBool_Check(object.ptr()) || class_name(object) == "bool_" ||
-         class_name(object) == "bool";
+  if (PyBool_Check(object.ptr())) return true;
+  const nb::handle type = object.type();
+  return is_word(nb::getattr(type, "__module__", nb::none()), "numpy") &&
+         (is_word(type.attr("__name__"), "bool_") || is_word(type.attr("__name__"), "bool"));
 }
 
 std::optional<std::int64_t> whole_number(nb::handle object) {
@@ -41,7 +46,7 @@ std::optional<std::int64_t> whole_number(nb::handle object) {
   int overflow = 0;
   const std::int64_t value =
       index.is_valid() ? PyLong_AsLongLongAndOverflow(index.ptr(), &overflow) : 0;
-  if (PyErr_Occurred() != nullptr) PyErr_Clear();
+  forget_exception();
   if (!index.is_valid() || overflow != 0) return std::nullopt;
   return value;
 }
@@ -51,13 +56,13 @@ std::optional<double> number(nb::handle object) {
     return std::nullopt;
   }
   // an array of one number warns or fails there, and so does any other object
-  if (nb::hasattr(object, "ndim") && nb::cast<int>(object.attr("ndim")) != 0) return std::nullopt;
+  const nb::object axes = nb::getattr(object, "ndim", nb::none());
+  int count = 0;
+  if (!axes.is_none() && (!nb::try_cast(axes, count) || count != 0)) return std::nullopt;
   const double value = PyFloat_AsDouble(object.ptr());
-  if (PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
-    return std::nullopt;
-  }
-  return value;
+  if (PyErr_Occurred() == nullptr) return value;
+  forget_exception();
+  return std::nullopt;
 }
 
 std::optional<std::string> text(nb::handle object) {
@@ -72,7 +77,8 @@ std::optional<std::string> text(nb::handle object) {
 std::optional<std::vector<std::string>> texts(nb::handle object) {
   std::vector<std::string> words;
   if (nb::isinstance<nb::str>(object)) {
-    std::string_view rest = nb::borrow<nb::str>(object).c_str();
+    const std::string all = bytes_of_path(object, "option");
+    std::string_view rest = all;
     while (true) {
       const std::size_t comma = rest.find(',');
       words.emplace_back(rest.substr(0, comma));
@@ -94,8 +100,9 @@ std::optional<OptionValue> value_of_kind(const OptionValue& kind, nb::handle obj
     return value ? std::optional<OptionValue>(*std::forward<decltype(value)>(value)) : std::nullopt;
   };
   if (std::holds_alternative<bool>(kind)) {
-    if (!is_flag(object)) return std::nullopt;
-    return OptionValue(PyObject_IsTrue(object.ptr()) == 1);
+    const int truth = is_flag(object) ? PyObject_IsTrue(object.ptr()) : -1;
+    forget_exception();
+    return truth < 0 ? std::nullopt : std::optional<OptionValue>(truth == 1);
   }
   if (std::holds_alternative<std::int64_t>(kind)) return wrapped(whole_number(object));
   if (std::holds_alternative<double>(kind)) return wrapped(number(object));

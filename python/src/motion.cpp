@@ -76,7 +76,7 @@ nb::object joint_positions(const MotionHandle& motion) {
 nb::list joint_names(const MotionHandle& motion) {
   nb::list names;
   for (const int joint : motion.robot->output_joints()) {
-    names.append(text_of(motion.robot->joints()[joint].name));
+    names.append(name_of(motion.robot->joints()[joint].name));
   }
   return names;
 }
@@ -108,7 +108,12 @@ void save(const MotionHandle& motion, const nb::object& file, const nb::kwargs& 
   SaveOptions how = motion.solved ? motion.solved->plan.options.save : SaveOptions{};
   apply_keywords(save_table(how), options);
   const std::string path = bytes_of_path(file, "path");
-  without_gil([&] { return retarget::save(*motion.clip, path, how); });
+  if (path == "-") raise(usage_failure("path: expected a file, found standard output").value());
+  without_gil([&] {
+    // a GLB shows the human as well
+    return motion.solved ? retarget::save(*motion.solved, path, how)
+                         : retarget::save(*motion.clip, path, how);
+  });
   for (const MotionFormat format : how.formats) warn(format_losses(*motion.clip, format), path);
 }
 
@@ -132,8 +137,8 @@ nb::dict tracking(const MotionHandle& motion, const nb::kwargs& options) {
                     bodies = made.body_names.size();
   nb::dict arrays;
   arrays["fps"] = made.rate.fps();
-  arrays["joint_names"] = texts_of(made.joint_names);
-  arrays["body_names"] = texts_of(made.body_names);
+  arrays["joint_names"] = names_of(made.joint_names);
+  arrays["body_names"] = names_of(made.body_names);
   arrays["joint_pos"] = rows(std::move(made.joint_pos), frames, joints, 1);
   arrays["joint_vel"] = rows(std::move(made.joint_vel), frames, joints, 1);
   arrays["body_pos_w"] = rows(std::move(made.body_pos), frames, bodies, 3);

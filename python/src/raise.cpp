@@ -1,7 +1,5 @@
 #include "raise.h"
 
-#include <cstring>
-
 namespace retarget::python {
 namespace {
 
@@ -27,6 +25,17 @@ nb::str decoded(std::string_view bytes, const char* errors) {
   return nb::steal<nb::str>(text);
 }
 
+// of an object that Python made; raises UsageError where it could not
+std::string bytes_in(const nb::object& encoded, const char* what) {
+  char* bytes = nullptr;
+  Py_ssize_t size = 0;
+  if (!encoded.is_valid() || PyBytes_AsStringAndSize(encoded.ptr(), &bytes, &size) != 0) {
+    forget_exception();
+    raise(usage_failure(std::string(what) + ": a text with characters that are none").value());
+  }
+  return {bytes, static_cast<std::size_t>(size)};
+}
+
 nb::object errors_attribute(const char* name) {
   return nb::module_::import_("retarget._errors").attr(name);
 }
@@ -43,28 +52,60 @@ nb::list texts_of(const std::vector<std::string>& texts) {
   return list;
 }
 
-nb::str path_of(std::string_view bytes) {
+nb::str name_of(std::string_view bytes) {
   return decoded(bytes, "surrogateescape");
+}
+
+nb::list names_of(const std::vector<std::string>& names) {
+  nb::list list;
+  for (const std::string& name : names) list.append(name_of(name));
+  return list;
+}
+
+nb::str path_of(std::string_view bytes) {
+  PyObject* path =
+      PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<Py_ssize_t>(bytes.size()));
+  if (path == nullptr) throw nb::python_error();
+  return nb::steal<nb::str>(path);
+}
+
+std::string bytes_of_name(nb::handle name, const char* what) {
+  if (!PyUnicode_Check(name.ptr())) {
+    raise(usage_failure(std::string(what) + ": expected a text").value());
+  }
+  return bytes_in(nb::steal(PyUnicode_AsEncodedString(name.ptr(), "utf-8", "surrogateescape")),
+                  what);
+}
+
+std::string shown_text(nb::handle text) {
+  return bytes_in(nb::steal(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace")),
+                  "text");
+}
+
+void forget_exception() {
+  if (PyErr_Occurred() == nullptr) return;
+  if (PyErr_ExceptionMatches(PyExc_Exception) == 0) throw nb::python_error();
+  PyErr_Clear();
 }
 
 std::string bytes_of_path(nb::handle path, const char* what) {
   nb::object plain = nb::steal(PyOS_FSPath(path.ptr()));
   if (!plain.is_valid()) {
-    PyErr_Clear();
+    forget_exception();
     raise(usage_failure(std::string(what) + ": expected a path, found " +
-                        nb::cast<std::string>(nb::str(path.type().attr("__name__"))))
+                        shown_text(path.type().attr("__name__")))
               .value());
   }
   if (PyUnicode_Check(plain.ptr())) plain = nb::steal(PyUnicode_EncodeFSDefault(plain.ptr()));
-  char* bytes = nullptr;
-  Py_ssize_t size = 0;
-  if (!plain.is_valid() || PyBytes_AsStringAndSize(plain.ptr(), &bytes, &size) != 0) {
-    throw nb::python_error();
-  }
-  if (std::memchr(bytes, 0, static_cast<std::size_t>(size)) != nullptr) {
+  std::string bytes = bytes_in(plain, what);
+  if (bytes.find('\0') != std::string::npos) {
     raise(usage_failure(std::string(what) + ": a path with a null byte").value());
   }
-  return {bytes, static_cast<std::size_t>(size)};
+  return bytes;
+}
+
+std::string bytes_of_folder(nb::handle folder) {
+  return folder.is_none() ? std::string() : bytes_of_path(folder, "data_dir");
 }
 
 void raise(const Error& error) {

@@ -53,7 +53,7 @@ std::vector<double> in_output_order(const Robot& robot, const std::vector<double
 nb::list joint_names(const RobotHandle& robot) {
   nb::list names;
   for (const int joint : robot->output_joints()) {
-    names.append(text_of(robot->joints()[joint].name));
+    names.append(name_of(robot->joints()[joint].name));
   }
   return names;
 }
@@ -100,14 +100,14 @@ nb::tuple forward(const RobotHandle& robot, const nb::object& qpos) {
 
 nb::list limit_sets(const RobotHandle& robot) {
   nb::list names;
-  for (const LimitSet& set : robot->profile().limit_sets) names.append(text_of(set.name));
+  for (const LimitSet& set : robot->profile().limit_sets) names.append(name_of(set.name));
   names.append("model");
   return names;
 }
 
 nb::list variants(const RobotHandle& robot) {
   nb::list names;
-  for (const RobotVariant& variant : robot->profile().variants) names.append(text_of(variant.name));
+  for (const RobotVariant& variant : robot->profile().variants) names.append(name_of(variant.name));
   return names;
 }
 
@@ -122,9 +122,7 @@ void bind_robot(nb::module_& module) {
           "__init__",
           [](RobotHandle* self, const nb::object& name, const nb::object& data_dir,
              const nb::kwargs& options) {
-            new (self) RobotHandle(
-                load(name, options,
-                     data_dir.is_none() ? std::string() : bytes_of_path(data_dir, "data_dir")));
+            new (self) RobotHandle(load(name, options, bytes_of_folder(data_dir)));
           },
           "name"_a = nb::none(), nb::kw_only(), "data_dir"_a = nb::none(), "options"_a,
           nb::sig(
@@ -136,13 +134,13 @@ void bind_robot(nb::module_& module) {
           "package's own.\n\n"
           "Raises ConfigError: an unknown robot, errors in its files.")
       .def_prop_ro(
-          "name", [](const RobotHandle& robot) { return text_of(robot.loaded.name); },
+          "name", [](const RobotHandle& robot) { return name_of(robot.loaded.name); },
           "Its full name; of a model file empty.")
       .def_prop_ro(
           "model", [](const RobotHandle& robot) { return path_of(robot.loaded.model); },
           "The file of its MJCF or URDF.")
       .def_prop_ro(
-          "variant", [](const RobotHandle& robot) { return text_of(robot->variant().name); },
+          "variant", [](const RobotHandle& robot) { return name_of(robot->variant().name); },
           "Whose other joints are held; empty: the whole robot.")
       .def_prop_ro("variants", &variants, nb::sig("def variants(self) -> list[str]"),
                    "What `dof` may be.")
@@ -151,7 +149,7 @@ void bind_robot(nb::module_& module) {
       .def_prop_ro("joint_names", &joint_names, nb::sig("def joint_names(self) -> list[str]"),
                    "N names, in the order of the output's columns.")
       .def_prop_ro(
-          "body_names", [](const RobotHandle& robot) { return texts_of(robot->body_names()); },
+          "body_names", [](const RobotHandle& robot) { return names_of(robot->body_names()); },
           nb::sig("def body_names(self) -> list[str]"),
           "Of all bodies, the world first, as forward_kinematics gives them.")
       .def("joint_limits", &joint_limits, "limits"_a = nb::none(),

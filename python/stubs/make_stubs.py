@@ -24,6 +24,9 @@ StrPath = str | os.PathLike[str]
 
 # functions that take the options of several tables
 JOINED = {"ToRobotOptions": ("SolvingOptions", "RobotOptions", "SourceOptions"),
+          "LoadMotionOptions": ("ReadingOptions", "RobotOptions"),
+          "EvaluateClipOptions": ("EvaluateOptions", "SourceOptions"),
+          "InspectOptions": ("HumanOptions", "SourceOptions"),
           **{f"{edit}EditOptions": (f"{edit}Options", "EditOptions")
              for edit in ("Ground", "Loop", "Concatenate", "Path")}}
 

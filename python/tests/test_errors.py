@@ -135,3 +135,26 @@ def test_hostile_edits(walk: retarget.Clip) -> None:
         with pytest.raises(retarget.Error) as raised:
             call()
         assert "--" not in str(raised.value)
+
+
+def test_a_warning_names_the_caller_s_line(data: Path, tmp_path: Path) -> None:
+    lines = (data / "walk.bvh").read_text().splitlines(keepends=True)
+    (tmp_path / "cut.bvh").write_text("".join(lines[:-1]) + lines[-1][:20])
+    calls = [lambda: retarget.load(tmp_path / "cut.bvh", lenient=True),
+             lambda: retarget.inspect(tmp_path / "cut.bvh", lenient=True),
+             lambda: retarget.to_robot(tmp_path / "cut.bvh", "g1", lenient=True, method="gmr",
+                                       end=0.2)]
+    for call in calls:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            call()
+        places = {(each.filename, each.lineno) for each in told}
+        assert len(places) == 1
+        [(file, line)] = places
+        first = call.__code__.co_firstlineno
+        assert file == __file__ and first <= line <= first + 1
+
+
+def test_standard_output_is_no_file(walked: retarget.Motion) -> None:
+    with pytest.raises(retarget.UsageError, match="path: expected a file"):
+        walked.save("-", format="csv")

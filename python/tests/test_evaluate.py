@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import collections
 import json
+import types
 from pathlib import Path
 
 import pytest
@@ -71,3 +73,40 @@ def test_inspect(data: Path, walk: retarget.Clip, command) -> None:
     assert {k: v for k, v in found.items() if k != "file"} == {
         k: v for k, v in expected.items() if k != "file"}
     assert "walk.bvh" in str(retarget.inspect(data / "walk.bvh"))
+
+
+def test_what_was_solved_keeps_its_source(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, method="gmr", fps=50, start=1.0)
+    whole = retarget.evaluate(motion)
+    other = retarget.evaluate(motion, limits="official")
+    assert set(other.figures) == set(whole.figures) and "limb_angle_deg" in other.figures
+    assert other.data["limits"] == "official" != whole.data["limits"]
+    assert other.figures["limb_angle_deg"] == whole.figures["limb_angle_deg"]
+    for same in (retarget.evaluate(motion, motion.source), retarget.evaluate(motion, walk),
+                 retarget.evaluate(motion, fps=50, start=1.0, limits=None)):
+        assert same.data == whole.data
+    assert whole.data["frames"] == len(motion) and whole.data["fps"] == 50.0
+    for options in ({"fps": 30}, {"start": 0.5}, {"unit": "m"}, {"height": 1.5},
+                    {"ik_config": "derived"}):
+        with pytest.raises(retarget.UsageError, match="measured as it was made"):
+            retarget.evaluate(motion, **options)
+
+
+def test_what_was_solved_beside_another_clip(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, method="gmr", fps="source")
+    again = retarget.edit.turn(retarget.edit.resample(walk, 60), 0.0)
+    assert retarget.evaluate(motion, again).data["frames"] == len(motion)
+    fast = retarget.to_robot(walk, g1, method="gmr", fps=60)
+    assert retarget.evaluate(fast, again).data["fps"] == 60.0
+
+
+def test_gates_of_any_mapping(walk: retarget.Clip, g1: retarget.Robot) -> None:
+    motion = retarget.to_robot(walk, g1, method="gmr", end=1.0)
+    expected = retarget.evaluate(motion, gates={"peak_speed": (None, 0.1)})
+    for gates in (types.MappingProxyType({"peak_speed": [None, 0.1]}),
+                  collections.ChainMap({"peak_speed": 0.1})):
+        assert retarget.evaluate(motion, gates=gates).data == expected.data
+    with pytest.raises(retarget.UsageError, match="there is no metric"):
+        retarget.evaluate(motion, gates={"\udcff": 1.0})
+    with pytest.raises(retarget.UsageError, match="gates: expected a text"):
+        retarget.evaluate(motion, gates={7: 1.0})

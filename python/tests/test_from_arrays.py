@@ -125,3 +125,27 @@ def test_bodies_that_are_no_humans(g1: retarget.Robot) -> None:
     with pytest.raises(retarget.InputError) as raised:
         retarget.to_robot(clip, g1)
     assert raised.value.hint
+
+
+def _one(**changes: Any) -> retarget.Clip:
+    given = dict(names=["a", "b"], parents=[-1, 0], positions=np.zeros((1, 2, 3)),
+                 rotations_wxyz=np.tile([1.0, 0.0, 0.0, 0.0], (1, 2, 1)), fps=30)
+    return retarget.Clip.from_arrays(**(given | changes))
+
+
+@pytest.mark.parametrize("changes", [
+    {"names": ["a", "\ud800"]}, {"parents": [-1, 2**40]}, {"fps": None}, {"fps": "fast"},
+    {"parents": np.array([[-1], [0]])}, {"parents": [-1, 0.0]}, {"name": b"a"},
+    {"name": "\ud800"}, {"name": None}], ids=str)
+def test_what_is_none_of_them(changes: dict[str, Any]) -> None:
+    with pytest.raises(retarget.UsageError):
+        _one(**changes)
+
+
+def test_names_come_back_as_they_were() -> None:
+    names = ["H\u00fcfte", "no utf-8 \udcff"]
+    clip = _one(names=names)
+    assert clip.joint_names == names
+    again = retarget.Clip.from_arrays(clip.joint_names, clip.parents, clip.positions,
+                                      rotations_wxyz=clip.rotations, fps=clip.fps)
+    assert again.joint_names == names

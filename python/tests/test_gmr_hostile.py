@@ -7,7 +7,9 @@ import gc
 import json
 import os
 import pathlib
+import subprocess
 import sys
+import textwrap
 
 import numpy as np
 import pytest
@@ -99,6 +101,61 @@ def test_missing_bodies_are_all_named() -> None:
 def test_frames_that_are_no_dictionary(data) -> None:
     with pytest.raises(ValueError, match="expected {body: "):
         make_retargeter().retarget(data)
+
+
+@pytest.mark.parametrize("change", [("max_iter", 3), ("damping", 0.1)], ids=str)
+def test_a_change_of_the_solver_keeps_the_targets(change: tuple[str, float]) -> None:
+    frames = sample_frames("walk", 2)
+    retargeter = make_retargeter()
+    retargeter.retarget(frames[0])
+    retargeter.update_targets(frames[1], offset_to_ground=True)
+    targets, error = retargeter.scaled_human_data, retargeter.error1()
+    setattr(retargeter, *change)
+    np.testing.assert_equal(retargeter.scaled_human_data, targets)
+    assert retargeter.error1() == error
+
+
+def test_an_engine_that_is_none(tmp_path: pathlib.Path) -> None:
+    given = make_retargeter()
+    config = pathlib.Path(IK_CONFIG_DICT["bvh"]["unitree_g1"])
+    with pytest.raises(ValueError, match='engine: expected "fast" or "reference"'):
+        retarget._retarget.FrameRetargeter(
+            model=given.xml_file, profile="", config=config.read_text(), config_file=str(config),
+            damping=0.5, max_extra_steps=10, engine="fats")
+
+
+SHARED = """
+    import sys, threading
+    import numpy as np
+    from gmr_support import make_retargeter, sample_frames
+
+    sys.setswitchinterval(1e-6)
+    frame = sample_frames("walk", 1)[0]
+    retargeter = make_retargeter()
+
+    def use(number):
+        for _ in range(200):
+            for call in (retargeter.error1, lambda: setattr(retargeter, "qpos", np.zeros(36)),
+                         lambda: retargeter.update_targets(frame | {"Hips": None})):
+                try:
+                    call()
+                except ValueError:
+                    pass
+            retargeter.qpos
+
+    threads = [threading.Thread(target=use, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+"""
+
+
+def test_errors_in_several_threads_do_not_wait_for_each_other() -> None:
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(
+        [str(pathlib.Path(__file__).parent), *filter(None, sys.path)])}
+    subprocess.run([sys.executable, "-c", textwrap.dedent(SHARED)], check=True, timeout=120,
+                   env=environment)
 
 
 def test_other_mappings_are_taken() -> None:

@@ -148,6 +148,37 @@ def test_motions_of_ours_are_read(tmp_path) -> None:
     np.testing.assert_allclose(dof_pos, motion.joint_positions, atol=1e-5)
 
 
+@pytest.mark.parametrize("core", ["numpy.core", "numpy._core"])
+def test_pickles_of_either_numpy(core: str, tmp_path) -> None:
+    motion = {"fps": np.float64(30), "root_pos": np.zeros((2, 3)), "root_rot": np.zeros((2, 4)),
+              "dof_pos": np.ones((2, 5))}
+    written = pickle.dumps(motion, protocol=3)
+    own = b"numpy._core" if b"numpy._core" in written else b"numpy.core"
+    assert own in written
+    file = tmp_path / "motion.pkl"
+    file.write_bytes(written.replace(own, core.encode()))
+    np.testing.assert_array_equal(load_robot_motion(file)[4], motion["dof_pos"])
+
+
+def test_files_that_are_no_npz_of_smplx(tmp_path) -> None:
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    whole = _smplx_file(tmp_path).read_bytes()
+    (tmp_path / "cut.npz").write_bytes(whole[:len(whole) // 2])
+    damaged = bytearray(whole)
+    for place in range(60, len(whole) // 2, 50):
+        damaged[place] ^= 0xFF
+    (tmp_path / "damaged.npz").write_bytes(damaged)
+    packed = tmp_path / "packed.npz"
+    np.savez_compressed(packed, poses=np.random.default_rng(1).normal(size=(30, 66)))
+    content = bytearray(packed.read_bytes())
+    content[200:400] = bytes(200)
+    packed.write_bytes(content)
+    (tmp_path / "folder.npz").mkdir()
+    for name in ("array.npy", "cut.npz", "damaged.npz", "packed.npz", "folder.npz", "absent.npz"):
+        with pytest.raises(retarget.InputError, match=name):
+            load_smplx_file(tmp_path / name)
+
+
 class _Runs:
     def __reduce__(self):
         return (print, ("it ran",))

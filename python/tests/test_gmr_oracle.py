@@ -70,6 +70,27 @@ def smplx_frames(count: int) -> list[dict]:
             for frame in sample_frames("walk", count)]
 
 
+def golden_frames() -> list[dict]:
+    """Those of tests/golden/smplx."""
+    return [{name: tuple(frame[bone]) for name, bone in SMPLX.items()}
+            for frame in sample_frames("walk")[::20]]
+
+
+def test_committed_frames_of_the_reference_in_the_form_of_smplx() -> None:
+    """Qpos and the error of table 2, by the reference with tables of this project's own."""
+    folder = ROOT / "tests/golden/smplx"
+    if not folder.is_dir():
+        pytest.skip("an installed package is tested, without the tree's tests/golden")
+    expected = np.loadtxt(folder / "expected.csv", delimiter=",")
+    retargeter = GeneralMotionRetargeting("smplx", "unitree_g1", 1.7, verbose=False,
+                                          ik_config=folder / "tables.json")
+    frames = golden_frames()
+    assert len(frames) == len(expected) > 10
+    for frame, row in zip(frames, expected):
+        np.testing.assert_allclose(retargeter.retarget(frame), row[:-1], rtol=0, atol=TOLERANCE)
+        assert retargeter.error2() == pytest.approx(row[-1], abs=TOLERANCE)
+
+
 TABLES = [*(f"smplx_to_{name}" for name in ("g1", "n1", "pm01", "t1", "toddy", "hi", "kuavo")),
           "fbx_to_g1"]
 ROBOTS = {short: name for name, (short, *_) in params._ROBOTS.items()

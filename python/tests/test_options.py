@@ -75,8 +75,8 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
     page = (SOURCE / "docs/options.md").read_text()
     section = page.split("\n## ")[1]
     names = {name.replace("-", "_") for name in re.findall(r"`--([a-z-]+)", section)}
-    elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report",
-                 "write_map", "html", "verbose", "help", "help_all", "version"}
+    elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report", "html",
+                 "write_map", "verbose", "help", "help_all", "version"}
     keywords = set(inspect.signature(retarget.to_robot).parameters)
     assert names - keywords <= elsewhere
     assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords
@@ -108,3 +108,85 @@ def test_the_stubs_have_every_option() -> None:
     compile(module, "_retarget.pyi", "exec")
     assert "import retarget._options" in module and "def from_arrays(names" in module
     assert (stub.parent / "py.typed").exists()
+
+
+class _Unprintable(str):
+    def __repr__(self) -> str:
+        raise RuntimeError("no")
+
+
+class _Stopped:
+    def __index__(self) -> int:
+        raise KeyboardInterrupt
+
+    def __float__(self) -> float:
+        raise KeyboardInterrupt
+
+
+def _neither() -> object:
+    class bool_:
+        def __bool__(self) -> bool:
+            raise RuntimeError("neither")
+
+    return bool_()
+
+
+@pytest.mark.parametrize(("options", "text"), [
+    ({"without": "a\udcff"}, 'a fit has no term "a\\xff"'),
+    ({"format": "csv,\udcff"}, "format: "),
+    ({"map": "\ud800"}, "a text with characters that are none"),
+    ({"without": "floor,\ud800"}, "a text with characters that are none"),
+    ({"precision": 10**5000}, "precision: expected a whole number from 0 to 17, found"),
+    ({"start": _Unprintable("x")}, "found a value of type _Unprintable"),
+    ({"csv_header": _neither()}, "found a value of type bool_"),
+    ({"\udcff": 1}, "there is no option"),
+])
+def test_texts_that_are_none_and_objects_that_fail(options: dict[str, Any], text: str, walk,
+                                                   g1) -> None:
+    with pytest.raises(retarget.UsageError) as raised:
+        retarget.to_robot(walk, g1, **options)
+    assert text in str(raised.value)
+
+
+@pytest.mark.parametrize("name", ["precision", "start"])
+def test_an_interrupt_is_no_wrong_option(name: str, walk, g1) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        retarget.to_robot(walk, g1, **{name: _Stopped()})
+
+
+def test_options_of_what_is_read_or_loaded_already(walk, g1, walked, tmp_path: Path) -> None:
+    walked.save(tmp_path / "walk.csv")
+    for call in (lambda: retarget.to_robot(walk, g1, data_dir="."),
+                 lambda: retarget.to_robot(walk, g1, dof="23"),
+                 lambda: retarget.load_motion(tmp_path / "walk.csv", g1, data_dir="."),
+                 lambda: retarget.load_motion(tmp_path / "walk.csv", g1, robot_xml="g1.xml"),
+                 lambda: retarget.inspect(walk, source_fps=30),
+                 lambda: retarget.evaluate(walked, walk, source_fps=30)):
+        with pytest.raises(retarget.UsageError, match="already"):
+            call()
+    with pytest.raises(retarget.UsageError, match="threads: expected 0 or more"):
+        retarget.to_robot(walk, g1, threads=-5)
+
+
+def test_options_of_what_is_read_or_loaded_here(walked, g1, data: Path, tmp_path: Path) -> None:
+    walked.save(tmp_path / "walk.csv")
+    motion = retarget.load_motion(tmp_path / "walk.csv", robot_xml=g1.model)
+    assert motion.joint_names == walked.joint_names
+    found = retarget.inspect(data / "walk.bvh", source_fps=60).data
+    assert found["fps"] == 60.0
+    beside = retarget.evaluate(motion, data / "walk.bvh", source_fps=60, fps=60)
+    assert beside.data["fps"] == 60.0
+
+
+def test_folders_as_bytes(walk: retarget.Clip, tmp_path: Path) -> None:
+    folder = bytes(tmp_path) + b"/absent\xff"
+    for given in (folder, folder.decode("utf-8", "surrogateescape")):
+        for call in (lambda: retarget.inspect(walk, data_dir=given),
+                     lambda: retarget.edit.mirror(walk, data_dir=given),
+                     lambda: retarget.Robot("unitree_g1", data_dir=given),
+                     lambda: retarget.batch("walk.bvh", tmp_path / "out", "unitree_g1",
+                                            data_dir=given)):
+            with pytest.raises(retarget.Error, match="absent"):
+                call()
+    with pytest.raises(retarget.UsageError, match="data_dir: expected a path, found int"):
+        retarget.edit.mirror(walk, data_dir=7)

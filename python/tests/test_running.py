@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -107,16 +106,36 @@ def test_an_interrupted_batch_goes_on_later(walk: retarget.Clip, tmp_path: Path)
     (tmp_path / "clips").mkdir()
     for number in range(6):
         retarget.edit.resample(walk, speed=0.1).save(tmp_path / f"clips/{number}.bvh", decimals=4)
-    timer = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    start = time.monotonic()
+    out = tmp_path / "out"
+    options = {"method": "gmr", "jobs": 1}
+    stopped: list[float] = []
+
+    def finished() -> set[str]:
+        text = (out / "manifest.jsonl").read_text() if (out / "manifest.jsonl").exists() else ""
+        lines = map(json.loads, text.split("\n")[:-1])
+        return {line["relative"] for line in lines if line["status"] == "done"}
+
+    def interrupt() -> None:
+        end = time.monotonic() + 60
+        while not finished() and time.monotonic() < end:
+            time.sleep(0.01)
+        stopped.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    other = threading.Thread(target=interrupt)
+    other.start()
     with pytest.raises(KeyboardInterrupt):
-        retarget.batch(tmp_path / "clips", tmp_path / "out", "unitree_g1", jobs=1)
-    timer.join()
-    assert time.monotonic() - start < 20
-    done = retarget.batch(tmp_path / "clips", tmp_path / "out", "unitree_g1", method="gmr",
-                          redo=True)
-    assert done.failed == 0 and len(done.clips) == 6
+        retarget.batch(tmp_path / "clips", out, "unitree_g1", **options)
+    other.join()
+    assert time.monotonic() - stopped[0] < 20
+    kept = {out / f"{Path(name).stem}.csv" for name in finished()}
+    assert 0 < len(kept) < 6
+    before = {file: (file.read_bytes(), file.stat().st_mtime_ns) for file in kept}
+    done = retarget.batch(tmp_path / "clips", out, "unitree_g1", **options, resume=True)
+    assert done.failed == 0
+    assert {entry["relative"] for entry in done.clips} == {f"{number}.bvh" for number in range(6)}
+    assert {file: (file.read_bytes(), file.stat().st_mtime_ns) for file in kept} == before
+    assert len(list(out.glob("[0-9].csv"))) == 6
     assert not [file for file in (tmp_path / "out").rglob("*.tmp*")]
 
 
@@ -191,5 +210,24 @@ def test_a_batch_of_one_process_has_no_python_in_its_workers(data: Path, tmp_pat
         stop.set()
         busy.join()
     assert result.failed == 0
-    assert json.dumps(result.clips[0])
-    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_nsignals == 0
+    [entry] = result.clips
+    # a worker that a signal ended has an error
+    assert entry["status"] == "done" and "error" not in entry
+
+
+def test_the_manifest_of_this_run_alone(data: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    # separators of lines in Unicode, which JSON takes for characters
+    odd = tmp_path / "walk\u2028\x85.bvh"
+    odd.write_bytes((data / "walk.bvh").read_bytes())
+    result = retarget.batch(odd, out, "unitree_g1", method="gmr", end=0.2)
+    assert result.failed == 0 and [entry["relative"] for entry in result.clips] == [odd.name]
+    with (out / "manifest.jsonl").open("a") as file:
+        file.write('{"torn')
+    # of another part
+    (out / "manifest.2-of-2.jsonl").write_text(json.dumps({"relative": "other"}) + "\n")
+    again = retarget.batch(odd, out, "unitree_g1", method="gmr", end=0.2, resume=True)
+    assert {entry["relative"] for entry in again.clips} == {odd.name}
+    shard = retarget.batch([data / "walk.bvh", data / "squat.bvh"], tmp_path / "parts",
+                           "unitree_g1", method="gmr", end=0.2, shard="1/2")
+    assert len(shard.clips) == 1

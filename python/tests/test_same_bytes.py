@@ -32,7 +32,7 @@ def test_of_a_csv(clip: str, way: str, data: Path, tmp_path: Path, command) -> N
 
 
 @pytest.mark.parametrize("name", ["npz-mjlab", "npz-beyondmimic", "pkl-gmr", "pkl-pbhc",
-                                  "csv-soma"])
+                                  "csv-soma", "glb"])
 def test_of_every_format(name: str, walked: retarget.Motion, data: Path, tmp_path: Path,
                          command) -> None:
     ending = name.split("-")[0]
@@ -112,3 +112,19 @@ def test_joined_clips(data: Path, tmp_path: Path, walk: retarget.Clip, command) 
     joined = retarget.edit.concatenate([walk, retarget.load(tmp_path / "mirrored.bvh")])
     joined.save(tmp_path / "python.bvh")
     assert (tmp_path / "python.bvh").read_bytes() == (tmp_path / "command.bvh").read_bytes()
+
+
+def test_trim_takes_slices_as_sequences_do(walk: retarget.Clip) -> None:
+    frames = len(walk)
+    for part in (slice(-10, None), slice(5, -5), slice(None, 7), slice(-frames - 5, 3)):
+        assert len(retarget.edit.trim(walk, frames=part)) == len(range(frames)[part])
+    last = retarget.edit.trim(walk, frames=slice(-10, None))
+    assert (last.positions == walk.positions[-10:]).all()
+
+
+def test_resample_without_a_low_pass(walk: retarget.Clip) -> None:
+    plain = retarget.edit.resample(walk, 10, antialias=False)
+    same = retarget.edit.resample(walk, 10, no_antialias=True)
+    smooth = retarget.edit.resample(walk, 10, antialias=True)
+    assert plain.positions.tobytes() == same.positions.tobytes()
+    assert plain.positions.tobytes() != smooth.positions.tobytes()

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/exit_code.h"
 #include "base/printable.h"
 #include "base/wrapped_text.h"
 
@@ -43,19 +44,11 @@ bool colours_wanted() {
 }  // namespace
 
 ExitCode exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::kUsage:
-      return kWrongUsage;
-    case ErrorKind::kInput:
-      return kBadInput;
-    case ErrorKind::kConfig:
-      return kBadConfig;
-    case ErrorKind::kInterrupted:
-      return kInterruptedByUser;
-    case ErrorKind::kRun:
-      break;
-  }
-  return kRunFailed;
+  static_assert(kWrongUsage == exit_code_of(ErrorKind::kUsage) &&
+                kBadInput == exit_code_of(ErrorKind::kInput) &&
+                kBadConfig == exit_code_of(ErrorKind::kConfig) &&
+                kInterruptedByUser == exit_code_of(ErrorKind::kInterrupted));
+  return ExitCode{exit_code_of(kind)};
 }
 
 Console::Console(bool quiet)

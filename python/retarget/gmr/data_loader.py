@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import pickle
+import re
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ import numpy as np
 from retarget._errors import InputError
 
 # what arrays of numpy are made of in a pickle; nothing else is called
+# numpy 2 calls its core so, which pickles of either name want
+_CORE = "numpy._core" if int(np.__version__.split(".")[0]) >= 2 else "numpy.core"
 _MODULES = {"numpy", "numpy.core.multiarray", "numpy._core.multiarray", "numpy.core.numeric",
             "numpy._core.numeric"}
 _NAMES = {"ndarray", "dtype", "_reconstruct", "scalar", "_frombuffer"}
@@ -20,7 +23,8 @@ _NAMES = {"ndarray", "dtype", "_reconstruct", "scalar", "_frombuffer"}
 class _ArraysOnly(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
         if module in _MODULES and name in _NAMES:
-            return super().find_class(module, name)
+            core = re.sub(r"^numpy\._?core\b", _CORE, module)
+            return super().find_class(core, name)
         raise InputError("a motion holds arrays and numbers, but this pickle wants "
                          f"{module}.{name}")
 

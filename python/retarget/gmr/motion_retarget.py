@@ -119,7 +119,7 @@ class GeneralMotionRetargeting:
     def update_targets(self, human_data: Mapping[str, Any], offset_to_ground: bool = False) -> None:
         """Scales and offsets a frame of the human to targets, without solving; see retarget."""
         if self.human_scale_table != self._scales_in_use:
-            self._load(self._core.qpos)
+            self._load(self._core)
         self._core.update_targets(human_data, float(self.ground_offset), bool(offset_to_ground))
         self._targets = None
         self._has_targets = True
@@ -258,8 +258,8 @@ class GeneralMotionRetargeting:
 
     # ------------------------------------------------------------------- inner
 
-    def _load(self, qpos: np.ndarray | None = None) -> None:
-        """Makes the solver anew with the present scales and options."""
+    def _load(self, before: _retarget.FrameRetargeter | None = None) -> None:
+        """Makes the solver anew with the present scales and options, to go on from another one."""
         scales = dict(self.human_scale_table)
         try:
             text = json.dumps({**self._config, "human_scale_table": scales})
@@ -270,16 +270,15 @@ class GeneralMotionRetargeting:
             model=self.xml_file, profile=str(profile) if profile.is_file() else "", config=text,
             config_file=self._config_file, damping=self._damping, max_extra_steps=self._max_iter,
             engine="fast")
-        if qpos is not None:
-            core.set_qpos(qpos)
+        if before is not None:
+            core.go_on_from(before)
         self._core = core
         self._scales_in_use = scales
         self._targets = None
-        self._has_targets = False
 
     def _reload_or_undo(self, name: str, before: Any) -> None:
         try:
-            self._load(self._core.qpos)
+            self._load(self._core)
         except Exception:
             setattr(self, name, before)
             raise

@@ -54,13 +54,16 @@ def load_smplx_file(smplx_file: str | os.PathLike[str],
     arrays: dict[str, np.ndarray] = {}
     path = os.fsdecode(smplx_file)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        opened = np.load(path, allow_pickle=False)
+        if not isinstance(opened, np.lib.npyio.NpzFile):
+            raise ValueError("it holds one array")
+        with opened as file:
             for name in file.files:
                 try:
                     arrays[name] = file[name]
                 except ValueError:  # Python objects, such as a gender: not needed
                     continue
-    except (ValueError, EOFError, KeyError) as error:
+    except Exception as error:  # zipfile, zlib and headers of arrays have many of their own
         raise InputError(f"{path}: not an NPZ of SMPL-X: {error}") from None
     model: str | None = None
     if smplx_body_model_path is not None:
