@@ -19,6 +19,7 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
 #include "plan/config_files.h"
@@ -32,12 +33,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWarnings = 20;
 
-// a clip takes about so many times its file's bytes (measured with both methods, their motions
-// measured as well), and so many bytes of its own
-constexpr std::uint64_t kMemoryOfBvh = 8;
-constexpr std::uint64_t kMemoryOfNpz = 20;
-constexpr std::uint64_t kMemoryOfClip = std::uint64_t{16} << 20U;
-
 // later entries of a clip count more, so this one must be later than those that are known
 std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -49,16 +44,8 @@ std::string ending_of(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().string());
 }
 
-std::uint64_t memory_of(const BatchInput& input) {
-  return kMemoryOfClip + input.bytes * (ending_of(input) == ".bvh" ? kMemoryOfBvh : kMemoryOfNpz);
-}
-
 // what an answer begins with; the manifest's line follows
 constexpr char kFinished = 'f', kUnchanged = 'u';
-
-// a process may take this beside what all clips may need together: the tool itself, and what an
-// estimate misses
-constexpr std::uint64_t kMemoryOfProcess = std::uint64_t{1} << 30U;
 
 // what a clip's run says, for its line of the manifest
 class ClipNotes : public Observer {
@@ -312,7 +299,9 @@ Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchReq
   const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
   std::vector<std::uint64_t> memory;
   memory.reserve(tasks.size());
-  for (const BatchTask& task : tasks) memory.push_back(std::max(memory_of(*task.input), even));
+  for (const BatchTask& task : tasks) {
+    memory.push_back(std::max(memory_of_clip(task.input->relative, task.input->bytes), even));
+  }
   if (pool.memory > 0) {
     const std::uint64_t largest = memory.empty() ? 0 : *std::ranges::max_element(memory);
     pool.max_memory = std::max(pool.memory, largest) + kMemoryOfProcess;

@@ -88,7 +88,7 @@ std::string gallery_page(const std::string& title, std::span<const GalleryClip> 
   for (const GalleryClip& clip : clips) header["clips"].push_back(clip_json(clip, metrics));
   // pictures lie beside the page, on a disk or on a server
   const std::string policy = fmt::format(
-      "default-src 'none'; img-src 'self' file:; script-src {}; style-src {}; base-uri 'none'; "
+      "default-src 'none'; img-src 'self'; script-src {}; style-src {}; base-uri 'none'; "
       "form-action 'none'",
       kGalleryScript.policy_source(), kGalleryStyle.policy_source());
   const std::array<std::pair<std::string_view, std::string>, 5> parts = {

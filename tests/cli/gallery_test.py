@@ -1,7 +1,11 @@
 """`retarget view FOLDER`: pages of a batch and one that lists them, by hand and in a browser."""
 
 import base64
+import contextlib
+import hashlib
 import json
+import os
+import pathlib
 import re
 import signal
 import struct
@@ -11,7 +15,7 @@ import unittest
 import zlib
 
 from browser import Browser, chromium
-from tool import TOOL, ToolTest, absent, short_clip
+from tool import SOURCE, TOOL, ToolTest, absent, is_sanitized, read_rows, short_clip
 
 ODD = "a b <img src=x onerror=alert(1)> \"'&\u00e9\u202e.bvh"
 
@@ -137,6 +141,119 @@ class Gallery(GalleryTest):
         self.assertIn("../index.html", page)
         self.assertNotIn("<b>3", page)
 
+    def header(self, clip):
+        return data_of(self.folder / "gallery" / clip["page"], "page-header")
+
+    def test_a_source_that_has_changed_is_not_shown(self):
+        self.batch(clips=("walk", "squat"))
+        # another clip, which can be read: only its content tells
+        self.write("clips/walk.bvh", short_clip("squat", 40))
+        self.assert_done(self.gallery())
+        clips = {clip["name"]: clip for clip in self.index()["clips"]}
+        self.assertIn("the source has changed since", clips["walk.bvh"]["message"])
+        header = self.header(clips["walk.bvh"])
+        self.assertNotIn("human", header["motions"][0])
+        self.assertIn("the source has changed since", header["title"])
+        self.assertIn("human", self.header(clips["squat.bvh"])["motions"][0])
+        self.assertNotIn("message", clips["squat.bvh"])
+
+    def test_a_motion_that_has_changed_is_not_shown(self):
+        self.batch()
+        text = (self.folder / "out/squat.csv").read_text()
+        self.write("out/walk.csv", text)
+        self.assert_done(self.gallery())
+        walk = next(clip for clip in self.index()["clips"] if clip["name"] == "walk.bvh")
+        self.assertIn("the motion has changed since", walk["message"])
+        self.assertNotIn("picture", walk)
+
+    def test_paths_are_those_of_the_batchs_call_or_of_its_folder(self):
+        self.batch(clips=("walk",))
+        # moved with its sources: the same names lead there from the batch's folder
+        (self.folder / "clips").rename(self.folder / "out/clips")
+        self.write("clips/walk.bvh", short_clip("squat", 40))
+        self.assert_done(self.gallery())
+        clip = self.index()["clips"][0]
+        self.assertNotIn("message", clip)
+        self.assertIn("human", self.header(clip)["motions"][0])
+
+    def test_files_that_others_name_are_not_told(self):
+        self.batch(clips=("walk",))
+        self.write("secret.txt", "HIERARCHY\nthe secret word\n")
+        options = json.loads((self.folder / "out/options.json").read_text())
+        entry = self.entries()[0]
+        for role in ("map", "tpose-file", "limits", "smpl-model"):
+            options[0]["paths"] = {role: "secret.txt"}
+            options[0]["options"][role] = str(self.folder / "secret.txt")
+            self.write("out/options.json", json.dumps(options))
+            self.write_entries([entry])
+            self.assert_done(self.gallery())
+            message = self.index()["clips"][0]["message"]
+            self.assertIn("a file of the batch's options has changed since: secret.txt", message)
+            for file in self.folder.glob("gallery/**/*.html"):
+                self.assertNotIn("the secret", file.read_text(), role)
+        options[0]["paths"] = {}
+        self.write("out/options.json", json.dumps(options))
+        self.write_entries([{**entry, "input": {**entry["input"], "file": "secret.txt"}}])
+        self.assert_done(self.gallery())
+        for file in self.folder.glob("gallery/**/*.html"):
+            self.assertNotIn("the secret", file.read_text())
+
+    def test_the_robot_of_the_call_is_for_its_own_motions(self):
+        self.write("clips/walk.bvh", short_clip("walk", 40))
+        self.run_tool("batch", "clips", "-o", "out", "--method", "gmr",
+                      "--robot", "unitree_g1", "--robot", "booster_t1_29dof")
+        self.assert_done(self.gallery("--robot", "unitree_g1"))
+        clips = self.index()["clips"]
+        self.assertEqual(sorted(clip["robot"] for clip in clips),
+                         ["booster_t1_29dof", "unitree_g1"])
+        for clip in clips:
+            self.assertNotIn("message", clip)
+            header = self.header(clip)
+            robot = header["robots"][header["motions"][0]["robot"]]
+            self.assertEqual(robot["name"], clip["robot"])
+        self.assert_fails(self.run_tool("view", "out", "-o", "other", "--robot", "fourier_n1"), 2,
+                          "no motions of the robot", "booster_t1_29dof, unitree_g1")
+        self.assertFalse((self.folder / "other").exists())
+
+    def test_the_options_say_how_a_motion_was_written(self):
+        self.batch(clips=("walk",))
+        motion = self.folder / "out/walk.csv"
+        rows = read_rows(motion.read_text())
+        for row in rows:
+            # on a high platform, as if in centimetres; an arm turned around, as if in degrees
+            row[2] += 30.0
+            row[-1] += 12.56637
+        motion.write_text("".join(",".join(map(repr, row)) + "\n" for row in rows))
+        entry = self.entries()[0]
+        content = motion.read_bytes()
+        entry["outputs"][0].update(bytes=len(content),
+                                   hash=f"sha256:{hashlib.sha256(content).hexdigest()}")
+        self.write_entries([entry])
+        self.assert_done(self.gallery())
+        clip = self.index()["clips"][0]
+        self.assertNotIn("message", clip)
+        self.assertIn("picture", clip)
+
+    def test_pages_of_a_former_gallery_go(self):
+        self.batch()
+        self.assert_done(self.gallery())
+        self.write("gallery/clips/notes.html", "my own")
+        self.write_entries([e for e in self.entries() if e["relative"] == "walk.bvh"])
+        self.assert_done(self.gallery())
+        clip = self.index()["clips"][0]
+        left = sorted(f.name for f in self.folder.glob("gallery/clips/*"))
+        self.assertEqual(left, sorted(["notes.html", *(pathlib.Path(clip[key]).name
+                                                       for key in ("page", "picture"))]))
+
+    def test_no_folder_of_a_batch_becomes_a_gallery(self):
+        self.write("clips/sub/walk.bvh", short_clip("walk", 40))
+        self.batch("--shard", "1/1")
+        self.write("parts/manifest.part_1_of_2.jsonl", "")
+        before = self.files()
+        for output in ("parts", "out", "out/sub", "clips", "clips/sub", "."):
+            self.assert_fails(self.run_tool("view", "out", "-o", output), 2, "own files")
+        self.assertEqual(self.files(), before)
+
     def test_faults_are_explained(self):
         self.batch(clips=("walk",))
         self.assert_fails(self.gallery(folder="clips"), 3, "manifest.jsonl")
@@ -148,16 +265,75 @@ class Gallery(GalleryTest):
         self.assert_fails(self.gallery("--robot", "nobody"), 4, "nobody")
         self.assertFalse((self.folder / "gallery").exists())
 
+    def data_with_a_gate_of_its_own(self):
+        """A data folder whose gates are a pipe: making a page waits for them."""
+        data = self.folder / "data"
+        data.mkdir()
+        for name in ("robots", "configs"):
+            source = SOURCE / name
+            (data / name).mkdir()
+            for each in source.iterdir():
+                if each.name != "quality":
+                    (data / name / each.name).symlink_to(each)
+        (data / "configs/quality").mkdir()
+        os.mkfifo(data / "configs/quality/default.json")
+        return data
+
+    def start_waiting_gallery(self):
+        data = self.data_with_a_gate_of_its_own()
+        process = subprocess.Popen([TOOL, "view", "out", "-o", "gallery", "--data-dir", data],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.kill)
+        return process
+
+    def feed(self):
+        """Lets those go on that wait for gates; whether there was one."""
+        try:
+            end = os.open(self.folder / "data/configs/quality/default.json",
+                          os.O_WRONLY | os.O_NONBLOCK)
+        except OSError:
+            return False
+        with contextlib.suppress(BrokenPipeError), open(end, "wb") as pipe:
+            pipe.write((SOURCE / "configs/quality/default.json").read_bytes())
+        return True
+
+    def wait_until(self, condition):
+        deadline = time.monotonic() + 120
+        while not (found := condition()):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        return found
+
+    def children(self, process):
+        path = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        try:
+            return [int(word) for word in path.read_text().split()]
+        except FileNotFoundError:
+            return []
+
     def test_one_that_is_stopped_leaves_nothing_half_written(self):
         self.batch(clips=("walk",))
         entry = self.entries()[0]
         self.write_entries([{**entry, "relative": f"walk{i:03}.bvh"} for i in range(120)])
-        process = subprocess.Popen([TOOL, "view", "out", "-o", "gallery", "-q"], cwd=self.folder)
-        deadline = time.monotonic() + 60
-        while not list(self.folder.glob("gallery/clips/*.html")) and time.monotonic() < deadline:
-            time.sleep(0.02)
+        process = self.start_waiting_gallery()
+
+        def first_page():
+            self.feed()
+            return list(self.folder.glob("gallery/clips/*.html"))
+
+        self.wait_until(first_page)
+        # the next pages wait, so that it cannot be through
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(60), 130)
+        time.sleep(0.3)
+
+        def ended():
+            self.feed()
+            time.sleep(0.1)
+            return process.poll() is not None
+
+        self.wait_until(ended)
+        self.assertEqual(process.returncode, 130)
         made = sorted(f.name for f in self.folder.glob("gallery/**/*") if f.is_file())
         self.assertNotIn("index.html", made)
         self.assertTrue(made)
@@ -167,6 +343,54 @@ class Gallery(GalleryTest):
             content = (self.folder / "gallery/clips" / name).read_bytes()
             self.assertTrue(content.endswith(b"</html>\n") or b"IEND" in content[-12:], name)
 
+    def test_it_fails_when_every_process_dies(self):
+        self.batch()
+        process = self.start_waiting_gallery()
+
+        def ended():
+            for child in self.children(process):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(child, signal.SIGKILL)
+            return process.poll() is not None
+
+        self.wait_until(ended)
+        told = process.stderr.read()
+        self.assertEqual(process.returncode, 1, told)
+        self.assertIn("no page could be made", told)
+        self.assertFalse((self.folder / "gallery/index.html").exists())
+
+    def test_where_one_process_dies_the_ways_lead_on(self):
+        self.batch(clips=("walk", "squat", "wave"))
+        process = self.start_waiting_gallery()
+        child = self.wait_until(lambda: self.children(process))[0]
+        os.kill(child, signal.SIGKILL)
+
+        def ended():
+            self.feed()
+            return process.poll() is not None
+
+        self.wait_until(ended)
+        self.assertEqual(process.returncode, 0, process.stderr.read())
+        clips = self.index()["clips"]
+        self.assertIn("its page could not be made", [clip.get("message") for clip in clips])
+        for clip in clips:
+            self.assertTrue((self.folder / "gallery" / clip["page"]).is_file(), clip)
+
+    @unittest.skipIf(is_sanitized(), "sanitizers take address space beyond any bound")
+    def test_memory_is_bounded(self):
+        self.batch(clips=("walk",))
+        process = self.start_waiting_gallery()
+        child = self.wait_until(lambda: self.children(process))[0]
+        limits = pathlib.Path(f"/proc/{child}/limits")
+        # the bound comes first in a process that has just been made
+        self.wait_until(lambda: "unlimited" not in re.search("Max data size +(.+)",
+                                                             limits.read_text())[1].split()[0])
+
+        def ended():
+            self.feed()
+            return process.poll() is not None
+
+        self.wait_until(ended)
 
 class GalleryInABrowser(GalleryTest):
     def setUp(self):
@@ -213,10 +437,15 @@ class GalleryInABrowser(GalleryTest):
         self.assertLess(page.stat().st_size, 2_000_000)
         with Browser(self.program) as browser:
             browser.open(page)
-            spent = browser.run(
-                "performance.timing.loadEventEnd - performance.timing.navigationStart")
-            self.assertLess(spent, 3000)
             self.assertEqual(len(self.names(browser)), 1000)
+            # what keeps it quick, however busy the machine: few elements, and cards out of sight
+            # are neither laid out nor drawn
+            elements = browser.run("document.querySelectorAll('*').length")
+            self.assertLess(elements, 13_000)
+            skipped = browser.run(
+                "[...document.querySelectorAll('.clip')].filter((card) =>"
+                "!card.querySelector('h2').checkVisibility({contentVisibilityAuto: true})).length")
+            self.assertGreater(skipped, 900)
             self.choose(browser, "search", "CLIP_99 take")
             self.assertEqual(sorted(self.names(browser)), sorted(
                 [f"take {i % 10}/clip_{i}.bvh" for i in (99, *range(990, 1000))]))
@@ -249,6 +478,9 @@ class GalleryInABrowser(GalleryTest):
                              "[...document.images].every((image) => image.naturalWidth > 100)")
             self.assertIn(ODD, self.names(browser))
             self.assertEqual(browser.complaints(), [])
+            policy = browser.run(
+                "document.querySelector('meta[http-equiv=Content-Security-Policy]').content")
+            self.assertIn("img-src 'self';", policy)
             pages = browser.run("[...document.querySelectorAll('a.clip')].map((node) => node.href)")
             self.assertEqual(len(pages), 3)
             browser.run("document.querySelector('a.clip').click()")

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
+#include <set>
 #include <system_error>
 
 #include "base/file.h"
@@ -14,12 +16,14 @@
 #include "base/number_text.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "batch/clip_memory.h"
 #include "batch/process_pool.h"
 #include "batch/summary.h"
 #include "gallery_batch.h"
+#include "gallery_files.h"
 #include "interrupt.h"
 #include "measure_files.h"
-#include "provenance/hash.h"
+#include "plan/memory.h"
 #include "shared_arguments.h"
 #include "view/gallery.h"
 #include "view/strip.h"
@@ -29,22 +33,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPages = "clips";
 // how answers of workers begin
-constexpr char kNoMotion = '-', kNoPage = '!';
-
-// a name of an address, the same whenever the clip's and the robot's are
-Result<std::string> address_name(const ManifestEntry& entry) {
-  constexpr std::size_t kLongest = 60;
-  std::string name = entry.relative + "-" + entry.robot;
-  TRY_ASSIGN(const std::string hash, hash_bytes(entry.relative + '\0' + entry.robot));
-  for (char& letter : name) {
-    const bool plain = (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
-                       (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
-    if (!plain) letter = '_';
-  }
-  return name.substr(0, kLongest) + "-" + hash.substr(std::string_view("sha256:").size(), 8);
-}
+constexpr char kNoMotion = '-';
 
 // a clip of the gallery and what it is made from
 struct GalleryTask {
@@ -55,9 +45,12 @@ struct GalleryTask {
 
 class GalleryMaker {
  public:
-  GalleryMaker(const ViewArguments& arguments, BatchFolder batch, Console& console)
+  /// @param robot  name of the one that the arguments name; empty: none is named.
+  GalleryMaker(const ViewArguments& arguments, BatchFolder batch, std::string robot,
+               Console& console)
       : arguments_(arguments),
         batch_(std::move(batch)),
+        robot_(std::move(robot)),
         folder_(arguments.run.run.output),
         console_(console) {}
 
@@ -73,8 +66,17 @@ class GalleryMaker {
     }
     fs::path folder = fs::path(batch_.folder).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
-    return write_file((folder_ / "index.html").string(),
-                      gallery_page(folder.filename().string(), clips_));
+    TRY(write_file((folder_ / "index.html").string(),
+                   gallery_page(folder.filename().string(), clips_)));
+    // only now does nothing lead to them any more
+    std::set<std::string> kept;
+    for (const GalleryClip& clip : clips_) {
+      for (const std::string& file : {clip.page, clip.picture}) {
+        kept.insert(fs::path(file).filename().string());
+      }
+    }
+    remove_stale_pages(folder_ / kGalleryPages, kept);
+    return {};
   }
 
   // what became of it, and what is missing, in one sentence each
@@ -152,10 +154,10 @@ class GalleryMaker {
       if (!motion.empty()) missing_.push_back(file);
       return {};
     }
-    if (!is_file(entry.input.file)) sources_.push_back(entry.input.file);
-    TRY_ASSIGN(const std::string name, address_name(entry));
-    clip.page = fmt::format("{}/{}.html", kPages, name);
-    clip.picture = fmt::format("{}/{}.png", kPages, name);
+    if (!source_is_there(batch_, entry)) sources_.push_back(entry.input.file);
+    TRY_ASSIGN(const std::string name, gallery_name(entry));
+    clip.page = fmt::format("{}/{}.html", kGalleryPages, name);
+    clip.picture = fmt::format("{}/{}.png", kGalleryPages, name);
     tasks_.push_back({&entry, clips_.size(), {}});
     return {};
   }
@@ -167,33 +169,43 @@ class GalleryMaker {
 
   Result<void> make_folders() {
     std::error_code error;
-    fs::create_directories(folder_ / kPages, error);
+    fs::create_directories(folder_ / kGalleryPages, error);
     if (error)
-      return run_failure((folder_ / kPages).string(), "cannot make the folder: " + error.message());
+      return run_failure((folder_ / kGalleryPages).string(),
+                         "cannot make the folder: " + error.message());
     return {};
   }
 
   // page and picture of a clip; what is missing on the page, or nothing
-  Result<std::string> make_page(const GalleryTask& task) const {
+  Result<std::string> make_page(std::size_t i) const {
+    const GalleryTask& task = tasks_[i];
     Console silent(true);
     const GalleryClip& clip = clips_[task.clip];
-    ViewArguments arguments = arguments_of(batch_, *task.entry, arguments_);
-    std::string lacks;
+    if (find_motion(batch_, *task.entry).path.empty()) {
+      return input_failure(motion_of(batch_, *task.entry),
+                           "the motion has changed since the batch wrote it");
+    }
+    ShownEntry shown_entry = arguments_of(batch_, *task.entry, arguments_, robot_);
+    ViewArguments& arguments = shown_entry.arguments;
+    Run& run = arguments.run.run;
+    run.options.source.memory_gb = memory_gb_[i];
+    std::string lacks = shown_entry.lacks;
     auto measures = load_measures(arguments, silent);
-    if (!measures && !arguments.run.run.motion.empty()) {
-      // a source that has changed must not keep its motion from being seen
-      lacks = "without its source: " + describe(measures.error(), option_as_flag);
-      arguments.run.run.motion.clear();
-      arguments.run.run.options.part = {};
+    if (!measures && !run.motion.empty()) {
+      // a source that cannot be read must not keep its motion from being seen
+      lacks = describe(measures.error(), option_as_flag);
+      forget_source(run);
       measures = load_measures(arguments, silent);
     }
     if (!measures) return failure(measures.error());
+    if (!lacks.empty()) lacks = "without its source: " + lacks;
     TRY_ASSIGN(const MeasuredMotion motion,
                measure_file(arguments.motions.front(), *measures, silent));
     const PageMotion shown{arguments.labels.front(), &motion.clip, motion.human, &motion.report,
                            &measures->limits};
     TRY_ASSIGN(const std::string page,
-               view_page({&shown, 1}, {clip.name, arguments_.meshes, task.links}));
+               view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks,
+                                       arguments_.meshes, task.links}));
     StripPictureOptions picture;
     picture.poses = 5;
     picture.width = kThumbnailWidth;
@@ -205,56 +217,95 @@ class GalleryMaker {
     return lacks;
   }
 
-  // what the index says of it; where there is no motion to be played, kNoMotion comes first
-  std::string done_page(const GalleryTask& task) const {
-    const auto made = make_page(task);
-    if (made) return *made;
+  Result<void> write_note(const GalleryTask& task, const std::string& message) const {
     const GalleryClip& clip = clips_[task.clip];
-    const std::string message = describe(made.error(), option_as_flag);
-    const auto noted = write_file((folder_ / clip.page).string(),
-                                  gallery_note_page(clip.name, message, task.links));
-    return (noted ? kNoMotion : kNoPage) + message;
+    return write_file((folder_ / clip.page).string(),
+                      gallery_note_page(clip.name, message, task.links));
   }
 
-  void take_answer(const GalleryTask& task, const TaskEnd& end) {
+  // what the index says of it; where there is no motion to be played, kNoMotion comes first
+  std::string done_page(std::size_t i) const {
+    try {
+      const auto made = make_page(i);
+      return made ? *made : kNoMotion + describe(made.error(), option_as_flag);
+    } catch (const std::bad_alloc&) {
+      return kNoMotion + std::string("there is not enough memory for its page");
+    }
+  }
+
+  // every clip has its page, so that the ways from one to the next lead on
+  Result<void> take_answer(const GalleryTask& task, const TaskEnd& end) {
     GalleryClip& clip = clips_[task.clip];
     std::string answer =
-        end.answered ? end.answer : kNoPage + std::string("its page could not be made");
-    const bool no_page = answer.starts_with(kNoPage), no_motion = answer.starts_with(kNoMotion);
-    if (no_page || no_motion) {
+        end.answered ? end.answer : kNoMotion + std::string("its page could not be made");
+    if (end.answered) ++answered_;
+    if (answer.starts_with(kNoMotion)) {
       answer.erase(0, 1);
       clip.picture.clear();
       ++unshown_;
+      TRY(write_note(task, answer));
     }
-    if (no_page) clip.page.clear();
     clip.message = std::move(answer);
+    return {};
+  }
+
+  // as the batch does, with the motion in the place of what is written
+  void plan_memory(ProcessPoolOptions& pool, std::vector<std::uint64_t>& memory) {
+    pool.memory = memory_bound(0.0);
+    const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
+    for (const GalleryTask& task : tasks_) {
+      const std::string motion = motion_of(batch_, *task.entry);
+      std::error_code ignored;
+      const std::uintmax_t bytes = fs::file_size(motion, ignored);
+      const std::uint64_t needed = memory_of_clip(task.entry->relative, task.entry->input.bytes) +
+                                   (ignored ? 0 : memory_of_clip(motion, bytes));
+      memory.push_back(std::max(needed, even));
+      // one that needs more than there is runs alone
+      memory_gb_.push_back(static_cast<double>(std::min(memory.back(), pool.memory)) / 1e9);
+    }
+    if (pool.memory == 0) return;
+    pool.max_memory = std::max(pool.memory, *std::ranges::max_element(memory)) + kMemoryOfProcess;
   }
 
   Result<void> make_pages() {
+    if (tasks_.empty()) return {};
     ProcessPoolOptions pool;
     pool.workers = std::max(1, std::min<int>(usable_cores(), static_cast<int>(tasks_.size())));
     pool.end_process = [](int code) { ::_exit(code); };
     pool.begin_worker = leave_interrupts_to_parent;
-    pool.keep_going = [this] { return !console_.is_stopped(); };
-    const std::vector<std::uint64_t> memory(tasks_.size(), 0);
+    Result<void> taken;
+    pool.keep_going = [&] { return taken && !console_.is_stopped(); };
+    std::vector<std::uint64_t> memory;
+    plan_memory(pool, memory);
     std::size_t done = 0;
     auto ran = run_in_processes(
-        memory, pool, [this](std::size_t i) { return done_page(tasks_[i]); },
+        memory, pool, [this](std::size_t i) { return done_page(i); },
         [&](std::size_t i, const TaskEnd& end) {
-          take_answer(tasks_[i], end);
+          auto noted = take_answer(tasks_[i], end);
+          if (!noted && taken) taken = std::move(noted);
           console_.status(fmt::format("page {} of {}", ++done, tasks_.size()));
         });
     console_.end_progress();
-    return ran;
+    TRY(std::move(ran));
+    TRY(std::move(taken));
+    if (answered_ == 0 && !console_.is_stopped()) {
+      return run_failure(folder_.string(),
+                         "no page could be made: every process that began one was ended",
+                         "perhaps memory ran out");
+    }
+    return {};
   }
 
   const ViewArguments& arguments_;
   const BatchFolder batch_;
+  const std::string robot_;
   const fs::path folder_;
   Console& console_;
   std::vector<GalleryClip> clips_;              // the worst first
   std::vector<GalleryTask> tasks_;              // in the same order
   std::vector<std::string> missing_, sources_;  // files that are no longer there
+  std::vector<double> memory_gb_;               // that each page may take
+  std::size_t answered_ = 0;                    // pages whose processes came to their end
   int unshown_ = 0;
 };
 
@@ -275,13 +326,26 @@ Result<void> check_gallery(const ViewArguments& arguments) {
     return usage_failure(
         "--bvh, --smpl, --png and --label are for motions, not for a folder of them");
   }
-  if (fs::equivalent(output, arguments.motions.front(), ignored)) {
-    return usage_failure("the gallery would be put among the batch's own files",
-                         "name another folder, such as " + (fs::path(output) / "gallery").string());
-  }
   fs::path folder = fs::path(output).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   return check_output_folder(folder.string());
+}
+
+// the name of the robot that the call names, which the batch must have motions of; empty: none is named
+Result<std::string> given_robot(const ViewArguments& arguments, const BatchFolder& batch,
+                                Console& console) {
+  const RobotChoice& choice = arguments.run.run.robot;
+  if (choice.name.empty() && choice.model.empty()) return std::string();
+  TRY_ASSIGN(const LoadedRobot loaded,
+             load_robot(choice, arguments.run.common, console, Soles::kAsTheyAre));
+  // as a batch names its robots
+  std::string name = fs::path(loaded.robot->name()).filename().string();
+  std::set<std::string> robots;
+  for (const ManifestEntry& entry : batch.entries) robots.insert(entry.robot);
+  if (robots.contains(name)) return name;
+  return usage_failure(
+      "the batch has no motions of the robot \"" + name + "\"",
+      "it has those of " + list_names(std::vector<std::string>(robots.begin(), robots.end()), 5));
 }
 
 }  // namespace
@@ -289,11 +353,9 @@ Result<void> check_gallery(const ViewArguments& arguments) {
 Result<void> write_gallery(const ViewArguments& arguments, Console& console) {
   TRY(check_gallery(arguments));
   TRY_ASSIGN(BatchFolder batch, read_batch_folder(arguments.motions.front()));
-  const RobotChoice& robot = arguments.run.run.robot;
-  if (!robot.name.empty() || !robot.model.empty()) {
-    TRY(load_robot(robot, arguments.run.common, console, Soles::kAsTheyAre));
-  }
-  GalleryMaker maker(arguments, std::move(batch), console);
+  TRY(check_gallery_folder(arguments.run.run.output, batch));
+  TRY_ASSIGN(std::string robot, given_robot(arguments, batch, console));
+  GalleryMaker maker(arguments, std::move(batch), std::move(robot), console);
   TRY(maker.make());
   maker.tell();
   return {};

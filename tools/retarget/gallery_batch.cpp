@@ -3,24 +3,38 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <system_error>
 
 #include "argument_tables.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/plain_name.h"
 #include "base/try.h"
+#include "batch/resume.h"
 #include "options/run_tables.h"
+#include "provenance/hash.h"
 
 namespace retarget::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-// what the options of a batch say about its sources
-constexpr std::array<std::string_view, 21> kOfSources = {
-    "smpl-model",  "lenient",    "root",    "source-fps", "map",     "partial", "rest",
-    "tpose-frame", "tpose-file", "unit",    "up",         "forward", "height",  "start",
-    "end",         "frames",     "lead-in", "scale",      "limits",  "dof",     "normalize-start"};
+// what the options of a batch say about its sources, and about how its motions are measured
+constexpr std::array<std::string_view, 20> kOfSources = {
+    "lenient",       "root",        "source-fps", "partial", "rest",   "tpose-frame",
+    "unit",          "up",          "forward",    "height",  "start",  "end",
+    "frames",        "lead-in",     "scale",      "limits",  "method", "normalize-start",
+    "interpolation", "no-antialias"};
+
+// options that are files, and what the batch calls them
+struct FileRole {
+  std::string_view option, role;
+};
+constexpr std::array<FileRole, 5> kFiles = {{{"smpl-model", "smpl-model"},
+                                             {"map", "map"},
+                                             {"tpose-file", "tpose-file"},
+                                             {"ik-config", "mapping"},
+                                             {"limits", "limits"}}};
 
 void set_option(const OptionTable& table, std::string_view name, const std::string& text) {
   const Option* row = find_option(table, name);
@@ -34,20 +48,81 @@ std::string text_of(const nlohmann::ordered_json& json, std::string_view name) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-void take_options(const nlohmann::ordered_json& description, ViewArguments& arguments) {
+nlohmann::ordered_json member(const nlohmann::ordered_json& json, const char* name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_object() ? *found : nlohmann::ordered_json::object();
+}
+
+// where a file that a batch was given may be: paths are relative to where the batch was called
+std::vector<std::string> places_of(const BatchFolder& batch, const std::string& file) {
+  const fs::path beside = fs::path(batch.folder) / file;
+  if (file.empty()) return {};
+  if (fs::path(file).is_absolute()) return {file};
+  return {file, beside.string()};
+}
+
+// how a CSV was written; what other formats hold they say themselves
+void take_dialect(const nlohmann::ordered_json& options, ViewArguments& arguments) {
+  const std::string formats = text_of(options, "format");
+  if (!arguments.motions.front().ends_with(".csv") ||
+      formats.find("csv-soma") != std::string::npos) {
+    return;
+  }
+  ReadingOptions& reading = arguments.reading;
+  if (const std::string is = text_of(options, "csv-degrees"); !is.empty()) {
+    reading.angles = is == "true" ? "deg" : "rad";
+  }
+  if (const std::string is = text_of(options, "csv-centimetres"); !is.empty()) {
+    reading.unit = is == "true" ? "cm" : "m";
+  }
+  if (const std::string is = text_of(options, "csv-quat"); !is.empty()) {
+    reading.quaternion = is == "wxyz" ? QuaternionOrder::kWxyz : QuaternionOrder::kXyzw;
+  }
+}
+
+// files are taken where they are still what the batch was given; the first that is not
+std::string take_files(const BatchFolder& batch, const nlohmann::ordered_json& description,
+                       const OptionTable& table) {
+  const auto options = member(description, "options");
+  const auto paths = member(description, "paths"), hashes = member(description, "files");
+  const auto named = options.find("ik-config-named");
+  const bool config_named = named != options.end() && named->is_boolean() && named->get<bool>();
+  std::string changed;
+  for (const auto& [option, role] : kFiles) {
+    const std::string path = text_of(paths, role), hash = text_of(hashes, role);
+    if (path.empty() || (role == "mapping" && !config_named)) continue;
+    std::string found;
+    for (const std::string& place : places_of(batch, path)) {
+      const auto is = hash_file(place);
+      if (found.empty() && is && *is == hash) found = place;
+    }
+    if (!found.empty()) {
+      set_option(table, option, found);
+    } else if (changed.empty()) {
+      changed = path;
+    }
+  }
+  return changed;
+}
+
+// @return a file of them that has changed or is gone; empty: none
+std::string take_options(const BatchFolder& batch, const nlohmann::ordered_json& description,
+                         ViewArguments& arguments) {
   const OptionTable table = run_table(arguments.run.run);
-  for (const char* part : {"options", "paths"}) {
-    const auto options = description.find(part);
-    if (options == description.end() || !options->is_object()) continue;
-    for (const std::string_view name : kOfSources) set_option(table, name, text_of(*options, name));
+  const auto options = member(description, "options"), paths = member(description, "paths");
+  for (const std::string_view name : kOfSources) {
+    const std::string text = text_of(options, name);
+    if (paths.contains(std::string(name))) continue;
+    // a batch names files elsewhere, with their hashes
+    std::error_code ignored;
+    const Option* row = find_option(table, name);
+    const bool may_be_file = row != nullptr && row->info.file != OptionFile::kNone;
+    if (may_be_file && (text.find('/') != std::string::npos || fs::exists(text, ignored))) continue;
+    set_option(table, name, text);
   }
   set_option(table, "dof", text_of(description, "dof"));
-  const auto options = description.find("options");
-  if (options == description.end()) return;
-  if (text_of(*options, "csv-degrees") == "true") arguments.reading.angles = "deg";
-  if (text_of(*options, "csv-centimetres") == "true") arguments.reading.unit = "cm";
-  if (text_of(*options, "csv-quat") == "wxyz")
-    arguments.reading.quaternion = QuaternionOrder::kWxyz;
+  take_dialect(options, arguments);
+  return take_files(batch, description, table);
 }
 
 }  // namespace
@@ -95,27 +170,68 @@ std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry) {
   return {};
 }
 
-ViewArguments arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
-                           const ViewArguments& given) {
-  ViewArguments arguments;
+RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry) {
+  RecordedFile source;
+  for (const std::string& place : places_of(batch, entry.input.file)) {
+    source.is_there = source.is_there || is_file(place);
+    if (source.path.empty() && has_recorded_content(entry.input, place)) source.path = place;
+  }
+  return source;
+}
+
+bool source_is_there(const BatchFolder& batch, const ManifestEntry& entry) {
+  return std::ranges::any_of(places_of(batch, entry.input.file),
+                             [](const std::string& place) { return is_file(place); });
+}
+
+RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry) {
+  RecordedFile motion;
+  const std::string path = motion_of(batch, entry);
+  motion.is_there = !path.empty() && is_file(path);
+  for (const FileRecord& output : entry.outputs) {
+    if ((fs::path(batch.folder) / output.file).string() != path) continue;
+    if (has_recorded_content(output, path)) motion.path = path;
+  }
+  return motion;
+}
+
+void forget_source(Run& run) {
+  run.motion.clear();
+  run.options.part = {};
+  // it would be taken for the motion's
+  run.options.source.source_fps = 0.0;
+}
+
+ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
+                        const ViewArguments& given, const std::string& given_robot) {
+  ShownEntry shown;
+  ViewArguments& arguments = shown.arguments;
+  arguments.motions = {motion_of(batch, entry)};
+  arguments.labels = {fs::path(arguments.motions.front()).filename().string()};
   arguments.run.common = given.run.common;
   arguments.run.common.quiet = true;
   arguments.gates = given.gates;
   const auto options = batch.options.find(entry.options_hash);
-  if (options != batch.options.end()) take_options(options->second, arguments);
+  if (options != batch.options.end()) {
+    const std::string changed = take_options(batch, options->second, arguments);
+    if (!changed.empty())
+      shown.lacks = "a file of the batch's options has changed since: " + changed;
+  }
   Run& run = arguments.run.run;
-  const RobotChoice& robot = given.run.run.robot;
-  const bool is_given = !robot.name.empty() || !robot.model.empty();
-  if (is_given) {
-    run.robot = robot;
+  if (!given_robot.empty() && entry.robot == given_robot) {
+    run.robot = given.run.run.robot;
   } else {
     run.robot.name = entry.robot;
   }
-  if (is_file(entry.input.file)) run.motion = entry.input.file;
+  const RecordedFile source = find_source(batch, entry);
+  if (!source.path.empty() && shown.lacks.empty()) {
+    run.motion = source.path;
+  } else if (source.path.empty() && source.is_there) {
+    shown.lacks = "the source has changed since: " + entry.input.file;
+  }
+  if (run.motion.empty()) forget_source(run);
   if (entry.fps > 0.0) arguments.fps = to_text(frame_rate_from_fps(entry.fps));
-  arguments.motions = {motion_of(batch, entry)};
-  arguments.labels = {fs::path(arguments.motions.front()).filename().string()};
-  return arguments;
+  return shown;
 }
 
 }  // namespace retarget::cli

@@ -25,10 +25,36 @@ struct BatchFolder {
 /// The motion's file of an entry, one that can be read back; empty: it has none.
 [[nodiscard]] std::string motion_of(const BatchFolder& batch, const ManifestEntry& entry);
 
-/// How an entry's motion is measured and shown: its robot, its source where that is still there, and
-/// of the batch's options those that say what was made of the source.
-/// @param given  robot, data folder and gates of the call take precedence.
-[[nodiscard]] ViewArguments arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
-                                         const ViewArguments& given);
+/// A file that a manifest has a record of.
+struct RecordedFile {
+  std::string path;       ///< Where it is with the recorded size and hash; empty: nowhere.
+  bool is_there = false;  ///< Whether there is a file of its name, perhaps with another content.
+};
+
+/// The source of an entry: below the working directory, else below the batch's folder.
+[[nodiscard]] RecordedFile find_source(const BatchFolder& batch, const ManifestEntry& entry);
+
+/// Whether there is a file of the source's name; it is not read.
+[[nodiscard]] bool source_is_there(const BatchFolder& batch, const ManifestEntry& entry);
+
+/// The motion of an entry.
+[[nodiscard]] RecordedFile find_motion(const BatchFolder& batch, const ManifestEntry& entry);
+
+/// How an entry's motion is measured and shown.
+struct ShownEntry {
+  ViewArguments arguments;
+  std::string lacks;  ///< Why there is no source beside it, where one is there; empty: all is well.
+};
+
+/// Measures a motion without its source, and without what options say about that.
+void forget_source(Run& run);
+
+/// Its robot, its source, and of the batch's options those that say what was made of the source, how
+/// the motion is measured and how its file was written. Sources and files of options are taken only
+/// where they are what the batch read.
+/// @param given        data folder and gates of the call take precedence,
+/// @param given_robot  and its robot where the entry is of this name; empty: none was given.
+[[nodiscard]] ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
+                                      const ViewArguments& given, const std::string& given_robot);
 
 }  // namespace retarget::cli
