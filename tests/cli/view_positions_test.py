@@ -1,4 +1,4 @@
-"""Where pages put bodies, for every robot: their script in Node against kinematics of the model's file."""
+"""Where pages put bodies: their script, in Node, against kinematics of the models' files."""
 
 import base64
 import json
@@ -26,7 +26,8 @@ MODEL = """
   <body name="lift" pos="0 0 0.2" quat="0.5 0.5 0.5 0.5">
     <joint name="rise" type="slide" axis="0 0.6 0.8" range="-1 1" ref="0.15"/>
     <geom type="sphere" size="0.05"/>
-    <body name="arm" pos="0.1 0.2 0"><joint name="turn" axis="0 1 0" pos="0.05 0 0.1" range="-2 2" ref="0.4"/>
+    <body name="arm" pos="0.1 0.2 0">
+      <joint name="turn" axis="0 1 0" pos="0.05 0 0.1" range="-2 2" ref="0.4"/>
       <geom type="sphere" size="0.05"/>
       <body name="hand" pos="0.3 0 0"><geom type="sphere" size="0.05"/></body>
 </body></body></body></worldbody></mujoco>"""
@@ -77,8 +78,11 @@ class Model:
             if each.get("class") and each.find("joint") is not None
         }
         [self.base] = root.find("worldbody").findall("body")
-        self.joints = {joint.get("name"): joint for joint in self.base.iter("joint")}
-        self.joints = {name: each for name, each in self.joints.items() if each.get("type") != "free"}
+        self.joints = {
+            joint.get("name"): joint
+            for joint in self.base.iter("joint")
+            if joint.get("type") != "free"
+        }
 
     def places(self, position, quaternion, values):
         """World positions of all bodies by name; `values` by joint, those without one are at 0."""

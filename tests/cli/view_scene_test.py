@@ -82,7 +82,8 @@ class Scene(unittest.TestCase):
                 *axes, normal = np.linalg.svd(points - middle)[2]
                 # all of the sole is on the plate, which is hardly wider and thin
                 for axis in axes:
-                    low, high = ((vertices - middle) @ axis).min(), ((vertices - middle) @ axis).max()
+                    wide = (vertices - middle) @ axis
+                    low, high = wide.min(), wide.max()
                     along = (points - middle) @ axis
                     self.assertLess(low, along.min())
                     self.assertGreater(high, along.max())
@@ -150,7 +151,8 @@ class Scene(unittest.TestCase):
         self.assertLess(stands[2][2], -0.5)
 
     def test_faults_are_counted_in_all(self):
-        faults = [{"metric": "limit_pct", "kind": "limit"}] * 10 + [{"metric": "jumps", "kind": "jump"}]
+        faults = [{"metric": "limit_pct", "kind": "limit"}] * 10
+        faults.append({"metric": "jumps", "kind": "jump"})
         totals, texts = self.run_script(
             """
             const { totalsByKind, countText } = await import(`${viewer}/timeline.js`);
