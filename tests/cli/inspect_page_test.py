@@ -97,6 +97,30 @@ Frame Time: 0.1
                 thighs.append(np.linalg.norm(places["LeftLeg"] - places["LeftUpLeg"]))
             self.assertAlmostEqual(*thighs, delta=1e-3)
 
+    def test_a_link_leads_to_a_moment_and_calm_is_kept(self):
+        program = chromium()
+        if program is None:
+            self.skipTest("there is no Chromium (Debian: chromium)")
+        self.page()
+        with Browser(program) as browser:
+            browser.open(self.folder / "page.html", fragment="#t=0.2")
+            browser.wait_for("window.retarget")
+            self.assertAlmostEqual(browser.run("window.retarget.player.time"), 0.2)
+            self.assertFalse(browser.run("window.retarget.player.playing"))
+            browser.run("window.location.hash = 't=0.1'")
+            browser.wait_for("Math.abs(window.retarget.player.time - 0.1) < 1e-9")
+            browser.open(self.folder / "page.html",
+                         features={"prefers-reduced-motion": "reduce"})
+            browser.wait_for("window.retarget")
+            self.assertFalse(browser.run("window.retarget.player.playing"))
+            browser.run("[...document.querySelectorAll('button')]"
+                        ".find((button) => button.textContent === 'Orbit').click()")
+            # what turns draws without end
+            browser.run("new Promise((done) => setTimeout(done, 500))")
+            frames = browser.run("window.retarget.frameTimes.length")
+            browser.run("new Promise((done) => setTimeout(done, 500))")
+            self.assertEqual(browser.run("window.retarget.frameTimes.length"), frames)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -6,10 +6,9 @@ import { addTestHook } from './hook.js';
 import { JointsPanel } from './joints_panel.js';
 import { addHelp, addKeyboard } from './keyboard.js';
 import { Motion } from './motions.js';
-import { Player } from './player.js';
+import { PlayedPage } from './played_page.js';
 import { qualityPanel, verdict } from './quality_panel.js';
 import { SkeletonViewer, addSkeletonHook } from './skeleton_viewer.js';
-import { Stage } from './stage.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
 import { onThemeChange } from './theme.js';
@@ -17,8 +16,6 @@ import { Timeline } from './timeline.js';
 import { Transport } from './transport.js';
 import { ViewTools } from './view_tools.js';
 import { World } from './world.js';
-
-const calm = window.matchMedia('(prefers-reduced-motion: reduce)');
 
 function showHeader(page, motions) {
   byId('title').textContent = page.title;
@@ -66,22 +63,15 @@ function addLinks({ index, previous, next }) {
   );
 }
 
-/** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
-function linkedTime() {
-  const found = /(?:^#|[#&])t=(\d+(?:\.\d+)?)/.exec(window.location.hash);
-  return found ? Number(found[1]) : null;
-}
-
 /** Puts the parts together: what plays, what is shown, and who tells whom. */
-class Viewer {
+class Viewer extends PlayedPage {
   constructor(page, tracks) {
-    this.motions = page.motions.map((data, index) => new Motion(data, index, page, tracks));
-    const longest = Math.max(...this.motions.map((motion) => motion.duration));
-    this.player = new Player(longest, Math.min(...this.motions.map((motion) => motion.frameTime)));
-    this.scheduled = false;
-    this.frameTimes = [];
-    this.redraw = () => this.schedule();
-    this.stage = new Stage(byId('canvas'), this.redraw);
+    const motions = page.motions.map((data, index) => new Motion(data, index, page, tracks));
+    super(
+      Math.max(...motions.map((motion) => motion.duration)),
+      Math.min(...motions.map((motion) => motion.frameTime)),
+    );
+    this.motions = motions;
     this.world = new World(this.motions, this.stage);
     this.tags = new Tags(this.world);
     showHeader(page, this.motions);
@@ -90,8 +80,6 @@ class Viewer {
     this.addControls(page);
     this.world.update(0);
     this.stage.frame();
-    this.player.addEventListener('time', this.redraw);
-    this.player.addEventListener('state', this.redraw);
     onThemeChange(() => this.joints.redraw());
     this.addPicking();
     this.start();
@@ -139,28 +127,13 @@ class Viewer {
   }
 
   addKeys() {
-    const { player, transport, tools } = this;
-    const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
+    const { tools } = this;
     addKeyboard({
-      ' ': () => player.toggle(),
-      k: () => player.toggle(),
-      ArrowLeft: skip(-1),
-      ArrowRight: skip(1),
-      ',': () => player.step(-1),
-      '.': () => player.step(1),
+      ...this.playerKeys(this.transport),
       '[': () => this.previousOrNext(-1),
       ']': () => this.previousOrNext(1),
       n: () => this.nextFault(1),
       p: () => this.nextFault(-1),
-      Home: () => player.seek(player.begin),
-      End: () => player.seek(player.end),
-      '-': () => transport.changeSpeed(-1),
-      '+': () => transport.changeSpeed(1),
-      '=': () => transport.changeSpeed(1),
-      i: () => transport.markBegin(),
-      o: () => transport.markEnd(),
-      x: () => player.setRange(0, 0),
-      l: () => player.setLooping(!player.looping),
       f: () => tools.setCamera(this.stage.mode === 'follow' ? 'stand' : 'follow'),
       r: () => tools.reset(),
       h: () => tools.nextHuman(),
@@ -230,39 +203,12 @@ class Viewer {
     });
   }
 
-  start() {
-    const linked = linkedTime();
-    this.player.seek(linked ?? 0);
-    window.addEventListener('hashchange', () => {
-      const time = linkedTime();
-      if (time === null) return;
-      this.player.pause();
-      this.player.seek(time);
-    });
-    // a link is to a moment; and who wants calm starts it himself
-    if (linked === null && !calm.matches && this.player.duration > 0) this.player.play();
-    this.redraw();
-  }
-
-  schedule() {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame((now) => this.frame(now));
-  }
-
-  frame(now) {
-    const begin = performance.now();
-    this.scheduled = false;
-    this.player.advance(now);
-    const passed = this.lastFrame === undefined ? 0 : Math.min(0.1, (now - this.lastFrame) / 1000);
-    this.lastFrame = now;
+  update() {
     this.world.update(this.player.time);
-    if (!calm.matches) this.stage.turn(passed);
-    this.stage.render();
+  }
+
+  updateTags() {
     this.tags.update();
-    this.frameTimes.push(performance.now() - begin);
-    if (this.frameTimes.length > 240) this.frameTimes.shift();
-    if (this.player.playing || (this.stage.mode === 'orbit' && !calm.matches)) this.schedule();
   }
 }
 

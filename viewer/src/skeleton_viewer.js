@@ -10,8 +10,7 @@ import {
 } from 'three';
 import { Choice, byId, el, seconds, toggle } from './dom.js';
 import { addHelp, addKeyboard } from './keyboard.js';
-import { Player } from './player.js';
-import { Stage } from './stage.js';
+import { PlayedPage } from './played_page.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
 import { Timeline } from './timeline.js';
@@ -78,30 +77,24 @@ class SkeletonFigure {
 }
 
 /** A page about a source alone: its skeleton in motion, at rest, its axes, and what was found in it. */
-export class SkeletonViewer {
+export class SkeletonViewer extends PlayedPage {
   constructor(page, tracks) {
+    const { frames, rate } = page.skeleton;
+    const fps = rate[0] / rate[1];
+    super(Math.max(0, frames - 1) / fps, 1 / fps);
     this.skeleton = page.skeleton;
-    const { frames, rate } = this.skeleton;
     this.frames = frames;
-    this.fps = rate[0] / rate[1];
+    this.fps = fps;
     this.stride = 3 * this.skeleton.points.length;
     this.rest = tracks[this.skeleton.rest];
     this.positions = frames > 0 ? tracks[this.skeleton.track] : this.rest;
-    this.player = new Player(Math.max(0, frames - 1) / this.fps, 1 / this.fps);
-    this.frameTimes = [];
-    this.redraw = () => this.schedule();
-    this.stage = new Stage(byId('canvas'), this.redraw);
     this.measure();
     this.addFigures();
     this.tagged = new Tags(this);
     this.addControls(page);
     this.update();
     this.stage.frame();
-    this.player.addEventListener('time', this.redraw);
-    this.player.addEventListener('state', this.redraw);
-    if (this.player.duration > 0 && !window.matchMedia('(prefers-reduced-motion: reduce)').matches)
-      this.player.play();
-    this.redraw();
+    this.start();
   }
 
   frameAt(time) {
@@ -219,23 +212,8 @@ export class SkeletonViewer {
     this.help = addHelp([
       `Places on this page are rounded to ${page.precision.bone_m * 1000} mm. Made by ${page.tool}.`,
     ]);
-    const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
     addKeyboard({
-      ' ': () => player.toggle(),
-      k: () => player.toggle(),
-      ArrowLeft: skip(-1),
-      ArrowRight: skip(1),
-      ',': () => player.step(-1),
-      '.': () => player.step(1),
-      Home: () => player.seek(player.begin),
-      End: () => player.seek(player.end),
-      '-': () => this.transport.changeSpeed(-1),
-      '+': () => this.transport.changeSpeed(1),
-      '=': () => this.transport.changeSpeed(1),
-      i: () => this.transport.markBegin(),
-      o: () => this.transport.markEnd(),
-      x: () => player.setRange(0, 0),
-      l: () => player.setLooping(!player.looping),
+      ...this.playerKeys(this.transport),
       r: () => this.reset(),
       f: () => this.setCamera(this.stage.mode === 'follow' ? 'stand' : 'follow'),
       '?': () => this.help(),
@@ -355,25 +333,8 @@ export class SkeletonViewer {
     return tags;
   }
 
-  schedule() {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame((now) => this.frame(now));
-  }
-
-  frame(now) {
-    const begin = performance.now();
-    this.scheduled = false;
-    this.player.advance(now);
-    const passed = this.lastFrame === undefined ? 0 : Math.min(0.1, (now - this.lastFrame) / 1000);
-    this.lastFrame = now;
-    this.update();
-    this.stage.turn(passed);
-    this.stage.render();
+  updateTags() {
     this.tagged.update();
-    this.frameTimes.push(performance.now() - begin);
-    if (this.frameTimes.length > 240) this.frameTimes.shift();
-    if (this.player.playing || this.stage.mode === 'orbit') this.schedule();
   }
 }
 

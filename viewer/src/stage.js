@@ -11,7 +11,7 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Floor } from './floor.js';
-import { onThemeChange, theme } from './theme.js';
+import { calm, onThemeChange, theme } from './theme.js';
 
 const UP = new Vector3(0, 0, 1);
 /** Of the camera from the heading, when it begins: from the front and a side. */
@@ -194,9 +194,14 @@ export class Stage {
     }
   }
 
+  /** Whether the camera turns by itself. */
+  get turns() {
+    return this.mode === 'orbit' && !calm.matches;
+  }
+
   /** Turns the camera in `orbit`. @param {number} seconds  that have passed */
   turn(seconds) {
-    if (this.mode !== 'orbit') return;
+    if (!this.turns) return;
     const arm = this.camera.position.clone().sub(this.controls.target);
     arm.applyAxisAngle(UP, ORBIT_SPEED * seconds);
     this.camera.position.copy(this.controls.target).add(arm);

@@ -27,6 +27,8 @@ export const ROBOT_CONTACT = 0xf09a1a;
 export const SOURCE_CONTACT = 0x17a398;
 
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
+/** Whether the reader wants nothing to move by itself. */
+export const calm = window.matchMedia('(prefers-reduced-motion: reduce)');
 
 export function theme() {
   return dark.matches ? DARK : LIGHT;

@@ -1,0 +1,88 @@
+import { byId } from './dom.js';
+import { Player } from './player.js';
+import { Stage } from './stage.js';
+import { calm } from './theme.js';
+
+/** The moment that a link names: `#t=12.3`. @returns {number|null} seconds */
+function linkedTime() {
+  const found = /(?:^#|[#&])t=(\d+(?:\.\d+)?)/.exec(window.location.hash);
+  return found ? Number(found[1]) : null;
+}
+
+/** What pages that play something have in common: the player, the stage, and when it is drawn. */
+export class PlayedPage {
+  /** @param {number} duration seconds  @param {number} frameTime of a step, seconds */
+  constructor(duration, frameTime) {
+    this.player = new Player(duration, frameTime);
+    this.scheduled = false;
+    this.frameTimes = [];
+    this.redraw = () => this.schedule();
+    this.stage = new Stage(byId('canvas'), this.redraw);
+    this.player.addEventListener('time', this.redraw);
+    this.player.addEventListener('state', this.redraw);
+  }
+
+  /** Brings figures to the player's time. */
+  update() {}
+
+  /** Brings names to where the figures are in the picture. */
+  updateTags() {}
+
+  /** Keys that all of them have. @param {import('./transport.js').Transport} transport */
+  playerKeys(transport) {
+    const { player } = this;
+    const skip = (sign) => (event) => player.seek(player.time + sign * (event.shiftKey ? 0.1 : 1));
+    return {
+      ' ': () => player.toggle(),
+      k: () => player.toggle(),
+      ArrowLeft: skip(-1),
+      ArrowRight: skip(1),
+      ',': () => player.step(-1),
+      '.': () => player.step(1),
+      Home: () => player.seek(player.begin),
+      End: () => player.seek(player.end),
+      '-': () => transport.changeSpeed(-1),
+      '+': () => transport.changeSpeed(1),
+      '=': () => transport.changeSpeed(1),
+      i: () => transport.markBegin(),
+      o: () => transport.markEnd(),
+      x: () => player.setRange(0, 0),
+      l: () => player.setLooping(!player.looping),
+    };
+  }
+
+  start() {
+    const linked = linkedTime();
+    this.player.seek(linked ?? 0);
+    window.addEventListener('hashchange', () => {
+      const time = linkedTime();
+      if (time === null) return;
+      this.player.pause();
+      this.player.seek(time);
+    });
+    // a link is to a moment; and who wants calm starts it himself
+    if (linked === null && !calm.matches && this.player.duration > 0) this.player.play();
+    this.redraw();
+  }
+
+  schedule() {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  frame(now) {
+    const begin = performance.now();
+    this.scheduled = false;
+    this.player.advance(now);
+    const passed = this.lastFrame === undefined ? 0 : Math.min(0.1, (now - this.lastFrame) / 1000);
+    this.lastFrame = now;
+    this.update();
+    this.stage.turn(passed);
+    this.stage.render();
+    this.updateTags();
+    this.frameTimes.push(performance.now() - begin);
+    if (this.frameTimes.length > 240) this.frameTimes.shift();
+    if (this.player.playing || this.stage.turns) this.schedule();
+  }
+}
