@@ -289,23 +289,29 @@ install_packages() {
 
 # --- MuJoCo ----------------------------------------------------------------------------------
 
+fetch_folder=
+# fetch_folder: a new folder beside what is fetched, which does not outlive the script
+make_fetch_folder() {
+  mkdir -p "$root/build/deps"
+  # an earlier one has served; the name lives as long as the script: a path with quotes in it is no code
+  [ -z "$fetch_folder" ] || rm -rf -- "$fetch_folder"
+  fetch_folder=$(mktemp -d "$root/build/deps/.fetch.XXXXXX")
+  trap 'rm -rf -- "$fetch_folder"' EXIT
+  # pip makes an interrupt an error of its own
+  trap 'exit 130' INT TERM
+}
+
 # install_mujoco VERSION, pinned by a file of hashes
 install_mujoco() {
-  local version=$1 python deps=$root/build/deps temporary pinned=$root/tools/mujoco.txt
+  local version=$1 python deps=$root/build/deps pinned=$root/tools/mujoco.txt
   [ "$version" = "$kMujocoVersion" ] || pinned=$root/tools/mujoco_older.txt
   python=$(python_that_can "$kPip") || {
     say "cannot fetch MuJoCo: no Python with pip (Debian: python3-pip)"
     exit 1
   }
-  mkdir -p "$deps"
-  temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
-  # by a name that lives as long as the script: a path with quotes in it is no code
-  fetch_folder=$temporary
-  trap 'rm -rf -- "$fetch_folder"' EXIT
-  # pip makes an interrupt an error of its own
-  trap 'exit 130' INT TERM
+  make_fetch_folder
   say "fetching MuJoCo $version (a Python wheel, used as an SDK) into build/deps/mujoco"
-  fetch_wheel "$python" "$temporary/wheel" "$pinned" || {
+  fetch_wheel "$python" "$fetch_folder/wheel" "$pinned" || {
     say "cannot fetch MuJoCo $version as $pinned pins it: pip's messages are above. Nothing was installed." \
       "With a MuJoCo >= 3.3 of your own: export MuJoCo_ROOT=DIR"
     [ "$version" = "$kOlderMujocoVersion" ] ||
@@ -313,28 +319,23 @@ install_mujoco() {
     exit 1
   }
   # its licences go where the library goes
-  find "$temporary/wheel" -path '*.dist-info/*' -name 'LICENSE*' -exec cp {} "$temporary/wheel/mujoco/" \;
+  find "$fetch_folder/wheel" -path '*.dist-info/*' -name 'LICENSE*' -exec cp {} "$fetch_folder/wheel/mujoco/" \;
   rm -rf -- "$deps/mujoco"
-  mv -T -- "$temporary/wheel/mujoco" "$deps/mujoco"
+  mv -T -- "$fetch_folder/wheel/mujoco" "$deps/mujoco"
 }
 
 # nanobind, pytest and what they need, pinned by tools/python.txt
 install_python_tools() {
-  local deps=$root/build/deps temporary
-  mkdir -p "$deps"
-  temporary=$(mktemp -d "$deps/.fetch.XXXXXX")
-  fetch_folder=$temporary
-  trap 'rm -rf -- "$fetch_folder"' EXIT
-  trap 'exit 130' INT TERM
+  local deps=$root/build/deps
+  make_fetch_folder
   say "fetching nanobind and pytest (tools/python.txt) into build/deps/python"
-  pip_fetch "$chosen_python" "$temporary/python" "$root/tools/python.txt" || {
+  pip_fetch "$chosen_python" "$fetch_folder/python" "$root/tools/python.txt" || {
     say "cannot fetch what tools/python.txt pins: pip's messages are above. Nothing was installed of it." \
       "$kWithoutPython"
     exit 1
   }
   rm -rf -- "$deps/python"
-  mv -T -- "$temporary/python" "$deps/python"
-  rm -rf -- "$temporary"
+  mv -T -- "$fetch_folder/python" "$deps/python"
 }
 
 # fetch_wheel PYTHON FOLDER REQUIREMENTS: pip takes nothing whose hash the requirements do not have

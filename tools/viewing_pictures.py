@@ -19,8 +19,9 @@ import numpy as np
 SOURCE = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SOURCE / "tests/cli"))
 import browser  # noqa: E402  (of the tests)
+from pictures import SIGNATURE, chunk  # noqa: E402
 
-MOST_BYTES = 150_000
+MAX_BYTES = 150_000
 # name: page, moment, size of the window, media features, scripts that lead there
 SCENES = {
     "view_compare": ("two.html", "#t=3.6", (1280, 720), {}, []),
@@ -117,18 +118,9 @@ def palette_png(pixels):
     """A PNG with a palette of 256 colours, bytes."""
     palette, index = palette_of(pixels)
     height, width = index.shape
-
-    def chunk(kind, content):
-        return (
-            struct.pack(">I", len(content))
-            + kind
-            + content
-            + struct.pack(">I", zlib.crc32(kind + content))
-        )
-
     rows = b"".join(b"\0" + row.tobytes() for row in index)
     return (
-        b"\x89PNG\r\n\x1a\n"
+        SIGNATURE
         + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0))
         + chunk(b"PLTE", palette.tobytes())
         + chunk(b"IDAT", zlib.compress(rows, 9))
@@ -156,7 +148,7 @@ def main():
                 ]:
                     window.run(script)
                 png = palette_png(pixels_of(window, window.screenshot()))
-                if len(png) > MOST_BYTES:
+                if len(png) > MAX_BYTES:
                     sys.exit(f"viewing_pictures: {name} takes {len(png)} bytes")
                 (SOURCE / "docs/pictures" / f"{name}.png").write_bytes(png)
 

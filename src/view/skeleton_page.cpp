@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "base/try.h"
-#include "human/side_colours.h"
 #include "motion/forward_kinematics.h"
 #include "motion/skeleton_points.h"
 #include "retarget/version.h"

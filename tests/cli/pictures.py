@@ -26,19 +26,20 @@ def read_png(data):
     return rows[:, 1:].reshape(height, width, 3)
 
 
+def chunk(kind, content):
+    """A chunk of a PNG, bytes."""
+    return (
+        struct.pack(">I", len(content))
+        + kind
+        + content
+        + struct.pack(">I", zlib.crc32(kind + content))
+    )
+
+
 def write_png(pixels):
     """A PNG of pixels (height, width, 3), bytes."""
     height, width, _ = pixels.shape
     rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(np.uint8))
-
-    def chunk(kind, content):
-        return (
-            struct.pack(">I", len(content))
-            + kind
-            + content
-            + struct.pack(">I", zlib.crc32(kind + content))
-        )
-
     return (
         SIGNATURE
         + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))

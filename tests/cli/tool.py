@@ -1,6 +1,7 @@
 """What the tests of the command line share: running the tool, sample clips, comparing tables."""
 
 import functools
+import json
 import os
 import pathlib
 import re
@@ -13,6 +14,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOOL = os.environ.get("RETARGET_TOOL", "")
+NODE = shutil.which("node")
 MEGABYTE = 1 << 20
 SAMPLES = ("walk", "turn_in_place", "squat", "wave", "get_up")
 
@@ -31,6 +33,20 @@ def absent(what):
     if os.environ.get("RETARGET_STRICT_TESTS", "0") not in ("", "0"):
         raise AssertionError(f"{what}, and RETARGET_STRICT_TESTS is set")
     raise unittest.SkipTest(what)
+
+
+def run_in_node(test, script):
+    """What a script of JavaScript writes as JSON; a test that it fails in fails."""
+    done = subprocess.run(
+        [NODE, "--input-type=module", "-"],
+        input=script,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    test.assertEqual(done.returncode, 0, done.stderr)
+    return json.loads(done.stdout)
 
 
 def sample(name):

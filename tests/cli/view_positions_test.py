@@ -3,8 +3,6 @@
 import base64
 import json
 import re
-import shutil
-import subprocess
 import unittest
 import xml.etree.ElementTree as xml
 import zlib
@@ -12,9 +10,8 @@ import zlib
 import numpy as np
 
 from pages import data_of
-from tool import SOURCE, ToolTest
+from tool import NODE, SOURCE, ToolTest, run_in_node
 
-NODE = shutil.which("node")
 FRAMES = 7
 # of all positions; joints are rounded to 5e-5 rad
 TOLERANCE = 2e-4
@@ -121,16 +118,7 @@ class Positions(ToolTest):
             f"const viewer = {json.dumps((SOURCE / 'viewer/src').as_uri())};"
             f"const value = {json.dumps(value)};{PLACES}"
         )
-        done = subprocess.run(
-            [NODE, "--input-type=module", "-"],
-            input=script,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return [dict(frame) for frame in json.loads(done.stdout)]
+        return [dict(frame) for frame in run_in_node(self, script)]
 
     def check(self, text, order, *options):
         """A motion of all joints, anywhere and however turned."""

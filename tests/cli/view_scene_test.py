@@ -1,15 +1,12 @@
 """What pages show of motions, in numbers: parts of viewer/src that need no browser, in Node."""
 
 import json
-import shutil
-import subprocess
 import unittest
 
 import numpy as np
 
-from tool import SOURCE
+from tool import NODE, SOURCE, run_in_node
 
-NODE = shutil.which("node")
 VIEWER = SOURCE / "viewer/src"
 RIM = 0.006
 
@@ -50,16 +47,7 @@ class Scene(unittest.TestCase):
             const main = async () => {{ {script} }};
             process.stdout.write(JSON.stringify(await main()));
         """
-        done = subprocess.run(
-            [NODE, "--input-type=module", "-"],
-            input=text,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout)
+        return run_in_node(self, text)
 
     def test_soles_of_every_robot_are_plates_below_the_foot(self):
         soles = {}

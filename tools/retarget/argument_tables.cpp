@@ -4,7 +4,6 @@
 #include <vector>
 #include "batch/batch_table.h"
 
-#include "batch/run_batch.h"
 #include "declare_table.h"
 #include "options/run_tables.h"
 #include "retarget/options.h"

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <string>
 #include <utility>
-#include "argument_tables.h"
 #include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"

@@ -1,13 +1,7 @@
 // `retarget evaluate`: how good robot motions are, held against gates.
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,25 +11,10 @@
 #include "base/try.h"
 #include "commands.h"
 #include "console.h"
-#include "human/human_clip.h"
 #include "measure_files.h"
 #include "plan/check_options.h"
-#include "plan/config_files.h"
-#include "plan/gates.h"
-#include "quality/measure.h"
-#include "read_motion.h"
-#include "retarget/clip.h"
-#include "retarget/human.h"
-#include "retarget/load.h"
-#include "retarget/motion.h"
-#include "retarget/motion_io.h"
 #include "retarget/options.h"
-#include "retarget/plan.h"
 #include "retarget/report.h"
-#include "retarget/retargeting_config.h"
-#include "retarget/robot.h"
-#include "retarget/solve.h"
-#include "robot/resample_robot.h"
 #include "run/run_lines.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
@@ -44,20 +23,8 @@ namespace retarget::cli {
 namespace {
 
 Result<void> check_usage(const EvaluateArguments& arguments) {
-  const Run& run = arguments.run.run;
-  TRY(check_robot_choice(run.robot));
-  const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
-  if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
-    return usage_failure(
-        std::string(arguments.fps == "source" ? "--fps source" : "--start") + " needs the source",
-        "add --bvh FILE");
-  }
-  const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
-  if (inputs > 1) return usage_failure("standard input can be read only once");
-  std::vector<std::string> read = files_read(run, arguments.run.common);
-  read.insert(read.end(), arguments.motions.begin(), arguments.motions.end());
-  read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
-  read.push_back(arguments.run.smpl_file);
+  TRY(check_robot_choice(arguments.run.run.robot));
+  TRY_ASSIGN(const auto read, check_inputs(arguments));
   return check_written({arguments.json, arguments.run.request.write_map}, read);
 }
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "argument_tables.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/plain_name.h"

@@ -31,6 +31,11 @@ struct MeasuredMotion {
   std::optional<FrameRate> file_rate;  ///< Of the file, if it was resampled to the source's.
 };
 
+/// What is wrong with motions and source whatever the command does with them: an option that needs a
+/// source without one, standard input named twice.
+/// @return all files that are read.
+[[nodiscard]] Result<std::vector<std::string>> check_inputs(const MeasureArguments& arguments);
+
 /// Loads robot, limits, gates and source.
 /// @param source_rate  that the source is looked at with where the arguments have no rate; it says
 ///                     nothing of motions whose files give none.

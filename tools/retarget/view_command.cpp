@@ -59,14 +59,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
   TRY(check_robot_choice(run.robot));
   TRY(check_use(arguments));
-  const bool source = !run.motion.empty() || !arguments.run.smpl_file.empty();
-  if (!source && (run.options.part.start_s >= 0.0 || arguments.fps == "source")) {
-    return usage_failure(
-        std::string(arguments.fps == "source" ? "--fps source" : "--start") + " needs the source",
-        "add --bvh FILE");
-  }
-  const auto inputs = std::ranges::count(arguments.motions, "-") + (run.motion == "-" ? 1 : 0);
-  if (inputs > 1) return usage_failure("standard input can be read only once");
+  TRY_ASSIGN(const auto read, check_inputs(arguments));
   if ((!is_page(run.output) || !arguments.png.empty()) && arguments.motions.size() > 1) {
     return usage_failure("a picture is of one motion, and " +
                              count_text(arguments.motions.size(), "motion") + " are given",
@@ -77,10 +70,7 @@ Result<void> check_usage(const ViewArguments& arguments) {
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "give one --label for each motion, in their order");
   }
-  auto inputs_read = files_read(run, arguments.run.common);
-  inputs_read.insert(inputs_read.end(), arguments.motions.begin(), arguments.motions.end());
-  inputs_read.push_back(arguments.run.smpl_file);
-  return check_written({run.output, arguments.png, arguments.run.request.write_map}, inputs_read);
+  return check_written({run.output, arguments.png, arguments.run.request.write_map}, read);
 }
 
 // a strip in the form that the file's name says

@@ -8,13 +8,14 @@ import {
   SphereGeometry,
   Vector3,
 } from 'three';
-import { Choice, byId, el, seconds, toggle } from './dom.js';
+import { byId, el, seconds, toggle } from './dom.js';
 import { addHelp, addKeyboard } from './keyboard.js';
 import { PlayedPage } from './played_page.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
 import { Timeline } from './timeline.js';
 import { Transport } from './transport.js';
+import { cameraChoice, resetButton } from './view_tools.js';
 
 const UP = new Vector3(0, 1, 0);
 /** Joints that stand for a bone by side, and what else there is. */
@@ -171,23 +172,7 @@ export class SkeletonViewer extends PlayedPage {
             : `${doubts} ${doubts === 1 ? 'doubt' : 'doubts'}`,
       }),
     );
-    this.camera = new Choice(
-      'Camera',
-      [
-        ['follow', 'Follow', 'The camera goes along (F)'],
-        ['orbit', 'Orbit', 'It goes along and turns'],
-        ['stand', 'Stand', 'It stays where it is (F)'],
-      ],
-      this.stage.mode,
-      (mode) => this.setCamera(mode),
-    );
-    // beside the choice, of which it is none
-    const reset = el('button', {
-      type: 'button',
-      text: 'Reset',
-      title: 'Camera back to where it was (R)',
-      on: { click: () => this.reset() },
-    });
+    this.camera = cameraChoice(this, this.stage.mode);
     const show = (group) => (on) => {
       group.visible = on;
       this.stage.shadowsChanged();
@@ -195,7 +180,7 @@ export class SkeletonViewer extends PlayedPage {
     };
     byId('view-tools').append(
       this.camera.element,
-      el('div', { class: 'group' }, reset),
+      resetButton(this),
       el(
         'div',
         { class: 'group' },
@@ -299,18 +284,8 @@ export class SkeletonViewer extends PlayedPage {
 
   /** Names of the figures and axes, in pixels of the canvas. */
   tags() {
-    const { camera, canvas } = this.stage;
     const tags = [];
-    const add = (place, text, colour) => {
-      const there = place.clone().project(camera);
-      tags.push({
-        text,
-        colour,
-        x: (there.x * 0.5 + 0.5) * canvas.clientWidth,
-        y: (0.5 - there.y * 0.5) * canvas.clientHeight,
-        visible: there.z < 1,
-      });
-    };
+    const add = (place, text, colour) => tags.push(this.stage.tagAt(place, text, colour));
     const below = -0.08 * this.height;
     const root = this.root(this.shown ?? 0);
     add(new Vector3(root.x, root.y, below), this.frames > 0 ? 'motion' : 'rest pose', null);

@@ -141,6 +141,18 @@ export class Stage {
     camera.updateProjectionMatrix();
   }
 
+  /** A name in pixels of the canvas. @param {Vector3} place  of the world, metres */
+  tagAt(place, text, colour) {
+    const there = place.clone().project(this.camera);
+    return {
+      text,
+      colour,
+      x: (there.x * 0.5 + 0.5) * this.canvas.clientWidth,
+      y: (0.5 - there.y * 0.5) * this.canvas.clientHeight,
+      visible: there.z < 1,
+    };
+  }
+
   shadowsChanged() {
     this.renderer.shadowMap.needsUpdate = true;
   }

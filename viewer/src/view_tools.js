@@ -1,5 +1,30 @@
 import { Choice, byId, el, toggle } from './dom.js';
 
+/** What the camera does. @param owner  has setCamera(mode)  @param {string} mode  of the beginning */
+export function cameraChoice(owner, mode) {
+  return new Choice(
+    'Camera',
+    [
+      ['follow', 'Follow', 'The camera goes along (F)'],
+      ['orbit', 'Orbit', 'It goes along and turns'],
+      ['stand', 'Stand', 'It stays where it is (F)'],
+    ],
+    mode,
+    (chosen) => owner.setCamera(chosen),
+  );
+}
+
+/** Beside that choice, of which it is none. @param owner  has reset() */
+export function resetButton(owner) {
+  const reset = el('button', {
+    type: 'button',
+    text: 'Reset',
+    title: 'Camera back to where it was (R)',
+    on: { click: () => owner.reset() },
+  });
+  return el('div', { class: 'group' }, reset);
+}
+
 /** The row above the picture: camera, human, what else is drawn. */
 export class ViewTools {
   /** @param {import('./world.js').World} world  @param {import('./stage.js').Stage} stage */
@@ -7,24 +32,8 @@ export class ViewTools {
     this.world = world;
     this.stage = stage;
     this.redraw = redraw;
-    this.camera = new Choice(
-      'Camera',
-      [
-        ['follow', 'Follow', 'The camera goes along (F)'],
-        ['orbit', 'Orbit', 'It goes along and turns'],
-        ['stand', 'Stand', 'It stays where it is (F)'],
-      ],
-      stage.mode,
-      (mode) => this.setCamera(mode),
-    );
-    // beside the choice, of which it is none
-    const reset = el('button', {
-      type: 'button',
-      text: 'Reset',
-      title: 'Camera back to where it was (R)',
-      on: { click: () => this.reset() },
-    });
-    byId('view-tools').append(this.camera.element, el('div', { class: 'group' }, reset));
+    this.camera = cameraChoice(this, stage.mode);
+    byId('view-tools').append(this.camera.element, resetButton(this));
     if (world.humans.length > 0) byId('view-tools').append(...this.humanGroup());
     byId('view-tools').append(
       el(

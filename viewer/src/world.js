@@ -158,20 +158,10 @@ export class World {
 
   /** Names below the figures, in pixels of the canvas. */
   tags() {
-    const { camera, canvas } = this.stage;
     const tags = [];
     const add = (figure, root, text, colour) => {
-      const at = root.clone();
-      const there = figure.group.localToWorld(at);
-      there.z = -0.09 * this.height;
-      there.project(camera);
-      tags.push({
-        text,
-        colour,
-        x: (there.x * 0.5 + 0.5) * canvas.clientWidth,
-        y: (0.5 - there.y * 0.5) * canvas.clientHeight,
-        visible: there.z < 1,
-      });
+      const there = figure.group.localToWorld(root.clone()).setZ(-0.09 * this.height);
+      tags.push(this.stage.tagAt(there, text, colour));
     };
     const named = (name, ended) => (ended ? `${name} (ended)` : name);
     this.robots.forEach((robot, i) => {
