@@ -103,6 +103,11 @@ struct RobotProfile {
   std::map<std::string, double> speed_limits;        ///< By joint name, rad/s or m/s.
   std::string speed_limits_source;                   ///< For people.
   double default_speed_limit = kDefaultSpeedLimit;   ///< Of hinges not in speed_limits, rad/s.
+  std::map<std::string, double> torque_limits;       ///< Largest, by joint name, N m or N.
+  std::string torque_limits_source;                  ///< For people.
+  /// What a rotor behind its gear adds to a joint's inertia, by joint name, kg m^2 or kg.
+  std::map<std::string, double> rotor_inertias;
+  std::string rotor_inertias_source;  ///< For people.
   std::map<std::string, double> t_pose;              ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
@@ -165,6 +170,14 @@ class Robot {
   /// for slides.
   /// @param joint  index into joints().
   [[nodiscard]] double speed_limit(int joint) const;
+  /// Largest torque of a joint, N m, or force of a slide, N: the profile's, else the model's
+  /// (`actuatorfrcrange`); infinity: neither says.
+  /// @param joint  index into joints().
+  [[nodiscard]] double torque_limit(int joint) const;
+  /// What its rotor adds to a joint's inertia, kg m^2 or kg: the profile's, else the model's
+  /// (`armature`), which is 0 where it says nothing.
+  /// @param joint  index into joints().
+  [[nodiscard]] double rotor_inertia(int joint) const;
 
   /// By name; empty for an empty name, even if the model has unnamed elements.
   [[nodiscard]] std::optional<int> find_body(std::string_view name) const;

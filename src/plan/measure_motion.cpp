@@ -19,9 +19,10 @@ Result<HumanClip> human_of(const Plan& plan) {
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource& measured, const HumanClip& human) {
+                             const MeasuredSource& measured, const HumanClip& human,
+                             const QualityOptions& options) {
   const QualitySource source{&human, &measured.config, measured.scale};
-  return measure_quality(motion, limits, &source);
+  return measure_quality(motion, limits, &source, options);
 }
 
 // how far the limbs are from the human's, degrees
@@ -47,12 +48,14 @@ Result<MeasuredSource> measured_source(Plan plan) {
 }
 
 MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource* source) {
-  if (source == nullptr) return {measure_quality(motion, limits, nullptr)};
+                             const MeasuredSource* source, bool with_dynamics) {
+  QualityOptions options;
+  options.dynamics = with_dynamics;
+  if (source == nullptr) return {measure_quality(motion, limits, nullptr, options)};
   const HumanClip* human = &source->human;
-  MotionMeasure measure{measure_beside(motion, limits, *source, *human)};
+  MotionMeasure measure{measure_beside(motion, limits, *source, *human, options)};
   if (const auto& whole = source->human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole);
+    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole, options);
     const bool needs_it = motion.frame_count() > human->frame_count;
     if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
         (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {

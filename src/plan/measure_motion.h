@@ -36,6 +36,7 @@ struct MotionMeasure {
 /// @param motion  at the source's rate.
 /// @param source  null: none.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                                           const MeasuredSource* source);
+                                           const MeasuredSource* source,
+                                           bool with_dynamics = false);
 
 }  // namespace retarget

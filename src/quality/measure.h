@@ -25,6 +25,7 @@ struct QualityOptions {
   /// self_1cm_pct and self_max_cm look at every so-manieth frame, by MuJoCo's contact depths.
   int self_collision_stride = 5;
   std::size_t faults_per_metric = 10;
+  bool dynamics = false;  ///< Also the figures of inverse dynamics.
 };
 
 /// Measures a motion; docs/quality.md and quality_metrics() define what.

@@ -14,6 +14,7 @@ constexpr std::string_view kOwn = "own";
 constexpr std::string_view kNotes = "measurements of the published G1 data";
 constexpr std::string_view kHolosoma = "holosoma evaluation, 1 cm";
 constexpr std::string_view kContacts = "contacts of the source foot: contact_plan.h";
+constexpr std::string_view kDynamics = "inverse dynamics: docs/dynamics.md";
 
 // steps are between consecutive frames, speeds are steps times the rate
 constexpr auto kMetrics = std::to_array<Metric>({
@@ -130,6 +131,40 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
      "from hips to shoulders, each from its own standing pose. Mean and 95th percentile.",
      kOwn},
+    {"dynamics_bad_pct", "%",
+     "Share of the time in which contacts cannot supply what the movement needs: more than a tenth "
+     "of the weight or a torque across the vertical of more than 3 cm x weight is unexplained.",
+     kDynamics},
+    {"unexplained_force_pct", "%",
+     "Force, in terms of the weight, that no contact supplies. Mean and 95th percentile.",
+     kDynamics},
+    {"unexplained_torque_cm", "cm",
+     "Torque about the centre of mass and across the vertical, divided by the weight, that no "
+     "contact supplies. Mean and 95th percentile.",
+     kDynamics},
+    {"com_acc_rms", "m/s^2", "Root mean square acceleration of the centre of mass.", kDynamics},
+    {"com_acc_p99", "m/s^2", "Its 99th percentile.", kDynamics},
+    {"torque_over_pct", "%",
+     "Share of the time in which a joint needs more torque than its limit, with the contact forces "
+     "that need least.",
+     kDynamics},
+    {"torque_p99_ratio", "1", "99th percentile of the largest ratio of a torque to its limit.",
+     kDynamics},
+    {"zmp_margin_p5_cm", "cm",
+     "How far inside the polygon of the points of support the zero-moment point is; negative "
+     "outside. 5th percentile over the time in which they hold a fifth of the weight.",
+     kDynamics},
+    {"friction_p95", "1",
+     "Friction that the contact forces need together: horizontal by vertical part of their sum; "
+     "95th percentile over the same time.",
+     kDynamics},
+    {"flight_force_pct", "%",
+     "Mean unexplained force while nothing is near the floor: how far the centre of mass is from "
+     "free fall.",
+     kDynamics},
+    {"flight_torque_cm", "cm",
+     "Mean rate of the angular momentum, divided by the weight, in the same time; 0 in free fall.",
+     kDynamics},
 });
 
 }  // namespace

@@ -28,6 +28,10 @@ const std::vector<std::string> kKeys = {"name",
                                         "speed_limits",
                                         "speed_limits_source",
                                         "default_speed_limit",
+                                        "torque_limits",
+                                        "torque_limits_source",
+                                        "rotor_inertias",
+                                        "rotor_inertias_source",
                                         "t_pose",
                                         "soles",
                                         "allowed_self_contact",
@@ -71,6 +75,7 @@ class ProfileReader {
     if (!profile_.default_limits.empty()) check_set(profile_.default_limits, "\"default_limits\"");
     read_method_limits();
     read_speed_limits();
+    read_actuators();
     profile_.t_pose = joint_positions(members_.object("t_pose"), "\"t_pose\"");
     read_soles();
     read_allowed_self_contact();
@@ -151,7 +156,7 @@ class ProfileReader {
   }
 
   // a positive number; 0 where there is none, which is a fault
-  double speed(const Json& json, const std::string& what) {
+  double positive(const Json& json, const std::string& what) {
     if (json.is_number() && json.get<double>() > 0.0) return json.get<double>();
     faults_.add(what + " must be a number above 0, found " + short_text(json));
     return 0.0;
@@ -160,12 +165,27 @@ class ProfileReader {
   void read_speed_limits() {
     profile_.speed_limits_source = members_.text("speed_limits_source");
     if (const Json* given = members_.find("default_speed_limit")) {
-      profile_.default_speed_limit = speed(*given, "\"default_speed_limit\"");
+      profile_.default_speed_limit = positive(*given, "\"default_speed_limit\"");
     }
-    for (const auto& [name, value] : members_.object("speed_limits").items()) {
-      if (!is_joint(name, "\"speed_limits\"")) continue;
-      profile_.speed_limits[name] = speed(value, "\"speed_limits\" of " + quoted(name));
+    profile_.speed_limits = positive_by_joint("speed_limits");
+  }
+
+  void read_actuators() {
+    profile_.torque_limits_source = members_.text("torque_limits_source");
+    profile_.torque_limits = positive_by_joint("torque_limits");
+    profile_.rotor_inertias_source = members_.text("rotor_inertias_source");
+    profile_.rotor_inertias = positive_by_joint("rotor_inertias");
+  }
+
+  // {joint: number above 0}
+  std::map<std::string, double> positive_by_joint(const std::string& key) {
+    std::map<std::string, double> values;
+    const std::string what = quoted(key);
+    for (const auto& [name, value] : members_.object(key).items()) {
+      if (!is_joint(name, what)) continue;
+      values[name] = positive(value, what + " of " + quoted(name));
     }
+    return values;
   }
 
   // positions by joint, rad or m

@@ -31,6 +31,10 @@ namespace retarget {
 /// | `speed_limits` | joint: rad/s or m/s, above 0 |
 /// | `default_speed_limit` | of the hinges that `speed_limits` does not name, rad/s (default: 20) |
 /// | `speed_limits_source` | text |
+/// | `torque_limits` | joint: largest torque, N m or N, above 0 (default: `actuatorfrcrange`) |
+/// | `torque_limits_source` | text |
+/// | `rotor_inertias` | joint: what its rotor adds to its inertia, kg m^2 or kg (default: `armature`) |
+/// | `rotor_inertias_source` | text |
 /// | `t_pose` | joint: rad or m; joints not named are at 0 |
 /// | `soles` | `left`, `right`: `{"body": name, "points": [[x, y, z], ...], "labels": [text,
 /// ...]}`, metres in the body's frame; labels may be left out | | `allowed_self_contact` | pairs of

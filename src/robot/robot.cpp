@@ -160,6 +160,22 @@ double Robot::speed_limit(int joint) const {
   return of.type == RobotJoint::Type::kHinge ? profile_.default_speed_limit : kInfinity;
 }
 
+double Robot::torque_limit(int joint) const {
+  const auto found = profile_.torque_limits.find(joints_[joint].name);
+  if (found != profile_.torque_limits.end()) return found->second;
+  // the free joint comes first
+  const int of_model = joint + 1;
+  if (model_->jnt_actfrclimited[of_model] == 0) return kInfinity;
+  const mjtNum* range = model_->jnt_actfrcrange + 2L * of_model;
+  return std::max(std::abs(range[0]), std::abs(range[1]));
+}
+
+double Robot::rotor_inertia(int joint) const {
+  const auto found = profile_.rotor_inertias.find(joints_[joint].name);
+  if (found != profile_.rotor_inertias.end()) return found->second;
+  return model_->dof_armature[joints_[joint].dof_address];
+}
+
 std::optional<int> Robot::find_body(std::string_view name) const {
   return index_of(bodies_, name);
 }

@@ -78,6 +78,10 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
           row("json", arguments.json, kOutputGroup, "FILE",
               "Write the report as JSON; - writes standard output, in place of the table",
               {.basic = true}),
+          row("dynamics", arguments.dynamics, kOutputGroup, "",
+              "Add what the motion asks of the robot by inverse dynamics: forces that no contact "
+              "can supply, torques beyond limits, balance, friction (docs/dynamics.md)",
+              {.basic = true}),
           row("gate", arguments.gates, kOutputGroup, "FILE|METRIC=N",
               "Gates beyond configs/quality/default.json, or instead: a file like it, METRIC=MAX, "
               "METRIC=none, or none for no gates at all; repeatable",

@@ -43,6 +43,7 @@ struct MeasureArguments {
   ReadingOptions reading;            ///< But for the rate, where `run` has it.
   std::vector<std::string> motions;  ///< Files of robot motions.
   std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
+  bool dynamics = false;             ///< Figures of inverse dynamics, too.
 };
 
 /// `retarget evaluate`: how good robot motions are.

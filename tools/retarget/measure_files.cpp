@@ -70,7 +70,7 @@ Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measur
 MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
                        Console& console) {
   const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
-  MotionMeasure measure = measure_motion(clip, measures.limits, source);
+  MotionMeasure measure = measure_motion(clip, measures.limits, source, measures.dynamics);
   if (measure.has_lead_in) {
     console.line("lead-in", file + " follows the source with its leading frames: they are kept");
   }
@@ -118,6 +118,7 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
     run.options.time.fps = source_rate->fps();
   }
   Measures measures;
+  measures.dynamics = arguments.dynamics;
   TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
   TRY_ASSIGN(measures.gates, gates_of(arguments, data_folder));
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));

@@ -21,6 +21,7 @@ struct Measures {
   FrameRate rate;  ///< Of the source.
   std::optional<MeasuredSource> source;
   Gates gates;
+  bool dynamics = false;
 };
 
 /// A motion as it was measured: frame by frame beside its source.

@@ -1,0 +1,82 @@
+#include "dynamics/motion_spline.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "math/spline.h"
+#include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
+
+namespace retarget {
+namespace {
+
+// of the values at three addresses, those beyond the end left out
+Eigen::Vector3d three(std::span<const double> qpos, std::span<const int> addresses) {
+  Eigen::Vector3d values = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < addresses.size(); ++i)
+    values[static_cast<int>(i)] = qpos[addresses[i]];
+  return values;
+}
+
+std::vector<Eigen::Quaterniond> root_rotations(const RobotClip& clip) {
+  std::vector<Eigen::Quaterniond> rotations;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) {
+    const auto q = clip.qpos(frame);
+    rotations.push_back(Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized());
+  }
+  return rotations;
+}
+
+}  // namespace
+
+MotionState::MotionState(const Robot& robot)
+    : qpos(robot.zero_configuration()),
+      velocity(robot.tree().dof_count(), 0.0),
+      acceleration(robot.tree().dof_count(), 0.0) {}
+
+MotionSpline::MotionSpline(const RobotClip& clip)
+    : clip_(&clip), addresses_{0, 1, 2}, rotation_(root_rotations(clip)) {
+  const auto& links = clip.robot().tree().links();
+  for (std::size_t i = 1; i < links.size(); ++i) addresses_.push_back(links[i].qpos_address);
+  velocities_.resize(addresses_.size() * clip.frame_count());
+  std::vector<Eigen::Vector3d> points(clip.frame_count());
+  for (std::size_t first = 0; first < addresses_.size(); first += 3) {
+    const auto of =
+        std::span(addresses_).subspan(first, std::min<std::size_t>(3, addresses_.size() - first));
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      points[frame] = three(clip.qpos(frame), of);
+    }
+    const std::vector<Eigen::Vector3d> found = spline_velocities(steps_between(points));
+    for (int frame = 0; frame < clip.frame_count(); ++frame) {
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        velocities_[frame * addresses_.size() + first + k] = found[frame][static_cast<int>(k)];
+      }
+    }
+  }
+}
+
+void MotionSpline::sample(int frame, double s, MotionState& state) const {
+  const double fps = clip_->rate().fps();
+  const int next = std::min(frame + 1, clip_->frame_count() - 1);
+  const auto from = clip_->qpos(frame), to = clip_->qpos(next);
+  const double* const v0 = velocities_.data() + frame * addresses_.size();
+  const double* const v1 = velocities_.data() + next * addresses_.size();
+  for (std::size_t i = 0; i < addresses_.size(); ++i) {
+    const int at = addresses_[i];
+    const double step = to[at] - from[at];
+    const double square = 3.0 * step - 2.0 * v0[i] - v1[i], cube = v0[i] + v1[i] - 2.0 * step;
+    const std::size_t dof = i < 3 ? i : i + 3;
+    state.qpos[at] = from[at] + s * (v0[i] + s * (square + s * cube));
+    state.velocity[dof] = fps * (v0[i] + s * (2.0 * square + 3.0 * s * cube));
+    state.acceleration[dof] = fps * fps * (2.0 * square + 6.0 * s * cube);
+  }
+  const RotationState turn = rotation_.at(frame, s);
+  state.qpos[3] = turn.rotation.w();
+  for (int k = 0; k < 3; ++k) {
+    state.qpos[4 + k] = turn.rotation.vec()[k];
+    state.velocity[3 + k] = fps * turn.velocity[k];
+    state.acceleration[3 + k] = fps * fps * turn.acceleration[k];
+  }
+}
+
+}  // namespace retarget

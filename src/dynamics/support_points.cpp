@@ -1,0 +1,78 @@
+#include "dynamics/support_points.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "math/trigonometry.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+// ends of a primitive in its own frame, and how far its surface is from them
+std::vector<Vector3d> ends_of(const CollisionShape& shape) {
+  if (shape.type == CollisionShape::Type::kSphere) return {Vector3d::Zero()};
+  if (shape.type == CollisionShape::Type::kCapsule) {
+    const Vector3d half = shape.half_length * Vector3d::UnitZ();
+    return {half, -half};
+  }
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d signs((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    corners.emplace_back(signs.cwiseProduct(shape.half_size));
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<SupportPoint> make_support_points(const Robot& robot) {
+  const KinematicTree& tree = robot.tree();
+  std::vector<SupportPoint> points;
+  for (const Sole& sole : robot.profile().soles) {
+    const KinematicTree::Attachment& at = tree.attachment(sole.body);
+    if (at.link == KinematicTree::kWorld) continue;
+    for (const Vector3d& point : sole.points) {
+      points.push_back({at.link, at.link_from_body * point, 0.0, true});
+    }
+  }
+  for (const CollisionShape& shape : robot.collision_shapes()) {
+    const bool has_sole = std::ranges::any_of(
+        robot.profile().soles, [&](const Sole& sole) { return sole.body == shape.body; });
+    const KinematicTree::Attachment& at = tree.attachment(shape.body);
+    if (has_sole || at.link == KinematicTree::kWorld) continue;
+    const Pose link_from_shape = at.link_from_body * shape.body_from_shape;
+    for (const Vector3d& end : ends_of(shape)) {
+      points.push_back({at.link, link_from_shape * end, shape.radius, false});
+    }
+  }
+  return points;
+}
+
+Vector3d lowest_of(const SupportPoint& point, const TreeState& state) {
+  return state.world_from_link[point.link] * point.in_link - point.radius * Vector3d::UnitZ();
+}
+
+void keep_outermost(std::span<const Vector3d> points, std::size_t most, std::vector<int>& chosen) {
+  if (chosen.size() <= most) return;
+  // the chosen ones are moved to the front one by one; what is found twice stays once
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < most; ++i) {
+    const auto [sine, cosine] = portable::sin_cos(2.0 * std::numbers::pi * static_cast<double>(i) /
+                                                  static_cast<double>(most));
+    const auto reach = [&](int index) {
+      return cosine * points[index].x() + sine * points[index].y();
+    };
+    std::size_t farthest = 0;
+    for (std::size_t k = 1; k < chosen.size(); ++k) {
+      if (reach(chosen[k]) > reach(chosen[farthest])) farthest = k;
+    }
+    if (farthest >= kept) std::swap(chosen[kept++], chosen[farthest]);
+  }
+  chosen.resize(kept);
+  std::ranges::sort(chosen);
+}
+
+}  // namespace retarget

@@ -1,0 +1,129 @@
+#include "quality/dynamics_metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dynamics/motion_dynamics.h"
+#include "math/statistics.h"
+#include "quality/fault_list.h"
+#include "retarget/robot.h"
+#include "robot/kinematic_tree.h"
+
+namespace retarget {
+namespace {
+
+std::vector<double> torque_limits(const Robot& robot) {
+  const auto& links = robot.tree().links();
+  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 1; i < links.size(); ++i) limits[i] = robot.torque_limit(links[i].joint);
+  return limits;
+}
+
+// of what is missing most: along an axis of the world, or as a torque
+std::pair<std::string, double> missing(const DynamicsSample& sample) {
+  static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  const Eigen::Vector3d& force = sample.unexplained_force;
+  constexpr double kTorqueAsForce = 0.1 / 0.03;  // equally bad
+  if (force.norm() < kTorqueAsForce * sample.unexplained_torque.head<2>().norm()) {
+    return {"torque", sample.unexplained_torque.head<2>().norm()};
+  }
+  int axis = 0;
+  force.cwiseAbs().maxCoeff(&axis);
+  const std::string sign = force[axis] < 0.0 ? "-" : "+";
+  return {"force along " + sign + std::string(kAxes[static_cast<std::size_t>(axis)]), force.norm()};
+}
+
+// figures of those samples for which there is one
+struct Series {
+  std::vector<double> values;
+
+  void add(double value) {
+    if (std::isfinite(value)) values.push_back(value);
+  }
+};
+
+void measure_unexplained(const ReportBuilder& draft, const MotionDynamics& dynamics) {
+  FaultList faults("dynamics_bad_pct", "of the weight"), torques("dynamics_bad_pct", "m x weight");
+  Series force, torque, flight_force, flight_torque;
+  int bad = 0, last_frame = -1;
+  for (std::size_t i = 0; i < dynamics.samples.size(); ++i) {
+    const DynamicsSample& sample = dynamics.samples[i];
+    force.add(100.0 * sample.unexplained_force.norm());
+    torque.add(kInCm * sample.unexplained_torque.head<2>().norm());
+    if (!sample.supported) {
+      flight_force.add(100.0 * sample.unexplained_force.norm());
+      flight_torque.add(kInCm * sample.unexplained_torque.norm());
+    }
+    if (!sample.is_bad()) continue;
+    ++bad;
+    const int frame = dynamics.frame_of(i);
+    // one entry a frame, which stands for its first bad sample
+    if (std::exchange(last_frame, frame) == frame) continue;
+    const auto [what, amount] = missing(sample);
+    (what == "torque" ? torques : faults).add(what, frame, amount);
+  }
+  draft.set("dynamics_bad_pct", percent(bad, static_cast<double>(dynamics.samples.size())));
+  draft.set("unexplained_force_pct", mean(force.values), percentile(force.values, 95.0));
+  draft.set("unexplained_torque_cm", mean(torque.values), percentile(torque.values, 95.0));
+  if (!flight_force.values.empty()) {
+    draft.set("flight_force_pct", mean(flight_force.values));
+    draft.set("flight_torque_cm", mean(flight_torque.values));
+  }
+  faults.move_to(draft.report, draft.options.faults_per_metric);
+  torques.move_to(draft.report, draft.options.faults_per_metric);
+}
+
+void measure_torques(const ReportBuilder& draft, const MotionDynamics& dynamics) {
+  if (!dynamics.knows_torque_limits) return;
+  const Robot& robot = draft.clip.robot();
+  FaultList faults("torque_over_pct", "of its limit");
+  std::vector<double> ratios;
+  int over = 0, last_frame = -1;
+  for (std::size_t i = 0; i < dynamics.samples.size(); ++i) {
+    const DynamicsSample& sample = dynamics.samples[i];
+    ratios.push_back(sample.torque_ratio);
+    if (sample.torque_ratio <= 1.0) continue;
+    ++over;
+    const int frame = dynamics.frame_of(i);
+    if (std::exchange(last_frame, frame) == frame) continue;
+    const int joint = robot.tree().links()[static_cast<std::size_t>(sample.torque_link)].joint;
+    faults.add(robot.joints()[static_cast<std::size_t>(joint)].name, frame, sample.torque_ratio);
+  }
+  draft.set("torque_over_pct", percent(over, static_cast<double>(ratios.size())));
+  draft.set("torque_p99_ratio", percentile(std::move(ratios), 99.0));
+  faults.move_to(draft.report, draft.options.faults_per_metric);
+}
+
+void measure_support(const ReportBuilder& draft, const MotionDynamics& dynamics) {
+  Series margin, friction, acceleration;
+  double squares = 0.0;
+  for (const DynamicsSample& sample : dynamics.samples) {
+    margin.add(kInCm * sample.zmp_margin);
+    friction.add(sample.friction);
+    acceleration.add(sample.com_acceleration.norm());
+    squares += sample.com_acceleration.squaredNorm();
+  }
+  draft.set("com_acc_rms", std::sqrt(squares / static_cast<double>(dynamics.samples.size())));
+  draft.set("com_acc_p99", percentile(std::move(acceleration.values), 99.0));
+  if (margin.values.empty()) return;
+  draft.set("zmp_margin_p5_cm", percentile(std::move(margin.values), 5.0));
+  draft.set("friction_p95", percentile(std::move(friction.values), 95.0));
+}
+
+}  // namespace
+
+void measure_dynamics(const ReportBuilder& draft) {
+  const std::vector<double> limits = torque_limits(draft.clip.robot());
+  const MotionDynamics dynamics = analyse_dynamics(draft.clip, limits);
+  if (dynamics.samples.empty()) return;
+  measure_unexplained(draft, dynamics);
+  measure_torques(draft, dynamics);
+  measure_support(draft, dynamics);
+}
+
+}  // namespace retarget
