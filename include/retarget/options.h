@@ -126,6 +126,7 @@ struct FitOptions {
   bool self_collision = true;  ///< Parts of the robot do not penetrate each other.
   bool smoothness = true;      ///< Velocities change slowly.
   bool speed = true;           ///< Joints stay below `soft_joint_speed`.
+  bool dynamics = false;       ///< Contacts can supply what the movement needs.
 
   TrackingWeights weights;
 
@@ -151,6 +152,13 @@ struct FitOptions {
   double smoothness_root_position = 20.0;  ///< Per m/s.
   double smoothness_root_rotation = 4.0;
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
+
+  // of `dynamics`, with the size and mass of a G1
+  double com_weight = 2000.0;   ///< Centre of mass to its place, per metre.
+  double spin_weight = 400.0;   ///< Angular momentum, as the turn that it makes, per kg m^2.
+  int dynamics_iterations = 4;  ///< Of the solver's last steps, how many look at it.
+  double support_friction = 0.6;  ///< That contacts are planned with.
+  double sole_shrink = 0.15;      ///< By which share of its size a sole is taken smaller.
 
   double soft_joint_speed = 8.4;  ///< rad/s; faster joints are slowed down.
   double speed_weight = 6.5;      ///< Per rad/s above it.

@@ -27,6 +27,14 @@ Vector3d InverseDynamics::com_acceleration() const {
   return needed_.force / inertias_->mass - kGravity * Vector3d::UnitZ();
 }
 
+Vector3d InverseDynamics::velocity_of(int link, const Vector3d& point,
+                                      const TreeState& state) const {
+  const LinkMotion& motion = motions_[static_cast<std::size_t>(link)];
+  return motion.velocity +
+         motion.angular.cross(point -
+                              state.world_from_link[static_cast<std::size_t>(link)].translation);
+}
+
 void InverseDynamics::move_links(const TreeState& state, std::span<const double> velocity,
                                  std::span<const double> acceleration) {
   const Matrix3d world_from_base = state.world_from_link[0].rotation.toRotationMatrix();

@@ -40,6 +40,9 @@ class InverseDynamics {
   /// What the world has to exert, about the centre of mass: m (c'' + g), and the rate of the
   /// angular momentum about it. Rotors' spin is left out.
   [[nodiscard]] const Wrench& needed() const { return needed_; }
+  /// Of a point in the world that moves with a link, m/s.
+  [[nodiscard]] Eigen::Vector3d velocity_of(int link, const Eigen::Vector3d& point,
+                                            const TreeState& state) const;
   /// About the centre of mass, kg m^2/s.
   [[nodiscard]] const Eigen::Vector3d& angular_momentum() const { return angular_momentum_; }
 

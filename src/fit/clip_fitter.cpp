@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fit/block_chain.h"
+#include "fit/fit_dynamics.h"
 #include "fit/joint_speeds.h"
 #include "fit/shorthand.h"
 #include "ik/active_set.h"
@@ -76,6 +77,8 @@ class WindowFitter {
   int dofs_;
   bool before_, after_;  // whether a fixed frame lies next to the window
   FrameTerms terms_;
+  std::optional<FitDynamics> dynamics_;
+  bool with_dynamics_ = false;  // in this step
   TreeState pose_;
   JointSpeeds speeds_;
   BlockChain chain_;
@@ -113,7 +116,11 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
       anchor_pushes_(anchor_sums_),
       anchor_counts_(clip.anchors.size(), 0),
-      status_{.begin = window.begin, .end = window.end} {}
+      status_{.begin = window.begin, .end = window.end} {
+  if (options.dynamics && FitDynamics::possible(model)) {
+    dynamics_.emplace(model, options, window, clip);
+  }
+}
 
 FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
   for (int i = 0; i < options_.iterations; ++i) {
@@ -125,6 +132,8 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
       anchor_hold_ =
           1.0 - (1.0 - kFirstHold) * (options_.anchor_iterations - i) / options_.anchor_iterations;
     }
+    with_dynamics_ = dynamics_ && i >= options_.iterations - options_.dynamics_iterations;
+    if (with_dynamics_) dynamics_->plan(clip_);
     iterate(move_anchors, i % kPairsEvery == 0);
   }
   status_.converged = status_.predicted_decrease <= kFitTolerance;
@@ -194,6 +203,7 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
     double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
     diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
   }
+  if (with_dynamics_) dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
   hold_limits(frame, h, g);
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
@@ -276,6 +286,7 @@ void WindowFitter::release_limits() {
 
 void WindowFitter::apply(int frame) {
   const auto x = chain_.solution(local(frame));
+  if (with_dynamics_) dynamics_->moved(frame, x);
   const auto qpos = clip_.frame(frame, model_.configuration_size);
   for (int k = 0; k < 3; ++k) qpos[at(k)] += std::clamp(x[at(k)], -kMaxMove, kMaxMove);
   Vector3d turn(x[3], x[4], x[5]);

@@ -366,6 +366,7 @@ Result<FitResult> Fit::run() {
   for (const Bone bone : kAllBones) target_of_bone[bone] = targets.target_of(bone);
   sides_ = sides_with_feet(info);
   model_ = make_fit_model(*robot_, config_, limits_, target_of_bone, options_, sides_);
+  if (limbs) model_.leg = limbs->lengths.leg;
   FitReport& report = result.report;
   note_missing_feet(*robot_, sides_, report);
   if (model_.shapes.empty()) {

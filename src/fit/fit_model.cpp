@@ -61,6 +61,7 @@ class ModelMaker {
 
 FitModel ModelMaker::make() {
   model_.configuration_size = robot_.configuration_size();
+  model_.inertias = make_inertias(robot_);
   add_dofs();
   add_smoothness();
   add_tasks();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dynamics/inertias.h"
 #include "human/source_feet.h"
 #include "retarget/human.h"
 #include "retarget/options.h"
@@ -93,6 +94,8 @@ struct FitModel {
   std::vector<FitPairGroup> pair_groups;
   std::vector<BoundingSphere> link_spheres;  ///< By link.
   int configuration_size = 0;
+  Inertias inertias;
+  double leg = 0.632;  ///< Hip to knee to ankle, metres; the G1's where it is not known.
 
   [[nodiscard]] int dof_count() const { return tree.dof_count(); }
 };

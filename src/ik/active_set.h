@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <span>
 #include <vector>
 
 namespace retarget {
@@ -64,6 +65,8 @@ class ActiveSet {
 
   /// Forgets the problem before: the next one begins with all variables free.
   void reset() { std::ranges::fill(sides_, BoundSide::kFree); }
+  /// The next problem begins with these variables bound, one for each.
+  void begin_with(std::span<const BoundSide> sides) { std::ranges::copy(sides, sides_.begin()); }
 
   template <typename System>
   Outcome solve(System& system, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,

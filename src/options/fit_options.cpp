@@ -34,7 +34,8 @@ OptionTable term_table(FitOptions& o) {
       term("floor", o.floor, "Nothing goes below the floor"),
       term("self-collision", o.self_collision, "Parts of the robot do not penetrate each other"),
       term("smoothness", o.smoothness, "Velocities change slowly"),
-      term("speed", o.speed, "Joints stay below soft_joint_speed")};
+      term("speed", o.speed, "Joints stay below soft_joint_speed"),
+      term("dynamics", o.dynamics, "Contacts can supply the forces that the movement needs")};
 }
 
 OptionTable weight_table(TrackingWeights& w) {
@@ -105,6 +106,17 @@ OptionTable motion_table(FitOptions& o) {
                  "largest_step")};
 }
 
+OptionTable dynamics_table(FitOptions& o) {
+  constexpr const char* kGroup = "Dynamics, for the size and mass of a G1";
+  return {number(kGroup, "com_weight", o.com_weight, "Centre of mass to its place, per metre"),
+          number(kGroup, "spin_weight", o.spin_weight,
+                 "Angular momentum, as the turn that it makes, per kg m^2"),
+          number(kGroup, "support_friction", o.support_friction, "That contacts are planned with",
+                 0.0, 10.0),
+          number(kGroup, "sole_shrink", o.sole_shrink,
+                 "By which share of its size a sole is taken smaller", 0.0, 1.0)};
+}
+
 OptionTable contact_table(FitOptions& o) {
   constexpr const char* kGroup = "Contacts of the source, of a body with legs 0.85 m long";
   return {
@@ -129,6 +141,8 @@ OptionTable solver_table(FitOptions& o) {
       count("iterations", o.iterations, "Gauss-Newton steps", 0, 10000),
       count("anchor_iterations", o.anchor_iterations,
             "Of these, how many also move the places of contacts", 0, 10000),
+      count("dynamics_iterations", o.dynamics_iterations,
+            "Of the last steps, how many look at the dynamics", 0, 10000),
       count("threads", o.threads, "0: as many as the machine has; the result is the same", 0, 1024),
       count("decimals", o.decimals, "Digits at which limits hold for the numbers as printed", 3,
             17)};
@@ -142,6 +156,7 @@ OptionTable fit_table(FitOptions& options) {
   append(table, weight_table(options.weights));
   append(table, foot_table(options));
   append(table, motion_table(options));
+  append(table, dynamics_table(options));
   append(table, contact_table(options));
   append(table, solver_table(options));
   return table;

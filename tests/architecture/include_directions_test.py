@@ -25,7 +25,7 @@ MAY_INCLUDE = {
     "pipeline": ["human", "ik"],
     "anatomy": ["robot"],
     "rig": ["pipeline", "anatomy"],
-    "fit": ["pipeline"],
+    "fit": ["pipeline", "dynamics"],
     "quality": ["fit", "dynamics"],
     "plan": ["anatomy", "quality", "io"],
     "provenance": ["io"],

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "dynamics/force_cone.h"
+
+namespace retarget {
+
+/// A frame of a CentroidalStep. Forces in terms of the weight W, torques of W times a length l.
+struct CentroidalFrame {
+  Vector6d needed = Vector6d::Zero();  ///< Wrench about the centre of mass.
+  ForceCone cone;                      ///< What contacts can exert, about the same point.
+  /// What was moved before: of the centre of mass, m, and of the angular quasi-coordinate, kg m^2.
+  Vector6d moved = Vector6d::Zero();
+};
+
+struct CentroidalScale {
+  double mass = 1.0;               ///< kg
+  double length = 0.3;             ///< l, m
+  double frame_time = 1.0 / 30.0;  ///< s
+};
+
+/// How far the centre of mass and the angular momentum of a motion have to be moved for its contacts
+/// to supply what it needs, as little as possible (docs/dynamics.md):
+///
+///     min over b   rho/2 sum dist^2(w + [x_lin'' / g; (x_ang'' + x_lin x F) / (W l)], cone)
+///                  + 1/2 sum |x + moved|^2 + |x''|^2, each weighted
+///
+/// x cubic splines with coefficients b, so that x'' at the frames is b's second difference. Damped
+/// semismooth Newton on a banded system; the two frames at either end stay.
+class CentroidalStep {
+ public:
+  /// @return by frame: x, metres and kg m^2.
+  std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
+                              int iterations);
+  /// After solve, by frame: how much of what was needed the contacts could not supply before it.
+  [[nodiscard]] const std::vector<double>& unexplained() const { return unexplained_before_; }
+
+ private:
+  using Rows = Eigen::Matrix<double, 6, 18>;
+
+  void begin(const std::vector<CentroidalFrame>& frames, const CentroidalScale& scale);
+  double evaluate(std::vector<CentroidalFrame>& frames, const std::vector<Vector6d>& b,
+                  bool with_derivatives);
+  void add_block(int frame, const Rows& rows, const Vector6d& weighted);
+  bool step(std::vector<Vector6d>& direction);
+  [[nodiscard]] static Vector6d value(const std::vector<Vector6d>& b, int frame);
+  [[nodiscard]] static Vector6d second(const std::vector<Vector6d>& b, int frame);
+
+  CentroidalScale scale_;
+  Vector6d position_weight_, acceleration_weight_;  // squared
+  Vector6d force_per_acceleration_;
+  std::vector<Matrix6d> coupling_;  // by frame: needed wrench per x
+  std::vector<double> band_, right_;
+  std::vector<double> unexplained_before_;
+  ConeProjector projector_;
+};
+
+}  // namespace retarget

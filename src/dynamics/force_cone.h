@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "ik/active_set.h"
+#include "math/se3.h"
+
+namespace retarget {
+
+/// The wrenches about a point that friction pyramids at some points of support can exert, as the
+/// cone of their edges. Forces above torques, scaled as its user likes.
+class ForceCone {
+ public:
+  static constexpr int kEdges = 4;  ///< Of a pyramid, inside the cone of friction.
+  static constexpr int kMaxPoints = 10;
+  static constexpr int kMaxEdges = kEdges * kMaxPoints;
+
+  void clear() {
+    count_ = 0;
+    sides_.fill(BoundSide::kLower);
+  }
+  /// @param lever  from the point that torques are about, in the unit of length of the torques.
+  void add_point(const Eigen::Vector3d& lever, double friction);
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] auto edges() const { return edges_.leftCols(count_); }
+
+ private:
+  friend class ConeProjector;
+  Eigen::Matrix<double, 6, kMaxEdges> edges_;
+  int count_ = 0;
+  // those of the last projection that did not bear: the next one begins with them
+  std::array<BoundSide, kMaxEdges> sides_{};
+};
+
+/// Nearest points of cones: non-negative least squares in the amounts of their edges. Owns its
+/// scratch memory.
+class ConeProjector {
+ public:
+  ConeProjector();
+
+  /// @return what of the wrench is outside: it minus the nearest point.
+  Vector6d project(ForceCone& cone, const Vector6d& wrench);
+  /// Of the last projection: the projector onto what the bearing edges do not span, in which the
+  /// rest changes with the wrench.
+  [[nodiscard]] Matrix6d complement() const;
+
+ private:
+  class System;
+  using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, ForceCone::kMaxEdges,
+                             ForceCone::kMaxEdges>;
+  using Amounts = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, ForceCone::kMaxEdges, 1>;
+
+  bool minimise(const std::vector<BoundSide>& sides, Eigen::VectorXd& minimum);
+  double gradient(int i, const Eigen::VectorXd& x);
+
+  ActiveSet active_;
+  const ForceCone* cone_ = nullptr;
+  Vector6d wrench_, rest_;
+  bool rest_is_known_ = false;
+  std::vector<int> bearing_;
+  Eigen::VectorXd lower_, upper_, amounts_;
+};
+
+}  // namespace retarget

@@ -1,0 +1,246 @@
+#include "fit/fit_dynamics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/shorthand.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLength = 0.3;      // m: torques per weight and this length, of a G1
+constexpr double kUsualLeg = 0.632;  // m
+constexpr double kUsualMass = 35.0;  // kg
+
+MotionState state_of(const FitModel& model, std::vector<double> qpos) {
+  MotionState state;
+  state.qpos = std::move(qpos);
+  state.velocity.assign(at(model.dof_count()), 0.0);
+  state.acceleration = state.velocity;
+  return state;
+}
+
+}  // namespace
+
+FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const FitWindow& window,
+                         const FitClip& clip)
+    : model_(model),
+      options_(options),
+      window_(window),
+      count_(window.end - window.begin),
+      scale_{model.inertias.mass, kLength * model.leg / kUsualLeg, clip.frame_time},
+      inverse_(model.tree, model.inertias),
+      map_(model.tree, model.inertias),
+      pose_(model.tree),
+      frames_(at(count_)),
+      contacts_(at(count_)),
+      contact_places_(at(count_)),
+      com_(at(count_), Vector3d::Zero()),
+      first_com_(com_),
+      goals_(at(count_), Vector6d::Zero()),
+      rest_before_(at(count_), 0.0),
+      share_(at(count_), 1.0),
+      spin_rows_(3, count_ * model.dof_count()) {}
+
+void FitDynamics::plan(const FitClip& clip) {
+  constexpr int kContext = 10;  // frames beside fixed ends
+  constexpr int kNewtonSteps = 4;
+  const int beside = window_.fixed_ends ? kContext : 0;
+  const int first = std::max(window_.begin - beside, 0);
+  const int last = std::min(window_.end + beside, clip.frame_count);
+  const auto size = at(model_.configuration_size);
+  const MotionSpline spline(model_.tree,
+                            std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
+                            model_.configuration_size, 1.0 / clip.frame_time);
+  MotionState state =
+      state_of(model_, {clip.qpos.begin() + static_cast<std::ptrdiff_t>(at(first) * size),
+                        clip.qpos.begin() + static_cast<std::ptrdiff_t>(at(first + 1) * size)});
+  for (int t = 0; t < count_; ++t) {
+    const int index = window_.begin + t - first;
+    const bool end = index + 1 == last - first;
+    spline.sample(end ? std::max(0, index - 1) : index, end && index > 0 ? 1.0 : 0.0, state);
+    read_frame(state, t, clip);
+  }
+  if (!planned_) {
+    first_com_ = com_;
+    lend_contacts();
+  }
+  for (int t = 0; t < count_; ++t) fill_cone(t);
+  std::vector<Vector6d> moves = step_.solve(frames_, scale_, kNewtonSteps);
+  restrain(moves);
+  for (int t = 0; t < count_; ++t) {
+    goals_[at(t)].head<3>() = com_[at(t)] + moves[at(t)].head<3>();
+    goals_[at(t)].tail<3>() = moves[at(t)].tail<3>();
+  }
+  planned_ = true;
+}
+
+void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
+  pose_.update(state.qpos);
+  inverse_.compute(pose_, state.velocity, state.acceleration);
+  CentroidalFrame& frame = frames_[at(t)];
+  const double weight = scale_.mass * kGravity;
+  frame.needed.head<3>() = inverse_.needed().force / weight;
+  frame.needed.tail<3>() = inverse_.needed().torque / (weight * scale_.length);
+  com_[at(t)] = inverse_.com();
+  if (!planned_) {
+    find_contacts(t, clip, contacts_[at(t)]);
+    frame.moved.setZero();
+  } else {
+    frame.moved.head<3>() = com_[at(t)] - first_com_[at(t)];
+  }
+  std::vector<Vector3d>& places = contact_places_[at(t)];
+  places.clear();
+  for (const SupportPoint& point : contacts_[at(t)]) places.push_back(lowest_of(point, pose_));
+}
+
+bool FitDynamics::touches(const SupportPoint& point, double height, double speed) const {
+  const Vector3d place = lowest_of(point, pose_);
+  return place.z() < height && inverse_.velocity_of(point.link, place, pose_).norm() < speed;
+}
+
+// planned ends of feet, and whatever of feet or other bodies is near the floor and slow
+void FitDynamics::find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts) {
+  constexpr double kSoleHeight = 0.012, kBodyHeight = 0.02, kSpeed = 0.35;
+  constexpr double kLooseHeight = 0.04, kLooseSpeed = 1.5, kHeld = 0.35;
+  contacts.clear();
+  add_feet(t, clip, kSoleHeight, kSpeed, contacts);
+  add_bodies(kBodyHeight, kSpeed, contacts);
+  // something carries what does not fall
+  if (contacts.empty() && frames_[at(t)].needed.z() > kHeld) {
+    add_feet(t, clip, kLooseHeight, kLooseSpeed, contacts);
+  }
+  places_.clear();
+  chosen_.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    places_.push_back(lowest_of(contacts[i], pose_));
+    chosen_.push_back(static_cast<int>(i));
+  }
+  keep_outermost(places_, ForceCone::kMaxPoints, chosen_);
+  for (std::size_t i = 0; i < chosen_.size(); ++i) contacts[i] = contacts[at(chosen_[i])];
+  contacts.resize(chosen_.size());
+}
+
+void FitDynamics::add_feet(int t, const FitClip& clip, double height, double speed,
+                           std::vector<SupportPoint>& contacts) const {
+  const auto goals = clip.feet.ends_of(window_.begin + t);
+  for (std::size_t f = 0; f < model_.feet.size(); ++f) {
+    const FitFoot& foot = model_.feet[f];
+    const Vector3d middle = 0.5 * (foot.ends[0].middle + foot.ends[1].middle);
+    for (std::size_t e = 0; e < foot.ends.size(); ++e) {
+      const bool planned = goals[2 * f + e].phase >= 0;
+      for (const Vector3d& corner : foot.ends[e].points) {
+        const SupportPoint point{foot.link, corner, 0.0, true};
+        if (!planned && !touches(point, height, speed)) continue;
+        contacts.push_back(point);
+        contacts.back().in_link += options_.sole_shrink * (middle - corner);
+      }
+    }
+  }
+}
+
+void FitDynamics::add_bodies(double height, double speed,
+                             std::vector<SupportPoint>& contacts) const {
+  for (std::size_t link = 0; link < model_.floor_points.size(); ++link) {
+    if (model_.is_foot[link] != 0) continue;
+    if (pose_.world_from_link[link].translation.z() - model_.floor_reach[link] > height) continue;
+    for (const FloorPoint& floor : model_.floor_points[link]) {
+      const SupportPoint point{static_cast<int>(link), floor.position, floor.radius, false};
+      if (touches(point, height, speed)) contacts.push_back(point);
+    }
+  }
+}
+
+// a frame without contacts between two steps has its neighbours'
+void FitDynamics::lend_contacts() {
+  std::vector<char> empty(at(count_));
+  for (int t = 0; t < count_; ++t) empty[at(t)] = contacts_[at(t)].empty() ? 1 : 0;
+  for (int t = 0; t < count_; ++t) {
+    if (empty[at(t)] == 0) continue;
+    for (const int beside : {t - 1, t + 1}) {
+      if (beside < 0 || beside >= count_ || empty[at(beside)] != 0) continue;
+      if (!contacts_[at(t)].empty()) break;
+      contacts_[at(t)] = contacts_[at(beside)];
+      contact_places_[at(t)] = contact_places_[at(beside)];
+    }
+  }
+}
+
+void FitDynamics::fill_cone(int t) {
+  CentroidalFrame& frame = frames_[at(t)];
+  frame.cone.clear();
+  for (const Vector3d& place : contact_places_[at(t)]) {
+    frame.cone.add_point((place - com_[at(t)]) / scale_.length, options_.support_friction);
+  }
+}
+
+// Where the last step left more unexplained than there was, the next one is shorter: what moves fast
+// would diverge.
+void FitDynamics::restrain(std::vector<Vector6d>& moves) {
+  constexpr double kWorse = 1.02, kNoise = 1e-4, kShorter = 0.4, kReach = 0.3;  // s
+  const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
+  const std::vector<double>& now = step_.unexplained();
+  if (planned_) {
+    std::vector<double> shorter(share_.size(), 1.0);
+    double before = 0.0, after = 0.0;
+    for (int t = -reach; t < count_; ++t) {
+      if (t + reach < count_) {
+        before += std::min(1.0, rest_before_[at(t + reach)]);
+        after += std::min(1.0, now[at(t + reach)]);
+      }
+      if (t - reach - 1 >= 0) {
+        before -= std::min(1.0, rest_before_[at(t - reach - 1)]);
+        after -= std::min(1.0, now[at(t - reach - 1)]);
+      }
+      if (t >= 0 && after > kWorse * before + kNoise) shorter[at(t)] = kShorter;
+    }
+    // even over the same time, so that the cut makes no jump of its own
+    double sum = 0.0;
+    int frames = 0;
+    std::vector<double> smooth(share_.size(), 1.0);
+    for (int t = -reach; t < count_; ++t) {
+      if (t + reach < count_) {
+        sum += shorter[at(t + reach)];
+        ++frames;
+      }
+      if (t - reach - 1 >= 0) {
+        sum -= shorter[at(t - reach - 1)];
+        --frames;
+      }
+      if (t >= 0) smooth[at(t)] = sum / frames;
+    }
+    for (int t = 0; t < count_; ++t) share_[at(t)] *= smooth[at(t)];
+  }
+  rest_before_ = now;
+  for (int t = 0; t < count_; ++t) moves[at(t)] *= share_[at(t)];
+}
+
+void FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, double* hessian,
+                           int stride) {
+  const int t = frame - window_.begin, dofs = model_.dof_count();
+  map_.update(pose);
+  const CentroidalMap::Rows& rows = map_.rows();
+  spin_rows_.middleCols(t * dofs, dofs) = rows.bottomRows<3>();
+  const double com = options_.com_weight * kLength / scale_.length;
+  const double spin = options_.spin_weight * kUsualMass * kLength * kLength /
+                      (scale_.mass * scale_.length * scale_.length);
+  Vector6d weights, residual;
+  weights << Vector3d::Constant(com * com), Vector3d::Constant(spin * spin);
+  residual << map_.com() - goals_[at(t)].head<3>(), -goals_[at(t)].tail<3>();
+  for (int i = 0; i < dofs; ++i) {
+    const Vector6d weighted = weights.cwiseProduct(rows.col(i));
+    gradient[i] += weighted.dot(residual);
+    double* const row = hessian + static_cast<std::ptrdiff_t>(i) * stride;
+    for (int j = 0; j <= i; ++j) row[j] += weighted.dot(rows.col(j));
+  }
+}
+
+void FitDynamics::moved(int frame, std::span<const double> step) {
+  const int t = frame - window_.begin, dofs = model_.dof_count();
+  const Eigen::Map<const Eigen::VectorXd> by(step.data(), dofs);
+  frames_[at(t)].moved.tail<3>() += spin_rows_.middleCols(t * dofs, dofs) * by;
+}
+
+}  // namespace retarget
