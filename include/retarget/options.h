@@ -154,9 +154,9 @@ struct FitOptions {
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
 
   // of `dynamics`, with the size and mass of a G1
-  double com_weight = 2000.0;   ///< Centre of mass to its place, per metre.
-  double spin_weight = 400.0;   ///< Angular momentum, as the turn that it makes, per kg m^2.
-  int dynamics_iterations = 4;  ///< Of the solver's last steps, how many look at it.
+  double com_weight = 600.0;   ///< Centre of mass to its place, per metre.
+  double spin_weight = 200.0;   ///< Angular momentum, as the turn that it makes, per kg m^2.
+  int dynamics_iterations = 6;  ///< Of the solver's last steps, how many look at it.
   double support_friction = 0.6;  ///< That contacts are planned with.
   double sole_shrink = 0.15;      ///< By which share of its size a sole is taken smaller.
 

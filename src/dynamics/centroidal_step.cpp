@@ -68,7 +68,8 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
     const Vector6d wrench = frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling * x;
     const Vector6d rest = projector_.project(frame.cone, wrench);
     const Vector6d place = x + frame.moved;
-    cost += 0.5 * (kRho * rest.squaredNorm() + position_weight_.dot(place.cwiseAbs2()) +
+    const double rho = kRho * frame.trust;
+    cost += 0.5 * (rho * rest.squaredNorm() + position_weight_.dot(place.cwiseAbs2()) +
                    acceleration_weight_.dot(xdd.cwiseAbs2()));
     if (!with_derivatives) continue;
     Rows wrench_rows, place_rows, second_rows;
@@ -78,8 +79,8 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
         per_second + coupling / 6.0;
     const Rows projected = projector_.complement() * wrench_rows;
     // the complement is a projector but for the ridge
-    const Eigen::Matrix<double, 18, 18> block = kRho * wrench_rows.transpose() * projected;
-    const Eigen::Matrix<double, 18, 1> pull = kRho * wrench_rows.transpose() * rest;
+    const Eigen::Matrix<double, 18, 18> block = rho * wrench_rows.transpose() * projected;
+    const Eigen::Matrix<double, 18, 1> pull = rho * wrench_rows.transpose() * rest;
     const int first = kBlock * (t - 1);
     for (int i = 0; i < kBand; ++i) {
       double* const row = band_.data() + static_cast<std::ptrdiff_t>(first + i) * kBand;
@@ -145,16 +146,20 @@ bool CentroidalStep::step(std::vector<Vector6d>& direction) {
   return true;
 }
 
+void CentroidalStep::find_unexplained(std::vector<CentroidalFrame>& frames) {
+  unexplained_before_.clear();
+  for (CentroidalFrame& frame : frames) {
+    unexplained_before_.push_back(projector_.project(frame.cone, frame.needed));
+  }
+}
+
 std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames,
                                             const CentroidalScale& scale, int iterations) {
   constexpr int kTries = 5;
   constexpr double kShorter = 0.4, kEnough = 1e-3;
   const std::size_t count = frames.size();
   std::vector<Vector6d> x(count, Vector6d::Zero());
-  unexplained_before_.assign(count, 0.0);
-  for (std::size_t t = 0; t < count; ++t) {
-    unexplained_before_[t] = projector_.project(frames[t].cone, frames[t].needed).norm();
-  }
+  find_unexplained(frames);
   if (count < 2 * kFixed + 1) return x;
   begin(frames, scale);
   band_.resize(count * kBlock * kBand);

@@ -13,6 +13,7 @@ struct CentroidalFrame {
   ForceCone cone;                      ///< What contacts can exert, about the same point.
   /// What was moved before: of the centre of mass, m, and of the angular quasi-coordinate, kg m^2.
   Vector6d moved = Vector6d::Zero();
+  double trust = 1.0;  ///< In what the cone says, 0 to 1: factor to the weight of what is missing.
 };
 
 struct CentroidalScale {
@@ -31,11 +32,13 @@ struct CentroidalScale {
 /// semismooth Newton on a banded system; the two frames at either end stay.
 class CentroidalStep {
  public:
+  /// What contacts cannot supply of what is needed as it is; found again by solve.
+  void find_unexplained(std::vector<CentroidalFrame>& frames);
   /// @return by frame: x, metres and kg m^2.
   std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
                               int iterations);
-  /// After solve, by frame: how much of what was needed the contacts could not supply before it.
-  [[nodiscard]] const std::vector<double>& unexplained() const { return unexplained_before_; }
+  /// By frame: how much of what was needed the contacts could not supply before the move.
+  [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 
  private:
   using Rows = Eigen::Matrix<double, 6, 18>;
@@ -53,7 +56,7 @@ class CentroidalStep {
   Vector6d force_per_acceleration_;
   std::vector<Matrix6d> coupling_;  // by frame: needed wrench per x
   std::vector<double> band_, right_;
-  std::vector<double> unexplained_before_;
+  std::vector<Vector6d> unexplained_before_;
   ConeProjector projector_;
 };
 

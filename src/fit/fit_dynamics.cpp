@@ -68,6 +68,7 @@ void FitDynamics::plan(const FitClip& clip) {
     lend_contacts();
   }
   for (int t = 0; t < count_; ++t) fill_cone(t);
+  if (!planned_) find_trust();
   std::vector<Vector6d> moves = step_.solve(frames_, scale_, kNewtonSteps);
   restrain(moves);
   for (int t = 0; t < count_; ++t) {
@@ -176,12 +177,39 @@ void FitDynamics::fill_cone(int t) {
   }
 }
 
+// A human's movement is possible: what it lacks for a moment a robot's differs in, but what is missing
+// all the time is a contact that is not known (a box, a hand on a wall), and no reason to move.
+void FitDynamics::find_trust() {
+  constexpr double kReach = 0.3;                   // s
+  constexpr double kDoubtful = 0.1, kWrong = 0.3;  // of the weight, on the mean
+  step_.find_unexplained(frames_);
+  const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
+  Vector6d sum = Vector6d::Zero();
+  int frames = 0;
+  for (int t = -reach; t < count_; ++t) {
+    if (t + reach < count_) {
+      sum += step_.unexplained()[at(t + reach)];
+      ++frames;
+    }
+    if (t - reach - 1 >= 0) {
+      sum -= step_.unexplained()[at(t - reach - 1)];
+      --frames;
+    }
+    if (t < 0) continue;
+    const double missing = sum.norm() / frames;
+    frames_[at(t)].trust = std::clamp((kWrong - missing) / (kWrong - kDoubtful), 0.0, 1.0);
+  }
+}
+
 // Where the last step left more unexplained than there was, the next one is shorter: what moves fast
 // would diverge.
 void FitDynamics::restrain(std::vector<Vector6d>& moves) {
   constexpr double kWorse = 1.02, kNoise = 1e-4, kShorter = 0.4, kReach = 0.3;  // s
   const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
-  const std::vector<double>& now = step_.unexplained();
+  std::vector<double> now;
+  for (std::size_t t = 0; t < share_.size(); ++t) {
+    now.push_back(frames_[t].trust * step_.unexplained()[t].norm());
+  }
   if (planned_) {
     std::vector<double> shorter(share_.size(), 1.0);
     double before = 0.0, after = 0.0;
@@ -228,6 +256,7 @@ void FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, d
                       (scale_.mass * scale_.length * scale_.length);
   Vector6d weights, residual;
   weights << Vector3d::Constant(com * com), Vector3d::Constant(spin * spin);
+  weights *= frames_[at(t)].trust;
   residual << map_.com() - goals_[at(t)].head<3>(), -goals_[at(t)].tail<3>();
   for (int i = 0; i < dofs; ++i) {
     const Vector6d weighted = weights.cwiseProduct(rows.col(i));

@@ -45,6 +45,7 @@ class FitDynamics {
   [[nodiscard]] bool touches(const SupportPoint& point, double height, double speed) const;
   void lend_contacts();
   void fill_cone(int t);
+  void find_trust();
   void restrain(std::vector<Vector6d>& moves);
 
   const FitModel& model_;
