@@ -10,21 +10,19 @@
 namespace retarget {
 namespace {
 
-constexpr int kBlock = 6;
-constexpr int kBand = 3 * kBlock;             // the diagonal and what is left of it
-constexpr int kFixed = 2;                     // frames at either end that stay
+constexpr std::size_t kBlock = 6;
+constexpr std::size_t kBand = 3 * kBlock;     // the diagonal and what is left of it
+constexpr std::size_t kFixed = 2;             // frames at either end that stay
 constexpr double kRho = 1.0 / (0.02 * 0.02);  // per share of the weight that is missing, squared
 constexpr double kHold = 1e12;
 
 }  // namespace
 
-Vector6d CentroidalStep::value(const std::vector<Vector6d>& b, int frame) {
-  const auto t = static_cast<std::size_t>(frame);
+Vector6d CentroidalStep::value(const std::vector<Vector6d>& b, std::size_t t) {
   return (b[t - 1] + 4.0 * b[t] + b[t + 1]) / 6.0;
 }
 
-Vector6d CentroidalStep::second(const std::vector<Vector6d>& b, int frame) {
-  const auto t = static_cast<std::size_t>(frame);
+Vector6d CentroidalStep::second(const std::vector<Vector6d>& b, std::size_t t) {
   return b[t - 1] - 2.0 * b[t] + b[t + 1];
 }
 
@@ -52,96 +50,125 @@ void CentroidalStep::begin(const std::vector<CentroidalFrame>& frames,
   }
 }
 
-// Half the cost; with derivatives the band holds the Gauss-Newton Hessian and right_ the gradient.
+// Half the cost; keeps what assemble needs of it.
 double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
-                                const std::vector<Vector6d>& b, bool with_derivatives) {
-  const auto count = static_cast<int>(frames.size());
-  if (with_derivatives) {
-    std::ranges::fill(band_, 0.0);
-    std::ranges::fill(right_, 0.0);
-  }
+                                const std::vector<Vector6d>& b) {
   double cost = 0.0;
-  for (int t = 1; t + 1 < count; ++t) {
-    CentroidalFrame& frame = frames[static_cast<std::size_t>(t)];
-    const Matrix6d& coupling = coupling_[static_cast<std::size_t>(t)];
+  for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
+    CentroidalFrame& frame = frames[t];
     const Vector6d x = value(b, t), xdd = second(b, t);
-    const Vector6d wrench = frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling * x;
-    const Vector6d rest = projector_.project(frame.cone, wrench);
-    const Vector6d place = x + frame.moved;
-    const double rho = kRho * frame.trust;
-    cost += 0.5 * (rho * rest.squaredNorm() + position_weight_.dot(place.cwiseAbs2()) +
+    const Vector6d wrench =
+        frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
+    rest_[t] = projector_.project(frame.cone, wrench);
+    complement_[t] = projector_.complement();
+    cost += 0.5 * (kRho * frame.trust * rest_[t].squaredNorm() +
+                   position_weight_.dot((x + frame.moved).cwiseAbs2()) +
                    acceleration_weight_.dot(xdd.cwiseAbs2()));
-    if (!with_derivatives) continue;
-    Rows wrench_rows, place_rows, second_rows;
-    const Matrix6d one = Matrix6d::Identity();
-    const Matrix6d per_second = force_per_acceleration_.asDiagonal();
-    wrench_rows << per_second + coupling / 6.0, -2.0 * per_second + 4.0 * coupling / 6.0,
-        per_second + coupling / 6.0;
-    const Rows projected = projector_.complement() * wrench_rows;
-    // the complement is a projector but for the ridge
-    const Eigen::Matrix<double, 18, 18> block = rho * wrench_rows.transpose() * projected;
-    const Eigen::Matrix<double, 18, 1> pull = rho * wrench_rows.transpose() * rest;
-    const int first = kBlock * (t - 1);
-    for (int i = 0; i < kBand; ++i) {
-      double* const row = band_.data() + static_cast<std::ptrdiff_t>(first + i) * kBand;
-      for (int j = 0; j <= i; ++j) row[kBand - 1 - i + j] += block(i, j);
-      right_[static_cast<std::size_t>(first + i)] += pull[i];
-    }
-    // what concerns each variable alone
-    constexpr std::array<double, 3> kValue = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
-    constexpr std::array<double, 3> kSecond = {1.0, -2.0, 1.0};
-    for (int k = 0; k < kBlock; ++k) {
-      const double p = position_weight_[k], a = acceleration_weight_[k];
-      for (std::size_t i = 0; i < 3; ++i) {
-        const int at = first + kBlock * static_cast<int>(i) + k;
-        double* const row = band_.data() + static_cast<std::ptrdiff_t>(at) * kBand;
-        for (std::size_t j = 0; j <= i; ++j) {
-          row[kBand - 1 - kBlock * static_cast<int>(i - j)] +=
-              p * kValue[i] * kValue[j] + a * kSecond[i] * kSecond[j];
-        }
-        right_[static_cast<std::size_t>(at)] += p * kValue[i] * place[k] + a * kSecond[i] * xdd[k];
-      }
-    }
   }
   return cost;
 }
 
-// banded Cholesky; the direction of descent. False: not positive definite
-bool CentroidalStep::step(std::vector<Vector6d>& direction) {
-  const auto size = static_cast<int>(right_.size());
-  const auto row = [&](int i) { return band_.data() + static_cast<std::ptrdiff_t>(i) * kBand; };
-  const int held = kFixed * kBlock;
-  for (int i = 0; i < size; ++i) {
-    if (i >= held && i < size - held) continue;
-    row(i)[kBand - 1] += kHold;
+// The band of the Gauss-Newton Hessian, and the gradient, where evaluate was called last.
+void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
+                              const std::vector<Vector6d>& b) {
+  std::ranges::fill(band_, 0.0);
+  std::ranges::fill(right_, 0.0);
+  const Matrix6d per_second = force_per_acceleration_.asDiagonal();
+  for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
+    const Matrix6d side = per_second + coupling_[t] / 6.0;
+    const Matrix6d middle = -2.0 * per_second + 4.0 * coupling_[t] / 6.0;
+    const double rho = kRho * frames[t].trust;
+    // the complement is a projector but for the ridge
+    const Matrix6d side_part = rho * complement_[t] * side;
+    const Matrix6d middle_part = rho * complement_[t] * middle;
+    const Matrix6d side_side = side.transpose() * side_part;
+    const Matrix6d middle_side = middle.transpose() * side_part;
+    const Matrix6d middle_middle = middle.transpose() * middle_part;
+    const std::size_t first = t - 1;
+    add_block(first, first, side_side);
+    add_block(first + 1, first, middle_side);
+    add_block(first + 1, first + 1, middle_middle);
+    add_block(first + 2, first, side_side);
+    add_block(first + 2, first + 1, middle_side.transpose());
+    add_block(first + 2, first + 2, side_side);
+    const Vector6d pull = rho * rest_[t];
+    add_diagonals(t, side.transpose() * pull, middle.transpose() * pull, frames[t].moved, b);
   }
-  for (int i = 0; i < size; ++i) {
-    double* const a = row(i);
-    for (int j = std::max(0, i - kBand + 1); j <= i; ++j) {
-      const double* const c = row(j);
-      const int from = std::max({0, i - kBand + 1, j - kBand + 1});
-      double sum = a[kBand - 1 - i + j];
-      for (int l = from; l < j; ++l) sum -= a[kBand - 1 - i + l] * c[kBand - 1 - j + l];
-      if (i == j) {
-        if (!(sum > 0.0)) return false;
-        a[kBand - 1] = std::sqrt(sum);
-      } else {
-        a[kBand - 1 - i + j] = sum / c[kBand - 1];
+}
+
+// what concerns each variable alone, and the gradient
+void CentroidalStep::add_diagonals(std::size_t frame, const Vector6d& side_pull,
+                                   const Vector6d& middle_pull, const Vector6d& moved,
+                                   const std::vector<Vector6d>& b) {
+  constexpr std::array<double, 3> kValue = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
+  constexpr std::array<double, 3> kSecond = {1.0, -2.0, 1.0};
+  const Vector6d place = position_weight_.cwiseProduct(value(b, frame) + moved);
+  const Vector6d xdd = acceleration_weight_.cwiseProduct(second(b, frame));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t at = (frame - 1 + i) * kBlock;
+    const Vector6d& pull = i == 1 ? middle_pull : side_pull;
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const auto component = static_cast<int>(k);
+      right_[at + k] +=
+          pull[component] + kValue[i] * place[component] + kSecond[i] * xdd[component];
+      double* const diagonal = band_.data() + (at + k) * kBand + kBand - 1;
+      for (std::size_t j = 0; j <= i; ++j) {
+        *(diagonal - kBlock * (i - j)) += position_weight_[component] * kValue[i] * kValue[j] +
+                                          acceleration_weight_[component] * kSecond[i] * kSecond[j];
       }
     }
-    double sum = -right_[static_cast<std::size_t>(i)];
-    for (int l = std::max(0, i - kBand + 1); l < i; ++l) {
-      sum -= a[kBand - 1 - i + l] * direction[static_cast<std::size_t>(l / kBlock)][l % kBlock];
-    }
-    direction[static_cast<std::size_t>(i / kBlock)][i % kBlock] = sum / a[kBand - 1];
   }
-  for (int i = size - 1; i >= 0; --i) {
-    const double* const a = row(i);
-    double& value = direction[static_cast<std::size_t>(i / kBlock)][i % kBlock];
-    value /= a[kBand - 1];
-    for (int l = std::max(0, i - kBand + 1); l < i; ++l) {
-      direction[static_cast<std::size_t>(l / kBlock)][l % kBlock] -= a[kBand - 1 - i + l] * value;
+}
+
+// to the lower triangle, which the band holds row by row up to the diagonal
+void CentroidalStep::add_block(std::size_t row, std::size_t column, const Matrix6d& block) {
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    double* const entries = band_.data() + (row * kBlock + i) * kBand;
+    const std::size_t left = kBand - 1 - kBlock * (row - column) - i;
+    const std::size_t count = row == column ? i + 1 : kBlock;
+    for (std::size_t j = 0; j < count; ++j) {
+      entries[left + j] += block(static_cast<int>(i), static_cast<int>(j));
     }
+  }
+}
+
+// banded Cholesky; the direction of descent. False: not positive definite
+bool CentroidalStep::step(std::vector<Vector6d>& direction) {
+  const std::size_t size = right_.size(), held = kFixed * kBlock;
+  // where entry (i, 0) of the matrix would stand in the band
+  const auto row = [&](std::size_t i) {
+    return band_.data() + static_cast<std::ptrdiff_t>(i * kBand + kBand - 1 - i);
+  };
+  const auto first = [](std::size_t i) { return i < kBand ? 0 : i - kBand + 1; };
+  for (std::size_t i = 0; i < held; ++i) {
+    row(i)[i] += kHold;
+    row(size - 1 - i)[size - 1 - i] += kHold;
+  }
+  std::vector<double>& y = right_;  // becomes the solution
+  for (std::size_t i = 0; i < size; ++i) {
+    double* const a = row(i);
+    for (std::size_t j = first(i); j < i; ++j) {
+      const double* const c = row(j);
+      double sum = a[j];
+      for (std::size_t k = first(i); k < j; ++k) sum -= a[k] * c[k];
+      a[j] = sum / c[j];
+    }
+    double pivot = a[i], value = -y[i];
+    for (std::size_t k = first(i); k < i; ++k) {
+      pivot -= a[k] * a[k];
+      value -= a[k] * y[k];
+    }
+    if (!(pivot > 0.0)) return false;
+    a[i] = std::sqrt(pivot);
+    y[i] = value / a[i];
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    const double* const a = row(i);
+    y[i] /= a[i];
+    for (std::size_t k = first(i); k < i; ++k) y[k] -= a[k] * y[i];
+  }
+  for (std::size_t t = 0; t < direction.size(); ++t) {
+    direction[t] = Eigen::Map<const Vector6d>(y.data() + t * kBlock);
   }
   return true;
 }
@@ -159,25 +186,29 @@ std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames
   constexpr double kShorter = 0.4, kEnough = 1e-3;
   const std::size_t count = frames.size();
   std::vector<Vector6d> x(count, Vector6d::Zero());
-  find_unexplained(frames);
   if (count < 2 * kFixed + 1) return x;
   begin(frames, scale);
   band_.resize(count * kBlock * kBand);
   right_.resize(count * kBlock);
+  rest_.resize(count);
+  complement_.resize(count);
   std::vector<Vector6d> b(count, Vector6d::Zero()), direction = b, tried = b;
+  double cost = evaluate(frames, b);
   for (int i = 0; i < iterations; ++i) {
-    const double cost = evaluate(frames, b, true);
+    assemble(frames, b);
     if (!step(direction)) break;
     double length = 1.0, reached = cost;
     for (int k = 0; k < kTries && !(reached < cost); ++k, length *= kShorter) {
       for (std::size_t t = 0; t < count; ++t) tried[t] = b[t] + length * direction[t];
-      reached = evaluate(frames, tried, false);
+      reached = evaluate(frames, tried);
     }
     if (!(reached < cost)) break;
     b.swap(tried);
-    if (cost - reached < kEnough * cost) break;
+    const double decrease = cost - reached;
+    cost = reached;
+    if (decrease < kEnough * (cost + decrease)) break;
   }
-  for (std::size_t t = 1; t + 1 < count; ++t) x[t] = value(b, static_cast<int>(t));
+  for (std::size_t t = 1; t + 1 < count; ++t) x[t] = value(b, t);
   return x;
 }
 

@@ -32,7 +32,7 @@ struct CentroidalScale {
 /// semismooth Newton on a banded system; the two frames at either end stay.
 class CentroidalStep {
  public:
-  /// What contacts cannot supply of what is needed as it is; found again by solve.
+  /// What contacts cannot supply of what is needed as it is; see unexplained().
   void find_unexplained(std::vector<CentroidalFrame>& frames);
   /// @return by frame: x, metres and kg m^2.
   std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
@@ -41,21 +41,23 @@ class CentroidalStep {
   [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 
  private:
-  using Rows = Eigen::Matrix<double, 6, 18>;
-
   void begin(const std::vector<CentroidalFrame>& frames, const CentroidalScale& scale);
-  double evaluate(std::vector<CentroidalFrame>& frames, const std::vector<Vector6d>& b,
-                  bool with_derivatives);
-  void add_block(int frame, const Rows& rows, const Vector6d& weighted);
+  double evaluate(std::vector<CentroidalFrame>& frames, const std::vector<Vector6d>& b);
+  void assemble(const std::vector<CentroidalFrame>& frames, const std::vector<Vector6d>& b);
+  void add_block(std::size_t row, std::size_t column, const Matrix6d& block);
+  void add_diagonals(std::size_t frame, const Vector6d& side_pull, const Vector6d& middle_pull,
+                     const Vector6d& moved, const std::vector<Vector6d>& b);
   bool step(std::vector<Vector6d>& direction);
-  [[nodiscard]] static Vector6d value(const std::vector<Vector6d>& b, int frame);
-  [[nodiscard]] static Vector6d second(const std::vector<Vector6d>& b, int frame);
+  [[nodiscard]] static Vector6d value(const std::vector<Vector6d>& b, std::size_t t);
+  [[nodiscard]] static Vector6d second(const std::vector<Vector6d>& b, std::size_t t);
 
   CentroidalScale scale_;
   Vector6d position_weight_, acceleration_weight_;  // squared
   Vector6d force_per_acceleration_;
   std::vector<Matrix6d> coupling_;  // by frame: needed wrench per x
   std::vector<double> band_, right_;
+  std::vector<Vector6d> rest_;  // by frame, where evaluate was called last
+  std::vector<Matrix6d> complement_;
   std::vector<Vector6d> unexplained_before_;
   ConeProjector projector_;
 };

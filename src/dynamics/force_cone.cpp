@@ -1,8 +1,8 @@
 #include "dynamics/force_cone.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace retarget {
@@ -33,8 +33,9 @@ class ConeProjector::System {
   }
   double gradient(int i, const Eigen::VectorXd& x) { return projector_.gradient(i, x); }
   [[nodiscard]] double gradient_scale() const {
-    constexpr double kSmall =
-        1e4;  // of the multipliers' tolerance: an edge longer than 1e-10 counts
+    // of the multipliers' tolerance of 1e-14: an edge that would lower what is missing by less than
+    // 1e-5 of it is left alone, or the ridge would spread every force over all edges
+    constexpr double kSmall = 1e9;
     return kSmall * std::max(1.0, projector_.wrench_.norm());
   }
 
@@ -59,22 +60,45 @@ bool ConeProjector::minimise(const std::vector<BoundSide>& sides, Eigen::VectorX
   for (int i = 0; i < cone_->count_; ++i) {
     if (sides[static_cast<std::size_t>(i)] == BoundSide::kFree) bearing_.push_back(i);
   }
-  const auto size = static_cast<int>(bearing_.size());
-  if (size == 0) return true;
-  Gram gram(size, size);
-  Amounts right(size);
-  for (int a = 0; a < size; ++a) {
-    const auto edge = cone_->edges_.col(bearing_[static_cast<std::size_t>(a)]);
-    for (int b = 0; b <= a; ++b) {
-      gram(a, b) = edge.dot(cone_->edges_.col(bearing_[static_cast<std::size_t>(b)]));
-    }
-    gram(a, a) += kRidge;
-    right[a] = edge.dot(wrench_);
+  if (bearing_.empty()) return true;
+  if (!factorise()) return false;
+  // forward, then back
+  const std::size_t size = bearing_.size();
+  for (std::size_t a = 0; a < size; ++a) {
+    const double* const row = factor_.data() + a * ForceCone::kMaxEdges;
+    double sum = cone_->edges_.col(bearing_[a]).dot(wrench_);
+    for (std::size_t b = 0; b < a; ++b) sum -= row[b] * right_[b];
+    right_[a] = sum / row[a];
   }
-  const Eigen::LLT<Gram> factor(gram);
-  if (factor.info() != Eigen::Success) return false;
-  factor.solveInPlace(right);
-  for (int a = 0; a < size; ++a) minimum[bearing_[static_cast<std::size_t>(a)]] = right[a];
+  for (std::size_t a = size; a-- > 0;) {
+    double sum = right_[a];
+    for (std::size_t b = a + 1; b < size; ++b) {
+      sum -= factor_[b * ForceCone::kMaxEdges + a] * right_[b];
+    }
+    right_[a] = sum / factor_[a * ForceCone::kMaxEdges + a];
+    minimum[bearing_[a]] = right_[a];
+  }
+  return true;
+}
+
+// Cholesky of the bearing edges' Gram matrix; most often there are two to six
+bool ConeProjector::factorise() {
+  for (std::size_t a = 0; a < bearing_.size(); ++a) {
+    double* const row = factor_.data() + a * ForceCone::kMaxEdges;
+    const Vector6d edge = cone_->edges_.col(bearing_[a]);
+    for (std::size_t b = 0; b <= a; ++b) {
+      const double* const other = factor_.data() + b * ForceCone::kMaxEdges;
+      double sum = edge.dot(cone_->edges_.col(bearing_[b]));
+      for (std::size_t k = 0; k < b; ++k) sum -= row[k] * other[k];
+      if (a != b) {
+        row[b] = sum / other[b];
+        continue;
+      }
+      sum += kRidge;
+      if (!(sum > 0.0)) return false;
+      row[a] = std::sqrt(sum);
+    }
+  }
   return true;
 }
 
@@ -108,17 +132,18 @@ Vector6d ConeProjector::project(ForceCone& cone, const Vector6d& wrench) {
   return rest_;
 }
 
-Matrix6d ConeProjector::complement() const {
+Matrix6d ConeProjector::complement() {
   Matrix6d complement = Matrix6d::Identity();
-  const auto size = static_cast<int>(bearing_.size());
-  if (size == 0) return complement;
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, ForceCone::kMaxEdges> edges(6, size);
-  for (int a = 0; a < size; ++a) {
-    edges.col(a) = cone_->edges_.col(bearing_[static_cast<std::size_t>(a)]);
+  // with L the factor: 1 - E (L L')^-1 E' = 1 - sum over the rows of L^-1 E'
+  if (bearing_.empty() || !factorise()) return complement;
+  for (std::size_t a = 0; a < bearing_.size(); ++a) {
+    const double* const row = factor_.data() + a * ForceCone::kMaxEdges;
+    Vector6d& reduced = reduced_[a];
+    reduced = cone_->edges_.col(bearing_[a]);
+    for (std::size_t b = 0; b < a; ++b) reduced -= row[b] * reduced_[b];
+    reduced /= row[a];
+    complement.noalias() -= reduced * reduced.transpose();
   }
-  Gram gram = edges.transpose() * edges;
-  gram.diagonal().array() += kRidge;
-  complement -= edges * gram.llt().solve(edges.transpose());
   return complement;
 }
 

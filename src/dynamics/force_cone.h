@@ -44,15 +44,12 @@ class ConeProjector {
   Vector6d project(ForceCone& cone, const Vector6d& wrench);
   /// Of the last projection: the projector onto what the bearing edges do not span, in which the
   /// rest changes with the wrench.
-  [[nodiscard]] Matrix6d complement() const;
+  [[nodiscard]] Matrix6d complement();
 
  private:
   class System;
-  using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, ForceCone::kMaxEdges,
-                             ForceCone::kMaxEdges>;
-  using Amounts = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, ForceCone::kMaxEdges, 1>;
-
   bool minimise(const std::vector<BoundSide>& sides, Eigen::VectorXd& minimum);
+  bool factorise();
   double gradient(int i, const Eigen::VectorXd& x);
 
   ActiveSet active_;
@@ -60,6 +57,10 @@ class ConeProjector {
   Vector6d wrench_, rest_;
   bool rest_is_known_ = false;
   std::vector<int> bearing_;
+  std::array<double, static_cast<std::size_t>(ForceCone::kMaxEdges) * ForceCone::kMaxEdges>
+      factor_{};  // rows of the lower triangle
+  std::array<double, ForceCone::kMaxEdges> right_{};
+  std::array<Vector6d, ForceCone::kMaxEdges> reduced_;
   Eigen::VectorXd lower_, upper_, amounts_;
 };
 

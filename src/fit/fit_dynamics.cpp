@@ -45,8 +45,8 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       spin_rows_(3, count_ * model.dof_count()) {}
 
 void FitDynamics::plan(const FitClip& clip) {
-  constexpr int kContext = 10;  // frames beside fixed ends
-  constexpr int kNewtonSteps = 4;
+  constexpr int kContext = 10;                     // frames beside fixed ends
+  constexpr int kFirstSteps = 4, kLaterSteps = 2;  // of the centroidal step
   const int beside = window_.fixed_ends ? kContext : 0;
   const int first = std::max(window_.begin - beside, 0);
   const int last = std::min(window_.end + beside, clip.frame_count);
@@ -68,8 +68,9 @@ void FitDynamics::plan(const FitClip& clip) {
     lend_contacts();
   }
   for (int t = 0; t < count_; ++t) fill_cone(t);
+  step_.find_unexplained(frames_);
   if (!planned_) find_trust();
-  std::vector<Vector6d> moves = step_.solve(frames_, scale_, kNewtonSteps);
+  std::vector<Vector6d> moves = step_.solve(frames_, scale_, planned_ ? kLaterSteps : kFirstSteps);
   restrain(moves);
   for (int t = 0; t < count_; ++t) {
     goals_[at(t)].head<3>() = com_[at(t)] + moves[at(t)].head<3>();
@@ -182,7 +183,6 @@ void FitDynamics::fill_cone(int t) {
 void FitDynamics::find_trust() {
   constexpr double kReach = 0.3;                   // s
   constexpr double kDoubtful = 0.1, kWrong = 0.3;  // of the weight, on the mean
-  step_.find_unexplained(frames_);
   const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
   Vector6d sum = Vector6d::Zero();
   int frames = 0;
