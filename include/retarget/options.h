@@ -232,6 +232,7 @@ struct SolveOptions {
   std::string fit_config;            ///< JSON of FitOptions, overrides `fit`; empty: none.
   FitOptions fit;                    ///< Of Method::kFit.
   double fit_window_s = 0.0;         ///< Overrides FitOptions::window; 0: does not.
+  std::vector<std::string> with;     ///< Terms of the fit that it does not have by default.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   IkEngine engine = IkEngine::kFast;
   std::optional<ScaleRule>

@@ -61,6 +61,8 @@ struct FitStatus {
   /// taken. Of all: the largest.
   double predicted_decrease = 1.0;
   double cost_before = 0.0, cost_after = 0.0;  ///< Sums over the frames, of all terms.
+  /// Frames that the term `dynamics` left as they are, for what carries the robot there is not known.
+  int distrusted_frames = 0;
 };
 
 /// See FitStatus::converged.

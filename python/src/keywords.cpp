@@ -181,7 +181,8 @@ OptionTable only(OptionTable rows, std::initializer_list<std::string_view> names
 
 std::string keyword_of(const Option& row) {
   std::string name = option_as_field(row.name);
-  if (name == "from") name += "_";
+  // words of the language
+  if (name == "from" || name == "with") name += "_";
   return name;
 }
 

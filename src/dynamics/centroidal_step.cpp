@@ -186,6 +186,7 @@ std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames
   constexpr double kShorter = 0.4, kEnough = 1e-3;
   const std::size_t count = frames.size();
   std::vector<Vector6d> x(count, Vector6d::Zero());
+  accelerations_.assign(count, Vector6d::Zero());
   if (count < 2 * kFixed + 1) return x;
   begin(frames, scale);
   band_.resize(count * kBlock * kBand);
@@ -208,7 +209,10 @@ std::vector<Vector6d> CentroidalStep::solve(std::vector<CentroidalFrame>& frames
     cost = reached;
     if (decrease < kEnough * (cost + decrease)) break;
   }
-  for (std::size_t t = 1; t + 1 < count; ++t) x[t] = value(b, t);
+  for (std::size_t t = 1; t + 1 < count; ++t) {
+    x[t] = value(b, t);
+    accelerations_[t] = second(b, t) / (scale.frame_time * scale.frame_time);
+  }
   return x;
 }
 

@@ -37,6 +37,8 @@ class CentroidalStep {
   /// @return by frame: x, metres and kg m^2.
   std::vector<Vector6d> solve(std::vector<CentroidalFrame>& frames, const CentroidalScale& scale,
                               int iterations);
+  /// Of what solve returned, by frame: its second derivative, per second squared.
+  [[nodiscard]] const std::vector<Vector6d>& accelerations() const { return accelerations_; }
   /// By frame: how much of what was needed the contacts could not supply before the move.
   [[nodiscard]] const std::vector<Vector6d>& unexplained() const { return unexplained_before_; }
 
@@ -58,7 +60,7 @@ class CentroidalStep {
   std::vector<double> band_, right_;
   std::vector<Vector6d> rest_;  // by frame, where evaluate was called last
   std::vector<Matrix6d> complement_;
-  std::vector<Vector6d> unexplained_before_;
+  std::vector<Vector6d> unexplained_before_, accelerations_;
   ConeProjector projector_;
 };
 

@@ -54,6 +54,17 @@ class WindowFitter {
     double gradient, before, after;
   };
 
+  // what the steps change
+  struct Before {
+    std::vector<double> qpos;
+    std::vector<Eigen::Vector2d> anchors;  // of phases that the window owns
+    std::vector<double> damping, cost;
+    std::vector<BoundSide> held;
+  };
+
+  [[nodiscard]] Before state() const;
+  void restore(const Before& before);
+  bool steps(int begin, int end, const std::function<bool()>& keep_going);
   void iterate(bool move_anchors, bool look_for_pairs);
   std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
   double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
@@ -123,8 +134,32 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
 }
 
 FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
-  for (int i = 0; i < options_.iterations; ++i) {
-    if (keep_going && !keep_going()) break;
+  const int first_with_dynamics =
+      dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
+                : options_.iterations;
+  bool go_on = steps(0, first_with_dynamics, keep_going);
+  if (dynamics_ && go_on) {
+    const Before before = state();
+    const double unexplained = dynamics_->measure(clip_);
+    with_dynamics_ = true;
+    go_on = steps(first_with_dynamics, options_.iterations, keep_going);
+    with_dynamics_ = false;
+    status_.distrusted_frames = dynamics_->distrusted_frames();
+    if (go_on && dynamics_->measure(clip_) > unexplained) {
+      // it helped nothing: as if it had not been asked for
+      restore(before);
+      go_on = steps(first_with_dynamics, options_.iterations, keep_going);
+      status_.distrusted_frames = window_.end - window_.begin;
+    }
+  }
+  status_.converged = status_.predicted_decrease <= kFitTolerance;
+  return status_;
+}
+
+// @return whether the fit goes on
+bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_going) {
+  for (int i = begin; i < end; ++i) {
+    if (keep_going && !keep_going()) return false;
     const bool move_anchors = i < options_.anchor_iterations;
     anchor_hold_ = 1.0;
     if (move_anchors) {
@@ -132,12 +167,35 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
       anchor_hold_ =
           1.0 - (1.0 - kFirstHold) * (options_.anchor_iterations - i) / options_.anchor_iterations;
     }
-    with_dynamics_ = dynamics_ && i >= options_.iterations - options_.dynamics_iterations;
     if (with_dynamics_) dynamics_->plan(clip_);
     iterate(move_anchors, i % kPairsEvery == 0);
   }
-  status_.converged = status_.predicted_decrease <= kFitTolerance;
-  return status_;
+  return true;
+}
+
+WindowFitter::Before WindowFitter::state() const {
+  const auto size = at(model_.configuration_size);
+  const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
+  const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
+  Before before{{begin, end}, {}, damping_, cost_, held_};
+  // others belong to windows that may run at the same time
+  for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
+    if (owns(static_cast<int>(i))) before.anchors.push_back(clip_.anchors[i]);
+  }
+  return before;
+}
+
+void WindowFitter::restore(const Before& before) {
+  const auto size = at(model_.configuration_size);
+  std::ranges::copy(before.qpos,
+                    clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size));
+  auto anchor = before.anchors.begin();
+  for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
+    if (owns(static_cast<int>(i))) clip_.anchors[i] = *anchor++;
+  }
+  damping_ = before.damping;
+  cost_ = before.cost;
+  held_ = before.held;
 }
 
 bool WindowFitter::owns(int phase) const {
@@ -203,12 +261,14 @@ double WindowFitter::fill_frame(int frame, bool move_anchors, bool look_for_pair
     double& diagonal = h[static_cast<std::ptrdiff_t>(i) * (chain_.stride() + 1)];
     diagonal += (i < 3 ? kPositionDamping : kDamping) + damping_[at(t)] * diagonal;
   }
-  if (with_dynamics_) dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
+  // what is asked for anew in each step says nothing of the step before, either
+  double asked = 0.0;
+  if (with_dynamics_) asked = dynamics_->add_rows(frame, pose_, g, h, chain_.stride());
   add_steps(frame, h, g);
   hold_limits(frame, h, g);
   for (int i = 0; i < dofs_; ++i) g[i] = -g[i];
   if (frame + 1 < window_.end || after_) speeds_.add_costs(frame, costs);
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
+  return std::accumulate(costs.begin(), costs.end(), asked);
 }
 
 void WindowFitter::adapt_damping(int t, double cost) {

@@ -238,6 +238,17 @@ std::string not_converged(const FitStatus& window) {
       frames, number_text(100.0 * window.predicted_decrease, 1));
 }
 
+void note_distrust(FitReport& report) {
+  constexpr double kWorthTelling = 0.02;
+  const FitStatus& all = report.status;
+  const double share = static_cast<double>(all.distrusted_frames) / (all.end - all.begin);
+  if (share < kWorthTelling) return;
+  report.notes.push_back(
+      fmt::format("dynamics: what carries the body in {} % of the frames is not known (hands on "
+                  "something, steps, a wall?); they stay as they are",
+                  number_text(100.0 * share, 1)));
+}
+
 void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& before,
                    const std::vector<TermCosts>& after, FitReport& report) {
   FitStatus& all = report.status;
@@ -254,6 +265,14 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
     all.failed_blocks += part.failed_blocks;
     all.predicted_decrease = std::max(all.predicted_decrease, part.predicted_decrease);
   }
+  // windows come first, side by side; seams lie in them
+  int counted = 0;
+  for (const FitStatus& part : parts) {
+    if (part.begin != counted) continue;
+    counted = part.end;
+    all.distrusted_frames += part.distrusted_frames;
+  }
+  note_distrust(report);
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
   if (!all.converged) report.notes.push_back(not_converged(*worst));
   report.windows = std::move(parts);

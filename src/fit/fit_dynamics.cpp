@@ -45,30 +45,8 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       spin_rows_(3, count_ * model.dof_count()) {}
 
 void FitDynamics::plan(const FitClip& clip) {
-  constexpr int kContext = 10;                     // frames beside fixed ends
   constexpr int kFirstSteps = 4, kLaterSteps = 2;  // of the centroidal step
-  const int beside = window_.fixed_ends ? kContext : 0;
-  const int first = std::max(window_.begin - beside, 0);
-  const int last = std::min(window_.end + beside, clip.frame_count);
-  const auto size = at(model_.configuration_size);
-  const MotionSpline spline(model_.tree,
-                            std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
-                            model_.configuration_size, 1.0 / clip.frame_time);
-  MotionState state =
-      state_of(model_, {clip.qpos.begin() + static_cast<std::ptrdiff_t>(at(first) * size),
-                        clip.qpos.begin() + static_cast<std::ptrdiff_t>(at(first + 1) * size)});
-  for (int t = 0; t < count_; ++t) {
-    const int index = window_.begin + t - first;
-    const bool end = index + 1 == last - first;
-    spline.sample(end ? std::max(0, index - 1) : index, end && index > 0 ? 1.0 : 0.0, state);
-    read_frame(state, t, clip);
-  }
-  if (!planned_) {
-    first_com_ = com_;
-    lend_contacts();
-  }
-  for (int t = 0; t < count_; ++t) fill_cone(t);
-  step_.find_unexplained(frames_);
+  read_frames(clip);
   if (!planned_) find_trust();
   std::vector<Vector6d> moves = step_.solve(frames_, scale_, planned_ ? kLaterSteps : kFirstSteps);
   restrain(moves);
@@ -77,6 +55,44 @@ void FitDynamics::plan(const FitClip& clip) {
     goals_[at(t)].tail<3>() = moves[at(t)].tail<3>();
   }
   planned_ = true;
+}
+
+double FitDynamics::measure(const FitClip& clip) {
+  read_frames(clip);
+  double sum = 0.0;
+  for (const Vector6d& missing : step_.unexplained()) sum += std::min(1.0, missing.norm());
+  return sum / count_;
+}
+
+int FitDynamics::distrusted_frames() const {
+  return static_cast<int>(std::ranges::count_if(
+      frames_, [](const CentroidalFrame& frame) { return frame.trust <= 0.0; }));
+}
+
+// the clip's wrenches, contacts and what they leave
+void FitDynamics::read_frames(const FitClip& clip) {
+  constexpr int kContext = 10;  // frames beside fixed ends
+  const int beside = window_.fixed_ends ? kContext : 0;
+  const int first = std::max(window_.begin - beside, 0);
+  const int last = std::min(window_.end + beside, clip.frame_count);
+  const auto size = at(model_.configuration_size);
+  const MotionSpline spline(model_.tree,
+                            std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
+                            model_.configuration_size, 1.0 / clip.frame_time);
+  const auto begin = clip.frame(first, model_.configuration_size);
+  MotionState state = state_of(model_, {begin.begin(), begin.end()});
+  for (int t = 0; t < count_; ++t) {
+    const int index = window_.begin + t - first;
+    const bool at_end = index + 1 == last - first && index > 0;
+    spline.sample(at_end ? index - 1 : index, at_end ? 1.0 : 0.0, state);
+    read_frame(state, t, clip);
+  }
+  if (!planned_) {
+    first_com_ = com_;
+    lend_contacts();
+  }
+  for (int t = 0; t < count_; ++t) fill_cone(t);
+  step_.find_unexplained(frames_);
 }
 
 void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& clip) {
@@ -245,8 +261,8 @@ void FitDynamics::restrain(std::vector<Vector6d>& moves) {
   for (int t = 0; t < count_; ++t) moves[at(t)] *= share_[at(t)];
 }
 
-void FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, double* hessian,
-                           int stride) {
+double FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, double* hessian,
+                             int stride) {
   const int t = frame - window_.begin, dofs = model_.dof_count();
   map_.update(pose);
   const CentroidalMap::Rows& rows = map_.rows();
@@ -264,6 +280,7 @@ void FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, d
     double* const row = hessian + static_cast<std::ptrdiff_t>(i) * stride;
     for (int j = 0; j <= i; ++j) row[j] += weighted.dot(rows.col(j));
   }
+  return weights.dot(residual.cwiseAbs2());
 }
 
 void FitDynamics::moved(int frame, std::span<const double> step) {

@@ -28,15 +28,22 @@ class FitDynamics {
     return model.inertias.mass > 0.0 && !model.feet.empty();
   }
 
+  /// What contacts cannot supply of what the clip needs as it is now: mean over the frames, each at
+  /// most one weight.
+  double measure(const FitClip& clip);
+  /// Frames that stay as they are: their contacts are not known.
+  [[nodiscard]] int distrusted_frames() const;
   /// Finds how the clip, as it is now, should change. Before each step that looks at it.
   void plan(const FitClip& clip);
   /// Adds the rows of a frame to a step's system.
   /// @param gradient, hessian  as FrameTerms::assemble's.
-  void add_rows(int frame, const TreeState& pose, double* gradient, double* hessian, int stride);
+  /// @return what the rows cost.
+  double add_rows(int frame, const TreeState& pose, double* gradient, double* hessian, int stride);
   /// The frame was moved so far, by degree of freedom.
   void moved(int frame, std::span<const double> step);
 
  private:
+  void read_frames(const FitClip& clip);
   void read_frame(const MotionState& state, int t, const FitClip& clip);
   void find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts);
   void add_feet(int t, const FitClip& clip, double height, double speed,

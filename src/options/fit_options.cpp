@@ -177,7 +177,7 @@ const std::vector<std::string>& fit_term_names() {
   return names;
 }
 
-Result<void> leave_out_terms(FitOptions& options, std::span<const std::string> names) {
+Result<void> set_terms(FitOptions& options, std::span<const std::string> names, bool on) {
   const OptionTable terms = term_table(options);
   for (const std::string& name : names) {
     const Option* row = find_option(terms, name);
@@ -186,7 +186,7 @@ Result<void> leave_out_terms(FitOptions& options, std::span<const std::string> n
           "a fit has no term \"" + name + "\"" + did_you_mean(name, fit_term_names()),
           "it has " + list_names(fit_term_names()));
     }
-    TRY(row->set(false));
+    TRY(row->set(on));
   }
   return {};
 }

@@ -21,10 +21,11 @@ namespace retarget {
 [[nodiscard]] Result<FitOptions> parse_fit_options(std::string_view text, const std::string& file,
                                                    FitOptions options = {});
 
-/// Names of the terms that can be left out.
+/// Names of the terms that can be left out or added.
 [[nodiscard]] const std::vector<std::string>& fit_term_names();
 
-/// Leaves terms out by name; a kUsage error suggests the nearest name.
-[[nodiscard]] Result<void> leave_out_terms(FitOptions& options, std::span<const std::string> names);
+/// Takes terms in or leaves them out by name; a kUsage error suggests the nearest name.
+[[nodiscard]] Result<void> set_terms(FitOptions& options, std::span<const std::string> names,
+                                     bool on);
 
 }  // namespace retarget

@@ -175,6 +175,9 @@ OptionTable solve_table(SolveOptions& options) {
           "window", options.fit_window_s, kRobotGroup, "SECONDS",
           "Seconds that the fit solves together: memory, and how far it looks ahead (default: 20)",
           {.min = 0.1, .max = 1e6}),
+      option("with", options.with, kRobotGroup, "TERM,...",
+             "Terms that the fit has besides: dynamics, which moves the body so that its contacts "
+             "can supply the forces that it needs (docs/dynamics.md)"),
       option("without", options.without, kRobotGroup, "TERM,...",
              "Terms that the fit leaves out: floor, self-collision, contact, ..."),
       option("engine", options.engine, kRobotGroup, "",

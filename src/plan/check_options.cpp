@@ -56,11 +56,12 @@ Result<void> check_config_choice(const RobotChoice& robot, const SolveOptions& o
 
 Result<void> check_solving_options(const Options& options) {
   const SolveOptions& solve = options.solve;
-  if (solve.method != Method::kFit &&
-      (!solve.fit_config.empty() || !solve.without.empty() || solve.fit_window_s > 0.0)) {
-    return usage_failure(OPTION("fit-config") ", " OPTION("without") " and " OPTION(
-                             "window") " belong to " OPTION("method") " fit",
-                         "leave out " OPTION("method"));
+  if (solve.method != Method::kFit && (!solve.fit_config.empty() || !solve.with.empty() ||
+                                       !solve.without.empty() || solve.fit_window_s > 0.0)) {
+    return usage_failure(
+        OPTION("fit-config") ", " OPTION("with") ", " OPTION("without") " and " OPTION(
+            "window") " belong to " OPTION("method") " fit",
+        "leave out " OPTION("method"));
   }
   if (!options.part.frames.empty() && (options.part.start_s >= 0.0 || options.part.end_s >= 0.0)) {
     return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(

@@ -30,7 +30,8 @@ Result<FitOptions> choose_fit(const Options& options) {
     TRY_ASSIGN(fit, parse_fit_options(file.view(), solve.fit_config, fit));
   }
   if (solve.fit_window_s > 0.0) fit.window = solve.fit_window_s;
-  TRY(leave_out_terms(fit, solve.without));
+  TRY(set_terms(fit, solve.with, true));
+  TRY(set_terms(fit, solve.without, false));
   return fit;
 }
 

@@ -28,9 +28,9 @@ using Json = nlohmann::ordered_json;
 
 // what differs from clip to clip or is taken by what it leads to: the robot, its limits, configuration
 // and fit
-constexpr std::array<std::string_view, 11> kTakenByMeaning = {
+constexpr std::array<std::string_view, 12> kTakenByMeaning = {
     "motion", "smpl",      "output",     "robot",  "robot-xml", "robot-profile",
-    "dof",    "ik-config", "fit-config", "window", "without"};
+    "dof",    "ik-config", "fit-config", "window", "with",      "without"};
 
 std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);

@@ -63,6 +63,9 @@ class Reference {
     mju_zero(model_->dof_frictionloss, model_->nv);
     mju_zero(model_->jnt_stiffness, model_->njnt);
     model_->opt.gravity[2] = -kGravity;
+    for (int j = 0; j < static_cast<int>(robot.joints().size()); ++j) {
+      model_->dof_armature[robot.joints()[j].dof_address] = robot.rotor_inertia(j);
+    }
   }
 
   std::vector<double> forces(const MotionState& state) {

@@ -205,8 +205,10 @@ TEST_F(FrameTermsTest, HessianMatchesGradientDifferencesAtZeroResidual) {
 TEST_F(FrameTermsTest, TermsCanBeDisabled) {
   const auto qpos = random_configuration(0.5, 0.2);
   FitOptions options;
-  ASSERT_TRUE(leave_out_terms(options, std::vector<std::string>{"tracking", "floor", "contact",
-                                                                "self-collision", "foot-height"}));
+  ASSERT_TRUE(set_terms(
+      options,
+      std::vector<std::string>{"tracking", "floor", "contact", "self-collision", "foot-height"},
+      false));
   use(options);
   set_goals(qpos, 0.05);
   EXPECT_EQ(assemble(qpos), 0.0);

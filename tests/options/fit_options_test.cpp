@@ -52,11 +52,11 @@ TEST(FitOptions, ReadsFormerNames) {
 
 TEST(FitOptions, DisablesTermsByName) {
   FitOptions options;
-  ASSERT_TRUE(leave_out_terms(options, std::vector<std::string>{"self-collision", "speed"}));
+  ASSERT_TRUE(set_terms(options, std::vector<std::string>{"self-collision", "speed"}, false));
   EXPECT_FALSE(options.self_collision);
   EXPECT_FALSE(options.speed);
   EXPECT_TRUE(options.floor);
-  const auto wrong = leave_out_terms(options, std::vector<std::string>{"self-colision"});
+  const auto wrong = set_terms(options, std::vector<std::string>{"self-colision"}, false);
   ASSERT_FALSE(wrong.has_value());
   EXPECT_THAT(wrong.error().message, HasSubstr("self-collision"));
 }

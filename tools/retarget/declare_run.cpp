@@ -9,7 +9,7 @@ namespace retarget::cli {
 
 void add_run_options(CLI::App& app, RunArguments& arguments) {
   declare(app, run_command_table(arguments));
-  app.get_option("--without")->allow_extra_args();
+  for (const char* terms : {"--with", "--without"}) app.get_option(terms)->allow_extra_args();
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
@@ -30,7 +30,7 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
           without(run_command_table(arguments.run), {"bvh", "smpl", "write-map", "robot", "output",
                                                      "report", "html", "memory", "verbose"}));
   declare(*command, batch_table(arguments));
-  command->get_option("--without")->allow_extra_args();
+  for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
   return command;
 }
 

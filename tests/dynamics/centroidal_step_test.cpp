@@ -1,0 +1,111 @@
+// How little a centre of mass has to be moved for contacts to carry it: closed forms, and that no
+// nearby answer is better.
+
+#include "dynamics/centroidal_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "dynamics/inverse_dynamics.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr CentroidalScale kScale{35.0, 0.3, 1.0 / 30.0};
+
+// standing on two feet under a centre of mass 0.7 m high, which is at the origin
+std::vector<CentroidalFrame> standing(int count) {
+  std::vector<CentroidalFrame> frames(static_cast<std::size_t>(count));
+  for (CentroidalFrame& frame : frames) {
+    frame.needed << 0, 0, 1, 0, 0, 0;
+    frame.cone.clear();
+    for (const double x : {-0.05, 0.12}) {
+      for (const double y : {-0.15, 0.15}) {
+        frame.cone.add_point(Vector3d(x, y, -0.7) / kScale.length, 0.6);
+      }
+    }
+  }
+  return frames;
+}
+
+double missing(const std::vector<CentroidalFrame>& frames, const std::vector<Vector6d>& x,
+               const std::vector<Vector6d>& accelerations) {
+  ConeProjector projector;
+  double sum = 0.0;
+  for (std::size_t t = 2; t + 2 < frames.size(); ++t) {
+    const Vector6d& xdd = accelerations[t];
+    Vector6d wrench = frames[t].needed;
+    wrench.head<3>() += xdd.head<3>() / kGravity;
+    wrench.tail<3>() += xdd.tail<3>() / (kScale.mass * kGravity * kScale.length) +
+                        x[t].head<3>().cross(Vector3d(frames[t].needed.head<3>())) / kScale.length;
+    ForceCone cone = frames[t].cone;
+    sum += projector.project(cone, wrench).norm();
+  }
+  return sum;
+}
+
+TEST(CentroidalStep, WhatStandsIsLeftAlone) {
+  auto frames = standing(40);
+  CentroidalStep step;
+  for (const Vector6d& x : step.solve(frames, kScale, 4)) EXPECT_LT(x.norm(), 1e-6);
+  for (const Vector6d& rest : step.unexplained()) EXPECT_LT(rest.norm(), 1e-4);
+}
+
+// a surge of 0.8 g within three frames, as feet that snap into place make it
+TEST(CentroidalStep, ASurgeIsSmoothedAway) {
+  auto frames = standing(40);
+  for (const int t : {18, 19}) frames[static_cast<std::size_t>(t)].needed[0] += 0.8;
+  for (const int t : {20, 21}) frames[static_cast<std::size_t>(t)].needed[0] -= 0.8;
+  CentroidalStep step;
+  const std::vector<Vector6d> none(frames.size(), Vector6d::Zero());
+  const double before = missing(frames, none, none);
+  const std::vector<Vector6d> x = step.solve(frames, kScale, 6);
+  EXPECT_GT(before, 1.0);
+  EXPECT_LT(missing(frames, x, step.accelerations()), 0.15 * before);
+  double largest = 0.0;
+  for (const Vector6d& move : x) largest = std::max(largest, move.head<3>().norm());
+  // twice integrated, the surge is 0.8 g times four frames squared
+  EXPECT_LT(largest, 4.0 * 0.8 * kGravity * kScale.frame_time * kScale.frame_time);
+  EXPECT_GT(largest, 1e-3);
+}
+
+// with nothing to push against only free fall needs nothing: a body that is held up bends to it
+TEST(CentroidalStep, WhatFliesFalls) {
+  auto frames = standing(40);
+  for (std::size_t t = 15; t < 25; ++t) {
+    frames[t].cone.clear();
+    frames[t].needed << 0, 0, 0.4, 0, 0, 0.1;
+  }
+  CentroidalStep step;
+  const std::vector<Vector6d> none(frames.size(), Vector6d::Zero());
+  const std::vector<Vector6d> x = step.solve(frames, kScale, 8);
+  EXPECT_LT(missing(frames, x, step.accelerations()), 0.4 * missing(frames, none, none));
+  // it rises before and after, and falls between
+  EXPECT_GT(x[20][2], x[15][2]);
+}
+
+TEST(CentroidalStep, WhatIsNotTrustedIsLeftAlone) {
+  auto frames = standing(40);
+  for (std::size_t t = 15; t < 25; ++t) frames[t].needed[0] += 0.9;
+  for (CentroidalFrame& frame : frames) frame.trust = 0.0;
+  CentroidalStep step;
+  for (const Vector6d& x : step.solve(frames, kScale, 4)) EXPECT_LT(x.norm(), 1e-9);
+}
+
+TEST(CentroidalStep, TheEndsStay) {
+  auto frames = standing(12);
+  for (CentroidalFrame& frame : frames) frame.needed[0] += 0.9;
+  CentroidalStep step;
+  const std::vector<Vector6d> x = step.solve(frames, kScale, 4);
+  for (const std::size_t t : {0, 11}) EXPECT_LT(x[t].norm(), 1e-9);
+  auto few = standing(4);
+  EXPECT_EQ(step.solve(few, kScale, 4).size(), 4U);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,108 @@
+// Projections onto cones of contact forces: the conditions of optimality, and closed forms.
+
+#include "dynamics/force_cone.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+
+ForceCone two_feet(double friction = 0.6) {
+  ForceCone cone;
+  cone.clear();
+  for (const double x : {-0.2, 0.3}) {
+    for (const double y : {-0.5, -0.3, 0.3, 0.5}) cone.add_point({x, y, -2.0}, friction);
+  }
+  return cone;
+}
+
+Vector6d wrench(const Vector3d& force, const Vector3d& torque) {
+  Vector6d wrench;
+  wrench << force, torque;
+  return wrench;
+}
+
+TEST(ForceCone, WhatItCanExertLeavesNothing) {
+  ForceCone cone = two_feet();
+  ConeProjector projector;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> amount(0.0, 0.2);
+  for (int round = 0; round < 50; ++round) {
+    Vector6d inside = Vector6d::Zero();
+    for (int i = 0; i < cone.edges().cols(); ++i) inside += amount(random) * cone.edges().col(i);
+    EXPECT_LT(projector.project(cone, inside).norm(), 1e-4);
+  }
+}
+
+// of the nearest point of a cone what is left is square to it and makes no sharp angle with any edge
+TEST(ForceCone, TheRestMeetsTheConditionsOfTheNearestPoint) {
+  ConeProjector projector;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  ForceCone cone = two_feet();
+  for (int round = 0; round < 200; ++round) {
+    Vector6d given;
+    for (double& value : given) value = normal(random);
+    const Vector6d rest = projector.project(cone, given);
+    EXPECT_NEAR(rest.dot(given - rest), 0.0, 2e-5);
+    EXPECT_LT((cone.edges().transpose() * rest).maxCoeff(), 2e-5);
+    // begun from nothing it is the same
+    ForceCone fresh = two_feet();
+    EXPECT_LT((projector.project(fresh, given) - rest).norm(), 1e-4);
+  }
+}
+
+TEST(ForceCone, NothingPulls) {
+  ForceCone cone = two_feet();
+  ConeProjector projector;
+  const Vector6d down = wrench({0, 0, -1}, Vector3d::Zero());
+  EXPECT_LT((projector.project(cone, down) - down).norm(), 1e-12);
+  ForceCone none;
+  none.clear();
+  const Vector6d up = wrench({0, 0, 1}, Vector3d::Zero());
+  EXPECT_EQ(projector.project(none, up), up);
+  EXPECT_EQ(projector.complement(), Matrix6d::Identity());
+}
+
+// one point, a horizontal force beyond its friction: the pyramid's side mu z = x is nearest
+TEST(ForceCone, FrictionIsAPyramid) {
+  ForceCone cone;
+  cone.clear();
+  cone.add_point(Vector3d::Zero(), 0.5);
+  ConeProjector projector;
+  const Vector6d rest = projector.project(cone, wrench({1, 0, 1}, Vector3d::Zero()));
+  // the point of (0.5, 0, 1) s nearest to (1, 0, 1)
+  const Vector3d edge(0.5, 0, 1);
+  const Vector3d nearest = edge * (1.5 / edge.squaredNorm());
+  EXPECT_LT((rest.head<3>() - (Vector3d(1, 0, 1) - nearest)).norm(), 1e-4);
+}
+
+TEST(ForceCone, TheComplementIsTheDerivativeOfTheRest) {
+  constexpr double kStep = 1e-5;
+  ConeProjector projector;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  int compared = 0;
+  for (int round = 0; round < 40; ++round) {
+    Vector6d given, way;
+    for (double& value : given) value = normal(random);
+    for (double& value : way) value = normal(random);
+    ForceCone cone = two_feet();
+    const Vector6d rest = projector.project(cone, given);
+    const Matrix6d complement = projector.complement();
+    const Vector6d after = projector.project(cone, given + kStep * way);
+    const Matrix6d complement_after = projector.complement();
+    // not across a kink
+    if ((complement - complement_after).norm() > 1e-6) continue;
+    ++compared;
+    EXPECT_LT(((after - rest) / kStep - complement * way).norm(), 2e-3 * way.norm());
+  }
+  EXPECT_GT(compared, 20);
+}
+
+}  // namespace
+}  // namespace retarget

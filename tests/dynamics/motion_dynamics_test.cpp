@@ -1,0 +1,147 @@
+// What movements ask for, where it is known beforehand.
+
+#include "dynamics/motion_dynamics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "dynamics/support_polygon.h"
+#include "robot/shipped_robots.h"
+
+namespace retarget {
+namespace {
+
+// the G1 in its zero configuration, its soles on the floor
+RobotClip standing(int frames, double fps = 30.0) {
+  const auto robot = load_shipped("unitree_g1");
+  RobotClip clip(robot, frame_rate_from_fps(fps), frames);
+  std::vector<Pose> bodies(robot->bodies().size());
+  forward_kinematics(*robot, clip.qpos(0), bodies);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Sole& sole : robot->profile().soles) {
+    for (const Eigen::Vector3d& point : sole.points) {
+      lowest = std::min(lowest, (bodies[static_cast<std::size_t>(sole.body)] * point).z());
+    }
+  }
+  for (int t = 0; t < frames; ++t) clip.qpos(t)[2] -= lowest;
+  return clip;
+}
+
+MotionDynamics analyse(const RobotClip& clip) {
+  const auto& links = clip.robot().tree().links();
+  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 1; i < links.size(); ++i) {
+    limits[i] = clip.robot().torque_limit(links[i].joint);
+  }
+  return analyse_dynamics(clip, limits);
+}
+
+double bad_share(const MotionDynamics& dynamics) {
+  const auto bad = std::ranges::count_if(dynamics.samples, &DynamicsSample::is_bad);
+  return static_cast<double>(bad) / static_cast<double>(dynamics.samples.size());
+}
+
+TEST(MotionDynamics, StandingIsPossible) {
+  const MotionDynamics dynamics = analyse(standing(30));
+  EXPECT_EQ(dynamics.samples_per_frame, 4);
+  EXPECT_EQ(dynamics.samples.size(), 29U * 4U);
+  EXPECT_TRUE(dynamics.knows_torque_limits);
+  for (const DynamicsSample& sample : dynamics.samples) {
+    EXPECT_FALSE(sample.is_bad());
+    EXPECT_TRUE(sample.supported);
+    EXPECT_LT(sample.unexplained_force.norm(), 1e-3);
+    EXPECT_LT(sample.com_acceleration.norm(), 1e-9);
+    EXPECT_GT(sample.zmp_margin, 0.0);
+    EXPECT_LT(sample.zmp_margin, 0.1);
+    EXPECT_LT(sample.friction, 1e-9);
+    EXPECT_LT(sample.torque_ratio, 0.5);
+  }
+}
+
+// the whole robot in a horizontal swing: what is needed is known, friction carries so much of it
+TEST(MotionDynamics, ASwayNeedsFriction) {
+  constexpr double kRate = 2.0 * 3.14159265358979;  // rad/s
+  for (const double peak : {2.0, 12.0}) {
+    RobotClip clip = standing(60);
+    for (int t = 0; t < 60; ++t) {
+      clip.qpos(t)[1] += peak / (kRate * kRate) * std::sin(kRate * t / 30.0);
+    }
+    const MotionDynamics dynamics = analyse(clip);
+    double largest = 0.0;
+    for (const DynamicsSample& sample : dynamics.samples) {
+      largest = std::max(largest, sample.com_acceleration.norm());
+    }
+    EXPECT_NEAR(largest, peak, 0.05 * peak);
+    if (peak > 10.0) {
+      EXPECT_GT(bad_share(dynamics), 0.3);
+    } else {
+      double friction = 0.0;
+      for (const DynamicsSample& sample : dynamics.samples) {
+        if (std::isfinite(sample.friction)) friction = std::max(friction, sample.friction);
+      }
+      EXPECT_NEAR(friction, peak / 9.81, 0.03);
+    }
+  }
+}
+
+TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
+  RobotClip thrown = standing(30), hovering = standing(30);
+  for (int t = 0; t < 30; ++t) {
+    const double time = t / 30.0;
+    thrown.qpos(t)[2] += 0.5 + 5.0 * time - 0.5 * 9.81 * time * time;
+    hovering.qpos(t)[2] += 0.5;
+  }
+  const MotionDynamics free = analyse(thrown), held = analyse(hovering);
+  EXPECT_EQ(bad_share(free), 0.0);
+  EXPECT_EQ(bad_share(held), 1.0);
+  for (const DynamicsSample& sample : free.samples) {
+    EXPECT_FALSE(sample.supported);
+    EXPECT_LT(sample.unexplained_force.norm(), 1e-6);
+  }
+  for (const DynamicsSample& sample : held.samples) {
+    EXPECT_NEAR(sample.unexplained_force.z(), 1.0, 1e-9);
+  }
+}
+
+// a floor that is a few millimetres off is found by the soles that stand on it
+TEST(MotionDynamics, TheFloorIsWhereSolesStand) {
+  RobotClip clip = standing(60);
+  for (int t = 0; t < 60; ++t) clip.qpos(t)[2] += 0.03;
+  const MotionDynamics dynamics = analyse(clip);
+  EXPECT_NEAR(dynamics.floor_height, 0.03, 1e-3);
+  EXPECT_EQ(bad_share(dynamics), 0.0);
+}
+
+TEST(MotionDynamics, ShortClipsHaveNoFigures) {
+  EXPECT_TRUE(analyse(standing(2)).samples.empty());
+  EXPECT_EQ(analyse(standing(3)).samples.size(), 8U);
+}
+
+TEST(MotionDynamics, OtherRatesAreSampledAsFinely) {
+  EXPECT_EQ(analyse(standing(10, 120.0)).samples_per_frame, 1);
+  EXPECT_EQ(analyse(standing(10, 50.0)).samples_per_frame, 2);
+  EXPECT_EQ(bad_share(analyse(standing(20, 50.0))), 0.0);
+}
+
+TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {
+  using Points = std::vector<Eigen::Vector2d>;
+  const auto margin = [](const Eigen::Vector2d& point, Points points) {
+    return margin_in_hull(point, points);
+  };
+  const Points square = {{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}, {1, 0}};
+  EXPECT_NEAR(margin({1, 1}, square), 1.0, 1e-15);
+  EXPECT_NEAR(margin({1.5, 1}, square), 0.5, 1e-15);
+  EXPECT_NEAR(margin({3, 1}, square), -1.0, 1e-15);
+  EXPECT_NEAR(margin({3, 3}, square), -std::sqrt(2.0), 1e-15);
+  EXPECT_NEAR(margin({0, 1}, {{0, 0}}), -1.0, 1e-15);
+  EXPECT_NEAR(margin({0.5, 1}, {{0, 0}, {1, 0}}), -1.0, 1e-15);
+  EXPECT_NEAR(margin({0.5, 1}, {{0, 0}, {1, 0}, {2, 0}}), -1.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace retarget
