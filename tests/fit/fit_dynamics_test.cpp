@@ -1,0 +1,117 @@
+// The fit with the term `dynamics`: what contacts can supply, and what it must not spoil.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "bvh/read_bvh.h"
+#include "dynamics/motion_dynamics.h"
+#include "fit/fit.h"
+#include "motion/clip_range.h"
+#include "motion/resample.h"
+#include "support/lafan1_map.h"
+#include "support/test_robots.h"
+
+namespace retarget {
+namespace {
+
+Clip sample(const std::string& name, int begin, int end) {
+  auto clip = load_bvh(RETARGET_SOURCE_DIR "/data/" + name);
+  EXPECT_TRUE(clip.has_value());
+  return cut(clip->clip, begin, end);
+}
+
+FitOptions with_dynamics() {
+  FitOptions options;
+  options.dynamics = true;
+  return options;
+}
+
+class FitDynamicsTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { robot_ = load_g1(); }
+  static void TearDownTestSuite() { robot_.reset(); }
+
+  FitResult fitted(const Clip& clip, const FitOptions& options) {
+    const auto limits = load_limits(*robot_, "official");
+    auto result = fit(clip, lafan1_calibration(clip.skeleton()), robot_, published_config(*robot_),
+                      *limits, options);
+    EXPECT_TRUE(result.has_value()) << describe(result.error());
+    return std::move(*result);
+  }
+
+  // share of the time in which contacts cannot supply what is needed
+  double bad_share(const RobotClip& clip) {
+    const std::vector<double> limits(robot_->tree().links().size(),
+                                     std::numeric_limits<double>::infinity());
+    const MotionDynamics dynamics = analyse_dynamics(clip, limits);
+    const auto bad = std::ranges::count_if(dynamics.samples, &DynamicsSample::is_bad);
+    return static_cast<double>(bad) / static_cast<double>(dynamics.samples.size());
+  }
+
+  static double largest_difference(const RobotClip& a, const RobotClip& b) {
+    double largest = 0.0;
+    for (int t = 0; t < a.frame_count(); ++t) {
+      for (std::size_t i = 0; i < a.qpos(t).size(); ++i) {
+        largest = std::max(largest, std::abs(a.qpos(t)[i] - b.qpos(t)[i]));
+      }
+    }
+    return largest;
+  }
+
+  static std::shared_ptr<const Robot> robot_;
+};
+std::shared_ptr<const Robot> FitDynamicsTest::robot_;
+
+TEST_F(FitDynamicsTest, AWalkBecomesPossible) {
+  const Clip walk = sample("walk.bvh", 60, 240);
+  const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
+  const double before = bad_share(without.clip), after = bad_share(with.clip);
+  EXPECT_GT(before, 0.1);
+  EXPECT_LT(after, 0.3 * before);
+  EXPECT_EQ(with.report.status.distrusted_frames, 0);
+  // centimetres and a few degrees are all it takes
+  EXPECT_LT(largest_difference(without.clip, with.clip), 0.3);
+  const auto contact = [](const FitResult& result) {
+    return std::ranges::find(result.report.terms, "contact", &FitTermReport::name)->after;
+  };
+  EXPECT_LT(contact(with), contact(without) + 1.0);
+}
+
+TEST_F(FitDynamicsTest, WindowsAndThreadsDoNotChangeTheResult) {
+  const Clip walk = sample("walk.bvh", 60, 240);
+  FitOptions options = with_dynamics();
+  options.window = 2.0;
+  options.seam = 0.5;
+  options.threads = 1;
+  const RobotClip one = fitted(walk, options).clip;
+  options.threads = 3;
+  EXPECT_EQ(largest_difference(one, fitted(walk, options).clip), 0.0);
+}
+
+// it stands in the air: nothing that is known carries it, and it stays as it is
+TEST_F(FitDynamicsTest, WhatHangsIsLeftAlone) {
+  Clip walk = sample("walk.bvh", 60, 130);
+  for (int t = 0; t < walk.frame_count(); ++t) {
+    // it rises by a metre as if in a lift with feet drawn up
+    walk.translations(t)[0].y() += 100.0 * std::clamp((t - 10) / 20.0, 0.0, 1.0);
+  }
+  const FitResult without = fitted(walk, {}), with = fitted(walk, with_dynamics());
+  EXPECT_GT(with.report.status.distrusted_frames, 20);
+  EXPECT_LE(bad_share(with.clip), bad_share(without.clip) + 0.02);
+  EXPECT_THAT(with.report.notes, testing::Contains(testing::HasSubstr("what carries the body")));
+}
+
+TEST_F(FitDynamicsTest, HandlesShortClips) {
+  for (const int frames : {1, 2, 3, 5}) {
+    const FitResult result = fitted(sample("walk.bvh", 60, 60 + frames), with_dynamics());
+    EXPECT_EQ(result.clip.frame_count(), frames);
+  }
+}
+
+}  // namespace
+}  // namespace retarget
