@@ -34,6 +34,7 @@ SOURCE = Path(__file__).resolve().parents[2]
     ({"format": ["csv", "xls"]}, "format: expected some of"),
     ({"format": {"csv": 1}}, "format: expected some of"),
     ({"without": "flor"}, "flor"),
+    ({"with_": "dynamic"}, 'did you mean "dynamics"'),
     ({"up": "w"}, "up: expected x, y, z"),
     ({"map": "a\0b"}, "a path with a null byte"),
     ({"fit": {"contact_wight": 3.0}}, 'did you mean "contact_weight"?'),

@@ -10,7 +10,7 @@ import sys
 import unittest
 
 import tool
-from tool import SOURCE, ToolTest
+from tool import SOURCE, ToolTest, short_clip
 
 SHARED = pathlib.Path(os.environ.get("RETARGET_SHARED", SOURCE.parent / "shared"))
 JUDGE = SHARED / "judge" / "judge.py"
@@ -201,6 +201,28 @@ class EvaluateCommand(ToolTest):
         self.assert_done(self.retarget("--report", "gmr.json", "--method", "gmr"))
         motion, = json.loads((self.folder / "gmr.json").read_text())["motions"]
         self.assertNotIn("fit", motion)
+
+    def test_what_contacts_can_supply_is_measured_and_mended(self):
+        self.write("step.bvh", short_clip("walk", 90))
+        bad = {}
+        for name, options in (("plain", ()), ("dynamics", ("--with", "dynamics"))):
+            self.assert_done(self.run_tool("--bvh", "step.bvh", "--robot", "unitree_g1",
+                                           "-o", f"{name}.csv", *options))
+            result = self.run_tool("evaluate", f"{name}.csv", "--robot", "unitree_g1",
+                                   "--dynamics", "--gate", "none", "--json", "-")
+            self.assert_done(result)
+            motion, = json.loads(result.stdout)["motions"]
+            bad[name] = motion["dynamics_bad_pct"]
+            self.assertIn("torque_over_pct", motion)
+        self.assertGreater(bad["plain"], 5.0)
+        self.assertLess(bad["dynamics"], 0.5 * bad["plain"])
+        faults = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--dynamics",
+                               "--gate", "none")
+        self.assertIn("force along", faults.stdout)
+        plain = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--gate", "none")
+        self.assertNotIn("dynamics_bad_pct", plain.stdout)
+        wrong = self.run_tool("--bvh", "step.bvh", "--robot", "g1", "-o", "x.csv", "--with", "dynamic")
+        self.assert_fails(wrong, 2, 'did you mean "dynamics"?')
 
     def test_a_fit_that_has_not_converged_says_so(self):
         few = self.write("few.json", '{"iterations": 1}')
