@@ -217,7 +217,8 @@ class EvaluateCommand(ToolTest):
         self.assertGreater(bad["plain"], 5.0)
         self.assertLess(bad["dynamics"], 0.5 * bad["plain"])
         faults = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--dynamics",
-                               "--gate", "none")
+                               "--gate", "none", "--gate", "dynamics_bad_pct=1")
+        self.assertEqual(faults.returncode, 1)
         self.assertIn("force along", faults.stdout)
         plain = self.run_tool("evaluate", "plain.csv", "--robot", "unitree_g1", "--gate", "none")
         self.assertNotIn("dynamics_bad_pct", plain.stdout)
