@@ -41,7 +41,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
   declare(*command,
           only(run_command_table(arguments.run),
-               {"bvh",       "smpl",      "smpl-model",    "lenient",   "root",        "source-fps",
+               {"bvh",       "smpl",      "smpl-model",    "lenient",   "root",        "take",        "source-fps",
                 "memory",    "map",       "partial",       "rest",      "tpose-frame", "tpose-file",
                 "unit",      "up",        "forward",       "height",    "start",       "lead-in",
                 "robot",     "robot-xml", "robot-profile", "ik-config", "limits",      "scale",
