@@ -1,15 +1,62 @@
 """FBX, glTF and MVNX through the front door: run, inspect, batch, convert, edit; what is none of them."""
 
+import csv
 import json
 import struct
 import unittest
 
-from tool import SOURCE, ToolTest, sample
+from tool import SOURCE, ToolTest, read_rows, sample
 
 DATA = SOURCE / "tests" / "scene" / "data"
 
 
+# a sample's joints as MVN's segments
+SEGMENTS = {"Hips": "Pelvis", "Spine": "L5", "Spine1": "L3", "Spine2": "T8", "Neck": "Neck", "Head": "Head",
+            **{f"{side}{joint}": f"{side}{segment}" for side in ("Left", "Right") for joint, segment in (
+                ("Shoulder", "Shoulder"), ("Arm", "UpperArm"), ("ForeArm", "ForeArm"), ("Hand", "Hand"),
+                ("UpLeg", "UpperLeg"), ("Leg", "LowerLeg"), ("Foot", "Foot"), ("Toe", "Toe"))}}
+
+
+def mvnx(joints, parents, rows):
+    """A document of the places that `inspect --positions` writes (cm, Y up), in metres, Z up."""
+    half = 0.5 ** 0.5
+    connections = "".join(
+        f"<joint><connector1>{SEGMENTS[parents[joint]]}/j</connector1><connector2>{SEGMENTS[joint]}/j</connector2></joint>"
+        for joint in joints if parents[joint])
+    frames = []
+    for row in rows:
+        turns, places = [], []
+        for joint in joints:
+            x, y, z = (0.01 * float(row[f"{joint}.{axis}"]) for axis in "xyz")
+            places.append(f"{x:.6f} {-z:.6f} {y:.6f}")
+            a, b, c, d = (float(row[f"{joint}.q{axis}"]) for axis in "wxyz")
+            # a quarter turn about x first in the product
+            turns.append(" ".join(f"{half * value:.7f}" for value in (a - b, a + b, c - d, c + d)))
+        frames.append(f'<frame type="normal"><orientation>{" ".join(turns)}</orientation>'
+                      f'<position>{" ".join(places)}</position></frame>')
+    return ('<?xml version="1.0"?>\n<mvnx version="4"><subject frameRate="30"><segments>' +
+            "".join(f'<segment label="{SEGMENTS[joint]}"/>' for joint in joints) +
+            f"</segments><joints>{connections}</joints><frames>{''.join(frames)}</frames></subject></mvnx>")
+
+
 class SceneFiles(ToolTest):
+    def test_mvnx_is_the_motion_that_it_was_made_of(self):
+        found = json.loads(self.run_tool("inspect", sample("walk"), "--json").stdout)
+        parents = {joint["name"]: joint["parent"] for joint in found["joints"]}
+        places = self.run_tool("inspect", sample("walk"), "--positions", "-").stdout
+        rows = list(csv.DictReader(places.splitlines()))
+        self.write("walk.mvnx", mvnx(list(parents), parents, rows))
+        result = self.run_tool("walk.mvnx", "g1", "-o", "mvnx.csv")
+        self.assert_done(result)
+        self.assertIn("xsens_mvn skeleton, unit m", result.stderr)
+        self.assert_done(self.run_tool(sample("walk"), "g1", "-o", "bvh.csv"))
+        ours, theirs = (read_rows((self.folder / name).read_text()) for name in ("mvnx.csv", "bvh.csv"))
+        self.assertEqual(len(ours), len(theirs))
+        root = max(abs(a - b) for one, two in zip(ours, theirs) for a, b in zip(one[:2], two[:2]))
+        knees = max(abs(one[7 + joint] - two[7 + joint]) for one, two in zip(ours, theirs) for joint in (3, 9))
+        self.assertLess(root, 0.05)
+        self.assertLess(knees, 0.15)
+
     def test_runs(self):
         for name in ("walk.fbx", "walk.glb", "wave_z_up.fbx"):
             with self.subTest(name):
