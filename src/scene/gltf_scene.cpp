@@ -56,6 +56,7 @@ class GltfReader {
     auto motion = std::make_unique<GltfMotion>(scene_.nodes);
     for (const GltfJson& animation : document_.list("animations")) {
       TRY_ASSIGN(SceneTake take, motion->add(document_, animation, place_));
+      if (take.name.empty()) take.name = "animation " + std::to_string(scene_.takes.size() + 1);
       scene_.takes.push_back(std::move(take));
     }
     scene_.motion = std::move(motion);
