@@ -124,6 +124,12 @@ struct ClipOrigin {
   std::uint64_t bytes = 0;            ///< Of the file.
   std::optional<double> body_height;  ///< Metres, if the file gives it.
   std::vector<Warning> warnings;      ///< What was odd about the file.
+
+  // what files say that know more than joints: FBX, glTF, MVNX (docs/scenes.md)
+  std::optional<double> metres_per_unit;  ///< If the file gives it.
+  std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file gives it.
+  std::vector<std::string> takes;         ///< Names of its animations, in the file's order.
+  std::string choices;  ///< What was chosen in the file, for people: take, skeleton, rate.
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,

@@ -34,8 +34,8 @@ struct DataFolder {
   std::string installed = installed_data_folder();
 };
 
-/// Reads a motion file, by its content: BVH, or SMPL or SMPL-X as NPZ, as a file of PyTorch, as a
-/// pickle or as a single array (docs/smpl.md).
+/// Reads a motion file, by its content: BVH; SMPL or SMPL-X as NPZ, as a file of PyTorch, as a
+/// pickle or as a single array (docs/smpl.md); FBX, glTF, VRM and MVNX (docs/scenes.md).
 ///
 /// Errors (kInput): errors in the file with line and column; a clip that needs more than
 /// `memory_gb`.

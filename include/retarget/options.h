@@ -190,8 +190,9 @@ struct SourceOptions {
   bool smpl = false;        ///< Read as SMPL or SMPL-X whatever the content; else detected.
   std::string smpl_model;   ///< The user's body model, NPZ; empty: a generic body.
   bool lenient = false;     ///< Keep the complete frames of a damaged file.
-  std::string root;         ///< Which of several ROOTs.
-  double source_fps = 0.0;  ///< Frames per second; 0: the file's own.
+  std::string root;         ///< Which of several ROOTs, or of several skeletons of a scene.
+  std::string take;         ///< Which animation of a scene, by name or number from 1.
+  double source_fps = 0.0;  ///< Frames per second; 0: the file's own. A scene is sampled so often.
   double memory_gb = 0.0;   ///< Limit for one clip; 0: three quarters of what is available.
 };
 

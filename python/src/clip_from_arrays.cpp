@@ -170,7 +170,9 @@ Result<Clip> clip_from_arrays(const ClipArrays& arrays) {
       if (slot >= 0) clip.translations(f)[slot] = local.translation;
     }
   }
-  clip.set_origin({arrays.name, 0, std::nullopt, {}});
+  ClipOrigin origin;
+  origin.name = arrays.name;
+  clip.set_origin(std::move(origin));
   return clip;
 }
 

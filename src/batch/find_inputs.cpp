@@ -31,7 +31,8 @@ constexpr std::string_view kPatternLetters = "*?[";
 constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 
 // of motions' files, in any letter case; pickles are as often a robot's, and are named one by one
-constexpr std::array<std::string_view, 4> kEndings = {".bvh", ".npz", ".pt", ".npy"};
+constexpr std::array<std::string_view, 10> kEndings = {".bvh", ".npz",  ".pt",  ".npy",  ".fbx",
+                                                       ".glb", ".gltf", ".vrm", ".vrma", ".mvnx"};
 
 bool has_motion_ending(const std::string& name) {
   const std::string end = lower_case(fs::path(name).extension().string());
@@ -246,8 +247,9 @@ Result<FoundInputs> InputFinder::run() {
                            " files by " OPTION("exclude"));
   }
   if (found_.inputs.empty()) {
-    return input_failure(search_.names.empty() ? "" : search_.names.front(),
-                         "there is no .bvh, .npz, .pt or .npy file to retarget");
+    return input_failure(
+        search_.names.empty() ? "" : search_.names.front(),
+        "there is no .bvh, .fbx, .glb, .gltf, .vrm, .mvnx, .npz, .pt or .npy file to retarget");
   }
   const auto key = [](const BatchInput& input) { return std::tie(input.relative, input.path); };
   std::ranges::sort(found_.inputs, {}, key);

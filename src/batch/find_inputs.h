@@ -40,7 +40,8 @@ struct FoundInputs {
   std::vector<std::string> notes;  ///< What was skipped and why, one line each.
 };
 
-/// Finds the motion files: in folders all whose name ends in .bvh, .npz, .pt or .npy in any letter
+/// Finds the motion files: in folders all whose name ends in .bvh, .fbx, .glb, .gltf,
+/// .vrm, .vrma, .mvnx, .npz, .pt or .npy in any letter
 /// case, else those that are named. A folder that cannot be read is an input itself, whose reading fails.
 ///
 /// Symbolic links are followed, but not into a folder that they lie in. Pipes and devices in

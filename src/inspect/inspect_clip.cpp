@@ -78,6 +78,20 @@ std::string vector_text(const Eigen::Vector3d& v) {
   return number_text(v.x(), 4) + " " + number_text(v.y(), 4) + " " + number_text(v.z(), 4);
 }
 
+// what was chosen in a file that holds more than one motion, and what it holds
+std::string scene_text(const Inspection& found) {
+  constexpr std::size_t kTextColumn = 12;
+  const ClipOrigin& origin = found.clip.origin();
+  if (origin.choices.empty()) return {};
+  const std::string choices = spell_options(origin.choices, found.spelling);
+  std::string text = "  source    " + wrapped_text(choices, kTextColumn, kTextColumn + 2) + "\n";
+  for (std::size_t i = 0; origin.takes.size() > 1 && i < origin.takes.size(); ++i) {
+    text += (i == 0 ? "  takes     " : std::string(kTextColumn, ' ')) + std::to_string(i + 1) +
+            ": " + origin.takes[i] + "\n";
+  }
+  return text;
+}
+
 std::string human_text(const Inspection& found) {
   constexpr std::size_t kTextColumn = 12;
   const auto line = [](const std::string& label, const std::string& text) {
@@ -123,6 +137,10 @@ std::string inspection_json(const Inspection& found) {
     json["joints"].push_back(joint_json(clip.skeleton(), joint));
   }
   json["extents"] = {{"min", to_json(box.min())}, {"max", to_json(box.max())}};
+  if (!clip.origin().choices.empty()) {
+    json["choices"] = spell_options(clip.origin().choices, found.spelling);
+    json["takes"] = clip.origin().takes;
+  }
   json["warnings"] = Json::array();
   for (const Warning& warning : found.warnings) {
     json["warnings"].push_back({{"line", warning.line},
@@ -145,6 +163,7 @@ std::string inspection_text(const Inspection& found) {
           count_text(skeleton.channel_count(), "channel") + "\n";
   text += "  extents   " + vector_text(box.min()) + "  to  " + vector_text(box.max()) +
           "  (file units and axes)\n";
+  text += scene_text(found);
   text += human_text(found);
   std::vector<int> depth(skeleton.joint_count(), 0);
   for (int j = 0; j < skeleton.joint_count(); ++j) {

@@ -91,7 +91,10 @@ OptionTable source_table(SourceOptions& options) {
           option("lenient", options.lenient, kInputGroup, "",
                  "Keep the complete frames of a damaged file and report what was dropped"),
           option("root", options.root, kInputGroup, "NAME",
-                 "Which tree to read, when a file holds several ROOTs"),
+                 "Which tree to read, when a file holds several ROOTs or skeletons"),
+          option("take", options.take, kInputGroup, "NAME|N",
+                 "FBX, glTF: which animation to read, by name or number from 1 (default: the "
+                 "longest that moves)"),
           option("source-fps", options.source_fps, kInputGroup, "N",
                  "Frames per second of the source, whatever its header says",
                  {.min = kMinRate, .max = kMaxRate}),

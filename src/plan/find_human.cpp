@@ -54,6 +54,9 @@ Result<HumanInClip> find_human(Clip& clip, const HumanOptions& options,
                                const std::string& data_folder) {
   TRY_ASSIGN(const CalibrationOptions how, calibration_options(options, clip));
   TRY_ASSIGN(BoneMap map, find_bones(clip, options, data_folder));
+  // what the file says of itself is nearer than what files of its kind are like
+  if (clip.origin().metres_per_unit) map.facts.metres_per_unit = clip.origin().metres_per_unit;
+  if (clip.origin().up) map.facts.up = clip.origin().up;
   const auto doubt = let_directions_win(clip, map);
   TRY_ASSIGN(Calibration calibration, calibrate(clip, map, how));
   auto& doubts = calibration.doubts;

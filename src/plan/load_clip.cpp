@@ -4,10 +4,12 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "base/option_name.h"
 #include "base/try.h"
+#include "bvh/foreign_file.h"
 #include "bvh/read_bvh.h"
 #include "motion/clip_size.h"
 #include "plan/check_options.h"
@@ -15,6 +17,7 @@
 #include "retarget/clip.h"
 #include "retarget/load.h"
 #include "retarget/options.h"
+#include "scene/read_scene.h"
 #include "smpl/motion_file.h"
 #include "smpl/read_smpl.h"
 #include "smpl/smpl_body.h"
@@ -26,6 +29,16 @@ std::optional<double> given_rate(const SourceOptions& options) {
   return options.source_fps > 0.0 ? std::optional<double>(options.source_fps) : std::nullopt;
 }
 
+void set_origin(Clip& clip, const std::string& name, std::size_t bytes,
+                std::vector<Warning> warnings, std::optional<double> height = std::nullopt) {
+  ClipOrigin origin;
+  origin.name = name;
+  origin.bytes = bytes;
+  origin.body_height = height;
+  origin.warnings = std::move(warnings);
+  clip.set_origin(std::move(origin));
+}
+
 Result<Clip> load_bvh_clip(std::string_view bytes, const std::string& name,
                            const SourceOptions& options, bool skeleton_only) {
   BvhReadOptions read;
@@ -35,7 +48,7 @@ Result<Clip> load_bvh_clip(std::string_view bytes, const std::string& name,
   read.source_fps = given_rate(options);
   read.max_clip_bytes = memory_share(options.memory_gb);
   TRY_ASSIGN(BvhFile file, read_bvh(bytes, name, read));
-  file.clip.set_origin({name, bytes.size(), std::nullopt, std::move(file.warnings)});
+  set_origin(file.clip, name, bytes.size(), std::move(file.warnings));
   return std::move(file.clip);
 }
 
@@ -57,8 +70,35 @@ Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
                                "up to 20 degrees elsewhere; " OPTION(
                                    "smpl-model") " FILE takes them from your body model"});
   }
-  motion.clip.set_origin({name, bytes.size(), motion.height, std::move(motion.warnings)});
+  set_origin(motion.clip, name, bytes.size(), std::move(motion.warnings), motion.height);
   return std::move(motion.clip);
+}
+
+Result<Clip> load_scene_clip(std::string_view bytes, const std::string& name,
+                             const SourceOptions& options, bool skeleton_only) {
+  SceneReadOptions read;
+  read.take = options.take;
+  read.root = options.root;
+  read.source_fps = given_rate(options);
+  read.skeleton_only = skeleton_only;
+  read.max_clip_bytes = memory_share(options.memory_gb);
+  return read_scene(bytes, name, read);
+}
+
+// options that say what a file is, or which part of it, where it is another kind of file
+Result<void> check_kind(const std::string& name, const SourceOptions& options, bool is_smpl,
+                        bool is_scene) {
+  if (!options.smpl_model.empty() && !is_smpl) {
+    return usage_failure(
+        OPTION("smpl-model") " is for SMPL motions, and \"" + name + "\" is not one",
+        "leave it out");
+  }
+  if (!options.take.empty() && !is_scene) {
+    return usage_failure(
+        OPTION("take") " is for FBX and glTF files, and \"" + name + "\" holds one motion alone",
+        "leave it out");
+  }
+  return {};
 }
 
 Result<Clip> load(const std::string& file, const SourceOptions& options, bool skeleton_only) {
@@ -66,13 +106,12 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   TRY(check_no_folder(file));
   TRY_ASSIGN(const auto bytes,
              read_file(file, ErrorKind::kInput, memory_share(options.memory_gb), kLargeFileHint));
-  const bool is_smpl = options.smpl || looks_like_motion_file(bytes.view());
+  const bool is_smpl =
+      options.smpl || (looks_like_motion_file(bytes.view()) && !is_usd_archive(bytes.view()));
+  const bool is_scene = !is_smpl && looks_like_scene(bytes.view());
+  TRY(check_kind(name, options, is_smpl, is_scene));
   if (is_smpl) return load_smpl_clip(bytes.view(), name, options);
-  if (!options.smpl_model.empty()) {
-    return usage_failure(
-        OPTION("smpl-model") " is for SMPL motions, and \"" + name + "\" is not one",
-        "leave it out");
-  }
+  if (is_scene) return load_scene_clip(bytes.view(), name, options, skeleton_only);
   return load_bvh_clip(bytes.view(), name, options, skeleton_only);
 }
 

@@ -100,7 +100,8 @@ std::string short_name(const std::string& joint) {
 SummaryLine clip_line(const Clip& clip) {
   return {"read", clip.name() + ": " + count_text(clip.skeleton().joint_count(), "joint") + ", " +
                       count_text(clip.frame_count(), "frame") + " at " + to_text(clip.rate()) +
-                      " fps, " + number_text(clip.duration(), 2) + " s"};
+                      " fps, " + number_text(clip.duration(), 2) + " s" +
+                      (clip.origin().choices.empty() ? "" : "; " + clip.origin().choices)};
 }
 
 std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose) {

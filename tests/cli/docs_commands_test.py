@@ -73,6 +73,8 @@ class Commands(ToolTest):
                   for name in ("a.csv", "b.csv", "old.csv", "new.csv", "PUBLISHED.csv"))):
             self.assert_done(self.run_tool("--robot", "unitree_g1", "-o", output, *options))
         shutil.copy(self.folder / "walk.csv", self.folder / "golden.csv")
+        for name, file in (("character.fbx", "walk.fbx"), ("avatar.glb", "walk.glb")):
+            shutil.copy(SOURCE / "tests/scene/data" / file, self.folder / name)
         (self.folder / "MESHES").mkdir()
         self.write("MESHES/left_knee_link.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0 0.1\nf 1 2 3\n")
         for name in ("my_robot.xml", "my.xml"):

@@ -65,5 +65,8 @@ void fuzz_sidecar(std::string_view bytes);
 void fuzz_plan(std::string_view bytes);
 void fuzz_mesh(std::string_view bytes);
 void fuzz_line(std::string_view bytes);
+void fuzz_fbx(std::string_view bytes);
+void fuzz_gltf(std::string_view bytes);
+void fuzz_mvnx(std::string_view bytes);
 
 }  // namespace retarget::fuzz

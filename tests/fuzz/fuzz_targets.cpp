@@ -39,6 +39,9 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"plan", fuzz_plan},
     {"mesh", fuzz_mesh},
     {"line", fuzz_line},
+    {"fbx", fuzz_fbx},
+    {"gltf", fuzz_gltf},
+    {"mvnx", fuzz_mvnx},
 });
 
 }  // namespace

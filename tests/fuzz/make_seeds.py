@@ -3,6 +3,7 @@
     RETARGET_TOOL=build/release/tools/retarget/retarget python3 tests/fuzz/make_seeds.py
 """
 
+import base64
 import gzip
 import io
 import json
@@ -171,6 +172,128 @@ def torch_files():
         write("torch", name + ".pkl", torch_writer.TorchPickle().value(value) + b".")
 
 
+FBX_SECOND = 46186158000
+
+
+def fbx_tree():
+    """A file of two limbs and a take, as (name, values, children)."""
+    def row(name, kind, *values):
+        return ("P", [name, kind, "", "A", *values], [])
+
+    def properties(*rows):
+        return ("Properties70", [], list(rows))
+
+    objects, links = [], []
+    for number, name, parent, place in ((10, "Hips", 0, (0.0, 90.0, 0.0)), (11, "Leg", 10, (9.0, -5.0, 0.0))):
+        objects.append(("Model", [number, f"{name}\0\1Model", "LimbNode"], [
+            ("Version", [232], []),
+            properties(row("Lcl Translation", "Lcl Translation", *place), row("RotationActive", "bool", 1),
+                       row("PreRotation", "Vector3D", 10.0, 20.0, 30.0), row("RotationOrder", "enum", 4))]))
+        objects.append(("NodeAttribute", [number + 10, f"{name}\0\1NodeAttribute", "LimbNode"],
+                        [("TypeFlags", ["Skeleton"], [])]))
+        links += [("C", ["OO", number, parent], []), ("C", ["OO", number + 10, number], [])]
+    objects += [("AnimationStack", [30, "Take\0\1AnimStack", ""],
+                 [properties(row("LocalStop", "KTime", FBX_SECOND))]),
+                ("AnimationLayer", [31, "Base\0\1AnimLayer", ""], []),
+                ("AnimationCurveNode", [32, "R\0\1AnimCurveNode", ""], [properties(row("d|X", "Number", 0.0))]),
+                ("AnimationCurve", [33, "\0\1AnimCurve", ""],
+                 [("Default", [0.0], []), ("KeyVer", [4008], []),
+                  ("KeyTime", [np.arange(3, dtype=np.int64) * (FBX_SECOND // 30)], []),
+                  ("KeyValueFloat", [np.float32([0, 20, 40])], []), ("KeyAttrFlags", [np.int32([4])], []),
+                  ("KeyAttrDataFloat", [np.float32([0, 0, 0, 0])], []), ("KeyAttrRefCount", [np.int32([3])], [])])]
+    links += [("C", ["OO", 31, 30], []), ("C", ["OO", 32, 31], []), ("C", ["OP", 32, 10, "Lcl Rotation"], []),
+              ("C", ["OP", 33, 32, "d|X"], [])]
+    settings = [properties(row("UpAxis", "int", 1), row("UnitScaleFactor", "double", 1.0), row("TimeMode", "enum", 6))]
+    return [("FBXHeaderExtension", [], [("FBXVersion", [7400], [])]), ("GlobalSettings", [], settings),
+            ("Objects", [], objects), ("Connections", [], links)]
+
+
+def fbx_text(tree, depth=0):
+    """The tree as FBX's text."""
+    def value_text(value):
+        if isinstance(value, str):
+            return '"' + "::".join(reversed(value.split("\0\1"))) + '"'
+        if isinstance(value, np.ndarray):
+            return f"*{len(value)} {{ a: {','.join(map(str, value.tolist()))} }}"
+        return str(value)
+
+    lines = [] if depth else ["; FBX 7.4.0 project file"]
+    for name, values, children in tree:
+        line = "\t" * depth + f"{name}: " + ",".join(map(value_text, values))
+        if children or name in ("Objects", "Connections"):
+            lines += [line + " {", fbx_text(children, depth + 1), "\t" * depth + "}"]
+        else:
+            lines.append(line)
+    return "\n".join(lines) + ("" if depth else "\n")
+
+
+def fbx_bytes(tree, packed):
+    """The tree as FBX's binary form; packed: arrays are deflated."""
+    def value_bytes(value):
+        if isinstance(value, str):
+            return b"S" + struct.pack("<I", len(value.encode())) + value.encode()
+        if isinstance(value, np.ndarray):
+            kind = {"int64": b"l", "int32": b"i", "float32": b"f"}[str(value.dtype)]
+            content = zlib.compress(value.tobytes()) if packed else value.tobytes()
+            return kind + struct.pack("<III", len(value), int(packed), len(content)) + content
+        return b"D" + struct.pack("<d", value) if isinstance(value, float) else b"L" + struct.pack("<q", value)
+
+    def node_bytes(node, at):
+        name, values, children = node
+        head = b"".join(map(value_bytes, values))
+        body = head
+        for child in children:
+            body += node_bytes(child, at + 13 + len(name) + len(body))
+        if children or not values:
+            body += bytes(13)
+        return struct.pack("<IIIB", at + 13 + len(name) + len(body), len(values), len(head), len(name)) + name.encode() + body
+
+    out = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", 7400)
+    for node in tree:
+        out += node_bytes(node, len(out))
+    return out + bytes(13)
+
+
+def scenes():
+    """FBX, glTF and MVNX of two joints."""
+    tree = fbx_tree()
+    write("fbx", "limbs.txt.fbx", fbx_text(tree))
+    write("fbx", "limbs.fbx", fbx_bytes(tree, False))
+    write("fbx", "packed.fbx", fbx_bytes(tree, True))
+    times, places = np.float32([0, 1 / 30, 2 / 30]), np.float32([[0, 1, 0], [0, 1, .1], [0, 1, .2]])
+    turns = np.float32([[0, 0, 0, 1], [0, .6, 0, .8], [0, 1, 0, 0]])
+    bind = np.float32([np.eye(4), np.eye(4)])
+    binary = b"".join(array.tobytes() for array in (times, places, turns, bind))
+    views, start = [], 0
+    for array in (times, places, turns, bind):
+        views.append({"buffer": 0, "byteOffset": start, "byteLength": array.nbytes})
+        start += array.nbytes
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "Hips", "children": [1]}, {"name": "Leg", "translation": [.1, 0, 0], "scale": [1, 1, 1]}],
+        "skins": [{"joints": [0, 1], "inverseBindMatrices": 3}], "buffers": [{"byteLength": len(binary)}],
+        "bufferViews": views,
+        "accessors": [{"bufferView": i, "componentType": 5126, "count": n, "type": kind} for i, (n, kind) in
+                      enumerate(((3, "SCALAR"), (3, "VEC3"), (3, "VEC4"), (2, "MAT4")))],
+        "animations": [{"name": "move", "samplers": [{"input": 0, "output": 1}, {"input": 0, "output": 2, "interpolation": "STEP"}],
+                        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}},
+                                     {"sampler": 1, "target": {"node": 1, "path": "rotation"}}]}],
+        "extensions": {"VRMC_vrm": {"humanoid": {"humanBones": {"hips": {"node": 0}}}}}}
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    binary += bytes(-len(binary) % 4)
+    write("gltf", "skin.glb", struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary)) +
+          struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+    document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    write("gltf", "text.gltf", json.dumps(document))
+    frame = '<frame type="{}"><orientation>1 0 0 0 1 0 0 0</orientation><position>0 0 1 0 .1 .9</position></frame>'
+    write("mvnx", "body.mvnx", '<?xml version="1.0"?><mvnx version="4"><subject frameRate="60"><segments>'
+          '<segment label="Pelvis"/><segment label="Leg"/></segments><joints><joint><connector1>Pelvis/j</connector1>'
+          "<connector2>Leg/j</connector2></joint></joints><frames>" +
+          "".join(frame.format(kind) for kind in ("identity", "tpose", "normal", "normal")) +
+          "</frames></subject></mvnx>")
+
+
 def robot_motions():
     """A few frames in every format that the tool writes, and a sidecar."""
     with tempfile.TemporaryDirectory() as name:
@@ -208,4 +331,5 @@ if __name__ == "__main__":
     pickles()
     meshes()
     torch_files()
+    scenes()
     robot_motions()

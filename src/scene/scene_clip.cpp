@@ -1,0 +1,298 @@
+#include "scene/scene_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/printable.h"
+#include "base/try.h"
+#include "motion/clip_size.h"
+#include "scene/clip_builder.h"
+#include "scene/key_rate.h"
+#include "scene/scene_skeleton.h"
+#include "scene/transforms.h"
+
+namespace retarget {
+namespace {
+
+constexpr double kDefaultRate = 30.0;
+// a few keys may stand for hours: what a small file may become
+constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxBytesOfFile = 256;
+// of scales
+constexpr double kUneven = 1.01;
+
+// how often a motion is sampled, and why
+struct Sampling {
+  FrameRate rate;
+  std::string reason;
+};
+
+class SceneSampler {
+ public:
+  SceneSampler(const Scene& scene, const std::string& file_name, const SceneReadOptions& options)
+      : scene_(scene), file_name_(file_name), options_(options) {}
+
+  Result<Clip> run(std::size_t file_bytes) {
+    TRY_ASSIGN(take_, choose_take(scene_, options_.take, file_name_));
+    if (take_ < 0 && !options_.skeleton_only) {
+      return input_failure(
+          file_name_,
+          fmt::format("the {} file holds no animation{}", scene_.format,
+                      scene_.takes.empty() ? "" : " that moves a node"),
+          "export the character with its animation baked; retarget inspect " OPTION(
+              "skeleton-only") " shows the joints of a file without one");
+    }
+    TRY_ASSIGN(skeleton_, choose_skeleton(scene_, take_, options_.root, file_name_));
+    mark_chain();
+    TRY(check_scale());
+    const Sampling sampling = choose_sampling();
+    TRY_ASSIGN(const int frames, count_frames(sampling.rate, file_bytes));
+    ClipBuilder builder(rest_joints(rests_in_motion(sampling.rate, frames)), sampling.rate, frames);
+    for (int frame = 0; frame < frames; ++frame) {
+      TRY(place_nodes(frame, sampling.rate));
+      builder.set_frame(frame, joint_poses());
+    }
+    Clip clip = builder.build();
+    clip.set_origin(origin(sampling, file_bytes));
+    return clip;
+  }
+
+ private:
+  // the joints and all nodes above the root
+  void mark_chain() {
+    in_chain_.assign(scene_.nodes.size(), false);
+    for (const int joint : skeleton_.joints) in_chain_[as_size(joint)] = true;
+    const int root = skeleton_.joints.front();
+    for (int node = root; node >= 0; node = scene_.nodes[as_size(node)].parent) {
+      in_chain_[as_size(node)] = true;
+    }
+    for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (in_chain_[i]) chain_.push_back(static_cast<int>(i));
+    }
+  }
+
+  std::string name_of(int node) const {
+    const std::string name = printable(scene_.nodes[as_size(node)].name);
+    return name.empty() ? "node " + std::to_string(node) : "\"" + name + "\"";
+  }
+
+  Failure mirrored(int node) const {
+    return input_failure(file_name_,
+                         name_of(node) +
+                             " is turned over by a negative scale, as in a mirror, "
+                             "which no skeleton of joints can be",
+                         "apply the scale before the export (Blender: Object, Apply, Scale)");
+  }
+
+  Result<void> check_scale() {
+    for (const int node : chain_) {
+      const NodeTransform& rest = scene_.nodes[as_size(node)].rest;
+      if (is_mirrored(rest)) return mirrored(node);
+      const Eigen::Vector3d size = rest.scale.cwiseAbs();
+      if (!uneven_ && size.maxCoeff() > kUneven * size.minCoeff() && has_joints_below(node)) {
+        uneven_ = true;
+        warnings_.push_back({0, 0,
+                             name_of(node) +
+                                 " is scaled unevenly, which skews the joints below it: their "
+                                 "places are right, their rotations are those without the scale"});
+      }
+    }
+    return {};
+  }
+
+  bool has_joints_below(int node) const {
+    const int root = skeleton_.joints.front();
+    for (const int joint : skeleton_.joints) {
+      if (scene_.nodes[as_size(joint)].parent == node && joint != root) return true;
+    }
+    // above the root
+    for (int above = scene_.nodes[as_size(root)].parent; above >= 0;
+         above = scene_.nodes[as_size(above)].parent) {
+      if (above == node) return true;
+    }
+    return false;
+  }
+
+  Sampling choose_sampling() const {
+    if (options_.source_fps) {
+      const FrameRate rate = frame_rate_from_fps(*options_.source_fps);
+      return {rate, "as " OPTION("source-fps") " asks for"};
+    }
+    const auto keys =
+        take_ < 0 ? std::nullopt : rate_of_keys(scene_.motion->key_times(take_, in_chain_));
+    const double ratio = keys ? scene_.fps / *keys : 0.0;
+    if (scene_.fps > 0.0 &&
+        (!keys || (ratio > 0.99 && std::abs(ratio - std::round(ratio)) < 1e-3))) {
+      return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
+    }
+    if (keys) return {frame_rate_from_fps(*keys), "as its keys are spaced"};
+    return {frame_rate_from_fps(kDefaultRate),
+            "its keys are not evenly spaced: " OPTION("source-fps") " N samples it otherwise"};
+  }
+
+  Result<int> count_frames(const FrameRate& rate, std::size_t file_bytes) const {
+    if (take_ < 0) return 0;
+    const SceneTake& take = scene_.takes[as_size(take_)];
+    const double length = take.end - take.begin;
+    const double frames = std::floor(length * rate.fps() + 1e-3) + 1.0;
+    const std::size_t frame_bytes = ClipBuilder::frame_bytes(chain_.size());
+    const double by_file = static_cast<double>(kFreeClipBytes) +
+                           static_cast<double>(kMaxBytesOfFile) * static_cast<double>(file_bytes);
+    const double most = std::min(static_cast<double>(options_.max_clip_bytes), by_file);
+    if (!(frames * static_cast<double>(frame_bytes) <= most)) {
+      return input_failure(file_name_,
+                           fmt::format("the animation lasts {:.6g} s: its frames need more memory "
+                                       "than a file of its size may take",
+                                       length),
+                           kLargeFileHint);
+    }
+    return static_cast<int>(frames);
+  }
+
+  // Whether the pose at rest is one of the motion's: programs write the frame that they showed when they
+  // exported, where there is no skin to say how its bones were bound.
+  bool rests_in_motion(const FrameRate& rate, int frames) const {
+    constexpr double kSame = 0.99999;  // cosine of half an angle of half a degree
+    const auto is_bound = [&](int joint) {
+      return scene_.nodes[as_size(joint)].world_from_bind.has_value();
+    };
+    if (std::ranges::any_of(skeleton_.joints, is_bound)) return false;
+    for (int frame = 0; frame < frames; ++frame) {
+      const double seconds = seconds_of(frame, rate);
+      const bool is_same = std::ranges::all_of(skeleton_.joints, [&](int joint) {
+        const Eigen::Quaterniond now = scene_.motion->at(take_, joint, seconds).rotation;
+        return std::abs(now.dot(scene_.nodes[as_size(joint)].rest.rotation)) > kSame;
+      });
+      if (is_same) return true;
+    }
+    return false;
+  }
+
+  double seconds_of(int frame, const FrameRate& rate) const {
+    const SceneTake& take = scene_.takes[as_size(take_)];
+    return std::min(take.begin + rate.time_of(frame), take.end);
+  }
+
+  // world_from_bind where there is one, else below the parent's as at rest
+  std::vector<WorldJoint> rest_joints(bool is_unturned) const {
+    std::vector<NodePlace> places(scene_.nodes.size());
+    for (const int index : chain_) {
+      const SceneNode& node = scene_.nodes[as_size(index)];
+      NodeTransform rest = node.rest;
+      if (is_unturned) rest.rotation = node.unturned;
+      places[as_size(index)] =
+          place_below(node.parent < 0 ? NodePlace() : places[as_size(node.parent)], rest);
+      if (!node.world_from_bind) continue;
+      places[as_size(index)] = {*node.world_from_bind, rotation_of(node.world_from_bind->linear())};
+    }
+    std::vector<std::string> names;
+    for (const int joint : skeleton_.joints) names.push_back(scene_.nodes[as_size(joint)].name);
+    names = plain_joint_names(std::move(names));
+    std::vector<WorldJoint> joints;
+    for (std::size_t j = 0; j < skeleton_.joints.size(); ++j) {
+      const NodePlace& place = places[as_size(skeleton_.joints[j])];
+      joints.push_back(
+          {names[j], skeleton_.parents[j], {place.rotation, place.world_from_node.translation()}});
+    }
+    return joints;
+  }
+
+  Result<void> place_nodes(int frame, const FrameRate& rate) {
+    const double seconds = seconds_of(frame, rate);
+    places_.resize(scene_.nodes.size());
+    for (const int node : chain_) {
+      const NodeTransform local = scene_.motion->at(take_, node, seconds);
+      const int parent = scene_.nodes[as_size(node)].parent;
+      NodePlace& place = places_[as_size(node)];
+      if (is_sound(local)) {
+        place = place_below(parent < 0 ? NodePlace() : places_[as_size(parent)], local);
+      }
+      if (!is_sound(local) || !place.world_from_node.matrix().allFinite()) {
+        return input_failure(file_name_, fmt::format("{} has a place that is no number at {:.4g} s",
+                                                     name_of(node), seconds));
+      }
+      if (is_mirrored(local)) return mirrored(node);
+      look_at_size(node, place, frame);
+    }
+    return {};
+  }
+
+  void look_at_size(int node, const NodePlace& place, int frame) {
+    const double size = place.world_from_node.linear().norm();
+    if (frame == 0) {
+      sizes_.resize(scene_.nodes.size());
+      sizes_[as_size(node)] = size;
+    } else if (!grows_ && std::max(size, sizes_[as_size(node)]) >
+                              kUneven * std::min(size, sizes_[as_size(node)])) {
+      grows_ = true;
+      warnings_.push_back({0, 0,
+                           "the scale of " + name_of(node) +
+                               " changes during the motion: bones grow and shrink with it"});
+    }
+  }
+
+  std::vector<Pose> joint_poses() const {
+    std::vector<Pose> poses;
+    poses.reserve(skeleton_.joints.size());
+    for (const int joint : skeleton_.joints) {
+      const NodePlace& place = places_[as_size(joint)];
+      poses.push_back({place.rotation, place.world_from_node.translation()});
+    }
+    return poses;
+  }
+
+  ClipOrigin origin(const Sampling& sampling, std::size_t file_bytes) const {
+    ClipOrigin origin;
+    origin.name = file_name_;
+    origin.bytes = file_bytes;
+    origin.warnings = scene_.warnings;
+    origin.warnings.insert(origin.warnings.end(), warnings_.begin(), warnings_.end());
+    origin.metres_per_unit = scene_.metres_per_unit;
+    origin.up = scene_.up;
+    for (const SceneTake& take : scene_.takes) origin.takes.push_back(printable(take.name));
+    origin.choices = scene_.format;
+    if (take_ >= 0) {
+      origin.choices += ", take \"" + origin.takes[as_size(take_)] + "\"";
+      if (origin.takes.size() > 1) {
+        origin.choices += fmt::format(" ({} of {})", take_ + 1, origin.takes.size());
+      }
+    }
+    if (!skeleton_.others.empty()) {
+      origin.choices += fmt::format(", skeleton {} of {}", name_of(skeleton_.joints.front()),
+                                    skeleton_.others.size() + 1);
+    }
+    if (take_ >= 0) {
+      origin.choices += fmt::format(", {} fps: {}", to_text(sampling.rate), sampling.reason);
+    }
+    return origin;
+  }
+
+  const Scene& scene_;
+  const std::string& file_name_;
+  const SceneReadOptions& options_;
+  int take_ = -1;
+  SceneSkeleton skeleton_;
+  std::vector<int> chain_;         // nodes that have a part in the joints' places, parents first
+  std::vector<bool> in_chain_;     // of each node
+  std::vector<NodePlace> places_;  // of the frame that is sampled
+  std::vector<double> sizes_;      // in the first frame
+  std::vector<Warning> warnings_;
+  bool uneven_ = false, grows_ = false;
+};
+
+}  // namespace
+
+Result<Clip> clip_of_scene(const Scene& scene, const std::string& file_name, std::size_t file_bytes,
+                           const SceneReadOptions& options) {
+  return SceneSampler(scene, file_name, options).run(file_bytes);
+}
+
+}  // namespace retarget

@@ -1,0 +1,199 @@
+#include "scene/scene_skeleton.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/printable.h"
+#include "base/suggest.h"
+
+namespace retarget {
+namespace {
+
+// fewer joints make no body with arms and legs
+constexpr std::size_t kMinJoints = 10;
+// another skeleton that moves in so many joints is another candidate
+constexpr double kRival = 0.5;
+
+using Marks = std::vector<bool>;
+
+// marks what lies between marked nodes
+void close_gaps(const Scene& scene, Marks& marks) {
+  // the nearest marked node above each, itself included
+  std::vector<int> above(scene.nodes.size(), -1);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const int parent = scene.nodes[i].parent;
+    above[i] = marks[i] ? static_cast<int>(i) : parent < 0 ? -1 : above[as_size(parent)];
+    if (!marks[i] || parent < 0 || above[as_size(parent)] < 0) continue;
+    for (int node = parent; !marks[as_size(node)]; node = scene.nodes[as_size(node)].parent) {
+      marks[as_size(node)] = true;
+    }
+  }
+}
+
+Marks bones_of(const Scene& scene) {
+  Marks marks(scene.nodes.size());
+  for (std::size_t i = 0; i < marks.size(); ++i) marks[i] = scene.nodes[i].is_bone;
+  close_gaps(scene, marks);
+  return marks;
+}
+
+// nodes that move, and what hangs from them and is no object: hands and feet often have no keys
+Marks moving_nodes(const Scene& scene, int take) {
+  Marks marks(scene.nodes.size());
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const SceneNode& node = scene.nodes[i];
+    const bool moves = take >= 0 && scene.takes[as_size(take)].moves[i];
+    marks[i] = node.is_bone || moves ||
+               (!node.is_object && node.parent >= 0 && marks[as_size(node.parent)]);
+  }
+  close_gaps(scene, marks);
+  return marks;
+}
+
+struct Candidate {
+  SceneSkeleton skeleton;
+  std::size_t moving = 0;
+};
+
+std::vector<Candidate> candidates_of(const Scene& scene, const Marks& marks, int take) {
+  std::vector<std::vector<int>> children(scene.nodes.size());
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!marks[i]) continue;
+    const int parent = scene.nodes[i].parent;
+    if (parent >= 0 && marks[as_size(parent)]) {
+      children[as_size(parent)].push_back(static_cast<int>(i));
+    } else {
+      roots.push_back(static_cast<int>(i));
+    }
+  }
+  std::vector<Candidate> candidates;
+  for (const int root : roots) {
+    Candidate candidate;
+    std::vector<std::pair<int, int>> waiting = {{root, -1}};
+    while (!waiting.empty()) {
+      const auto [node, parent] = waiting.back();
+      waiting.pop_back();
+      const int place = static_cast<int>(candidate.skeleton.joints.size());
+      candidate.skeleton.joints.push_back(node);
+      candidate.skeleton.parents.push_back(parent);
+      candidate.moving += take >= 0 && scene.takes[as_size(take)].moves[as_size(node)] ? 1 : 0;
+      for (std::size_t i = children[as_size(node)].size(); i-- > 0;) {
+        waiting.emplace_back(children[as_size(node)][i], place);
+      }
+    }
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+std::string root_name(const Scene& scene, const Candidate& candidate) {
+  return printable(scene.nodes[as_size(candidate.skeleton.joints.front())].name);
+}
+
+std::vector<std::string> root_names(const Scene& scene, const std::vector<Candidate>& candidates) {
+  std::vector<std::string> names;
+  for (const Candidate& each : candidates) {
+    if (each.skeleton.joints.size() >= kMinJoints) names.push_back(root_name(scene, each));
+  }
+  return names;
+}
+
+// whether the root or a node above it has this name
+bool is_below(const Scene& scene, const Candidate& candidate, const std::string& name) {
+  for (int node = candidate.skeleton.joints.front(); node >= 0;
+       node = scene.nodes[as_size(node)].parent) {
+    if (scene.nodes[as_size(node)].name == name) return true;
+  }
+  return false;
+}
+
+bool is_larger(const Candidate& a, const Candidate& b) {
+  return a.moving != b.moving ? a.moving > b.moving
+                              : a.skeleton.joints.size() > b.skeleton.joints.size();
+}
+
+}  // namespace
+
+Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::string& root,
+                                      const std::string& file_name) {
+  auto candidates = candidates_of(scene, bones_of(scene), take);
+  const auto is_body = [](const Candidate& each) {
+    return each.skeleton.joints.size() >= kMinJoints;
+  };
+  if (std::ranges::none_of(candidates, is_body)) {
+    auto plain = candidates_of(scene, moving_nodes(scene, take), take);
+    if (candidates.empty() || std::ranges::any_of(plain, is_body)) candidates = std::move(plain);
+  }
+  if (candidates.empty()) {
+    return input_failure(file_name,
+                         fmt::format("the {} file holds no skeleton: {} and no joint among them",
+                                     scene.format, count_text(scene.nodes.size(), "node")),
+                         "export the armature with its animation");
+  }
+  const std::vector<std::string> names = root_names(scene, candidates);
+  if (!root.empty()) {
+    std::erase_if(candidates, [&](const Candidate& each) { return !is_below(scene, each, root); });
+    if (candidates.empty()) {
+      return usage_failure("expected a skeleton \"" + root +
+                           "\" as " OPTION("root") " asks for, found " +
+                           (names.empty() ? "none of a body's size" : list_names(names, 8)));
+    }
+  }
+  const auto best = std::ranges::min_element(candidates, is_larger);
+  const auto rivals = std::ranges::count_if(candidates, [&](const Candidate& each) {
+    return is_body(each) &&
+           static_cast<double>(each.moving) >= kRival * static_cast<double>(best->moving) &&
+           (best->moving > 0 || each.skeleton.joints.size() == best->skeleton.joints.size());
+  });
+  if (rivals > 1) {
+    return input_failure(
+        file_name,
+        fmt::format("the {} file holds {} skeletons that could be meant: {}", scene.format, rivals,
+                    list_names(root_names(scene, candidates), 8)),
+        "choose one of them with " OPTION("root") " NAME");
+  }
+  SceneSkeleton chosen = std::move(best->skeleton);
+  for (const std::string& name : names) {
+    if (name != printable(scene.nodes[as_size(chosen.joints.front())].name))
+      chosen.others.push_back(name);
+  }
+  return chosen;
+}
+
+Result<int> choose_take(const Scene& scene, const std::string& wanted,
+                        const std::string& file_name) {
+  const auto moves = [](const SceneTake& take) {
+    return std::ranges::find(take.moves, true) != take.moves.end();
+  };
+  if (wanted.empty()) {
+    int best = -1;
+    for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+      const SceneTake& take = scene.takes[i];
+      if (!moves(take)) continue;
+      // lengths that are equal but for rounding count as one, the first
+      const auto length = [](const SceneTake& each) { return each.end - each.begin; };
+      if (best < 0 || length(take) > length(scene.takes[as_size(best)]) + 1e-6)
+        best = static_cast<int>(i);
+    }
+    return best;
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    if (scene.takes[i].name == wanted) return static_cast<int>(i);
+    names.push_back(printable(scene.takes[i].name));
+  }
+  const auto number = parse_number<std::size_t>(wanted);
+  if (number && *number >= 1 && *number <= scene.takes.size()) {
+    return static_cast<int>(*number) - 1;
+  }
+  return usage_failure("expected a take \"" + printable(wanted) +
+                       "\" as " OPTION("take") " asks for, found " +
+                       (names.empty() ? "none" : list_names(names, 8)) + " in " + file_name);
+}
+
+}  // namespace retarget

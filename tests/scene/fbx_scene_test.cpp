@@ -1,0 +1,212 @@
+#include "scene/fbx_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "fbx_text.h"
+#include "scene/read_scene.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::AngleAxisd, Eigen::Matrix3d, Eigen::Vector3d;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::size_t kMemory = std::size_t{1} << 30U;
+
+Matrix3d turn(int axis, double degrees) {
+  return AngleAxisd(degrees * std::numbers::pi / 180.0, Vector3d::Unit(axis)).toRotationMatrix();
+}
+
+// the first axis of an order turns first, and so stands last in the product
+Matrix3d in_order(const std::string& order, const Vector3d& degrees) {
+  Matrix3d rotation = Matrix3d::Identity();
+  for (const char axis : order) rotation = turn(axis - 'X', degrees[axis - 'X']) * rotation;
+  return rotation;
+}
+
+Scene read(const FbxText& file) {
+  auto scene = read_fbx(file.text(), "test.fbx", kMemory);
+  EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
+  return *std::move(scene);
+}
+
+int node_of(const Scene& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].name == name) return static_cast<int>(i);
+  }
+  ADD_FAILURE() << "no node " << name;
+  return 0;
+}
+
+TEST(FbxSceneTest, TurnsInEveryOrderOfAxes) {
+  const char* orders[] = {"XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX"};
+  for (int order = 0; order < 6; ++order) {
+    FbxText file;
+    const int limb = file.node("limb", 0, {1, 2, 3}, {}, order);
+    file.take("turn", 0, 1);
+    file.keys(limb, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {40, 60, -100}}});
+    const Scene scene = read(file);
+    ASSERT_EQ(scene.takes.size(), 1U);
+    const NodeTransform half = scene.motion->at(0, node_of(scene, "limb"), 0.5);
+    const Matrix3d expected = in_order(orders[order], {20, 30, -50});
+    EXPECT_LT((half.rotation.toRotationMatrix() - expected).norm(), 1e-9) << orders[order];
+    EXPECT_LT((half.translation - Vector3d(1, 2, 3)).norm(), 1e-12);
+  }
+}
+
+// Autodesk, "FBX SDK Programmer's Guide", "Computing transformation matrices":
+// T Roff Rp Rpre R Rpost^-1 Rp^-1 Soff Sp S Sp^-1
+TEST(FbxSceneTest, PutsPivotsAndRotationsBeforeAndAfterInTheirPlaces) {
+  FbxText file;
+  const int limb = file.node("limb", 0, {1, 2, 3},
+                             {{"PreRotation", {30, -20, 10}},
+                              {"PostRotation", {-15, 25, 40}},
+                              {"RotationOffset", {0.1, 0.2, 0.3}},
+                              {"RotationPivot", {0.5, -0.4, 0.3}},
+                              {"ScalingOffset", {0.2, 0.1, -0.1}},
+                              {"ScalingPivot", {-0.3, 0.6, 0.2}},
+                              {"Lcl Scaling", {2, 2, 2}}},
+                             4);
+  file.take("turn", 0, 1);
+  file.keys(limb, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {80, -60, 30}}});
+  const Scene scene = read(file);
+  const NodeTransform found = scene.motion->at(0, node_of(scene, "limb"), 0.25);
+
+  const auto moved = [](double x, double y, double z) {
+    return Eigen::Affine3d(Eigen::Translation3d(x, y, z));
+  };
+  const auto turned = [](const Matrix3d& rotation) {
+    Eigen::Affine3d affine = Eigen::Affine3d::Identity();
+    affine.linear() = rotation;
+    return affine;
+  };
+  // rotations before and after are in the order XYZ whatever the limb's own is
+  const Matrix3d before = in_order("XYZ", {30, -20, 10}), after = in_order("XYZ", {-15, 25, 40});
+  const Eigen::Affine3d expected =
+      moved(1, 2, 3) * moved(0.1, 0.2, 0.3) * moved(0.5, -0.4, 0.3) * turned(before) *
+      turned(in_order("ZXY", {20, -15, 7.5})) * turned(after.transpose()) * moved(-0.5, 0.4, -0.3) *
+      moved(0.2, 0.1, -0.1) * moved(-0.3, 0.6, 0.2) * Eigen::Scaling(2.0) * moved(0.3, -0.6, -0.2);
+  EXPECT_LT((found.translation - expected.translation()).norm(), 1e-9);
+  EXPECT_LT((found.rotation.toRotationMatrix() * 2.0 - expected.linear()).norm(), 1e-9);
+  EXPECT_LT((found.scale - Vector3d(2, 2, 2)).norm(), 1e-12);
+}
+
+TEST(FbxSceneTest, TellsUnitAxesAndRate) {
+  const Scene maya = read(FbxText({1, 1, 1.0, 11}));
+  EXPECT_DOUBLE_EQ(maya.metres_per_unit, 0.01);
+  EXPECT_EQ(*maya.up, Vector3d::UnitY());
+  EXPECT_DOUBLE_EQ(maya.fps, 24.0);
+  const Scene unreal = read(FbxText({2, 1, 1.0, 6}));
+  EXPECT_EQ(*unreal.up, Vector3d::UnitZ());
+  EXPECT_DOUBLE_EQ(unreal.fps, 30.0);
+  const Scene metres = read(FbxText({2, 1, 100.0, 6}));
+  EXPECT_DOUBLE_EQ(metres.metres_per_unit, 1.0);
+}
+
+// a helper above the root moves what hangs from it; a mesh is no joint
+TEST(FbxSceneTest, KeepsThePlaceOfHelpersAboveTheRoot) {
+  FbxText file;
+  const int helper =
+      file.node("helper", 0, {10, 0, 0}, {{"Lcl Scaling", {0.5, 0.5, 0.5}}}, 0, "Null");
+  const int root = file.node("Hips", helper, {0, 4, 0});
+  const int limb = file.node("Leg", root, {0, -2, 0});
+  file.node("cloth", limb, {0, 0, 0}, {}, 0, "Mesh");
+  file.take("turn", 0, 1);
+  file.keys(helper, "Lcl Translation", {{0, {10, 0, 0}}, {1, {12, 0, 0}}});
+  file.keys(root, "Lcl Rotation", {{0, {0, 0, 0}}, {1, {0, 0, 90}}});
+  const auto clip = read_scene(file.text(), "test.fbx");
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_THAT(clip->skeleton().names(), ElementsAre("Hips", "Leg"));
+  ASSERT_EQ(clip->frame_count(), 31);
+  EXPECT_LT((clip->translation(0, 0) - Vector3d(10, 2, 0)).norm(), 1e-9);
+  EXPECT_LT((clip->translation(30, 0) - Vector3d(12, 2, 0)).norm(), 1e-9);
+  // the scale above makes the leg half as long
+  EXPECT_LT((clip->skeleton().joint(1).offset - Vector3d(0, -1, 0)).norm(), 1e-9);
+  EXPECT_FALSE(clip->skeleton().joint(1).has_position_channels());
+  EXPECT_LT((clip->rotations(30)[0].toRotationMatrix() - turn(2, 90)).norm(), 1e-9);
+}
+
+TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0});
+  file.take("empty", 0, 9);
+  file.take("short", 0, 0.5);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {0.5, {1, 0, 0}}});
+  file.take("long", 0, 1);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {0, 7, 0}}});
+  SceneReadOptions options;
+  EXPECT_EQ(read_scene(file.text(), "test.fbx", options)->frame_count(), 31);
+  for (const char* name : {"short", "2"}) {
+    options.take = name;
+    const auto clip = read_scene(file.text(), "test.fbx", options);
+    ASSERT_TRUE(clip) << clip.error().message;
+    EXPECT_EQ(clip->frame_count(), 16);
+    EXPECT_EQ(clip->translation(15, 0), Vector3d(1, 0, 0));
+    EXPECT_THAT(clip->origin().choices, HasSubstr("\"short\" (2 of 3)"));
+    EXPECT_THAT(clip->origin().takes, ElementsAre("empty", "short", "long"));
+  }
+  options.take = "walk";
+  const auto missing = read_scene(file.text(), "test.fbx", options);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(missing.error().message, HasSubstr("empty, short, long"));
+}
+
+TEST(FbxSceneTest, SamplesAsOftenAsAskedFor) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0});
+  file.take("move", 0, 1);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {0.4, {4, 0, 0}}, {1, {10, 0, 0}}});
+  SceneReadOptions options;
+  options.source_fps = 120.0;
+  const auto clip = read_scene(file.text(), "test.fbx", options);
+  ASSERT_TRUE(clip);
+  ASSERT_EQ(clip->frame_count(), 121);
+  EXPECT_NEAR(clip->translation(30, 0).x(), 2.5, 1e-9);
+}
+
+TEST(FbxSceneTest, RefusesWhatIsNoMotion) {
+  FbxText still;
+  still.node("Hips", 0, {0, 0, 0});
+  const auto without = read_scene(still.text(), "still.fbx");
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message, HasSubstr("holds no animation"));
+  SceneReadOptions skeleton;
+  skeleton.skeleton_only = true;
+  EXPECT_EQ(read_scene(still.text(), "still.fbx", skeleton)->skeleton().joint_count(), 1);
+
+  FbxText mirror;
+  const int root = mirror.node("Hips", 0, {0, 0, 0}, {{"Lcl Scaling", {-1, 1, 1}}});
+  mirror.take("move", 0, 1);
+  mirror.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {1, {1, 0, 0}}});
+  EXPECT_THAT(read_scene(mirror.text(), "mirror.fbx").error().message, HasSubstr("negative scale"));
+
+  // a key a thousand years on
+  FbxText ages;
+  const int slow = ages.node("Hips", 0, {0, 0, 0});
+  ages.take("move", 0, 3e7);
+  ages.keys(slow, "Lcl Translation", {{0, {0, 0, 0}}, {3e7, {1, 0, 0}}});
+  EXPECT_THAT(read_scene(ages.text(), "ages.fbx").error().message, HasSubstr("more memory"));
+}
+
+TEST(FbxSceneTest, WarnsOfScaleThatIsUnevenOrChanges) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0}, {{"Lcl Scaling", {1, 2, 1}}});
+  file.node("Leg", root, {0, -1, 0});
+  file.take("grow", 0, 1);
+  file.keys(root, "Lcl Scaling", {{0, {1, 2, 1}}, {1, {2, 4, 2}}});
+  const auto clip = read_scene(file.text(), "test.fbx");
+  ASSERT_TRUE(clip) << clip.error().message;
+  ASSERT_EQ(clip->origin().warnings.size(), 2U);
+  EXPECT_THAT(clip->origin().warnings[0].message, HasSubstr("unevenly"));
+  EXPECT_THAT(clip->origin().warnings[1].message, HasSubstr("changes during the motion"));
+}
+
+}  // namespace
+}  // namespace retarget

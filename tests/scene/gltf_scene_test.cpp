@@ -1,0 +1,233 @@
+#include "scene/gltf_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/base64.h"
+#include "scene/read_scene.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr std::size_t kMemory = std::size_t{1} << 30U;
+
+template <typename Number>
+std::string packed(const std::vector<Number>& numbers) {
+  std::string bytes(numbers.size() * sizeof(Number), '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return bytes;
+}
+
+// a node that moves: times and values, stored as floats in the text
+struct Animated {
+  std::string path = "translation", interpolation = "LINEAR", type = "VEC3";
+  std::vector<float> times, values;
+  std::string nodes = R"({"name": "Hips"})";
+  std::string more;  // members of the document, each with a comma in front
+  std::string uri;   // of the buffer; empty: in the text
+
+  [[nodiscard]] std::string bytes() const { return packed(times) + packed(values); }
+
+  [[nodiscard]] std::string text() const {
+    const std::string all = bytes();
+    const std::size_t width = type == "VEC3" ? 3 : 4;
+    return fmt::format(
+        R"({{"asset": {{"version": "2.0"}}, "nodes": [{}], "buffers": [{{"byteLength": {}, "uri": "{}"}}],
+"bufferViews": [{{"buffer": 0, "byteLength": {}}}, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": {}, "type": "SCALAR"}},
+{{"bufferView": 1, "componentType": 5126, "count": {}, "type": "{}"}}],
+"animations": [{{"name": "move", "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "{}"}}}}],
+"samplers": [{{"input": 0, "output": 1, "interpolation": "{}"}}]}}]{}}})",
+        nodes, all.size(),
+        uri.empty() ? "data:application/octet-stream;base64," + base64_text(all) : uri,
+        4 * times.size(), 4 * times.size(), 4 * values.size(), times.size(), values.size() / width,
+        type, path, interpolation, more);
+  }
+};
+
+Scene read(const std::string& text) {
+  auto scene = read_gltf(text, "test.gltf", kMemory);
+  EXPECT_TRUE(scene.has_value()) << (scene ? "" : scene.error().message);
+  return *std::move(scene);
+}
+
+std::string message_of(const std::string& text, const std::string& name = "test.gltf") {
+  const auto clip = read_scene(text, name);
+  return clip ? "" : clip.error().message;
+}
+
+TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
+  Animated moved;
+  moved.times = {1, 2};
+  moved.values = {0, 0, 0, 8, 0, 4};
+  const Scene linear = read(moved.text());
+  EXPECT_EQ(linear.motion->at(0, 0, 1.25).translation, Vector3d(2, 0, 1));
+  EXPECT_EQ(linear.motion->at(0, 0, 0.0).translation, Vector3d(0, 0, 0));
+  EXPECT_EQ(linear.motion->at(0, 0, 9.0).translation, Vector3d(8, 0, 4));
+  EXPECT_EQ(linear.takes[0].begin, 1.0);
+  EXPECT_EQ(linear.takes[0].end, 2.0);
+
+  moved.interpolation = "STEP";
+  EXPECT_EQ(read(moved.text()).motion->at(0, 0, 1.99).translation, Vector3d(0, 0, 0));
+
+  // glTF 2.0, appendix C.5: in-tangent, value, out-tangent; keys two seconds apart
+  moved.interpolation = "CUBICSPLINE";
+  moved.times = {0, 2};
+  moved.values = {9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 5, 0, 0, 9, 9, 9};
+  const double t = 0.25;
+  const double expected = (2 * t * t * t - 3 * t * t + 1) * 1 +
+                          2 * (t * t * t - 2 * t * t + t) * 3 + (3 * t * t - 2 * t * t * t) * 5 +
+                          2 * (t * t * t - t * t) * -1;
+  EXPECT_NEAR(read(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
+}
+
+TEST(GltfSceneTest, TurnsTheShortWay) {
+  Animated turned;
+  turned.path = "rotation";
+  turned.type = "VEC4";
+  turned.times = {0, 1};
+  const auto half = static_cast<float>(std::sqrt(0.5));
+  turned.values = {0, 0, 0, 1, 0, -half, 0, -half};  // a quarter turn about y, of the other sign
+  const Eigen::Quaterniond found = read(turned.text()).motion->at(0, 0, 0.5).rotation;
+  const Eigen::Quaterniond expected(Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitY()));
+  EXPECT_LT(found.angularDistance(expected), 1e-6);
+}
+
+TEST(GltfSceneTest, ReplacesSparseElementsAndScalesWholeNumbers) {
+  const std::string bytes = packed<float>({0, 1, 2}) +
+                            packed<std::int16_t>({0, 0, 0, 32767, 0, 0}) +
+                            packed<std::uint16_t>({1, 0}) + packed<float>({7, 8, 9});
+  const std::string text = fmt::format(
+      R"({{"asset": {{"version": "2.0"}}, "nodes": [{{"name": "Hips"}}], "buffers": [{{"byteLength": {}, "uri":
+"data:;base64,{}"}}], "bufferViews": [{{"buffer": 0, "byteLength": 12}},
+{{"buffer": 0, "byteOffset": 12, "byteLength": 12}}, {{"buffer": 0, "byteOffset": 24, "byteLength": 2}},
+{{"buffer": 0, "byteOffset": 28, "byteLength": 12}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}},
+{{"componentType": 5126, "count": 3, "type": "VEC3", "sparse": {{"count": 1,
+"indices": {{"bufferView": 2, "componentType": 5123}}, "values": {{"bufferView": 3}}}}}},
+{{"bufferView": 0, "componentType": 5126, "count": 1, "type": "SCALAR"}},
+{{"bufferView": 1, "componentType": 5122, "normalized": true, "count": 1, "type": "VEC4"}}],
+"animations": [{{"channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}},
+{{"sampler": 1, "target": {{"node": 0, "path": "rotation"}}}}],
+"samplers": [{{"input": 0, "output": 1}}, {{"input": 2, "output": 3}}]}}]}})",
+      bytes.size(), base64_text(bytes));
+  const Scene scene = read(text);
+  EXPECT_EQ(scene.motion->at(0, 0, 0.0).translation, Vector3d::Zero());
+  EXPECT_EQ(scene.motion->at(0, 0, 1.0).translation, Vector3d(7, 8, 9));
+  EXPECT_EQ(scene.motion->at(0, 0, 0.0).rotation.w(), 1.0);
+}
+
+TEST(GltfSceneTest, NamesBonesAsVrmDoes) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  moved.nodes =
+      R"({"name": "J_Hip", "children": [1]}, {"name": "Torso", "children": [2]}, {"name": "spine"})";
+  const char* newer =
+      R"(, "extensions": {"VRMC_vrm": {"humanoid": {"humanBones": {"hips": {"node": 0}, "spine": {"node": 1}}}}})";
+  const char* older =
+      R"(, "extensions": {"VRM": {"humanoid": {"humanBones": [{"bone": "hips", "node": 0}, {"bone": "spine", "node": 1}]}}})";
+  for (const char* extension : {newer, older}) {
+    moved.more = extension;
+    const Scene scene = read(moved.text());
+    EXPECT_EQ(scene.format, "VRM");
+    EXPECT_EQ(scene.nodes[0].name, "hips");
+    EXPECT_EQ(scene.nodes[1].name, "spine");
+    EXPECT_EQ(scene.nodes[2].name, "spine_node");
+    EXPECT_TRUE(scene.nodes[0].is_bone);
+  }
+}
+
+TEST(GltfSceneTest, OpensNoFileOutsideOfItsFolder) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  const TemporaryFolder folder;
+  const std::string outside = folder.write("outside.bin", moved.bytes());
+  std::filesystem::create_directory(folder.path() / "scene");
+  folder.write("scene/my buffer.bin", moved.bytes());
+  std::filesystem::create_symlink(outside, folder.path() / "scene" / "link.bin");
+  const std::string name = (folder.path() / "scene" / "test.gltf").string();
+  moved.uri = "my%20buffer.bin";
+  EXPECT_EQ(message_of(moved.text(), name), "");
+  EXPECT_THAT(message_of(moved.text(), "standard input"), HasSubstr("standard input has none"));
+  for (const std::string& uri :
+       {std::string("../outside.bin"), std::string("link.bin"), outside, "file://" + outside,
+        std::string("http://example.com/a.bin"), std::string("%2e%2e/outside.bin")}) {
+    moved.uri = uri;
+    EXPECT_THAT(message_of(moved.text(), name), HasSubstr("not a file of its own folder")) << uri;
+  }
+}
+
+TEST(GltfSceneTest, RefusesWhatCannotBe) {
+  Animated good;
+  good.times = {0, 1};
+  good.values = {0, 0, 0, 1, 1, 1};
+  ASSERT_EQ(message_of(good.text()), "");
+  const auto with = [&](auto change) {
+    Animated bad = good;
+    change(bad);
+    return message_of(bad.text());
+  };
+  EXPECT_THAT(with([](Animated& a) { a.times[1] = NAN; }), HasSubstr("not finite"));
+  EXPECT_THAT(with([](Animated& a) { a.values[1] = INFINITY; }), HasSubstr("not finite"));
+  EXPECT_THAT(with([](Animated& a) { a.times = {1, 0}; }), HasSubstr("do not ascend"));
+  EXPECT_THAT(with([](Animated& a) { a.times = {0, 1, 2}; }), HasSubstr("other numbers"));
+  EXPECT_THAT(with([](Animated& a) { a.interpolation = "SMOOTH"; }),
+              HasSubstr("sampler is broken"));
+  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [0]})"; }), HasSubstr("a ring"));
+  EXPECT_THAT(with([](Animated& a) {
+                a.nodes = R"({"children": [1]}, {"children": [2]}, {"children": [1]})";
+              }),
+              HasSubstr("two parents"));
+  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [7]})"; }), HasSubstr("not there"));
+  EXPECT_THAT(with([](Animated& a) {
+                a.path = "rotation";
+                a.type = "VEC4";
+                a.values.assign(8, 0.0F);
+              }),
+              HasSubstr("no length"));
+  std::string cut = good.text();
+  cut.resize(cut.size() / 2);
+  EXPECT_NE(message_of(cut), "");
+  EXPECT_THAT(message_of(std::string("glTF\x01\0\0\0 12345678901234", 23)), HasSubstr("version"));
+}
+
+// many samplers of the same numbers are no way to fill the memory
+TEST(GltfSceneTest, ReadsTheSameBytesNotWithoutEnd) {
+  Animated moved;
+  moved.times.resize(20000);
+  for (std::size_t i = 0; i < moved.times.size(); ++i) moved.times[i] = static_cast<float>(i);
+  moved.values.resize(3 * moved.times.size());
+  std::string text = moved.text();
+  std::string channels, samplers;
+  for (int i = 0; i < 9000; ++i) {
+    channels +=
+        fmt::format(R"({{"sampler": {}, "target": {{"node": 0, "path": "translation"}}}},)", i);
+    samplers += R"({"input": 0, "output": 1},)";
+  }
+  channels.pop_back();
+  samplers.pop_back();
+  const std::size_t begin = text.find("\"animations\"");
+  text.resize(begin);
+  text += fmt::format(R"("animations": [{{"channels": [{}], "samplers": [{}]}}]}})", channels,
+                      samplers);
+  EXPECT_THAT(message_of(text), HasSubstr("too often"));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,136 @@
+#include "scene/mvnx.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "retarget/pose.h"
+#include "scene_test_support.h"
+
+namespace retarget {
+namespace {
+
+using Eigen::Quaterniond, Eigen::Vector3d;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// writes a document of a pelvis, a spine and a leg as MVN does
+struct Document {
+  std::string frames;
+  std::string rate = "frameRate=\"60\"";
+  std::string joints =
+      "<joint "
+      "label=\"jL5S1\"><connector1>Pelvis/jL5S1</connector1><connector2>L5/jL5S1</connector2></"
+      "joint>"
+      "<joint "
+      "label=\"jHip\"><connector1>Pelvis/jHip</connector1><connector2>Leg/jHip</connector2></"
+      "joint>";
+
+  void add(const std::string& type, const std::vector<Pose>& poses) {
+    std::string rotations, positions;
+    for (const auto& [q, p] : poses) {
+      rotations += fmt::format("{} {} {} {} ", q.w(), q.x(), q.y(), q.z());
+      positions += fmt::format("{} {} {} ", p.x(), p.y(), p.z());
+    }
+    frames += fmt::format(
+        "<frame time=\"0\" "
+        "type=\"{}\"><orientation>{}</orientation><position>{}</position></frame>\n",
+        type, rotations, positions);
+  }
+
+  [[nodiscard]] std::string text() const {
+    return "<?xml version=\"1.0\"?>\n<mvnx version=\"4\"><subject label=\"A\" " + rate +
+           "><segments><segment label=\"Pelvis\" id=\"1\"/><segment label=\"L5\" id=\"2\"/>"
+           "<segment label=\"Leg\" id=\"3\"/></segments><joints>" +
+           joints + "</joints><frames>" + frames + "</frames></subject></mvnx>";
+  }
+};
+
+Quaterniond about_x(double angle) {
+  return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX()));
+}
+
+// the body stands with the pelvis at a height; then turned as a whole about x
+std::vector<Pose> poses(double angle) {
+  const Quaterniond q = about_x(angle);
+  const Vector3d pelvis(0.1, 0.2, 0.95);
+  return {{q, pelvis},
+          {q, pelvis + q * Vector3d(0, 0, 0.1)},
+          {q, pelvis + q * Vector3d(0, 0.1, -0.05)}};
+}
+
+TEST(MvnxTest, ReadsSegmentsAsJoints) {
+  Document document;
+  document.add("identity", poses(0.0));
+  document.add("tpose", poses(0.0));
+  for (const double angle : {0.0, 0.3, 0.6}) document.add("normal", poses(angle));
+  ASSERT_TRUE(looks_like_mvnx(document.text()));
+  const auto clip = read_mvnx(document.text(), "test.mvnx", {});
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_THAT(clip->skeleton().names(), ElementsAre("Pelvis", "L5", "Leg"));
+  EXPECT_EQ(to_text(clip->rate()), "60");
+  ASSERT_EQ(clip->frame_count(), 3);
+  EXPECT_EQ(*clip->origin().metres_per_unit, 1.0);
+  EXPECT_EQ(*clip->origin().up, Vector3d::UnitZ());
+  EXPECT_FALSE(clip->skeleton().joint(2).has_position_channels());
+  EXPECT_LT((clip->skeleton().joint(2).offset - Vector3d(0, 0.1, -0.05)).norm(), 1e-12);
+  for (int frame = 0; frame < 3; ++frame) {
+    const auto found = world_poses(*clip, frame);
+    const auto expected = poses(0.3 * frame);
+    for (std::size_t joint = 0; joint < 3; ++joint) {
+      EXPECT_LT((found[joint].translation - expected[joint].translation).norm(), 1e-12);
+      EXPECT_LT(found[joint].rotation.angularDistance(expected[joint].rotation), 1e-9);
+    }
+  }
+}
+
+// rotations are measured from the pose of calibration
+TEST(MvnxTest, TakesTheTposeAsZeroPose) {
+  Document document;
+  document.add("npose", poses(0.5));
+  document.add("tpose", poses(0.2));
+  document.add("normal", poses(0.7));
+  const auto clip = read_mvnx(document.text(), "test.mvnx", {});
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_LT(clip->rotations(0)[0].angularDistance(about_x(0.5)), 1e-9);
+  EXPECT_THAT(clip->origin().choices, HasSubstr("\"tpose\""));
+}
+
+TEST(MvnxTest, RefusesWhatCannotBe) {
+  const auto message = [](const Document& document) {
+    const auto clip = read_mvnx(document.text(), "test.mvnx", {});
+    return clip ? std::string() : clip.error().message;
+  };
+  Document empty;
+  EXPECT_THAT(message(empty), HasSubstr("no frames of type"));
+  Document good;
+  good.add("normal", poses(0.0));
+  EXPECT_EQ(message(good), "");
+  Document without_rate = good;
+  without_rate.rate = "";
+  EXPECT_THAT(message(without_rate), HasSubstr("no frame rate"));
+  Document ring = good;
+  ring.joints += "<joint><connector1>Leg/a</connector1><connector2>Pelvis/a</connector2></joint>";
+  EXPECT_THAT(message(ring), HasSubstr("ring"));
+  Document stranger = good;
+  stranger.joints += "<joint><connector1>Arm/a</connector1><connector2>Leg/a</connector2></joint>";
+  EXPECT_THAT(message(stranger), HasSubstr("not there"));
+  Document short_frame = good;
+  short_frame.frames += "<frame type=\"normal\"><orientation>1 0 0 0</orientation></frame>";
+  EXPECT_THAT(message(short_frame), HasSubstr("of each of its 3 segments"));
+  Document not_finite = good;
+  not_finite.add("normal", {{Quaterniond::Identity(), {NAN, 0, 0}}, {}, {}});
+  EXPECT_THAT(message(not_finite), HasSubstr("of each of its 3 segments"));
+  Document not_unit = good;
+  not_unit.add("normal", {{Quaterniond(0, 0, 0, 0), {0, 0, 0}}, {}, {}});
+  EXPECT_THAT(message(not_unit), HasSubstr("unit quaternion"));
+  const std::string cut = good.text().substr(0, 300);
+  EXPECT_THAT(read_mvnx(cut, "cut.mvnx", {}).error().message, HasSubstr("ends well"));
+}
+
+}  // namespace
+}  // namespace retarget
