@@ -183,8 +183,8 @@ struct WriteMotionOptions {
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
                                                    const std::string& name = {});
 
-/// The clip for another variant of its robot: joints held by that variant stay at their held
-/// positions.
+/// The clip for another variant of its robot: joints go by their names, those held by that variant
+/// stay at their held positions.
 [[nodiscard]] RobotClip with_robot(const RobotClip& clip, std::shared_ptr<const Robot> robot);
 
 /// The robot of PBHC's files: see kPklPbhc.

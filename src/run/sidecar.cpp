@@ -92,6 +92,7 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
   std::vector<ReadFile> files;
   TRY(add_file(files, "motion", run.motion, data_folder));
   TRY(add_file(files, "model", robot.model, data_folder));
+  TRY(add_file(files, "variant_model", robot.robot->variant().model, data_folder));
   TRY(add_file(files, "profile", robot.profile, data_folder));
   TRY(add_file(files, "mapping", config, data_folder));
   Run copy = run;
