@@ -3,6 +3,7 @@
 #include "robot/variant.h"
 
 #include <gmock/gmock.h>
+#include <mujoco/mujoco.h>
 
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
@@ -227,6 +228,39 @@ TEST(RobotVariantTest, ModelsThatAreNoVariantsAreRefused) {
   }());
   ASSERT_FALSE(missing);
   EXPECT_THAT(describe(missing.error()), HasSubstr("no_such.xml"));
+}
+
+// kinematics are held against the maker's by tests/io/variant_bodies_test.cpp
+TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
+  const auto g1 = load_shipped("unitree_g1");
+  const auto variant = robot_variant(g1, "23").value();
+  for (const RobotJoint& joint : variant->joints()) {
+    const int of_whole = g1->find_joint(joint.name).value();
+    EXPECT_EQ(joint.axis, g1->joints()[of_whole].axis) << joint.name;
+    const int index = variant->find_joint(joint.name).value();
+    EXPECT_EQ(variant->model_limits().lower[index], g1->model_limits().lower[of_whole]);
+    EXPECT_EQ(variant->model_limits().upper[index], g1->model_limits().upper[of_whole]);
+    EXPECT_EQ(variant->speed_limit(index), g1->speed_limit(of_whole)) << joint.name;
+    const auto body = g1->find_body(variant->bodies()[joint.body].name);
+    if (!body) continue;  // the hand on the wrist's roll joint
+    EXPECT_EQ(variant->model()->body_mass[joint.body], g1->model()->body_mass[*body]) << joint.name;
+  }
+  // pelvis, legs, torso with its head, arms
+  constexpr double kMass = 3.813 + 2 * (1.35 + 1.52 + 1.702 + 1.932 + 0.074 + 0.608) + 7.818 +
+                           2 * (0.718 + 0.643 + 0.734 + 0.6 + 0.356929);
+  // frames are a milligram each
+  EXPECT_NEAR(variant->model()->body_subtreemass[0], kMass, 1e-4);
+  // as many shapes, in the same places while nothing is bent
+  EXPECT_EQ(variant->collision_shapes().size(), g1->collision_shapes().size());
+  std::vector<Pose> whole_poses(g1->bodies().size()), poses(variant->bodies().size());
+  forward_kinematics(*g1, g1->zero_configuration(), whole_poses);
+  forward_kinematics(*variant, variant->zero_configuration(), poses);
+  for (std::size_t b = 1; b < poses.size(); ++b) {
+    const auto body = g1->find_body(variant->bodies()[b].name);
+    if (!body) continue;
+    EXPECT_LT((poses[b].translation - whole_poses[*body].translation).norm(), 1e-9)
+        << variant->bodies()[b].name;
+  }
 }
 
 TEST(RobotVariantTest, CanOmitHands) {
