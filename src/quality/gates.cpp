@@ -29,7 +29,7 @@ Failure unknown_metric(const std::string& key) {
 Result<std::vector<GateException>> exceptions_from(const std::string& key, const Json& json) {
   std::vector<GateException> exceptions;
   if (!json.is_object() || json.empty() ||
-      !std::ranges::all_of(json, [](const Json& value) { return value.is_number(); })) {
+      !std::all_of(json.begin(), json.end(), [](const Json& value) { return value.is_number(); })) {
     return config_failure("", "\"unless\" of the gate on " + key +
                                   " must be {metric: number, ...}, found " + short_text(json));
   }

@@ -1,8 +1,5 @@
 #include "quality/lying.h"
 
-#include <cmath>
-#include <numbers>
-
 #include "human/human_clip.h"
 #include "human/source_feet.h"
 #include "pipeline/trunk_lines.h"
@@ -13,8 +10,8 @@ namespace {
 
 // who bends over to the floor keeps the hips higher, who sits keeps the trunk more upright; on hands
 // and knees hips are at 0.6 of the legs
-constexpr double kLyingLean = 60.0 * std::numbers::pi / 180.0;
-constexpr double kLowHips = 0.75;  // of thigh and shank
+constexpr double kLyingUpright = 0.5;  // the cosine of 60 degrees
+constexpr double kLowHips = 0.75;      // of thigh and shank
 
 }  // namespace
 
@@ -27,8 +24,7 @@ void measure_lying(const ReportBuilder& draft, const HumanClip& human, int frame
     const HumanPose& pose = human.frame(frame);
     const auto trunk = trunk_frame(trunk_lines(pose));
     if (!trunk || pose[Bone::kHips].translation.z() >= kLowHips * leg) continue;
-    const double upright = trunk_up(*trunk, *standing).z();
-    if (upright < std::cos(kLyingLean)) ++lying;
+    if (trunk_up(*trunk, *standing).z() < kLyingUpright) ++lying;
   }
   draft.set("lying_pct", percent(lying, frames));
 }
