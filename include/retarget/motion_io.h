@@ -183,8 +183,8 @@ struct WriteMotionOptions {
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
                                                    const std::string& name = {});
 
-/// The clip for another variant of its robot: joints held by that variant stay at their held
-/// positions.
+/// The clip for another variant of its robot: joints go by their names, those held by that variant
+/// stay at their held positions.
 [[nodiscard]] RobotClip with_robot(const RobotClip& clip, std::shared_ptr<const Robot> robot);
 
 /// The robot of PBHC's files: see kPklPbhc.
@@ -234,10 +234,10 @@ struct RobotMotion {
 ///   its variants, plus a leading column if it counts up. Frame numbers are ignored, times in s,
 ///   ms, us or ns give the rate; SOMA's frame numbers count at 120 per second, so steps of 4
 ///   mean 30. Without a unit, values are in radians and metres, as in our own files.
-///   Joints beyond the robot's widest range by more than half a radian, and a root higher than five
-///   times what the robot's limbs reach, are refused then; joints beyond their own ranges in most
-///   frames, and a root that is never near the ground or too fast, are warned of. SOMA's and
-///   BONES-SEED's files are known by their header.
+///   Joints beyond the robot's widest range by more than half a radian (those without a range: four
+///   turns), and a root higher than five times what the robot's limbs reach, are refused then;
+///   joints beyond their own ranges in most frames, and a root that is never near the ground or too
+///   fast, are warned of. SOMA's and BONES-SEED's files are known by their header.
 /// * The order of the root's quaternion: the reading in which the robot stands upright, else the
 ///   one whose lowest sole point slips less. If both fit equally (a robot standing still, facing
 ///   along x) xyzw, the usual order; a body lying still is refused.

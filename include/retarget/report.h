@@ -170,6 +170,8 @@ struct GateResult {
   std::optional<double> min, max;  ///< Bounds for the figure, inclusive.
   std::optional<double> value;     ///< Empty: the metric was not measured.
   bool passed = true;              ///< True where nothing was measured.
+  /// Why the gate is off for this motion, which passes it then; empty: it applies.
+  std::string not_applicable;
 };
 
 /// A motion's figures. Metrics that need missing data (a source clip, soles, collision shapes,
@@ -215,6 +217,12 @@ struct QualityReport {
 /// frames.
 [[nodiscard]] std::string report_text(std::span<const QualityReport> reports);
 
+/// Switches a gate off for motions with a figure above this.
+struct GateException {
+  std::string metric;  ///< Key.
+  double above = 0.0;
+};
+
 /// Bounds for a metric, inclusive.
 struct Gate {
   std::string metric;  ///< Key.
@@ -222,6 +230,7 @@ struct Gate {
   /// The bounds are for a robot with legs (hip to knee to ankle) of this length, metres; for others
   /// they scale with the legs. Empty: for every robot.
   std::optional<double> leg = std::nullopt;
+  std::vector<GateException> unless = {};  ///< Any of them is enough.
 };
 
 /// Gates, at most one for each metric.
@@ -233,9 +242,10 @@ class Gates {
   [[nodiscard]] const std::vector<Gate>& all() const { return gates_; }
 
   /// Sets every gate of a file: JSON
-  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER}, ...}}`; a number is a
-  /// maximum, `null` removes the gate. Other members of the file are ignored. kConfig errors report
-  /// everything at once, unknown metrics with the nearest name.
+  /// `{"gates": {KEY: {"min": NUMBER, "max": NUMBER, "leg_m": NUMBER, "unless": {KEY: NUMBER}},
+  /// ...}}`; a number is a maximum, `null` removes the gate, `unless` switches it off above a
+  /// figure. Other members of the file are ignored. kConfig errors report everything at once,
+  /// unknown metrics with the nearest name.
   [[nodiscard]] Result<void> add_json(std::string_view text, const std::string& file);
   [[nodiscard]] Result<void> add_file(const std::string& path);
 

@@ -85,11 +85,15 @@ struct CollisionShape {
 /// rad/s; for joints without a published speed limit.
 inline constexpr double kDefaultSpeedLimit = 20.0;
 
-/// A robot with some joints locked, as sold by its maker or used by a training framework.
+/// A robot with fewer joints, as sold by its maker or used by a training framework: some are
+/// locked, or it has a model of its own without them.
 struct RobotVariant {
   std::string name;
   std::string description;               ///< For people; may be empty.
-  std::map<std::string, double> locked;  ///< Held joints and where, rad or m.
+  std::map<std::string, double> locked;  ///< Joints that it lacks and where they are, rad or m.
+  std::string model;                     ///< MJCF file of its own; empty: the robot's is held.
+  /// Bodies that files of it have though none of its joints moves them.
+  std::vector<std::string> bodies;
 };
 
 /// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
@@ -131,6 +135,8 @@ class Robot {
   /// is the locked position, and the zero configuration has it. Call once, before the robot is
   /// shared; robot_variant does it by name.
   void set_variant(const RobotVariant& variant);
+  /// Makes this the model of a variant of `whole`. Call once, before the robot is shared.
+  void set_whole(std::shared_ptr<const Robot> whole) { whole_ = std::move(whole); }
 
   /// Replaces the model's shapes. Call before the robot is shared.
   void set_collision_shapes(std::vector<CollisionShape> shapes) {
@@ -144,6 +150,9 @@ class Robot {
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   /// The variant of this robot; empty name: the whole robot.
   [[nodiscard]] const RobotVariant& variant() const { return variant_; }
+  /// The robot of all joints whose variant this is, where it has a model of its own; else null.
+  /// Joints and bodies of the two correspond by their names.
+  [[nodiscard]] const std::shared_ptr<const Robot>& whole() const { return whole_; }
   [[nodiscard]] const std::vector<RobotBody>& bodies() const { return bodies_; }
   /// All joints but the free one, in the model's order.
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
@@ -193,6 +202,7 @@ class Robot {
   ModelPtr model_;
   RobotProfile profile_;
   RobotVariant variant_;
+  std::shared_ptr<const Robot> whole_;
   std::vector<std::string> warnings_;
   std::vector<RobotBody> bodies_;
   std::vector<RobotJoint> joints_;

@@ -17,6 +17,7 @@
 #include "plan/memory.h"
 #include "raise.h"
 #include "retarget/motion_io.h"
+#include "run/recorded_motion.h"
 
 namespace retarget::python {
 
@@ -158,7 +159,7 @@ MotionHandle load(const nb::object& file, const RobotHandle& robot, const nb::di
   RobotMotion read = without_gil([&]() -> Result<RobotMotion> {
     ReadMotionOptions how = read_motion_options(given);
     how.max_bytes = memory_share(memory_gb);
-    return load_robot_motion(path, robot.loaded.robot, how);
+    return load_recorded_motion(path, robot.loaded.robot, how);
   });
   warn(read.warnings, path);
   std::string summary = std::string(format_name(read.format)) +

@@ -25,13 +25,15 @@ def test_a_motion_equals_its_csv(walked: retarget.Motion, tmp_path: Path) -> Non
 
 
 def test_a_variant_has_its_joints_alone(walk: retarget.Clip) -> None:
-    motion = retarget.to_robot(walk, "unitree_g1", dof="23")
-    assert motion.joint_positions.shape == (len(walk), 23)
-    assert motion.qpos.shape == (len(walk), 36)
-    limits = motion.robot.joint_limits()
-    assert limits.shape == (23, 2)
-    assert (motion.joint_positions >= limits[:, 0] - 1e-6).all()
-    assert (motion.joint_positions <= limits[:, 1] + 1e-6).all()
+    # 23 joints are a model of their own, 27 the whole robot's with two that are held
+    for joints, size in ((23, 30), (27, 36)):
+        motion = retarget.to_robot(walk, "unitree_g1", dof=str(joints))
+        assert motion.joint_positions.shape == (len(walk), joints)
+        assert motion.qpos.shape == (len(walk), size)
+        limits = motion.robot.joint_limits()
+        assert limits.shape == (joints, 2)
+        assert (motion.joint_positions >= limits[:, 0] - 1e-6).all()
+        assert (motion.joint_positions <= limits[:, 1] + 1e-6).all()
 
 
 def test_contacts(walked: retarget.Motion, walk: retarget.Clip, g1: retarget.Robot) -> None:

@@ -23,12 +23,12 @@ std::optional<std::string> lost_joints(const RobotClip& clip, const Robot& varia
   double largest = 0.0;
   std::string worst;
   for (const auto& [name, held] : variant.variant().locked) {
-    const auto joint = variant.find_joint(name);
+    const auto joint = clip.robot().find_joint(name);
     if (!joint) continue;
+    const int address = clip.robot().joints()[*joint].qpos_address;
     double away = 0.0;
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
-      away =
-          std::max(away, std::abs(clip.qpos(frame)[variant.joints()[*joint].qpos_address] - held));
+      away = std::max(away, std::abs(clip.qpos(frame)[address] - held));
     }
     if (away > kEpsilon) lost.push_back(name);
     if (away <= largest) continue;

@@ -102,17 +102,38 @@ struct LayoutChoice {
   double distance = 0.0;
 };
 
+// the robot, its variants, and of those with bodies of their own what they were before they had
+// them: the whole robot's without what its columns do not move
+std::vector<std::shared_ptr<const Robot>> layout_candidates(
+    const std::shared_ptr<const Robot>& robot) {
+  std::vector<std::shared_ptr<const Robot>> candidates = {robot};
+  for (RobotVariant variant : robot->profile().variants) {
+    if (auto held = make_variant(robot, variant)) candidates.push_back(std::move(*held));
+    if (variant.model.empty() && variant.bodies.empty()) continue;
+    variant.model.clear();
+    variant.bodies.clear();
+    if (auto held = make_variant(robot, variant)) candidates.push_back(std::move(*held));
+  }
+  return candidates;
+}
+
+// joints of a variant, whose model may be another, among the robot's
+std::vector<int> joints_among(const Robot& robot, const Robot& variant,
+                              const std::vector<int>& joints) {
+  std::vector<int> found;
+  for (const int joint : joints) {
+    if (const auto own = robot.find_joint(variant.joints()[joint].name)) found.push_back(*own);
+  }
+  return found;
+}
+
 // the layout of the robot or of a variant that fits best
 Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
                                    const TrackingArrays& arrays, const NpzFile& npz,
                                    const ReadMotionOptions& options) {
-  std::vector<std::shared_ptr<const Robot>> candidates = {robot};
-  for (const RobotVariant& variant : robot->profile().variants) {
-    if (auto held = robot_variant(robot, variant.name)) candidates.push_back(std::move(*held));
-  }
   std::optional<LayoutChoice> best;
   bool joints_fit = false;
-  for (const auto& candidate : candidates) {
+  for (const auto& candidate : layout_candidates(robot)) {
     for (const MotionFormat format : {MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic}) {
       if (options.format && *options.format != format) continue;
       const TrackingLayout layout = tracking_layout(*candidate, format);
@@ -121,7 +142,9 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
       const bool same_bodies = layout.bodies.size() == arrays.body_count;
       if (!same_bodies && !options.format) continue;
       const double distance = same_bodies ? largest_distance(*candidate, layout, arrays) : 0.0;
-      if (!best || distance < best->distance) best = {format, layout.joints, distance};
+      if (!best || distance < best->distance) {
+        best = {format, joints_among(*robot, *candidate, layout.joints), distance};
+      }
     }
   }
   if (!best) {

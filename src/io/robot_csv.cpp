@@ -33,14 +33,17 @@ constexpr std::int64_t kSomaFramesASecond = 120;
 // a quaternion of this length has no direction
 constexpr double kNoLength = 1e-6;
 
-// names of the columns in the order in which they are written
+// names of the columns in the order in which they are written; units other than metres and radians
+// stand behind them, those of SOMA's files are known
 std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions& options) {
+  const std::string length = options.centimetres && !options.euler ? "(cm)" : "";
+  const std::string angle = options.degrees && !options.euler ? "(deg)" : "";
   std::vector<std::string> names;
   if (options.frame_column) names.emplace_back("Frame");
   const std::string position = options.euler ? "root_translate" : "root_";
   const std::array<const char*, 3> axes = options.euler ? std::array<const char*, 3>{"X", "Y", "Z"}
                                                         : std::array<const char*, 3>{"x", "y", "z"};
-  for (const char* axis : axes) names.push_back(position + axis);
+  for (const char* axis : axes) names.push_back(position + axis + length);
   const bool w_first = options.quaternion_order == QuaternionOrder::kWxyz;
   if (!options.euler && w_first) names.emplace_back("root_qw");
   for (const char* axis : axes) {
@@ -48,7 +51,9 @@ std::vector<std::string> column_names(const Robot& robot, const RobotCsvOptions&
   }
   if (!options.euler && !w_first) names.emplace_back("root_qw");
   for (const int joint : robot.output_joints()) {
-    names.push_back(robot.joints()[joint].name + (options.euler ? "_dof" : ""));
+    const RobotJoint& of = robot.joints()[joint];
+    const std::string& unit = of.type == RobotJoint::Type::kSlide ? length : angle;
+    names.push_back(of.name + (options.euler ? "_dof" : "") + unit);
   }
   return names;
 }

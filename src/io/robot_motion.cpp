@@ -124,10 +124,10 @@ class MotionInterpreter {
     }
   }
 
-  // what the robot has and the file does not
+  // what the robot, or the variant that the file is said to be of, has and the file does not
   void note_missing_joints() {
     std::vector<std::string> missing;
-    for (const int joint : robot_->output_joints()) {
+    for (const int joint : output_joints_of(*robot_, options_.variant)) {
       if (std::ranges::find(raw_.joint_indices, joint) == raw_.joint_indices.end()) {
         missing.push_back(robot_->joints()[joint].name);
       }
@@ -288,6 +288,14 @@ Result<std::vector<int>> joints_by_count(const Robot& robot, std::size_t count,
 Result<RobotMotion> parse_robot_motion(std::string_view bytes,
                                        const std::shared_ptr<const Robot>& robot,
                                        const std::string& file, const ReadMotionOptions& options) {
+  if (robot->whole()) {
+    // files name joints that a variant's own model lacks, and number those of other variants
+    ReadMotionOptions of_whole = options;
+    if (of_whole.variant.empty()) of_whole.variant = robot->variant().name;
+    TRY_ASSIGN(auto motion, parse_robot_motion(bytes, robot->whole(), file, of_whole));
+    motion.clip = with_robot(motion.clip, robot);
+    return motion;
+  }
   // known, or the number of all joints
   if (!options.variant.empty()) {
     TRY(robot_variant(robot, options.variant));

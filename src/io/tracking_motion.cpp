@@ -187,7 +187,8 @@ TrackingLayout tracking_layout(const Robot& robot, MotionFormat format) {
   TrackingLayout layout;
   std::vector<int> depth(robot.bodies().size(), 0);
   for (std::size_t b = 1; b < robot.bodies().size(); ++b) {
-    const bool own = static_cast<int>(b) == robot.root_body() || !joints_of[b].empty();
+    const bool own = static_cast<int>(b) == robot.root_body() || !joints_of[b].empty() ||
+                     std::ranges::count(robot.variant().bodies, robot.bodies()[b].name) > 0;
     depth[b] = depth[robot.bodies()[b].parent] + (own ? 1 : 0);
     if (own) layout.bodies.push_back(static_cast<int>(b));
   }

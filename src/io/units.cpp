@@ -32,7 +32,10 @@ constexpr double kUprightQuantile = 0.95;
 // m/s on average: no runner keeps it up
 constexpr double kMaxMeanSpeed = 10.0;
 
-// the widest that a hinge of the robot turns from 0
+// a hinge without a range may turn on; as far, radians, values are no sign of degrees
+constexpr double kTurnsOfUnlimited = 8.0 * kHalfTurn;
+
+// the widest that a hinge of the robot with a range turns from 0
 double widest_angle(const Robot& robot) {
   double widest = kHalfTurn;
   const LimitSet& limits = robot.model_limits();
@@ -89,13 +92,19 @@ class UnitFinder {
       return {};
     }
     if (raw_.degrees) return {};
-    double largest = 0.0;
-    for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
-      if (is_hinge(i % raw_.joint_count)) largest = std::max(largest, std::abs(raw_.joints[i]));
-    }
-    for (const double angle : raw_.euler) largest = std::max(largest, std::abs(angle));
     const double widest = widest_angle(robot_);
-    if (largest > widest + kBeyondRange) {
+    // of those that are farther than a joint of theirs turns
+    double largest = 0.0;
+    const auto weigh = [&](double value, double allowed) {
+      if (std::abs(value) > allowed) largest = std::max(largest, std::abs(value));
+    };
+    for (std::size_t i = 0; i < raw_.joints.size(); ++i) {
+      const std::size_t column = i % raw_.joint_count;
+      if (!is_hinge(column)) continue;
+      weigh(raw_.joints[i], has_range(column) ? widest + kBeyondRange : kTurnsOfUnlimited);
+    }
+    for (const double angle : raw_.euler) weigh(angle, widest + kBeyondRange);
+    if (largest > 0.0) {
       return input_failure(
           file_,
           "the largest joint value is " + number_text(largest, 3) +
@@ -168,6 +177,12 @@ class UnitFinder {
   void note_other_unit(const std::string& what, const std::string& own, const std::string& taken) {
     raw_.warnings.push_back("by its format or header the file has " + what + " in " + own +
                             "; using the requested " + taken);
+  }
+
+  [[nodiscard]] bool has_range(std::size_t column) const {
+    const auto joint = static_cast<std::size_t>(raw_.joint_indices[column]);
+    const LimitSet& limits = robot_.model_limits();
+    return std::isfinite(limits.lower[joint]) && std::isfinite(limits.upper[joint]);
   }
 
   [[nodiscard]] bool is_hinge(std::size_t column) const {

@@ -18,7 +18,8 @@ namespace retarget {
 /// ground. Evidence against them is an error or a warning, and never another unit.
 ///
 /// @param raw  its numbers are finite and its joint_indices known.
-/// Errors (kInput): joints beyond the robot's widest range, a root beyond its reach.
+/// Errors (kInput): joints beyond the robot's widest range (those that have none: beyond four turns),
+/// a root beyond its reach.
 [[nodiscard]] Result<void> find_units(const Robot& robot, const std::string& file,
                                       const ReadMotionOptions& options, RawMotion& raw);
 

@@ -131,14 +131,19 @@ std::string pbhc_pickle(const RobotClip& clip, const std::string& name) {
 RobotClip with_robot(const RobotClip& clip, std::shared_ptr<const Robot> robot) {
   RobotClip changed(std::move(robot), clip.rate(), clip.frame_count());
   const Robot& other = changed.robot();
+  // places of a joint in a configuration of this robot and of the other, whose models may differ
+  std::vector<std::pair<int, int>> addresses;
+  for (const int index : other.output_joints()) {
+    const RobotJoint& joint = other.joints()[index];
+    const auto own = clip.robot().find_joint(joint.name);
+    if (!own) continue;
+    addresses.emplace_back(clip.robot().joints()[*own].qpos_address, joint.qpos_address);
+  }
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     const auto from = clip.qpos(frame);
     const auto to = changed.qpos(frame);
     for (std::size_t i = 0; i < 7; ++i) to[i] = from[i];
-    for (const int joint : other.output_joints()) {
-      const int address = other.joints()[joint].qpos_address;
-      to[address] = from[address];
-    }
+    for (const auto& [source, target] : addresses) to[target] = from[source];
   }
   return changed;
 }

@@ -152,8 +152,8 @@ OptionTable robot_table(RobotChoice& options) {
                  "Output joint order, limit sets and soles of " OPTION("robot-xml") ", JSON",
                  {.file = OptionFile::kContent}),
           option("dof", options.variant, kRobotGroup, "NAME",
-                 "Variant of the robot whose other joints are held and not written: 29, 27, 23 or "
-                 "23-pbhc for the G1 (default: all)")};
+                 "Variant of the robot with fewer joints, for which the motion is solved: 29, 27, "
+                 "23 or 23-pbhc for the G1 (default: all)")};
 }
 
 OptionTable solve_table(SolveOptions& options) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,8 +86,12 @@ void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits) {
   const RobotClip& clip = draft.clip;
   std::vector<char> any(clip.frame_count(), 0);
   std::vector<std::pair<Stay, JointLimit>> stays;
+  std::set<int> counted;  // joints
+  std::int64_t joint_frames = 0;
   for (const JointLimit& limit : limits_that_count(clip.robot(), limits)) {
     const Stay stay = stay_at(limit, clip, any);
+    if (std::isfinite(limit.bound)) counted.insert(limit.joint);
+    joint_frames += stay.frames;
     if (stay.frames > 0) stays.emplace_back(stay, limit);
   }
   std::ranges::stable_sort(stays, std::greater(), [](const auto& s) { return s.first.frames; });
@@ -102,6 +108,9 @@ void measure_at_limits(const ReportBuilder& draft, const LimitSet& limits) {
   }
   draft.set("at_limit_pct", percent(static_cast<double>(std::ranges::count(any, 1)),
                                     static_cast<double>(any.size())));
+  draft.set("joint_frames_at_limit_pct",
+            percent(static_cast<double>(joint_frames),
+                    static_cast<double>(counted.size()) * clip.frame_count()));
   draft.set("joint_at_limit_pct", stays.empty() ? 0.0 : share(stays.front().first.frames));
 }
 

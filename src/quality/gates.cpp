@@ -11,6 +11,7 @@
 #include "base/faults.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/number_text.h"
 #include "base/suggest.h"
 #include "base/text_size.h"
 #include "base/try.h"
@@ -20,11 +21,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Failure unknown_metric(const std::string& key) {
+  return config_failure("", "unknown metric \"" + key + "\"" + did_you_mean(key, metric_keys()));
+}
+
+// figures above which a gate is off
+Result<std::vector<GateException>> exceptions_from(const std::string& key, const Json& json) {
+  std::vector<GateException> exceptions;
+  if (!json.is_object() || json.empty() ||
+      !std::all_of(json.begin(), json.end(), [](const Json& value) { return value.is_number(); })) {
+    return config_failure("", "\"unless\" of the gate on " + key +
+                                  " must be {metric: number, ...}, found " + short_text(json));
+  }
+  for (const auto& [metric, above] : json.items()) {
+    if (find_metric(metric) == nullptr) return unknown_metric(metric);
+    exceptions.push_back({metric, above.get<double>()});
+  }
+  return exceptions;
+}
+
 // what one member of `gates` says, or why it says nothing
 Result<Gate> gate_from(const std::string& key, const Json& json) {
-  if (find_metric(key) == nullptr) {
-    return config_failure("", "unknown metric \"" + key + "\"" + did_you_mean(key, metric_keys()));
-  }
+  if (find_metric(key) == nullptr) return unknown_metric(key);
   Gate gate{key, std::nullopt, std::nullopt};
   if (json.is_null()) return gate;
   if (json.is_number()) {
@@ -34,12 +52,13 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
   const bool known =
       json.is_object() && std::ranges::all_of(json.items(), [](const auto& member) {
         const std::string& name = member.key();
+        if (name == "unless") return true;
         return (name == "min" || name == "max" || name == "leg_m") && member.value().is_number();
       });
   if (!known || !(json.contains("min") || json.contains("max"))) {
     return config_failure("", "the gate on " + key +
                                   " must be a number, null or {\"min\": number, \"max\": number}, "
-                                  "with \"leg_m\" or without, found " +
+                                  "with \"leg_m\" and \"unless\" or without, found " +
                                   short_text(json));
   }
   if (json.contains("leg_m")) {
@@ -49,9 +68,23 @@ Result<Gate> gate_from(const std::string& key, const Json& json) {
                                     short_text(json["leg_m"]));
     }
   }
+  if (json.contains("unless")) {
+    TRY_ASSIGN(gate.unless, exceptions_from(key, json["unless"]));
+  }
   if (json.contains("min")) gate.min = json["min"].get<double>();
   if (json.contains("max")) gate.max = json["max"].get<double>();
   return gate;
+}
+
+// why a gate is off for a motion; empty: it is not
+std::string reason_to_skip(const Gate& gate, const QualityReport& report) {
+  for (const GateException& exception : gate.unless) {
+    const MetricValue* found = report.find(exception.metric);
+    if (found == nullptr || !(found->value > exception.above)) continue;
+    return exception.metric + " is " + number_text(found->value, 1) + ", above " +
+           number_text(exception.above, 1);
+  }
+  return {};
 }
 
 }  // namespace
@@ -92,7 +125,8 @@ void Gates::judge(QualityReport& report) const {
   for (const Metric& metric : quality_metrics()) {
     const auto gate = std::ranges::find(gates_, metric.key, &Gate::metric);
     if (gate == gates_.end()) continue;
-    GateResult result{gate->metric, gate->min, gate->max, std::nullopt, true};
+    GateResult result{gate->metric, gate->min, gate->max,
+                      std::nullopt, true,      reason_to_skip(*gate, report)};
     if (gate->leg && report.leg) {
       const double size = *report.leg / *gate->leg;
       if (result.min) *result.min *= size;
@@ -101,8 +135,9 @@ void Gates::judge(QualityReport& report) const {
     if (const MetricValue* found = report.find(metric.key)) {
       result.value = found->value;
       // written so that a figure that is no number misses
-      result.passed = (!result.min || found->value >= *result.min) &&
-                      (!result.max || found->value <= *result.max);
+      result.passed =
+          !result.not_applicable.empty() || ((!result.min || found->value >= *result.min) &&
+                                             (!result.max || found->value <= *result.max));
     }
     report.gates.push_back(result);
   }

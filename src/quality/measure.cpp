@@ -17,6 +17,7 @@
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
+#include "quality/lying.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/pose.h"
 
@@ -106,6 +107,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     // what stands is learned from the part that is compared
     const ContactPlan contacts = find_contacts(SourceFeet(*source->human, frames));
     report.contacts = contacts.of_ends();
+    measure_lying(draft, *source->human, frames);
     measure_contacts(draft, tracks, contacts, frames);
     measure_stances(draft, tracks, contacts);
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;

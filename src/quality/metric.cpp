@@ -27,6 +27,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"joint_at_limit_pct", "%",
      "The same of the joint and limit with the most frames; `at_limit` names them.", kOwn},
+    {"joint_frames_at_limit_pct", "%",
+     "Of all joints that count in all frames: those at a limit, by the rules of at_limit_pct.",
+     kOwn},
     {"speed_limit_pct", "%",
      "Steps in which a joint is faster than its speed limit (by more than 1e-6 rad per step).",
      kNotes},
@@ -79,6 +82,10 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "Frames in which a source foot is in contact and every sole point and primitive is more than "
      "2 cm above the floor.",
      kContacts},
+    {"lying_pct", "%",
+     "Frames in which the source lies or crawls: its trunk leans by more than 60 degrees, and its "
+     "hips are lower than three quarters of its legs.",
+     kOwn},
     {"contact_pct", "%", "Feet and frames in which the source foot is in contact.", kContacts},
     {"contact_slip_mean", "m/s",
      "Mean horizontal speed of the middle of the sole while the source foot is in contact.",

@@ -138,11 +138,13 @@ void add_verdict(Json& json, const QualityReport& report) {
   json["passed"] = report.passed();
   json["gates"] = Json::array();
   for (const GateResult& gate : report.gates) {
-    json["gates"].push_back({{"metric", gate.metric},
-                             {"min", json_of(gate.min)},
-                             {"max", json_of(gate.max)},
-                             {"value", json_of(gate.value)},
-                             {"passed", gate.passed}});
+    Json& entry = json["gates"].emplace_back();
+    entry = {{"metric", gate.metric},
+             {"min", json_of(gate.min)},
+             {"max", json_of(gate.max)},
+             {"value", json_of(gate.value)},
+             {"passed", gate.passed}};
+    if (!gate.not_applicable.empty()) entry["not_applicable"] = gate.not_applicable;
   }
   json["faults"] = Json::array();
   for (const Fault& fault : report.faults) {

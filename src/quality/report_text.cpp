@@ -87,6 +87,17 @@ std::string missed_text(const QualityReport& report) {
   return text;
 }
 
+// gates that are off, with the reason
+std::string skipped_text(const QualityReport& report) {
+  std::string names, reason;
+  for (const GateResult& gate : report.gates) {
+    if (gate.not_applicable.empty()) continue;
+    names += (names.empty() ? "" : ", ") + gate.metric;
+    if (reason.empty()) reason = gate.not_applicable;
+  }
+  return names.empty() ? names : report.file + ": " + reason + ": " + names + "\n";
+}
+
 }  // namespace
 
 std::string report_text(std::span<const QualityReport> reports) {
@@ -112,6 +123,9 @@ std::string report_text(std::span<const QualityReport> reports) {
   std::string missed;
   for (const QualityReport& report : reports) missed += missed_text(report);
   if (!missed.empty()) text += "\n* gates missed:\n" + missed;
+  std::string skipped;
+  for (const QualityReport& report : reports) skipped += skipped_text(report);
+  if (!skipped.empty()) text += "\ngates not applicable:\n" + skipped;
   return text;
 }
 

@@ -48,14 +48,10 @@ bool has_trunk(const HumanClipInfo& human) {
          std::ranges::all_of(kTrunkBones, [&](Bone bone) { return human.has(bone); });
 }
 
-namespace {
-
 std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human) {
   if (!has_trunk(human)) return std::nullopt;
   return trunk_frame(standing_trunk_lines(human, poses_of(human)));
 }
-
-}  // namespace
 
 void measure_trunk_lean(const ReportBuilder& draft, const BodyTracks& tracks,
                         const TrunkBodies& trunk, const HumanClip& human,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 
 #include "human/human_clip.h"
 #include "pipeline/trunk_lines.h"
@@ -18,6 +19,9 @@ inline constexpr std::array kTrunkBones = {Bone::kLeftUpLeg, Bone::kRightUpLeg, 
 
 /// Whether the hips, both hip joints and both shoulders are there.
 [[nodiscard]] bool has_trunk(const HumanClipInfo& human);
+
+/// The trunk's axes when the body stands (standing_trunk_lines); nothing: it has no trunk.
+[[nodiscard]] std::optional<Eigen::Matrix3d> standing_trunk(const HumanClip& human);
 
 /// The direction that is up when the body stands, carried by its trunk: R R_standing^T z.
 [[nodiscard]] inline Eigen::Vector3d trunk_up(const Eigen::Matrix3d& trunk,

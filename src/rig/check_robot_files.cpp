@@ -13,6 +13,7 @@
 #include "retarget/robot.h"
 #include "rig/check_robot.h"
 #include "robot/load_robot.h"
+#include "robot/variant.h"
 
 namespace retarget {
 namespace {
@@ -54,6 +55,11 @@ Result<std::vector<RobotFinding>> check_robot(const RobotSources& sources,
     robot = std::move(bare);
   }
   for (const std::string& warning : (*robot)->warnings()) findings.push_back({false, warning});
+  for (const RobotVariant& each : (*robot)->profile().variants) {
+    const auto variant = robot_variant(*robot, each.name);
+    if (!variant)
+      findings.push_back({true, spell_options(full_message(variant.error()), spelling)});
+  }
   add_findings(**robot, sources, spelling, findings);
   std::ranges::stable_sort(findings, std::ranges::greater(), &RobotFinding::fault);
   return findings;

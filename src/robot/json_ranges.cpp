@@ -25,6 +25,8 @@ LimitSet ranges_from_json(const nlohmann::ordered_json& json, const Robot& robot
   }
   for (const auto& [name, range] : json.items()) {
     const auto joint = robot.find_joint(name);
+    // a variant's own model lacks the joints that it locks
+    if (!joint && robot.variant().locked.contains(name)) continue;
     if (!joint) {
       faults.add(fmt::format("{}: the model has no joint \"{}\"{}", what, name,
                              faults.suggestion(name, robot.joint_names())));

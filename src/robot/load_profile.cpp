@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <utility>
 #include <vector>
@@ -37,7 +38,7 @@ const std::vector<std::string> kKeys = {"name",
                                         "allowed_self_contact",
                                         "variants"};
 
-const std::vector<std::string> kVariantKeys = {"description", "locked"};
+const std::vector<std::string> kVariantKeys = {"description", "locked", "model", "bodies"};
 const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
 const std::vector<std::string> kSides = {"left", "right"};
@@ -49,8 +50,9 @@ std::string quoted(const std::string& text) {
 // reads the parts of a profile one by one and notes what is wrong with them
 class ProfileReader {
  public:
-  ProfileReader(const Json& json, const Robot& bare, Faults& faults)
+  ProfileReader(const Json& json, const std::string& path, const Robot& bare, Faults& faults)
       : members_(json, faults),
+        folder_(std::filesystem::path(path).parent_path()),
         body_names_(bare.body_names()),
         joint_names_(bare.joint_names()),
         bare_(bare),
@@ -213,8 +215,21 @@ class ProfileReader {
       }
       const JsonMembers members(entry, faults_, what + ": ");
       members.check_keys(kVariantKeys);
-      profile_.variants.push_back(
-          {name, members.text("description"), joint_positions(*locked, what)});
+      RobotVariant variant{
+          name, members.text("description"), joint_positions(*locked, what), {}, {}};
+      // beside the profile, so that a robot is one folder wherever it lies
+      if (const std::string model = members.text("model"); is_plain_name(model)) {
+        variant.model = (folder_ / model).string();
+      } else if (!model.empty()) {
+        faults_.add(what + ": \"model\" must be a file beside the profile, found " + quoted(model));
+      }
+      if (const Json* bodies = members.list("bodies")) {
+        for (const Json& entry : *bodies) {
+          variant.bodies.push_back(name_in(entry));
+          body(variant.bodies.back(), what);
+        }
+      }
+      profile_.variants.push_back(std::move(variant));
     }
   }
 
@@ -274,6 +289,7 @@ class ProfileReader {
   }
 
   const JsonMembers members_;
+  const std::filesystem::path folder_;
   const std::vector<std::string> body_names_;
   const std::vector<std::string> joint_names_;
   const Robot& bare_;
@@ -287,7 +303,7 @@ Result<RobotProfile> load_profile(const std::string& path, const Robot& bare) {
   TRY_ASSIGN(const auto json, load_json(path));
   if (!json.is_object()) return config_failure(path, "a robot profile must be a JSON object");
   Faults faults;
-  RobotProfile profile = ProfileReader(json, bare, faults).read();
+  RobotProfile profile = ProfileReader(json, path, bare, faults).read();
   if (!faults.empty()) return faults.failure_in(path, "the robot profile");
   return profile;
 }

@@ -39,7 +39,8 @@ namespace retarget {
 /// | `soles` | `left`, `right`: `{"body": name, "points": [[x, y, z], ...], "labels": [text,
 /// ...]}`, metres in the body's frame; labels may be left out | | `allowed_self_contact` | pairs of
 /// bodies whose contact is no fault |
-/// | `variants` | name: `{"locked": {joint: position}, "description": text}`; see variant.h |
+/// | `variants` | name: `{"locked": {joint: position}, "description": text, "model": file, "bodies":
+/// [name, ...]}`; see variant.h |
 ///
 /// Faults of a profile are named all at once (kConfig), with the nearest name where one is unknown.
 [[nodiscard]] Result<std::shared_ptr<const Robot>> load_robot_files(

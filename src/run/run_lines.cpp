@@ -153,9 +153,13 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
   std::vector<SummaryLine> lines;
   const std::string name = file.empty() ? file : file + ": ";
   std::string missed;
-  long kept = 0, unmeasured = 0;
+  std::string reason;
+  long kept = 0, unmeasured = 0, skipped = 0;
   for (const GateResult& gate : report.gates) {
-    if (!gate.value) {
+    if (!gate.not_applicable.empty()) {
+      ++skipped;
+      reason = gate.not_applicable;
+    } else if (!gate.value) {
       ++unmeasured;
     } else if (gate.passed) {
       ++kept;
@@ -169,6 +173,7 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
       name +
       (all == 0 ? "no gates" : std::to_string(kept) + " of " + count_text(all, "gate") + " kept");
   if (unmeasured > 0) text += ", " + std::to_string(unmeasured) + " not measured";
+  if (skipped > 0) text += ", " + std::to_string(skipped) + " not applicable (" + reason + ")";
   // a joint that nothing pushes merely rests there, as fingers do
   const auto limited = std::ranges::find_if(
       report.limited_joints, [](const LimitedJoint& joint) { return !joint.task.empty(); });

@@ -92,6 +92,7 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
   std::vector<ReadFile> files;
   TRY(add_file(files, "motion", run.motion, data_folder));
   TRY(add_file(files, "model", robot.model, data_folder));
+  TRY(add_file(files, "variant_model", robot.robot->variant().model, data_folder));
   TRY(add_file(files, "profile", robot.profile, data_folder));
   TRY(add_file(files, "mapping", config, data_folder));
   Run copy = run;
@@ -159,6 +160,11 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
   }
   sidecar.format = text_of(json["output"], "format");
   sidecar.hash = text_of(json["output"], "hash");
+  if (const auto found = json.find("found"); found != json.end() && found->is_object()) {
+    if (const auto fps = found->find("fps"); fps != found->end() && fps->is_number()) {
+      sidecar.fps = fps->get<double>();
+    }
+  }
   // runs whose options were recorded before there was a choice took every frame
   sidecar.run.options.part.lead_in = LeadIn::kKeep;
   auto options =

@@ -37,6 +37,7 @@ struct Sidecar {
   std::string output;   ///< The file that it describes, which lies beside it.
   std::string format;   ///< And what it is.
   std::string hash;     ///< Of that file.
+  double fps = 0.0;     ///< Of its motion; 0: not recorded.
   Run run;
   std::vector<ReadFile> files;  ///< Their paths are not known.
 };

@@ -37,7 +37,12 @@ Json gate_json(const GateResult& gate) {
   Json json = {{"metric", gate.metric}, {"passed", gate.passed}};
   if (gate.min) json["min"] = *gate.min;
   if (gate.max) json["max"] = *gate.max;
-  if (gate.value) json["value"] = *gate.value;
+  // without a value it is not shown as kept
+  if (gate.not_applicable.empty()) {
+    if (gate.value) json["value"] = *gate.value;
+  } else {
+    json["not_applicable"] = gate.not_applicable;
+  }
   return json;
 }
 

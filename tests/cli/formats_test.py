@@ -142,6 +142,36 @@ class Documentation(FormatsTest):
             self.assertTrue(found and len(found[-1]) in (frames, -(-(frames - 1) * 5 // 3)))
 
 
+class Variants(FormatsTest):
+    def test_bodies_are_those_of_the_makers_models(self):
+        """A run's files; places against MuJoCo's are tests/io/variant_bodies_test.cpp."""
+        for dof, joints, bodies in (("29", 29, 30), ("27", 27, 30), ("23", 23, 24)):
+            self.assert_done(self.retarget("--frames", "0:40", "--dof", dof, "--format",
+                                           "csv,npz-mjlab,npz-beyondmimic,pkl-gmr", output=dof))
+            self.assertEqual(len(self.rows(f"{dof}.csv")[0]), 7 + joints)
+            self.assertIn("torso_link", self.load(f"{dof}.gmr.pkl")["link_body_list"])
+            for flavour in ("mjlab", "beyondmimic"):
+                motion = np.load(self.folder / f"{dof}.{flavour}.npz")
+                names = list(motion["body_names"])
+                self.assertEqual((motion["joint_pos"].shape[1], len(names)), (joints, bodies))
+                # the anchor over the pelvis: where every one of the three models has it
+                place = {name: motion["body_pos_w"][:, names.index(name)].astype(float)
+                         for name in ("pelvis", "torso_link")}
+                apart = np.linalg.norm(place["torso_link"] - place["pelvis"], axis=1)
+                self.assertLess(np.abs(apart - np.hypot(0.0039635, 0.044)).max(), 1e-5)
+
+    def test_a_motion_of_all_joints_becomes_the_variants(self):
+        self.converted(GOLDEN / "walk.csv", "few.csv", "--dof", "23", "--precision", "9")
+        self.converted("few.csv", "all.csv", "--source-dof", "23", "--precision", "9")
+        wanted = np.loadtxt(GOLDEN / "walk.csv", delimiter=",")
+        wanted[:, [20, 21, 27, 28, 34, 35]] = 0
+        self.assert_same(self.rows("all.csv"), wanted.tolist(), 1e-9)
+        self.converted(GOLDEN / "walk.csv", "few.npz", "--dof", "23", "--format", "npz-mjlab")
+        said = self.converted("few.npz", "again.csv", "--dof", "23", "--fps", "30")
+        self.assertIn("npz-mjlab", said)
+        self.assertEqual(len(self.rows("again.csv")[0]), 30)
+
+
 class Tracking(FormatsTest):
     def test_arrays(self):
         self.converted(GOLDEN / "walk.csv", "out", "--format", "npz-mjlab,npz-beyondmimic")

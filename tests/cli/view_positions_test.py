@@ -178,9 +178,8 @@ class Positions(ToolTest):
         robot = json.loads((folder / "robot.json").read_text())
         held = robot["variants"]["23"]["locked"]
         order = [name for name in robot["joint_order"] if name not in held]
-        self.check(
-            (folder / "model.xml").read_text(), order, "--robot", "unitree_g1", "--dof", "23"
-        )
+        model = folder / robot["variants"]["23"]["model"]
+        self.check(model.read_text(), order, "--robot", "unitree_g1", "--dof", "23")
 
     def test_slides_and_references(self):
         self.write("model.xml", MODEL)

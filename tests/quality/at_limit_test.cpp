@@ -64,6 +64,8 @@ TEST(AtLimit, CountsFramesForAnyJointAndTheWorstJoint) {
   });
   EXPECT_DOUBLE_EQ(figure(report, "at_limit_pct"), 70.0);
   EXPECT_DOUBLE_EQ(figure(report, "joint_at_limit_pct"), 60.0);
+  // 9 of 10 frames of four joints: neither the head nor what has no range counts
+  EXPECT_DOUBLE_EQ(figure(report, "joint_frames_at_limit_pct"), 100.0 * 9 / 40);
   ASSERT_TRUE(report.at_limit);
   EXPECT_EQ(report.at_limit->joint, "waist");
   EXPECT_TRUE(report.at_limit->at_upper);

@@ -200,6 +200,29 @@ TEST_F(TrunkLeanTest, IsTheMeanOverFramesAndReportsOutliers) {
   EXPECT_NEAR(fault->amount, 36.0, 1e-9);
 }
 
+// legs of 0.9 m: hips lower than 0.675 m are low
+TEST_F(TrunkLeanTest, LyingIsALeanWithLowHips) {
+  const auto lying_of = [&](double degrees, double height, int lying_frames = 10) {
+    HumanClip human = bent(about(Vector3d::UnitY(), degrees));
+    for (int frame = 0; frame < lying_frames; ++frame) {
+      for (const Bone bone : kAllBones) {
+        human.world_from_bone[static_cast<std::size_t>(frame)][bone].translation.z() +=
+            height - 1.0;
+      }
+    }
+    const QualityReport report = measure(human, Quaterniond::Identity());
+    const MetricValue* found = report.find("lying_pct");
+    return found == nullptr ? -1.0 : found->value;
+  };
+  EXPECT_EQ(lying_of(0.0, 1.0), 0.0);
+  EXPECT_EQ(lying_of(90.0, 1.0), 0.0);  // bends over
+  EXPECT_EQ(lying_of(0.0, 0.3), 0.0);   // squats or sits
+  EXPECT_EQ(lying_of(55.0, 0.5), 0.0);
+  EXPECT_EQ(lying_of(65.0, 0.5), 100.0);  // crawls
+  EXPECT_EQ(lying_of(-90.0, 0.2), 100.0);
+  EXPECT_EQ(lying_of(90.0, 0.2, 3), 30.0);
+}
+
 TEST_F(TrunkLeanTest, DoesNotNeedMappedHands) {
   ResolvedConfig config = config_;
   EXPECT_EQ(leave_out_bones(config, std::array{Bone::kLeftHand, Bone::kRightHand}).value(), 2);
@@ -216,6 +239,7 @@ TEST_F(TrunkLeanTest, IsOmittedWithoutShoulders) {
   human.sources[Bone::kLeftArm].clear();
   const QualityReport report = measure(human, Quaterniond::Identity());
   EXPECT_EQ(report.find("trunk_lean_error_deg"), nullptr);
+  EXPECT_EQ(report.find("lying_pct"), nullptr);
   EXPECT_FALSE(report.trunk_lean);
 }
 

@@ -139,6 +139,12 @@ TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
   EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {}}})"), HasSubstr("variant \"a\""));
   EXPECT_THAT(message_with(R"("variants": {"a": {"locked": {"left_elbw": 0}}})"),
               AllOf(HasSubstr("variant \"a\""), HasSubstr("\"left_elbow\"?")));
+  EXPECT_THAT(
+      message_with(R"("variants": {"a": {"locked": {"left_elbow": 0}, "model": "../a.xml"}})"),
+      HasSubstr("must be a file beside the profile, found \"../a.xml\""));
+  EXPECT_THAT(
+      message_with(R"("variants": {"a": {"locked": {"left_elbow": 0}, "bodies": ["left_uper"]}})"),
+      HasSubstr("the model has no body \"left_uper\""));
   EXPECT_THAT(message_with(R"("variants": {"a": {"loked": {}, "locked": {"left_elbow": 0}}})"),
               HasSubstr("did you mean \"locked\"?"));
   EXPECT_THAT(message_with(R"("variants": {"": {"locked": {"left_elbow": 0}}})"),

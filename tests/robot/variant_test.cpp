@@ -3,8 +3,10 @@
 #include "robot/variant.h"
 
 #include <gmock/gmock.h>
+#include <mujoco/mujoco.h>
 
 #include "retarget/motion.h"
+#include "retarget/motion_io.h"
 #include "robot/limit_distance.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
@@ -107,6 +109,10 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
     const auto variant = robot_variant(g1, name);
     ASSERT_TRUE(variant) << describe(variant.error());
     EXPECT_EQ(columns_of(**variant), without(held)) << name;
+    // a model of its own has no joints to hold
+    EXPECT_EQ((*variant)->whole() != nullptr, name == "23");
+    EXPECT_EQ((*variant)->joints().size(), name == "23" ? 23U : 29U);
+    if (name == "23") continue;
     for (const int joint : held) {
       EXPECT_EQ((*variant)->model_limits().lower[joint], 0.0);
       EXPECT_EQ((*variant)->model_limits().upper[joint], 0.0);
@@ -114,6 +120,147 @@ TEST(RobotVariantTest, G1VariantsMatchPublishedOnes) {
   }
   const auto message = robot_variant(g1, "23-pbch").error().message;
   EXPECT_THAT(message, HasSubstr("\"23-pbhc\"?"));
+}
+
+// the two arms without the right one
+constexpr const char* kOneArm = R"(
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="base" pos="0 0 1">
+      <freejoint/>
+      <geom size="0.1" mass="1"/>
+      <body name="left_upper" pos="0 0.25 0.1">
+        <joint name="left_elbow" axis="1 0 1" range="0 2"/>
+        <joint name="left_shoulder" axis="0 1 0" range="-1 1.5"/>
+        <geom size="0.05" mass="1"/>
+        <body name="left_lower" pos="0 0.3 0">
+          <joint name="left_twist" axis="0 1 0"/>
+          <geom size="0.05" mass="1"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+constexpr const char* kProfileWithModel = R"({
+  "name": "two_arms",
+  "joint_order": ["right_slide", "left_twist", "right_shoulder", "left_elbow", "left_shoulder"],
+  "limit_sets": {"narrow": {"source": "s", "ranges": {"left_elbow": [0.2, 0.4],
+                                                      "right_shoulder": [0.1, 0.2]}}},
+  "speed_limits": {"left_elbow": 3, "right_slide": 1},
+  "t_pose": {"left_elbow": 0.5, "right_slide": 0.1},
+  "soles": {"left": {"body": "left_lower", "points": [[0, 0, 0]]}},
+  "allowed_self_contact": [["left_lower", "base"], ["right_upper", "base"]],
+  "variants": {"one_arm": {"model": "one_arm.xml",
+                           "locked": {"right_slide": 0.05, "right_shoulder": -0.3}}}})";
+
+Result<std::shared_ptr<const Robot>> one_arm(const std::string& model,
+                                             const std::string& profile = kProfileWithModel) {
+  const TemporaryFolder folder;
+  folder.write("one_arm.xml", model);
+  const auto robot =
+      load_robot_files(folder.write("robot.xml", kTwoArms), folder.write("robot.json", profile));
+  EXPECT_TRUE(robot) << describe(robot.error());
+  return robot_variant(*robot, "one_arm");
+}
+
+TEST(RobotVariantTest, ModelsOfTheirOwnTakeTheProfileByNames) {
+  const auto variant = one_arm(kOneArm);
+  ASSERT_TRUE(variant) << describe(variant.error());
+  const Robot& robot = **variant;
+  ASSERT_NE(robot.whole(), nullptr);
+  EXPECT_EQ(robot.whole()->joints().size(), 5U);
+  EXPECT_EQ(robot.name(), "two_arms");
+  EXPECT_EQ(robot.variant().name, "one_arm");
+  EXPECT_EQ(robot.configuration_size(), 10);
+  EXPECT_THAT(columns_of(robot), ElementsAre("left_twist", "left_elbow", "left_shoulder"));
+  const auto limits = load_limits(robot, "narrow");
+  ASSERT_TRUE(limits) << describe(limits.error());
+  EXPECT_EQ(limits->source, "s");
+  EXPECT_THAT(limits->upper, ElementsAre(0.4, 1.5, testing::Gt(1e9)));
+  EXPECT_EQ(robot.model_limits().upper[0], 2.0);
+  EXPECT_EQ(robot.speed_limit(0), 3.0);
+  EXPECT_EQ(robot.profile().t_pose.size(), 1U);
+  EXPECT_EQ(robot.bodies()[robot.profile().soles.at(0).body].name, "left_lower");
+  ASSERT_EQ(robot.profile().allowed_self_contact.size(), 1U);
+  EXPECT_EQ(robot.bodies()[robot.profile().allowed_self_contact[0].first].name, "left_lower");
+  // a file of limits may be the whole robot's
+  const TemporaryFolder folder;
+  const auto file = folder.write("l.json", R"({"right_slide": [0, 0.1], "left_elbow": [0, 1]})");
+  ASSERT_TRUE(load_limits(robot, file)) << describe(load_limits(robot, file).error());
+  EXPECT_EQ(load_limits(robot, file)->upper[0], 1.0);
+  // its motions and the whole robot's: joints by name, what it lacks where it is held
+  RobotClip clip(*variant, {30, 1}, 1);
+  for (int i = 0; i < 3; ++i) clip.qpos(0)[7 + i] = 0.1 * (i + 1);
+  const RobotClip all = with_robot(clip, robot.whole());
+  EXPECT_THAT(std::vector(all.qpos(0).begin() + 7, all.qpos(0).end()),
+              ElementsAre(0.2, 0.1, 0.1 * 3, 0, 0.1));
+  const RobotClip again = with_robot(all, *variant);
+  EXPECT_THAT(std::vector(again.qpos(0).begin() + 7, again.qpos(0).end()),
+              ElementsAre(0.1, 0.2, 0.1 * 3));
+}
+
+TEST(RobotVariantTest, ModelsThatAreNoVariantsAreRefused) {
+  const auto text_of = [](std::string model, const std::string& from, const std::string& to) {
+    const std::size_t at = model.find(from);
+    EXPECT_NE(at, std::string::npos);
+    const auto variant = one_arm(model.replace(at, from.size(), to));
+    EXPECT_FALSE(variant);
+    if (variant) return std::string();
+    EXPECT_EQ(variant.error().kind, ErrorKind::kConfig);
+    return describe(variant.error());
+  };
+  const std::string model = kOneArm;
+  EXPECT_THAT(text_of(model, "left_twist", "left_twits"),
+              AllOf(HasSubstr("\"left_twits\", which the robot has not"),
+                    HasSubstr("did you mean \"left_twist\"?"),
+                    HasSubstr("lacks the joint \"left_twist\"")));
+  EXPECT_THAT(text_of(model, "left_twist", "right_slide"), HasSubstr("which the variant locks"));
+  EXPECT_THAT(text_of(model, "\"base\"", "\"root\""), HasSubstr("free joint on \"base\""));
+  EXPECT_THAT(text_of(model, "\"left_lower\"", "\"lower\""),
+              HasSubstr("lacks the body \"left_lower\" of a sole"));
+  EXPECT_THAT(text_of(model, "<freejoint/>", ""), HasSubstr("free joint"));
+  EXPECT_THAT(text_of(model, "</mujoco>", ""), HasSubstr("one_arm.xml"));
+  const auto missing = one_arm(model, [] {
+    std::string profile = kProfileWithModel;
+    return profile.replace(profile.find("one_arm.xml"), 11, "no_such.xml");
+  }());
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(describe(missing.error()), HasSubstr("no_such.xml"));
+}
+
+// kinematics are held against the maker's by tests/io/variant_bodies_test.cpp
+TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
+  const auto g1 = load_shipped("unitree_g1");
+  const auto variant = robot_variant(g1, "23").value();
+  for (const RobotJoint& joint : variant->joints()) {
+    const int of_whole = g1->find_joint(joint.name).value();
+    EXPECT_EQ(joint.axis, g1->joints()[of_whole].axis) << joint.name;
+    const int index = variant->find_joint(joint.name).value();
+    EXPECT_EQ(variant->model_limits().lower[index], g1->model_limits().lower[of_whole]);
+    EXPECT_EQ(variant->model_limits().upper[index], g1->model_limits().upper[of_whole]);
+    EXPECT_EQ(variant->speed_limit(index), g1->speed_limit(of_whole)) << joint.name;
+    const auto body = g1->find_body(variant->bodies()[joint.body].name);
+    if (!body) continue;  // the hand on the wrist's roll joint
+    EXPECT_EQ(variant->model()->body_mass[joint.body], g1->model()->body_mass[*body]) << joint.name;
+  }
+  // pelvis, legs, torso with its head, arms
+  constexpr double kMass = 3.813 + 2 * (1.35 + 1.52 + 1.702 + 1.932 + 0.074 + 0.608) + 7.818 +
+                           2 * (0.718 + 0.643 + 0.734 + 0.6 + 0.356929);
+  // frames are a milligram each
+  EXPECT_NEAR(variant->model()->body_subtreemass[0], kMass, 1e-4);
+  // as many shapes, in the same places while nothing is bent
+  EXPECT_EQ(variant->collision_shapes().size(), g1->collision_shapes().size());
+  std::vector<Pose> whole_poses(g1->bodies().size()), poses(variant->bodies().size());
+  forward_kinematics(*g1, g1->zero_configuration(), whole_poses);
+  forward_kinematics(*variant, variant->zero_configuration(), poses);
+  for (std::size_t b = 1; b < poses.size(); ++b) {
+    const auto body = g1->find_body(variant->bodies()[b].name);
+    if (!body) continue;
+    EXPECT_LT((poses[b].translation - whole_poses[*body].translation).norm(), 1e-9)
+        << variant->bodies()[b].name;
+  }
 }
 
 TEST(RobotVariantTest, CanOmitHands) {

@@ -14,6 +14,7 @@
 #include "plan/memory.h"
 #include "read_motion.h"
 #include "retarget/load.h"
+#include "run/recorded_motion.h"
 #include "shared_arguments.h"
 
 namespace retarget::cli {
@@ -52,7 +53,7 @@ Result<MotionTables> load_of_robot(const CompareArguments& arguments, Console& c
   MotionTables tables;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string& file = i == 0 ? arguments.a : arguments.b;
-    TRY_ASSIGN(const auto motion, load_robot_motion(file, chosen.robot, read_options));
+    TRY_ASSIGN(const auto motion, load_recorded_motion(file, chosen.robot, read_options));
     print_motion(file, motion, console);
     tables[i] = motion_table(motion.clip);
     if (motion.rate_known) tables[i].others = {{"fps", {motion.clip.rate().fps()}}};

@@ -25,6 +25,7 @@
 #include "robot/resample_robot.h"
 #include "robot/variant.h"
 #include "run/outputs.h"
+#include "run/recorded_motion.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
 
@@ -78,8 +79,8 @@ Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& consol
   TRY_ASSIGN(const LoadedRobot robot,
              load_robot(whole, arguments.common, console, Soles::kAsTheyAre));
   TRY_ASSIGN(RobotMotion motion,
-             load_robot_motion(arguments.input, robot.robot,
-                               read_motion_options(arguments.reading, arguments.memory_gb)));
+             load_recorded_motion(arguments.input, robot.robot,
+                                  read_motion_options(arguments.reading, arguments.memory_gb)));
   print_motion(arguments.input, motion, console);
   const std::string& name = arguments.robot.variant;
   if (name.empty()) return at_rate(std::move(motion.clip), motion.bytes, arguments);

@@ -11,6 +11,7 @@
 #include "plan/gates.h"
 #include "read_motion.h"
 #include "robot/resample_robot.h"
+#include "run/recorded_motion.h"
 #include "run/run_to_files.h"
 #include "shared_arguments.h"
 
@@ -139,7 +140,7 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
 
 Result<MeasuredMotion> measure_file(const std::string& file, const Measures& measures,
                                     Console& console) {
-  TRY_ASSIGN(RobotMotion motion, load_robot_motion(file, measures.robot, measures.reading));
+  TRY_ASSIGN(RobotMotion motion, load_recorded_motion(file, measures.robot, measures.reading));
   // a rate that --fps gave is no guess
   const bool rate_known = motion.rate_known;
   motion.rate_known = rate_known || measures.reading.default_rate.has_value();

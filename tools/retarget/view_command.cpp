@@ -25,6 +25,7 @@
 #include "retarget/plan.h"
 #include "retarget/solve.h"
 #include "retarget/view.h"
+#include "run/recorded_motion.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
@@ -105,8 +106,8 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
              load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
   TRY_ASSIGN(
       const RobotMotion motion,
-      load_robot_motion(file, robot.robot,
-                        read_motion_options(arguments.reading, run.options.source.memory_gb)));
+      load_recorded_motion(file, robot.robot,
+                           read_motion_options(arguments.reading, run.options.source.memory_gb)));
   print_motion(file, motion, console);
   TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
   for (const std::string& output : {run.output, arguments.png}) {
@@ -129,8 +130,8 @@ Result<std::optional<FrameRate>> rate_of_source(const ViewArguments& arguments,
   }
   TRY_ASSIGN(
       const RobotMotion motion,
-      load_robot_motion(file, robot.robot,
-                        read_motion_options(arguments.reading, run.options.source.memory_gb)));
+      load_recorded_motion(file, robot.robot,
+                           read_motion_options(arguments.reading, run.options.source.memory_gb)));
   return motion.rate_known ? std::optional(motion.clip.rate()) : std::nullopt;
 }
 

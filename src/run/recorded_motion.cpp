@@ -1,0 +1,80 @@
+#include "run/recorded_motion.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/file.h"
+#include "base/text_size.h"
+#include "base/try.h"
+#include "motion/clip_size.h"
+#include "provenance/hash.h"
+#include "retarget/options.h"
+#include "run/sidecar.h"
+
+namespace retarget {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// of a CSV; nothing: there is none, or what is there is no sidecar of this file
+std::optional<Sidecar> sidecar_beside(const std::string& path) {
+  const std::string file = path + ".json";
+  if (path == "-" || !is_file(file)) return std::nullopt;
+  const auto content = read_file(file, ErrorKind::kInput, kMaxTextBytes);
+  if (!content) return std::nullopt;
+  auto sidecar = read_sidecar(content->view(), file);
+  if (!sidecar || sidecar->format != format_name(MotionFormat::kCsv) ||
+      sidecar->output != fs::path(path).filename().string()) {
+    return std::nullopt;
+  }
+  return *std::move(sidecar);
+}
+
+bool has_variant(const Robot& robot, const std::string& name) {
+  return std::ranges::find(robot.profile().variants, name, &RobotVariant::name) !=
+         robot.profile().variants.end();
+}
+
+// what the options leave open and the sidecar tells
+ReadMotionOptions completed(ReadMotionOptions options, const Sidecar& sidecar, const Robot& robot) {
+  const SaveOptions& csv = sidecar.run.options.save;
+  if (!options.rate && sidecar.fps > 0.0) options.rate = frame_rate_from_fps(sidecar.fps);
+  if (!options.degrees) options.degrees = csv.degrees;
+  if (!options.metres_per_unit) options.metres_per_unit = csv.centimetres ? 0.01 : 1.0;
+  // a header tells it itself
+  if (!options.quaternion && (!csv.header || options.ignore_header)) {
+    options.quaternion = csv.quaternion;
+  }
+  const std::string& variant = sidecar.run.robot.variant;
+  if (options.variant.empty() && has_variant(robot, variant)) options.variant = variant;
+  return options;
+}
+
+}  // namespace
+
+Result<RobotMotion> load_recorded_motion(const std::string& path,
+                                         const std::shared_ptr<const Robot>& robot,
+                                         const ReadMotionOptions& options) {
+  const auto sidecar = sidecar_beside(path);
+  if (!sidecar || !is_file(path)) return load_robot_motion(path, robot, options);
+  TRY_ASSIGN(const auto content,
+             read_file(path, ErrorKind::kInput, options.max_bytes, kLargeFileHint));
+  TRY_ASSIGN(const std::string hash, hash_bytes(content.view()));
+  const std::string name = fs::path(path + ".json").filename().string();
+  if (hash != sidecar->hash) {
+    TRY_ASSIGN(auto motion, parse_robot_motion(content.view(), robot, path, options));
+    motion.notes.push_back(name + " is of another content of this file and is not used");
+    return motion;
+  }
+  TRY_ASSIGN(auto motion,
+             parse_robot_motion(content.view(), robot, path, completed(options, *sidecar, *robot)));
+  motion.notes.push_back("read as " + name + " records that it was written");
+  return motion;
+}
+
+}  // namespace retarget
