@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/try.h"
 #include "robot/check_model.h"
+#include "robot/mesh_geoms.h"
 #include "robot/mujoco_messages.h"
 #include "version_numbers.h"
 
@@ -202,7 +203,7 @@ Result<void> check_numbers(const mjModel& model, const std::string& path) {
 Result<LoadedModel> load_model(const std::string& path, const ModelChanges& changes) {
   TRY(check_version());
   TRY(check_file(path));
-  TRY(check_model(path, changes.keep_meshes));
+  TRY(check_model(path, changes.keep_meshes || changes.find_meshes));
 
   const std::lock_guard lock(load_mutex);
   const MessageGuard guard;
@@ -212,6 +213,8 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!spec) return model_failure(path, text.data());
   LoadedModel loaded;
   note_equalities(spec.get(), loaded);
+  MeshGeoms mesh_geoms;
+  if (changes.find_meshes) mesh_geoms.replace(spec.get());
   keep_kinematics(spec.get(), changes.keep_meshes);
   if (changes.name_all) {
     name_elements(spec.get(), mjOBJ_BODY, "body");
@@ -222,6 +225,7 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
   TRY(check_numbers(*loaded.model, path));
+  loaded.meshes = mesh_geoms.find(*loaded.model);
   loaded.warnings = guard.warnings();
   // some versions tell a warning here, some through the handler, some both ways
   const std::string warning =

@@ -5,6 +5,7 @@
 
 #include "retarget/error.h"
 #include "retarget/robot.h"
+#include "robot/model_meshes.h"
 
 namespace retarget {
 
@@ -15,6 +16,7 @@ struct LoadedModel {
   std::string floated_body;          ///< The body that was given a free joint; empty: none was.
   std::vector<std::string> closed;   ///< Equalities dropped that tie two bodies, `"a" to "b"`.
   std::vector<std::string> coupled;  ///< Equalities dropped that tie joints together.
+  std::vector<ModelMesh> meshes;     ///< What bodies are drawn with, if it was asked for.
 };
 
 /// What is done to a model beyond dropping what plays no part in kinematics.
@@ -26,6 +28,9 @@ struct ModelChanges {
   bool name_all = false;
   /// Compile the meshes too, for their vertices; their files must be there then.
   bool keep_meshes = false;
+  /// Tell where which mesh files are (LoadedModel::meshes), without reading them. The compiled model has
+  /// small spheres in their places.
+  bool find_meshes = false;
 };
 
 /// Compiles an MJCF (or URDF) file without its meshes and other assets, for kinematics.

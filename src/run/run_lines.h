@@ -8,6 +8,7 @@
 #include "retarget/load.h"
 #include "retarget/report.h"
 #include "retarget/solve.h"
+#include "retarget/view.h"
 
 namespace retarget {
 
@@ -19,6 +20,9 @@ namespace retarget {
 [[nodiscard]] std::vector<SummaryLine> fit_lines(const FitReport& report, bool verbose);
 /// How near the motion comes to the joint limits, which joints stay at one, and why.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
+
+/// How many bodies of a page have meshes, and which are lacking; nothing where a robot has none.
+[[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
 
 /// Gates that were missed, with their figures, and in one line whether the gates were kept and which
 /// joint is at its limit most: `16 of 16 gates kept; waist_pitch at its limit in 46 % of frames`.

@@ -16,6 +16,7 @@
 #include "retarget/view.h"
 #include "run/run_lines.h"
 #include "run/sidecar.h"
+#include "view/strip.h"
 
 namespace retarget {
 namespace {
@@ -61,12 +62,29 @@ Result<OutputFile> write_report(const std::string& path, const QualityReport& re
 // the same
 Result<OutputFile> write_page(const std::string& path, const Motion& motion,
                               const QualityReport& report, Observer& observer) {
-  TRY_ASSIGN(const std::string page,
-             view_page(motion, std::filesystem::path(report.file).stem().string(), &report));
+  TRY_ASSIGN(const RobotMeshes meshes,
+             load_robot_meshes(*motion.plan.robot.robot, motion.plan.robot.model));
+  observer.lines(mesh_lines(meshes));
+  TRY_ASSIGN(
+      const std::string page,
+      view_page(motion, std::filesystem::path(report.file).stem().string(), &report, &meshes));
   TRY_ASSIGN(OutputFile file, OutputFile::create(path));
   TRY(file.write(page));
   observer.line("page", path + ": " + number_text(static_cast<double>(page.size()) / 1e6, 2) +
                             " MB, opens in a browser");
+  return file;
+}
+
+// the same
+Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion,
+                                 Observer& observer) {
+  StripPictureOptions options;
+  if (request.strip > 0) options.poses = request.strip;
+  TRY_ASSIGN(OutputFile file, OutputFile::create(request.png));
+  TRY(file.write(draw_strip_picture(motion, options)));
+  observer.line(
+      "picture",
+      request.png + ": " + count_text(std::min(options.poses, motion.clip.frame_count()), "pose"));
   return file;
 }
 
@@ -102,7 +120,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
       return sidecar_text(run, motion, file, *outcome.quality, read);
     };
   }
-  std::optional<OutputFile> report, page;
+  std::optional<OutputFile> report, page, picture;
   if (!request.report.empty()) {
     TRY_ASSIGN(report, write_report(request.report, *outcome.quality, observer));
     outcome.others.push_back(request.report);
@@ -110,6 +128,10 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
   if (!request.html.empty()) {
     TRY_ASSIGN(page, write_page(request.html, motion, *outcome.quality, observer));
     outcome.others.push_back(request.html);
+  }
+  if (!request.png.empty()) {
+    TRY_ASSIGN(picture, write_picture(request, motion, observer));
+    outcome.others.push_back(request.png);
   }
   TRY_ASSIGN(
       outcome.motions,
@@ -120,6 +142,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
   }
   if (report) TRY(report->commit());
   if (page) TRY(page->commit());
+  if (picture) TRY(picture->commit());
   return outcome;
 }
 

@@ -19,6 +19,8 @@ namespace retarget {
 struct RunRequest {
   std::string report;     ///< JSON of the motion's quality; empty: none.
   std::string html;       ///< Page that plays the motion; empty: none.
+  std::string png;        ///< Strip of poses; empty: none,
+  int strip = 0;          ///< and how many; 0: as many as a strip has by default.
   std::string write_map;  ///< Where to write which joint was taken for which bone; empty: nowhere.
   bool sidecar = false;   ///< Write `<output>.json` beside each file.
   bool measure = false;   ///< Measure the motion's quality, whether it is written or not.
@@ -33,7 +35,7 @@ struct RunOutcome {
   double fps = 0.0;                      ///< and its rate.
   std::string config;                    ///< The configuration's file.
   std::vector<WrittenFile> motions;      ///< The motion's files, with their hashes.
-  std::vector<std::string> others;       ///< Sidecars, the report and the page.
+  std::vector<std::string> others;       ///< Sidecars, report, page and picture.
   std::optional<QualityReport> quality;  ///< Where it was asked for.
 };
 
@@ -47,7 +49,7 @@ struct RunOutcome {
 [[nodiscard]] Result<Plan> read_and_plan(const Run& run, const RunRequest& request,
                                          const RobotSetup& robot, Observer& observer);
 
-/// One clip from its file to the files that a run names: the motion, sidecars, report, page. All appear
+/// One clip from its file to the files that a run names: the motion, sidecars, report, page, picture. All appear
 /// once everything was solved and written, or none.
 [[nodiscard]] Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request,
                                               const RobotSetup& robot, Observer& observer);

@@ -3,12 +3,11 @@
 
 #include "base/suggest.h"
 #include "base/try.h"
-#include "human/human_clip.h"
 #include "retarget/view.h"
-#include "robot/normalize_start.h"
 #include "view/page_assets.h"
 #include "view/page_data.h"
 #include "view/svg.h"
+#include "view/written_motion.h"
 
 namespace retarget {
 namespace {
@@ -46,17 +45,15 @@ Result<std::string> view_page(std::span<const PageMotion> motions, const PageOpt
 }
 
 Result<std::string> view_page(const Motion& motion, const std::string& label,
-                              const QualityReport* report) {
+                              const QualityReport* report, const RobotMeshes* meshes) {
   QualityReport measured;
   if (report == nullptr) {
     TRY_ASSIGN(measured, evaluate(motion));
     report = &measured;
   }
-  // as it is written
-  RobotClip clip = motion.clip;
-  if (motion.plan.options.save.normalize_start) normalize_start(clip);
-  const HumanClip human = to_human(*motion.source, motion.plan.human.calibration);
-  const PageMotion shown{label, &clip, &human, report, &motion.plan.limits};
+  const WrittenMotion written(motion);
+  const PageMotion shown{label, &written.clip, &written.human, report, &motion.plan.limits,
+                         {},    meshes};
   return view_page({&shown, 1});
 }
 

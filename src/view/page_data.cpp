@@ -10,7 +10,6 @@
 #include "math/trigonometry.h"
 #include "quality/body_tracks.h"
 #include "retarget/version.h"
-#include "view/robot_meshes.h"
 
 namespace retarget {
 namespace {
@@ -65,7 +64,7 @@ class PageWriter {
 
  private:
   Result<int> robot_of(const PageMotion& motion);
-  Result<Json> meshes_of(const Robot& robot);
+  Result<Json> meshes_of(const RobotMeshes& meshes);
   Result<int> human_of(const PageMotion& motion);
   Result<Json> tracks_of(const RobotClip& clip);
 
@@ -77,10 +76,9 @@ class PageWriter {
 };
 
 // as tracks, whose frames are vertices and triangles
-Result<Json> PageWriter::meshes_of(const Robot& robot) {
-  TRY_ASSIGN(const auto meshes, load_body_meshes(robot, options_.meshes));
+Result<Json> PageWriter::meshes_of(const RobotMeshes& meshes) {
   Json json = Json::array();
-  for (const auto& [body, mesh] : meshes) {
+  for (const auto& [body, mesh] : meshes.bodies) {
     std::vector<double> vertices, corners;
     for (const Eigen::Vector3d& vertex : mesh.vertices) {
       vertices.insert(vertices.end(), vertex.begin(), vertex.end());
@@ -102,8 +100,8 @@ Result<int> PageWriter::robot_of(const PageMotion& motion) {
   if (found != known_robots_.end()) return index;
   known_robots_.push_back(robot);
   Json json = page_robot(*robot);
-  if (!options_.meshes.empty()) {
-    TRY_ASSIGN(json["meshes"], meshes_of(*robot));
+  if (motion.meshes != nullptr && !motion.meshes->bodies.empty()) {
+    TRY_ASSIGN(json["meshes"], meshes_of(*motion.meshes));
   }
   robots_.push_back(std::move(json));
   return index;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -101,7 +102,12 @@ Result<TriangleMesh> read_obj(std::string_view text, const std::string& file) {
     text.remove_prefix(std::min(end + 1, text.size()));
     const std::string_view what = next_word(line);
     const auto bad = [&](const char* message) {
-      return failure({ErrorKind::kInput, {file, number, 0}, message, {}, {}});
+      Error error;
+      error.kind = ErrorKind::kInput;
+      error.location.file = file;
+      error.location.line = number;
+      error.message = message;
+      return failure(std::move(error));
     };
     if (what == "v") {
       const auto point = next_point(line);
@@ -122,10 +128,17 @@ Result<TriangleMesh> read_obj(std::string_view text, const std::string& file) {
   return mesh;
 }
 
+double largest_of(const TriangleMesh& mesh) {
+  double largest = 0.0;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
 }  // namespace
 
-Result<TriangleMesh> read_mesh(std::string_view bytes, const std::string& file) {
-  constexpr double kLargest = 10.0;  // metres
+Result<TriangleMesh> read_mesh_as_written(std::string_view bytes, const std::string& file) {
   TriangleMesh mesh;
   if (is_binary_stl(bytes)) {
     mesh = read_binary_stl(bytes);
@@ -137,18 +150,27 @@ Result<TriangleMesh> read_mesh(std::string_view bytes, const std::string& file) 
   if (mesh.triangles.empty()) {
     return input_failure(file, "found no triangles: neither an STL nor an OBJ file, or cut short");
   }
-  double largest = 0.0;
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     if (!vertex.allFinite()) return input_failure(file, "a vertex is not a finite number");
-    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
   }
-  if (largest > 1e3 * kLargest) {
+  return mesh;
+}
+
+Result<TriangleMesh> read_mesh(std::string_view bytes, const std::string& file) {
+  TRY_ASSIGN(TriangleMesh mesh, read_mesh_as_written(bytes, file));
+  const double largest = largest_of(mesh);
+  if (largest > 1e3 * kMeshReach) {
     return input_failure(file, "a vertex is more than 10 m away, even in millimetres");
   }
-  if (largest > kLargest) {
+  if (largest > kMeshReach) {
     for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= 1e-3;
   }
   return mesh;
+}
+
+Result<void> check_mesh_reach(const TriangleMesh& mesh, const std::string& file) {
+  if (largest_of(mesh) <= kMeshReach) return {};
+  return input_failure(file, "a vertex is more than 10 m away");
 }
 
 }  // namespace retarget

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
-#include <set>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "view/triangle_mesh.h"
 
@@ -11,6 +11,20 @@ namespace retarget {
 namespace {
 
 using Cell = std::array<std::int64_t, 3>;
+using Corners = std::array<int, 3>;
+
+// what is looked up by hash is never gone through: its order hangs on the library
+struct Hash {
+  template <typename Number>
+  std::size_t operator()(const std::array<Number, 3>& numbers) const {
+    std::uint64_t hash = 0;
+    for (const Number number : numbers) {
+      hash = (hash ^ static_cast<std::uint64_t>(number)) * 0x9E3779B97F4A7C15U;
+      hash ^= hash >> 29U;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
 
 // Cells have their middles at multiples of the side, so that 0 and -0 are in one. Vertices of a cell
 // as their mean; triangles that lose their area are left out
@@ -19,7 +33,8 @@ TriangleMesh clustered(const TriangleMesh& mesh, double side) {
     int index = 0;
     int count = 0;
   };
-  std::map<Cell, Cluster> clusters;
+  std::unordered_map<Cell, Cluster, Hash> clusters;
+  clusters.reserve(mesh.vertices.size() / 4);
   TriangleMesh result;
   std::vector<int> index_of(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -38,11 +53,11 @@ TriangleMesh clustered(const TriangleMesh& mesh, double side) {
     mean += (vertex - mean) / ++cluster.count;
     index_of[i] = cluster.index;
   }
-  std::set<std::array<int, 3>> known;
+  std::unordered_set<Corners, Hash> known;
+  known.reserve(mesh.triangles.size());
   for (const auto& [a, b, c] : mesh.triangles) {
-    std::array<int, 3> corners = {index_of[static_cast<std::size_t>(a)],
-                                  index_of[static_cast<std::size_t>(b)],
-                                  index_of[static_cast<std::size_t>(c)]};
+    Corners corners = {index_of[static_cast<std::size_t>(a)], index_of[static_cast<std::size_t>(b)],
+                       index_of[static_cast<std::size_t>(c)]};
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     // the smallest first, the sense of turning kept
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());

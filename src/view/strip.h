@@ -5,6 +5,7 @@
 #include "human/human_clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
+#include "retarget/solve.h"
 
 namespace retarget {
 
@@ -33,6 +34,10 @@ struct StripPictureOptions {
 /// The same strip as the bytes of a PNG: shaded, with soft shadows, from the same place.
 /// @pre the motion has a frame
 [[nodiscard]] std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
+                                             const StripPictureOptions& options = {});
+
+/// The picture of a motion that was solved, its source above it.
+[[nodiscard]] std::string draw_strip_picture(const Motion& motion,
                                              const StripPictureOptions& options = {});
 
 }  // namespace retarget

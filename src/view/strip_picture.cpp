@@ -7,6 +7,7 @@
 #include "view/render.h"
 #include "view/strip.h"
 #include "view/strip_frames.h"
+#include "view/written_motion.h"
 
 namespace retarget {
 namespace {
@@ -107,6 +108,11 @@ std::string draw_strip_picture(const RobotClip& motion, const HumanClip* human,
               {cell * (static_cast<double>(i) + 0.5), bottom + letters}, letters, kInk);
   }
   return format_png(image);
+}
+
+std::string draw_strip_picture(const Motion& motion, const StripPictureOptions& options) {
+  const WrittenMotion written(motion);
+  return draw_strip_picture(written.clip, &written.human, options);
 }
 
 }  // namespace retarget

@@ -54,7 +54,7 @@ class Spared(ToolTest):
 
     def test_run(self):
         for arguments in (("-o", "soft.bvh"), ("-o", "x.csv", "--report", "hard.bvh"),
-                          ("-o", "x.csv", "--write-map", "sub/../a.bvh")):
+                          ("-o", "x.csv", "--png", "soft.bvh"), ("-o", "x.csv", "--write-map", "sub/../a.bvh")):
             self.assert_spared("a.bvh", "g1", *arguments)
         for file in G1.iterdir():
             if file.is_file():

@@ -6,6 +6,8 @@ import unittest
 import xml.etree.ElementTree as xml
 import zlib
 
+import numpy as np
+
 from tool import SOURCE, ToolTest, sample, short_clip
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -101,6 +103,33 @@ class View(ToolTest):
         view = ("view", motion, "--robot", "g1", "-o", "s.svg", "--png")
         self.assert_fails(self.run_tool(*view, "no/x.png"), 2, "no")
         self.assert_fails(self.run_tool(*view, "s.svg"), 2, "s.svg")
+
+    def test_a_run_draws_the_picture_of_its_motion(self):
+        shutil.copy(sample("walk"), self.folder / "walk.bvh")
+        run = ("walk.bvh", "unitree_g1", "-o", "walk.csv", "--method", "gmr", "--png", "run.png")
+        self.assert_done(self.run_tool(*run))
+        own = self.strip("walk.csv", "--bvh", "walk.bvh", output="view.png")
+        drawn, again = pixels((self.folder / "run.png").read_bytes()), pixels(own)
+        self.assertEqual(drawn[:2], again[:2])
+        # the file has six digits, which a pixel at an edge may hang on
+        same = np.frombuffer(drawn[2], np.uint8) == np.frombuffer(again[2], np.uint8)
+        self.assertGreater(same.mean(), 0.999)
+        self.assert_done(self.run_tool(*run, "--strip", 3, "--normalize-start"))
+        few = self.strip("walk.csv", "--bvh", "walk.bvh", "--strip", 3, output="few.png")
+        self.assertEqual(pixels((self.folder / "run.png").read_bytes())[:2], pixels(few)[:2])
+        # nothing is written where anything cannot be
+        for file in ("run.png", "walk.csv"):
+            (self.folder / file).unlink()
+        for arguments, words in (
+            (("--strip", 3), "--strip is for a picture"),
+            (("--png", "-"), "--png needs a file"),
+            (("--png", "no/x.png"), "no"),
+            (("--png", "walk.bvh"), "overwrite the input"),
+            (("--png", "walk.csv"), "two outputs"),
+        ):
+            self.assert_fails(self.run_tool(*run[:6], *arguments), 2, words)
+            self.assertFalse((self.folder / "walk.csv").exists())
+        self.assert_fails(self.run_tool("batch", "walk.bvh", "-o", "out", "--png", "x.png"), 2, "--png")
 
     def test_faults_are_explained(self):
         motion = self.motion()

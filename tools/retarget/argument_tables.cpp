@@ -43,6 +43,11 @@ OptionTable request_table(RunArguments& arguments) {
           row("html", request.html, kOutputGroup, "FILE",
               "Write a page that plays the motion beside its source, with its quality; opens from "
               "disk (docs/viewing.md)"),
+          row("png", request.png, kOutputGroup, "FILE",
+              "Also write a picture, a strip of poses, as PNG"),
+          row("strip", request.strip, kOutputGroup, "N",
+              "Picture: how many poses, from the first frame to the last (default: 6)",
+              {.min = 1.0, .max = 100.0}),
           row("verbose", request.verbose, kGeneralGroup, "",
               "Also print what each term of the fit costs, before and after, and its worst frames",
               {.letter = "v"})};
@@ -132,26 +137,25 @@ OptionTable inspect_table(InspectArguments& arguments) {
 
 OptionTable view_table(ViewArguments& arguments) {
   OptionTable table = {
-      row("strip", arguments.strip, kOutputGroup, "N",
-          "Picture: how many poses, from the first frame to the last (default: 6)",
-          {.min = 1.0, .max = 100.0, .basic = true}),
-      row("png", arguments.png, kOutputGroup, "FILE", "Also write the picture as PNG"),
       row("label", arguments.labels, kOutputGroup, "TEXT",
           "Page: what a motion is called, one for each; repeatable (default: the "
           "names of the files)",
           {.basic = true}),
-      row("meshes", arguments.meshes, kOutputGroup, "DIR",
-          "Page: draw STL and OBJ files that are named like bodies, in place of the "
-          "collision primitives"),
+      row("meshes", arguments.meshes, kOutputGroup, "DIR|MODEL",
+          "Page: draw these meshes in place of the collision primitives: STL and OBJ files named "
+          "as "
+          "the robot's model or its bodies are, or those of another model, MJCF or URDF (default: "
+          "those that the robot's model names and that are there)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
           "Page: rate of motions whose files give none, in frames per second, or "
           "`source`; the source is resampled to it (default: 30; SOMA 120)")};
   append(table, only(run_command_table(arguments.run),
-                     {"output",     "bvh",    "smpl",      "smpl-model",    "start",
-                      "lead-in",    "map",    "partial",   "rest",          "tpose-frame",
-                      "tpose-file", "unit",   "up",        "forward",       "height",
-                      "write-map",  "robot",  "robot-xml", "robot-profile", "dof",
-                      "ik-config",  "limits", "scale",     "quiet",         "data-dir"}));
+                     {"output",        "strip",       "png",        "bvh",    "smpl",
+                      "smpl-model",    "start",       "lead-in",    "map",    "partial",
+                      "rest",          "tpose-frame", "tpose-file", "unit",   "up",
+                      "forward",       "height",      "write-map",  "robot",  "robot-xml",
+                      "robot-profile", "dof",         "ik-config",  "limits", "scale",
+                      "quiet",         "data-dir"}));
   append(table, reading_table(arguments.reading));
   return table;
 }

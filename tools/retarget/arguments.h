@@ -89,10 +89,8 @@ struct InspectArguments {
 
 /// `retarget view`: a picture of a robot's motion, or a page that plays several.
 struct ViewArguments : MeasureArguments {
-  int strip = 0;                    ///< Poses of a picture; 0: six.
-  std::string png;                  ///< A picture besides the output; empty: none.
   std::vector<std::string> labels;  ///< By motion, of a page; empty: names of the files.
-  std::string meshes;               ///< Folder for a page; empty: none.
+  std::string meshes;               ///< Of a page: a folder or another model; empty: none.
 };
 
 /// What `retarget robots` does.

@@ -201,11 +201,16 @@ class GalleryMaker {
     if (!lacks.empty()) lacks = "without its source: " + lacks;
     TRY_ASSIGN(const MeasuredMotion motion,
                measure_file(arguments.motions.front(), *measures, silent));
+    RobotMeshes meshes;
+    // where nobody asks for them pages stay small: there are many
+    if (!arguments_.meshes.empty()) {
+      TRY_ASSIGN(meshes, load_robot_meshes(*measures->robot, measures->model, arguments_.meshes));
+    }
     const PageMotion shown{arguments.labels.front(), &motion.clip, motion.human, &motion.report,
-                           &measures->limits};
-    TRY_ASSIGN(const std::string page,
-               view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks,
-                                       arguments_.meshes, task.links}));
+                           &measures->limits,        {},           &meshes};
+    TRY_ASSIGN(
+        const std::string page,
+        view_page({&shown, 1}, {lacks.empty() ? clip.name : clip.name + ", " + lacks, task.links}));
     StripPictureOptions picture;
     picture.poses = 5;
     picture.width = kThumbnailWidth;
@@ -322,7 +327,8 @@ Result<void> check_gallery(const ViewArguments& arguments) {
     return usage_failure("a gallery is a folder, and the output is \"" + output + "\"",
                          "name a folder, such as gallery/");
   }
-  if (!arguments.run.run.motion.empty() || !arguments.png.empty() || !arguments.labels.empty()) {
+  if (!arguments.run.run.motion.empty() || !arguments.run.request.png.empty() ||
+      !arguments.labels.empty()) {
     return usage_failure(
         "--bvh, --smpl, --png and --label are for motions, not for a folder of them");
   }

@@ -124,6 +124,7 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
   TRY_ASSIGN(measures.gates, gates_of(arguments, data_folder));
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
   measures.robot = robot.robot;
+  measures.model = robot.model;
   std::string& limits = run.options.solve.limits;
   if (limits.empty()) limits = measures.robot->limits_for({});
   TRY_ASSIGN(measures.limits, load_limits(*measures.robot, limits));

@@ -16,6 +16,7 @@ namespace retarget::cli {
 /// What all motions of one call are measured with.
 struct Measures {
   std::shared_ptr<const Robot> robot;
+  std::string model;  ///< The robot's, MJCF or URDF.
   LimitSet limits;
   ReadMotionOptions reading;
   FrameRate rate;  ///< Of the source.

@@ -98,11 +98,15 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   if (request.html == "-") {
     return usage_failure("--html needs a file", "name one that ends in .html");
   }
-  for (const std::string& file : {request.report, request.html}) {
+  if (request.png == "-") return usage_failure("--png needs a file");
+  if (request.strip > 0 && request.png.empty()) {
+    return usage_failure("--strip is for a picture, and none is written", "add --png FILE");
+  }
+  for (const std::string& file : {request.report, request.html, request.png}) {
     if (!file.empty()) TRY(check_output_folder(file));
   }
   return check_outputs(run, request.sidecar, files_of(run, data_folder),
-                       {request.report, request.html, request.write_map});
+                       {request.report, request.html, request.png, request.write_map});
 }
 
 }  // namespace

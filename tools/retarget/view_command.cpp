@@ -26,6 +26,7 @@
 #include "retarget/solve.h"
 #include "retarget/view.h"
 #include "run/recorded_motion.h"
+#include "run/run_lines.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
@@ -44,7 +45,8 @@ bool is_page(const std::string& output) {
 // what is only for pages or only for pictures is not passed over in silence
 Result<void> check_use(const ViewArguments& arguments) {
   const bool page = is_page(arguments.run.run.output);
-  if (page && arguments.png.empty() && arguments.strip > 0) {
+  const RunRequest& request = arguments.run.request;
+  if (page && request.png.empty() && request.strip > 0) {
     return usage_failure("--strip is for a picture, and only a page is written",
                          "add --png FILE, or name an output that ends in .png or .svg");
   }
@@ -58,10 +60,11 @@ Result<void> check_use(const ViewArguments& arguments) {
 
 Result<void> check_usage(const ViewArguments& arguments) {
   const Run& run = arguments.run.run;
+  const RunRequest& request = arguments.run.request;
   TRY(check_robot_choice(run.robot));
   TRY(check_use(arguments));
   TRY_ASSIGN(const auto read, check_inputs(arguments));
-  if ((!is_page(run.output) || !arguments.png.empty()) && arguments.motions.size() > 1) {
+  if ((!is_page(run.output) || !request.png.empty()) && arguments.motions.size() > 1) {
     return usage_failure("a picture is of one motion, and " +
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "an output that ends in .html plays them side by side");
@@ -71,20 +74,20 @@ Result<void> check_usage(const ViewArguments& arguments) {
                              count_text(arguments.motions.size(), "motion") + " are given",
                          "give one --label for each motion, in their order");
   }
-  return check_written({run.output, arguments.png, arguments.run.request.write_map}, read);
+  return check_written({run.output, request.png, request.write_map}, read);
 }
 
 // a strip in the form that the file's name says
 std::string strip_bytes(const std::string& file, const ViewArguments& arguments,
                         const RobotMotion& motion, const HumanClip* human) {
-  if (file == arguments.png || lower_case(fs::path(file).extension().string()) == ".png") {
+  const RunRequest& request = arguments.run.request;
+  if (file == request.png || lower_case(fs::path(file).extension().string()) == ".png") {
     StripPictureOptions options;
-    options.poses = arguments.strip;
+    options.poses = request.strip;
     return draw_strip_picture(motion.clip, human, options);
   }
   const std::string name = fs::path(arguments.motions.front()).filename().string();
-  return draw_strip(motion.clip, human,
-                    {arguments.strip, name + ", " + motion.clip.robot().name()});
+  return draw_strip(motion.clip, human, {request.strip, name + ", " + motion.clip.robot().name()});
 }
 
 // the human that the motion came from, frame by frame beside it
@@ -101,6 +104,7 @@ Result<std::optional<HumanClip>> source_human(RunArguments arguments, const Load
 
 Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
   const Run& run = arguments.run.run;
+  const RunRequest& request = arguments.run.request;
   const std::string& file = arguments.motions.front();
   TRY_ASSIGN(const LoadedRobot robot,
              load_robot(run.robot, arguments.run.common, console, Soles::kAsTheyAre));
@@ -110,12 +114,12 @@ Result<void> draw_picture(const ViewArguments& arguments, Console& console) {
                            read_motion_options(arguments.reading, run.options.source.memory_gb)));
   print_motion(file, motion, console);
   TRY_ASSIGN(const auto human, source_human(arguments.run, robot, motion.clip.rate(), console));
-  for (const std::string& output : {run.output, arguments.png}) {
+  for (const std::string& output : {run.output, request.png}) {
     if (output.empty() || is_page(output)) continue;
     TRY(write_file(output, strip_bytes(output, arguments, motion, human ? &*human : nullptr)));
     console.line(
         "wrote",
-        output + ": " + count_text(std::min(arguments.strip, motion.clip.frame_count()), "pose"));
+        output + ": " + count_text(std::min(request.strip, motion.clip.frame_count()), "pose"));
   }
   return {};
 }
@@ -167,12 +171,15 @@ Result<void> write_page(const ViewArguments& arguments, Console& console) {
     motions.push_back(std::move(motion));
   }
   const std::vector<std::string> labels = labels_of(arguments);
+  TRY_ASSIGN(const RobotMeshes meshes,
+             load_robot_meshes(*measures.robot, measures.model, arguments.meshes));
+  console.lines(mesh_lines(meshes));
   std::vector<PageMotion> shown;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     shown.push_back({labels[i], &motions[i].clip, motions[i].human, &motions[i].report,
-                     &measures.limits, motions[i].file_rate});
+                     &measures.limits, motions[i].file_rate, &meshes});
   }
-  TRY_ASSIGN(const std::string page, view_page(shown, {{}, arguments.meshes}));
+  TRY_ASSIGN(const std::string page, view_page(shown));
   TRY(write_file(output, page));
   console.line("wrote", output + ": " + count_text(motions.size(), "motion") + ", " +
                             number_text(static_cast<double>(page.size()) / 1e6, 2) +
@@ -189,10 +196,10 @@ Result<void> view(const ViewArguments& given, Console& console) {
   if (std::ranges::any_of(arguments.motions, is_folder)) return write_gallery(arguments, console);
   TRY(take_smpl_file(arguments.run));
   TRY(check_usage(arguments));
-  constexpr int kPoses = 6;
-  if (arguments.strip == 0) arguments.strip = kPoses;
+  RunRequest& request = arguments.run.request;
+  if (request.strip == 0) request.strip = StripPictureOptions().poses;
   const bool page = is_page(arguments.run.run.output);
-  if (!page || !arguments.png.empty()) TRY(draw_picture(arguments, console));
+  if (!page || !request.png.empty()) TRY(draw_picture(arguments, console));
   return page ? write_page(arguments, console) : Result<void>();
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "human/human_clip.h"
+#include "retarget/human.h"
+#include "retarget/motion.h"
+#include "retarget/solve.h"
+#include "robot/normalize_start.h"
+
+namespace retarget {
+
+/// A motion that was solved, as it is written, and its source frame by frame.
+struct WrittenMotion {
+  RobotClip clip;
+  HumanClip human;
+
+  explicit WrittenMotion(const Motion& motion)
+      : clip(motion.clip), human(to_human(*motion.source, motion.plan.human.calibration)) {
+    if (motion.plan.options.save.normalize_start) normalize_start(clip);
+  }
+};
+
+}  // namespace retarget
