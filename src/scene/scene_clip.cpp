@@ -28,6 +28,8 @@ constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxBytesOfFile = 256;
 // of scales
 constexpr double kUneven = 1.01;
+// times of keys are floats (glTF): seconds, and a share of the time itself
+constexpr double kSameTime = 2e-6, kRounding = 1.2e-7;
 
 // how often a motion is sampled, and why
 struct Sampling {
@@ -121,13 +123,16 @@ class SceneSampler {
     return false;
   }
 
-  Sampling choose_sampling() const {
+  Sampling choose_sampling() {
+    if (take_ >= 0) keys_ = scene_.motion->key_times(take_, in_chain_);
+    std::erase_if(keys_, [](double time) { return !std::isfinite(time); });
+    std::ranges::sort(keys_);
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
     if (options_.source_fps) {
       const FrameRate rate = frame_rate_from_fps(*options_.source_fps);
       return {rate, "as " OPTION("source-fps") " asks for"};
     }
-    const auto keys =
-        take_ < 0 ? std::nullopt : rate_of_keys(scene_.motion->key_times(take_, in_chain_));
+    const auto keys = rate_of_keys(keys_);
     const double ratio = keys ? scene_.fps / *keys : 0.0;
     if (scene_.fps > 0.0 &&
         (!keys || (ratio > 0.99 && std::abs(ratio - std::round(ratio)) < 1e-3))) {
@@ -147,7 +152,7 @@ class SceneSampler {
     const double by_file = static_cast<double>(kFreeClipBytes) +
                            static_cast<double>(kMaxBytesOfFile) * static_cast<double>(file_bytes);
     const double most = std::min(static_cast<double>(options_.max_clip_bytes), by_file);
-    if (!(frames * static_cast<double>(frame_bytes) <= most)) {
+    if (!(frames * static_cast<double>(frame_bytes) <= most) || frames > 1e9) {
       return input_failure(file_name_,
                            fmt::format("the animation lasts {:.6g} s: its frames need more memory "
                                        "than a file of its size may take",
@@ -176,9 +181,13 @@ class SceneSampler {
     return false;
   }
 
+  // of a key, where one is there but for rounding: a value that jumps does so at its key
   double seconds_of(int frame, const FrameRate& rate) const {
     const SceneTake& take = scene_.takes[as_size(take_)];
-    return std::min(take.begin + rate.time_of(frame), take.end);
+    const double seconds = std::min(take.begin + rate.time_of(frame), take.end);
+    const double tolerance = kSameTime + kRounding * std::abs(seconds);
+    const auto key = std::ranges::lower_bound(keys_, seconds - tolerance);
+    return key != keys_.end() && *key <= seconds + tolerance ? *key : seconds;
   }
 
   // world_from_bind where there is one, else below the parent's as at rest
@@ -281,6 +290,7 @@ class SceneSampler {
   int take_ = -1;
   SceneSkeleton skeleton_;
   std::vector<int> chain_;         // nodes that have a part in the joints' places, parents first
+  std::vector<double> keys_;       // times of the chain's keys, ascending
   std::vector<bool> in_chain_;     // of each node
   std::vector<NodePlace> places_;  // of the frame that is sampled
   std::vector<double> sizes_;      // in the first frame

@@ -1,4 +1,4 @@
-// Files that Blender exported from the repository's samples (data/README.md): the same motion, joint by
+// Files that Blender exported from the repository's samples (make_exported_files.py): the same motion, joint by
 // joint.
 
 #include <gmock/gmock.h>

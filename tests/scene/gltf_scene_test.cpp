@@ -95,6 +95,20 @@ TEST(GltfSceneTest, InterpolatesAsItsSamplerSays) {
   EXPECT_NEAR(read(moved.text()).motion->at(0, 0, 0.5).translation.x(), expected, 1e-12);
 }
 
+// a float is not the time of a frame: the jump is at the frame all the same
+TEST(GltfSceneTest, JumpsAtTheFrameOfItsKey) {
+  Animated moved;
+  moved.interpolation = "STEP";
+  for (int frame = 0; frame < 100; ++frame) {
+    moved.times.push_back(static_cast<float>(20.0 + frame / 30.0));
+    moved.values.insert(moved.values.end(), {static_cast<float>(frame), 0, 0});
+  }
+  const auto clip = read_scene(moved.text(), "test.gltf");
+  ASSERT_TRUE(clip) << clip.error().message;
+  ASSERT_EQ(clip->frame_count(), 100);
+  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(clip->translation(frame, 0).x(), frame);
+}
+
 TEST(GltfSceneTest, TurnsTheShortWay) {
   Animated turned;
   turned.path = "rotation";
