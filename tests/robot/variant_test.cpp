@@ -7,6 +7,7 @@
 
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
+#include "robot/kinematic_tree.h"
 #include "robot/limit_distance.h"
 #include "shipped_robots.h"
 #include "support/test_robots.h"
@@ -260,6 +261,17 @@ TEST(RobotVariantTest, G1Of23JointsIsTheOtherElsewhere) {
     if (!body) continue;
     EXPECT_LT((poses[b].translation - whole_poses[*body].translation).norm(), 1e-9)
         << variant->bodies()[b].name;
+  }
+  // forearms are as long: one axis of the wrist for three
+  const TreeState whole(g1->tree(), g1->zero_configuration());
+  const TreeState own(variant->tree(), variant->zero_configuration());
+  for (const std::string side : {"left", "right"}) {
+    std::vector<int> wrist;
+    for (const char* axis : {"_wrist_roll_joint", "_wrist_pitch_joint", "_wrist_yaw_joint"}) {
+      wrist.push_back(g1->find_joint(side + axis).value());
+    }
+    const std::vector<int> roll = {variant->find_joint(side + "_wrist_roll_joint").value()};
+    EXPECT_LT((common_point(whole, wrist) - common_point(own, roll)).norm(), 1e-3) << side;
   }
 }
 
