@@ -279,19 +279,21 @@ class Gallery(GalleryTest):
         os.mkfifo(data / "configs/quality/default.json")
         return data
 
-    def start_waiting_gallery(self, **environment):
+    def start_waiting_gallery(self, processors=None, **environment):
         data = self.data_with_a_gate_of_its_own()
         process = subprocess.Popen([TOOL, "view", "out", "-o", "gallery", "--data-dir", data],
                                    cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                   preexec_fn=lambda: processors and
+                                   os.sched_setaffinity(0, processors),
                                    env={**os.environ, **environment})
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.kill)
         return process
 
-    def feed(self):
-        """Lets those go on that wait for gates; whether there was one."""
+    def feed(self, gates=None):
+        """Lets one go on that waits for gates; whether there was one."""
         try:
-            end = os.open(self.folder / "data/configs/quality/default.json",
+            end = os.open(gates or self.folder / "data/configs/quality/default.json",
                           os.O_WRONLY | os.O_NONBLOCK)
         except OSError:
             return False
@@ -364,12 +366,22 @@ class Gallery(GalleryTest):
 
     def test_where_one_process_dies_the_ways_lead_on(self):
         self.batch(clips=("walk", "squat", "wave"))
-        process = self.start_waiting_gallery()
+        # on one processor there is one process at a time, so that none takes what another waits for
+        process = self.start_waiting_gallery(processors=[min(os.sched_getaffinity(0))])
         child = self.wait_until(lambda: self.children(process))[0]
         os.kill(child, signal.SIGKILL)
+        self.wait_until(lambda: child not in self.children(process))
+        # the next one may wait already; those after it need not
+        gates = self.folder / "data/configs/quality/default.json"
+        pipe = gates.with_name("pipe")
+        os.link(gates, pipe)
+        content = (SOURCE / "configs/quality/default.json").read_bytes()
+        gates.with_name("ready").write_bytes(content)
+        os.replace(gates.with_name("ready"), gates)
 
         def ended():
-            self.feed()
+            if pipe.exists() and self.feed(pipe):
+                pipe.unlink()
             return process.poll() is not None
 
         self.wait_until(ended)
