@@ -20,6 +20,12 @@ namespace retarget {
 /// How near the motion comes to the joint limits, which joints stay at one, and why.
 [[nodiscard]] std::vector<SummaryLine> limit_lines(const Motion& motion);
 
+/// A gate that was missed: `jumps 3 (at most 0)`.
+/// @pre its figure was measured
+[[nodiscard]] std::string missed_text(const GateResult& gate);
+/// All of a report, parted by commas; empty: none was.
+[[nodiscard]] std::string missed_gates_text(const QualityReport& report);
+
 /// Gates that were missed, with their figures, and in one line whether the gates were kept and which
 /// joint is at its limit most: `16 of 16 gates kept; waist_pitch at its limit in 46 % of frames`.
 /// @param file  the motion that it is about, where there may be several.

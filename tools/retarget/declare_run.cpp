@@ -26,9 +26,9 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
                           false)});
-  declare(*command,
-          without(run_command_table(arguments.run), {"bvh", "smpl", "write-map", "robot", "output",
-                                                     "report", "html", "memory", "verbose"}));
+  declare(*command, without(run_command_table(arguments.run),
+                            {"bvh", "smpl", "write-map", "robot", "output", "report", "html",
+                             "memory", "verbose", "gate", "mirror"}));
   declare(*command, batch_table(arguments));
   command->get_option("--without")->allow_extra_args();
   return command;
@@ -45,7 +45,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
                 "memory",    "map",       "partial",       "rest",      "tpose-frame", "tpose-file",
                 "unit",      "up",        "forward",       "height",    "start",       "lead-in",
                 "robot",     "robot-xml", "robot-profile", "ik-config", "limits",      "scale",
-                "write-map", "quiet",     "data-dir"}));
+                "write-map", "quiet",     "data-dir",      "mirror"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));
