@@ -150,6 +150,7 @@ Result<void> write_split(const std::string& folder, const std::vector<const Mani
                                      count_text(groups - validating.size(), "group"),
                                      count_text(passed.size() - for_training, "clip"),
                                      count_text(validating.size(), "group")));
+  if (groups == 0) return {};
   std::string rule = count_text(subjects.size(), "group") + " by the subject that names tell";
   if (subjects.empty()) rule = "no name tells a subject: ";
   if (!files.empty()) {
