@@ -76,8 +76,10 @@ def test_every_option_of_the_command_is_a_keyword() -> None:
     page = (SOURCE / "docs/options.md").read_text()
     section = page.split("\n## ")[1]
     names = {name.replace("-", "_") for name in re.findall(r"`--([a-z-]+)", section)}
-    elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report", "html", "png", "strip",
-                 "write_map", "verbose", "help", "help_all", "version"}
+    elsewhere = {"bvh", "smpl", "robot", "output", "quiet", "data_dir", "sidecar", "report", "html",
+                 "png", "strip", "write_map", "verbose", "help", "help_all", "version",
+                 "mirror",  # retarget.edit.mirror()
+                 "gate"}  # gates of retarget.evaluate()
     keywords = set(inspect.signature(retarget.to_robot).parameters)
     assert names - keywords <= elsewhere
     assert {"method", "fps", "precision", "source_fps", "dof", "map"} <= names & keywords

@@ -33,13 +33,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWarnings = 20;
 
-// later entries of a clip count more, so this one must be later than those that are known
-std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  return finished_after(std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count(),
-                        finished.last_finished(entry.relative, entry.robot));
-}
-
 std::string ending_of(const BatchInput& input) {
   return lower_case(fs::path(input.relative).extension().string());
 }
@@ -113,20 +106,18 @@ ManifestEntry BatchWorker::entry_of(const BatchTask& task) const {
   entry.options_hash = task.robot->fingerprint.hash;
   entry.input.file = task.input->path;
   entry.input.bytes = task.input->bytes;
+  entry.variant = task.input->variant;
+  entry.signature = task.input->signature;
   return entry;
 }
 
 Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std::string& output,
                               ManifestEntry& entry) const {
-  Run one = task.robot->run;
-  one.motion = task.input->path;
+  Run one = run_of_clip(*task.robot, *task.input, memory_gb);
   one.output = output;
-  SourceOptions& source = one.options.source;
-  // it is for the SMPL motions among the clips
-  if (ending_of(*task.input) == ".bvh") source.smpl_model.clear();
-  source.memory_gb = memory_gb;
   RunRequest request = task.robot->request;
   request.threads = threads_;
+  request.mirror = task.input->variant.is_mirrored();
   ClipNotes notes(context_.observer);
   const auto outcome = run_to_files(one, request, task.robot->setup, notes);
   entry.taken_as = std::move(notes.taken_as);
@@ -183,6 +174,7 @@ bool BatchWorker::is_done_already(const BatchTask& task) {
   if (!context_.finished.still_holds(*task.candidate, task.input->path)) return false;
   // the new times spare the next run the reading
   ManifestEntry entry = *task.candidate;
+  if (!task.input->signature.empty()) entry.signature = task.input->signature;
   const auto input = record_file(task.input->path, task.input->path);
   if (!input || input->hash != entry.input.hash) return false;
   entry.input = *input;
@@ -287,39 +279,70 @@ std::string batch_output(const SaveOptions& options, const std::string& relative
   return output_stem(relative) + std::string(format_ending(format));
 }
 
+// later entries of a clip count more, so this one must be later than those that are known
+std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry) {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return finished_after(std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count(),
+                        finished.last_finished(entry.relative, entry.robot));
+}
+
+double ClipPool::memory_gb(std::size_t task) const {
+  return static_cast<double>(std::min(memory[task], options.memory)) / 1e9;
+}
+
+ClipPool clip_pool(const std::vector<const BatchInput*>& clips, const BatchRequest& request) {
+  ClipPool pool;
+  ProcessPoolOptions& options = pool.options;
+  options.workers = std::min(request.jobs > 0 ? request.jobs : usable_cores(),
+                             static_cast<int>(std::max<std::size_t>(1, clips.size())));
+  options.memory = memory_bound(request.run.options.source.memory_gb);
+  // what a clip is thought to need is what it gets, and no less than an even part
+  const std::uint64_t even = options.memory / static_cast<std::uint64_t>(options.workers);
+  pool.memory.reserve(clips.size());
+  for (const BatchInput* clip : clips) {
+    pool.memory.push_back(std::max(memory_of_clip(clip->relative, clip->bytes), even));
+  }
+  if (options.memory > 0) {
+    const std::uint64_t largest = pool.memory.empty() ? 0 : *std::ranges::max_element(pool.memory);
+    options.max_memory = std::max(options.memory, largest) + kMemoryOfProcess;
+  }
+  options.timeout_s = request.clip_timeout_s;
+  options.end_process = ::_exit;
+  options.begin_worker = request.begin_worker;
+  return pool;
+}
+
+Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_gb) {
+  Run run = robot.run;
+  run.motion = clip.path;
+  SourceOptions& source = run.options.source;
+  // it is for the SMPL motions among the clips
+  if (ending_of(clip) == ".bvh") source.smpl_model.clear();
+  source.memory_gb = memory_gb;
+  if (!clip.variant.part.empty()) {
+    const LeadIn lead_in = run.options.part.lead_in;
+    run.options.part = part_options(clip.variant.part);
+    run.options.part.lead_in = lead_in;
+  }
+  return run;
+}
+
 Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchRequest& request,
                              const BatchContext& context) {
   const auto interrupts = context.observer.hold_interrupts();
-  const int cores = usable_cores();
-  ProcessPoolOptions pool;
-  pool.workers = std::min(request.jobs > 0 ? request.jobs : cores,
-                          static_cast<int>(std::max<std::size_t>(1, tasks.size())));
-  pool.memory = memory_bound(request.run.options.source.memory_gb);
-  // what a clip is thought to need is what it gets, and no less than an even part
-  const std::uint64_t even = pool.memory / static_cast<std::uint64_t>(pool.workers);
-  std::vector<std::uint64_t> memory;
-  memory.reserve(tasks.size());
-  for (const BatchTask& task : tasks) {
-    memory.push_back(std::max(memory_of_clip(task.input->relative, task.input->bytes), even));
-  }
-  if (pool.memory > 0) {
-    const std::uint64_t largest = memory.empty() ? 0 : *std::ranges::max_element(memory);
-    pool.max_memory = std::max(pool.memory, largest) + kMemoryOfProcess;
-  }
-  pool.timeout_s = request.clip_timeout_s;
-  pool.end_process = ::_exit;
-  pool.begin_worker = request.begin_worker;
-  BatchWorker worker(context, request, std::max(1, cores / pool.workers));
-  pool.keep_going = [&] { return worker.keep_going(); };
+  std::vector<const BatchInput*> clips;
+  clips.reserve(tasks.size());
+  for (const BatchTask& task : tasks) clips.push_back(task.input);
+  ClipPool pool = clip_pool(clips, request);
+  BatchWorker worker(context, request, std::max(1, usable_cores() / pool.options.workers));
+  pool.options.keep_going = [&] { return worker.keep_going(); };
   const auto work = [&](std::size_t task) {
-    // one that needs more than there is runs alone
-    const std::uint64_t max = std::min(memory[task], pool.memory);
-    worker.work(tasks[task], static_cast<double>(max) / 1e9);
+    worker.work(tasks[task], pool.memory_gb(task));
     return worker.take_answer();
   };
-  auto ran = run_in_processes(memory, pool, work, [&](std::size_t task, const TaskEnd& end) {
-    worker.take(tasks[task], end);
-  });
+  auto ran = run_in_processes(
+      pool.memory, pool.options, work,
+      [&](std::size_t task, const TaskEnd& end) { worker.take(tasks[task], end); });
   if (!ran) return ran;
   context.progress.show();
   return worker.result();

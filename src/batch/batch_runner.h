@@ -5,6 +5,7 @@
 
 #include "batch/find_inputs.h"
 #include "batch/manifest.h"
+#include "batch/process_pool.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
 #include "batch/run_batch.h"
@@ -43,6 +44,23 @@ struct BatchContext {
   BatchProgress& progress;
   Observer& observer;
 };
+
+/// What a pool of processes needs to do clips, one a task.
+struct ClipPool {
+  ProcessPoolOptions options;         ///< But for `keep_going`.
+  std::vector<std::uint64_t> memory;  ///< Of each clip, bytes.
+
+  /// What one clip may take, GB: one that needs more than there is runs alone.
+  [[nodiscard]] double memory_gb(std::size_t task) const;
+};
+[[nodiscard]] ClipPool clip_pool(const std::vector<const BatchInput*>& clips,
+                                 const BatchRequest& request);
+
+/// The run of a clip, but for its output: what it is of its file, and options that are for it.
+[[nodiscard]] Run run_of_clip(const BatchRobot& robot, const BatchInput& clip, double memory_gb);
+
+/// When an entry that is made now is finished: later than those of its clip that are known.
+[[nodiscard]] std::string finished_now(const FinishedClips& finished, const ManifestEntry& entry);
 
 /// Where a clip's motion goes, below its robot's folder: the name of its output.
 /// @param relative  BatchInput::relative.

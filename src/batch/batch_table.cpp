@@ -1,6 +1,9 @@
 #include "batch/batch_table.h"
 
+#include <string>
+
 #include "options/run_tables.h"
+#include "plan/gates.h"
 
 namespace retarget {
 namespace {
@@ -22,12 +25,26 @@ OptionTable batch_table(BatchRequest& request, double& memory_gb) {
                 "names)"),
       batch_row("exclude", request.exclude, kInputGroup, "PATTERN",
                 "Leave out files whose name, or path below its folder, matches; repeatable"),
+      batch_row(
+          "clips", request.clips, kInputGroup, "FILE",
+          "Take only the parts that a table lists: file,start,end,name; 12.3 is seconds, f120 "
+          "a frame"),
+      batch_row("mirror", request.mirror, kInputGroup, "",
+                "Also retarget the mirror image of each clip, NAME_mirrored"),
+      batch_row("dedupe", request.dedupe, kInputGroup, "",
+                "Leave out clips that show the same motion as another, or its mirror image"),
       batch_row("robot", request.robots, kRobotGroup, "NAME,...",
                 "Robots by name or folder; each of several gets a folder of its own",
                 {.basic = true}),
       batch_row("output", request.output, kOutputGroup, "DIR",
                 "Output folder; created if it does not exist",
                 {.basic = true, .letter = "o", .required = true}),
+      gate_row(request.gates,
+               std::string(kGateHelp) + ". Says what is in passed.txt; never fails a clip"),
+      batch_row(
+          "split", request.split, kOutputGroup, "RATIO:SEED",
+          "Part the motions that passed into train.txt and validation.txt, all of a person on "
+          "one side: 0.9:1"),
       batch_row("jobs", request.jobs, kBatchGroup, "N",
                 "Clips to process at once (default: one per processor)",
                 {.min = 1.0, .max = 4096.0, .basic = true, .letter = "j"}),

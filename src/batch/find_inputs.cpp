@@ -34,11 +34,6 @@ constexpr std::size_t kMaxListBytes = std::size_t{256} << 20U;
 constexpr std::array<std::string_view, 10> kEndings = {".bvh", ".npz",  ".pt",  ".npy",  ".fbx",
                                                        ".glb", ".gltf", ".vrm", ".vrma", ".mvnx"};
 
-bool has_motion_ending(const std::string& name) {
-  const std::string end = lower_case(fs::path(name).extension().string());
-  return std::ranges::find(kEndings, end) != kEndings.end();
-}
-
 // also of one that ends in a slash
 std::string name_of_folder(const fs::path& folder) {
   const std::string name = (folder / "").lexically_normal().parent_path().filename().string();
@@ -88,7 +83,7 @@ void InputFinder::add_input(const std::string& path, const std::string& relative
     ++excluded_;
     return;
   }
-  BatchInput input{path, relative, 0, 0};
+  BatchInput input{path, relative, 0, 0, {}, {}};
   if (info != nullptr) {
     input.bytes = static_cast<std::uint64_t>(info->st_size);
     input.modified_ns =
@@ -265,6 +260,11 @@ Result<FoundInputs> InputFinder::run() {
 }
 
 }  // namespace
+
+bool has_motion_ending(const std::string& name) {
+  const std::string end = lower_case(fs::path(name).extension().string());
+  return std::ranges::find(kEndings, end) != kEndings.end();
+}
 
 Result<FoundInputs> find_inputs(const InputSearch& search) {
   return InputFinder(search).run();

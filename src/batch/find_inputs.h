@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/clip_variants.h"
 #include "retarget/error.h"
 
 namespace retarget {
@@ -17,6 +18,9 @@ struct BatchInput {
   std::string relative;
   std::uint64_t bytes = 0;       ///< 0 where the file cannot be looked at,
   std::int64_t modified_ns = 0;  ///< nanoseconds since 1970, of its last change.
+  /// What is taken of the file, where it is not the file as it is; see clip_variants.h.
+  ClipVariant variant = {};
+  std::string signature = {};  ///< signature_bytes(), where duplicates are looked for.
 };
 
 /// Where a batch looks for motion files.
@@ -50,6 +54,9 @@ struct FoundInputs {
 /// input (kInput). Files below no `base` that was given, and a folder to be searched that is the
 /// output folder, are kUsage errors.
 [[nodiscard]] Result<FoundInputs> find_inputs(const InputSearch& search);
+
+/// Whether a file's name ends like a motion's.
+[[nodiscard]] bool has_motion_ending(const std::string& name);
 
 /// The relative path without such an ending: where outputs of an input go, but for their ending.
 [[nodiscard]] std::string output_stem(const std::string& relative);

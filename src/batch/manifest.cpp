@@ -29,6 +29,9 @@ Failure manifest_failure(const std::string& path, int error_number) {
 // of an entry the first name that would lead out of its folder
 std::optional<std::string> name_outside(const ManifestEntry& entry) {
   if (!is_plain_path(entry.relative)) return entry.relative;
+  for (const std::string* name : {&entry.variant.source, &entry.variant.mirror_of}) {
+    if (!name->empty() && !is_plain_path(*name)) return *name;
+  }
   if (!entry.robot.empty() && !is_plain_name(entry.robot)) return entry.robot;
   const auto outside = std::ranges::find_if_not(
       entry.outputs, [](const FileRecord& output) { return is_plain_path(output.file); });

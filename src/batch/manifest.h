@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "batch/clip_variants.h"
 #include "retarget/error.h"
+#include "retarget/report.h"
 
 namespace retarget {
 
@@ -27,13 +29,23 @@ struct ClipQuality {
   std::vector<std::string> missed;                      ///< Metrics whose gates were missed.
   std::string worst;         ///< The metric that is furthest beyond its gate; empty: none is.
   double worst_ratio = 0.0;  ///< By how many times; infinity where the gate is 0.
+  std::vector<GateResult> missed_gates = {};  ///< Those of `missed`, with figures and bounds.
+  std::optional<double> leg =
+      std::nullopt;  ///< QualityReport::leg, which gates' bounds scale with.
+};
+
+/// That a clip shows what another one shows.
+struct RepeatedClip {
+  std::string of;         ///< `relative` of the other.
+  bool mirrored = false;  ///< Left for right.
+  double distance = 0.0;  ///< signature_distance(), degrees.
 };
 
 /// What came of one clip for one robot.
 struct ManifestEntry {
   std::string relative;  ///< The clip's path below the folder that was given.
   std::string robot;
-  bool done = false;                ///< False: failed; `error` says why.
+  bool done = false;                ///< False: it failed (`error` says why) or was left out.
   std::string options_hash;         ///< Of all that decides the output beside the input.
   FileRecord input;                 ///< `file` as it was opened.
   std::vector<FileRecord> outputs;  ///< `file` below the output folder.
@@ -47,6 +59,13 @@ struct ManifestEntry {
   std::vector<std::string> warnings;   ///< What the run said, one line each.
   std::optional<ClipQuality> quality;  ///< Nothing: not measured.
   std::string finished;                ///< UTC, as 2026-01-31T12:00:00Z.
+  ClipVariant variant = {};            ///< What it is of its file.
+  std::string signature = {};          ///< signature_bytes(); empty: not known.
+  /// A clip that is not `done` and repeats another was left out, and has no error.
+  std::optional<RepeatedClip> repeated = std::nullopt;
+
+  [[nodiscard]] bool is_left_out() const { return !done && repeated.has_value(); }
+  [[nodiscard]] bool has_failed() const { return !done && !repeated.has_value(); }
 };
 
 /// An entry as one line of JSON, ended by a line feed. File names that are not valid UTF-8 are

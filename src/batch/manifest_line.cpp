@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/base64.h"
 #include "base/json_members.h"
 #include "base/utf8.h"
 #include "batch/manifest.h"
@@ -42,7 +45,28 @@ Json json_of(const ClipQuality& quality) {
   if (!quality.worst.empty() && std::isfinite(quality.worst_ratio)) {
     json["worst_ratio"] = quality.worst_ratio;
   }
+  if (quality.leg) json["leg_m"] = *quality.leg;
+  for (const GateResult& gate : quality.missed_gates) {
+    Json& bounds = json["bounds"][gate.metric];
+    if (gate.min) bounds["min"] = *gate.min;
+    if (gate.max) bounds["max"] = *gate.max;
+  }
   return json;
+}
+
+Json json_of(const RepeatedClip& repeated) {
+  Json json;
+  put_name(json, "of", repeated.of);
+  json["kind"] = repeated.mirrored ? "mirrored" : "same";
+  json["distance_deg"] = repeated.distance;
+  return json;
+}
+
+// what a clip is of its file; nothing for one that is all of it
+void put_variant(Json& json, const ClipVariant& variant) {
+  if (!variant.source.empty()) put_name(json, "source", variant.source);
+  if (!variant.part.empty()) json["part"] = variant.part;
+  if (variant.is_mirrored()) put_name(json, "mirror_of", variant.mirror_of);
 }
 
 // reads members that may be missing or of another type, which then keep their defaults
@@ -97,11 +121,37 @@ void read_error(const Json& json, ManifestEntry& entry) {
   reader.read("exit_code", entry.exit_code);
 }
 
+// of the gates that were missed; their figures are those of the report
+void read_bounds(const Json& json, ClipQuality& quality) {
+  const EntryReader reader(json);
+  for (const std::string& key : quality.missed) {
+    const Json* bounds = reader.member(key);
+    const auto figure =
+        std::ranges::find(quality.figures, key, [](const auto& each) { return each.first; });
+    if (bounds == nullptr || figure == quality.figures.end()) continue;
+    const EntryReader bound(*bounds);
+    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false};
+    if (double min = 0.0; bound.member("min") != nullptr) {
+      bound.read("min", min);
+      gate.min = min;
+    }
+    if (double max = 0.0; bound.member("max") != nullptr) {
+      bound.read("max", max);
+      gate.max = max;
+    }
+    if (gate.min || gate.max) quality.missed_gates.push_back(std::move(gate));
+  }
+}
+
 ClipQuality clip_quality(const Json& json) {
   const EntryReader reader(json);
   ClipQuality quality;
   if (const Json* figures = reader.member("figures"); figures != nullptr && figures->is_object()) {
     for (const auto& [key, value] : figures->items()) {
+      // JSON has no NaN
+      if (value.is_null()) {
+        quality.figures.emplace_back(key, std::numeric_limits<double>::quiet_NaN());
+      }
       if (value.is_number()) quality.figures.emplace_back(key, value.get<double>());
     }
   }
@@ -109,7 +159,31 @@ ClipQuality clip_quality(const Json& json) {
   reader.read("worst", quality.worst);
   quality.worst_ratio = quality.worst.empty() ? 0.0 : HUGE_VAL;
   reader.read("worst_ratio", quality.worst_ratio);
+  if (double leg = 0.0; reader.member("leg_m") != nullptr) {
+    reader.read("leg_m", leg);
+    if (leg > 0.0) quality.leg = leg;
+  }
+  if (const Json* bounds = reader.member("bounds")) read_bounds(*bounds, quality);
   return quality;
+}
+
+// of a part that is none nothing is taken, as if it had not been there
+void read_variant(const EntryReader& reader, ManifestEntry& entry) {
+  reader.name("source", entry.variant.source);
+  reader.read("part", entry.variant.part);
+  reader.name("mirror_of", entry.variant.mirror_of);
+  if (const Json* repeated = reader.member("repeats")) {
+    const EntryReader of(*repeated);
+    RepeatedClip& clip = entry.repeated.emplace();
+    of.name("of", clip.of);
+    std::string kind;
+    of.read("kind", kind);
+    clip.mirrored = kind == "mirrored";
+    of.read("distance_deg", clip.distance);
+  }
+  std::string signature;
+  reader.read("signature", signature);
+  entry.signature = bytes_from_base64(signature).value_or(std::string());
 }
 
 }  // namespace
@@ -118,7 +192,8 @@ std::string manifest_line(const ManifestEntry& entry) {
   Json json;
   put_name(json, "relative", entry.relative);
   put_name(json, "robot", entry.robot);
-  json["status"] = entry.done ? "done" : "failed";
+  json["status"] = entry.done ? "done" : entry.is_left_out() ? "duplicate" : "failed";
+  put_variant(json, entry.variant);
   if (entry.error) json["error"] = json_of(*entry.error, entry.exit_code);
   json["input"] = json_of(entry.input);
   json["options_hash"] = entry.options_hash;
@@ -137,6 +212,8 @@ std::string manifest_line(const ManifestEntry& entry) {
     }
   }
   if (entry.quality) json["quality"] = json_of(*entry.quality);
+  if (entry.repeated) json["repeats"] = json_of(*entry.repeated);
+  if (!entry.signature.empty()) json["signature"] = base64_text(entry.signature);
   return json.dump() + "\n";
 }
 
@@ -149,8 +226,12 @@ std::optional<ManifestEntry> parse_manifest_line(std::string_view line) {
   reader.name("robot", entry.robot);
   std::string status;
   reader.read("status", status);
-  if (entry.relative.empty() || (status != "done" && status != "failed")) return std::nullopt;
+  read_variant(reader, entry);
+  const bool known = status == "done" || status == "failed" ||
+                     (status == "duplicate" && entry.repeated.has_value());
+  if (entry.relative.empty() || !known) return std::nullopt;
   entry.done = status == "done";
+  if (status == "failed") entry.repeated.reset();
   if (const Json* error = reader.member("error")) read_error(*error, entry);
   if (const Json* input = reader.member("input")) entry.input = file_record(*input);
   reader.read("options_hash", entry.options_hash);

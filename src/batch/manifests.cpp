@@ -66,7 +66,7 @@ std::string lines_of(const std::vector<ManifestEntry>& entries) {
 }
 
 std::size_t failed_among(const std::vector<ManifestEntry>& entries) {
-  return static_cast<std::size_t>(std::ranges::count(entries, false, &ManifestEntry::done));
+  return static_cast<std::size_t>(std::ranges::count_if(entries, &ManifestEntry::has_failed));
 }
 
 // which clips to look at first
@@ -143,7 +143,8 @@ bool is_gone(const ManifestEntry& entry, const std::set<std::string>& known) {
 }
 
 Result<void> finish_manifests(const std::string& folder, const Shard& shard,
-                              const std::set<std::string>& known, Observer& observer) {
+                              const std::set<std::string>& known, const DataSetRules& rules,
+                              Observer& observer) {
   const std::string path = folder + "/" + shard_file_name(kStem, shard, kEnd);
   TRY_ASSIGN(auto own, read_entries(path, observer));
   std::vector<ManifestEntry> entries = std::move(own);
@@ -155,17 +156,20 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   }
   entries = latest_entries(std::move(entries));
   std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
+  judge_entries(entries, rules);
   TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   std::error_code ignored;
   for (const std::string& part : parts) fs::remove(part, ignored);
   observer.line("wrote", path);
   if (shard.count > 1) return {};
-  return write_summary(folder, entries, observer);
+  TRY(write_summary(folder, entries, observer));
+  return write_lists(folder, entries, rules, observer);
 }
 
 Result<std::size_t> merge_manifests(const std::string& folder,
-                                    const std::vector<std::string>& further, Observer& observer) {
+                                    const std::vector<std::string>& further,
+                                    const DataSetRules& rules, Observer& observer) {
   const std::string path = folder + "/" + kStem + kEnd;
   const std::vector<std::string> parts = manifests_beside(folder, path);
   std::error_code ignored;
@@ -184,6 +188,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   }
   if (entries.empty()) return input_failure(folder, "there is no batch manifest to merge");
   entries = latest_entries(std::move(entries));
+  judge_entries(entries, rules);
   TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   for (const std::string& part : parts) fs::remove(part, ignored);
@@ -194,6 +199,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
                               " failed");
   observer.line("wrote", path);
   TRY(write_summary(folder, entries, observer));
+  TRY(write_lists(folder, entries, rules, observer));
   return failed;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/data_set.h"
 #include "batch/manifest.h"
 #include "batch/run_batch.h"
 #include "batch/shard.h"
@@ -36,15 +37,17 @@ struct BatchManifests {
 
 /// Brings the manifest of a batch that is through into order, one line per clip and robot. Where
 /// the batch is no part of one, what the manifests of parts say goes into it as merge_manifests
-/// does it, but for clips that are gone, and summary.csv is written.
+/// does it, but for clips that are gone, all is held against the rules, and summary.csv and the lists
+/// of what passed are written.
 [[nodiscard]] Result<void> finish_manifests(const std::string& folder, const Shard& shard,
-                                            const std::set<std::string>& known, Observer& observer);
+                                            const std::set<std::string>& known,
+                                            const DataSetRules& rules, Observer& observer);
 
-/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, writes
-/// summary.csv, and removes what killed parts left of outputs that were not whole.
+/// Joins the manifests of all parts in the folder, and further ones, into manifest.jsonl, holds all
+/// against the rules, writes summary.csv and the lists of what passed, and removes what killed parts left of outputs that were not whole.
 /// @return how many clips failed.
 [[nodiscard]] Result<std::size_t> merge_manifests(const std::string& folder,
                                                   const std::vector<std::string>& further,
-                                                  Observer& observer);
+                                                  const DataSetRules& rules, Observer& observer);
 
 }  // namespace retarget

@@ -54,6 +54,9 @@ FinishedClips::FinishedClips(std::vector<ManifestEntry> entries, std::string out
     if (!entry.done) failed.emplace(entry.relative, entry.robot);
     last_finished_[{entry.relative, entry.robot}] = entry.finished;
   }
+  for (const ManifestEntry& entry : entries) {
+    if (!entry.signature.empty()) with_signature_.emplace(entry.relative, entry);
+  }
   for (ManifestEntry& entry : entries) {
     if (!entry.done || entry.outputs.empty()) continue;
     std::pair key(entry.relative, entry.robot);
@@ -77,16 +80,30 @@ RecordState FinishedClips::state_of(const ManifestEntry& entry,
 
 FinishedClips::Candidate FinishedClips::find(const std::string& relative, const std::string& robot,
                                              const std::string& options_hash,
-                                             const std::string& input_path) const {
+                                             const std::string& input_path,
+                                             const ClipVariant& variant) const {
   Candidate best;
   const auto [begin, end] = entries_.equal_range({relative, robot});
   for (auto at = begin; at != end; ++at) {
-    if (at->second.options_hash != options_hash) continue;
+    if (at->second.options_hash != options_hash || at->second.variant != variant) continue;
     const RecordState state = state_of(at->second, input_path);
     if (state == RecordState::kSame) return {&at->second, state};
     if (state == RecordState::kUnsure) best = {&at->second, state};
   }
   return best;
+}
+
+std::string FinishedClips::signature_of(const std::string& relative,
+                                        const std::string& options_hash,
+                                        const std::string& input_path,
+                                        const ClipVariant& variant) const {
+  const auto [begin, end] = with_signature_.equal_range(relative);
+  for (auto at = begin; at != end; ++at) {
+    const ManifestEntry& entry = at->second;
+    if (entry.options_hash != options_hash || entry.variant != variant) continue;
+    if (look_at(entry.input, input_path) == RecordState::kSame) return entry.signature;
+  }
+  return {};
 }
 
 std::string FinishedClips::last_finished(const std::string& relative,

@@ -33,7 +33,7 @@ class FinishedClips {
   /// @param output_folder  that the outputs of the entries are in.
   FinishedClips(std::vector<ManifestEntry> entries, std::string output_folder);
 
-  /// An entry that says that the clip is done with these options, input and outputs being as they
+  /// An entry that says that the clip is done with these options and is the same of its file, input and outputs being as they
   /// were as far as can be seen without reading them; the state is kSame or kUnsure. Nothing: it
   /// is to be done.
   struct Candidate {
@@ -41,8 +41,13 @@ class FinishedClips {
     RecordState state = RecordState::kChanged;
   };
   [[nodiscard]] Candidate find(const std::string& relative, const std::string& robot,
-                               const std::string& options_hash,
-                               const std::string& input_path) const;
+                               const std::string& options_hash, const std::string& input_path,
+                               const ClipVariant& variant = {}) const;
+  /// The signature that an earlier run found in a clip whose file is as it was; empty: there is none.
+  [[nodiscard]] std::string signature_of(const std::string& relative,
+                                         const std::string& options_hash,
+                                         const std::string& input_path,
+                                         const ClipVariant& variant) const;
 
   /// The files, below the output folder, that earlier runs are said to have made of a clip.
   /// @param verified  those alone that are what was recorded, by size and content, and lie in that
@@ -65,6 +70,7 @@ class FinishedClips {
   std::multimap<std::pair<std::string, std::string>, ManifestEntry> entries_;
   std::map<std::pair<std::string, std::string>, std::vector<FileRecord>> outputs_;
   std::map<std::pair<std::string, std::string>, std::string> last_finished_;
+  std::multimap<std::string, ManifestEntry> with_signature_;  // by clip
   std::string output_folder_;
 };
 

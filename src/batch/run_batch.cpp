@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "base/file.h"
@@ -16,19 +17,23 @@
 #include "base/suggest.h"
 #include "base/try.h"
 #include "batch/batch_runner.h"
+#include "batch/clip_table.h"
+#include "batch/data_set.h"
 #include "batch/find_inputs.h"
 #include "batch/folder_lock.h"
 #include "batch/leftovers.h"
 #include "batch/manifest.h"
 #include "batch/manifests.h"
+#include "batch/output_tree.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
 #include "batch/shard.h"
+#include "batch/signature_pass.h"
 #include "plan/check_options.h"
 #include "plan/config_files.h"
+#include "plan/gates.h"
 #include "plan/output_files.h"
 #include "retarget/load.h"
-#include "run/written_files.h"
 
 namespace retarget {
 namespace {
@@ -40,7 +45,7 @@ constexpr const char* kLockStem = ".retarget-batch";
 
 Result<void> check_request(const BatchRequest& request) {
   const SolveOptions& solve = request.run.options.solve;
-  if (request.inputs.empty() && request.lists.empty()) {
+  if (request.inputs.empty() && request.lists.empty() && request.clips.empty()) {
     return usage_failure("no motion files are given",
                          "retarget batch clips/ -o out/ " OPTION("robot") " unitree_g1; "
                          "retarget batch " OPTION("help") " shows more");
@@ -58,6 +63,13 @@ Result<void> check_request(const BatchRequest& request) {
     return usage_failure("a batch cannot read a motion from standard input",
                          OPTION("list") " - reads file names from it");
   }
+  const PartOptions& part = request.run.options.part;
+  if (!request.clips.empty() &&
+      (part.start_s >= 0.0 || part.end_s >= 0.0 || !part.frames.empty())) {
+    return usage_failure(OPTION("clips") " and " OPTION("start") ", " OPTION("end") " or " OPTION(
+                             "frames") " both choose parts of the clips",
+                         "give only one of them");
+  }
   const SaveOptions& save = request.run.options.save;
   TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
   TRY(check_options(request.run.options));
@@ -70,6 +82,12 @@ Result<void> check_request(const BatchRequest& request) {
 std::string without_last_slash(std::string folder) {
   while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
   return folder;
+}
+
+// `.` of a file alone
+std::string folder_of(const std::string& file) {
+  const fs::path folder = fs::path(file).parent_path();
+  return folder.empty() ? "." : folder.string();
 }
 
 Result<std::string> make_output_folder(const std::string& given) {
@@ -95,6 +113,9 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
     robot.run.robot.name = name;
     robot.request = request.of_clip;
     robot.request.measure = request.quality;
+    if (!request.gates.empty()) {
+      TRY_ASSIGN(robot.request.gates, changed_gates(request.gates, request.data_folder));
+    }
     TRY_ASSIGN(LoadedRobot loaded,
                load_robot(robot.run.robot, {request.data_folder, {}}, observer));
     if (!name.empty()) robot.run.robot.name = loaded.name;
@@ -120,119 +141,57 @@ struct BatchPlan {
   std::vector<BatchInput> inputs;
   std::set<std::string> known;  // relative names, those of other parts too
   std::list<BatchRobot> robots;
-  std::vector<BatchTask> tasks;  // that are left to do
+  std::vector<BatchTask> tasks;         // that are left to do
+  std::vector<ManifestEntry> left_out;  // as they repeat others
   std::size_t unchanged = 0;
   std::uint64_t bytes = 0;
 };
 
-// the files of a clip below a folder, sidecars too
-Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
-                                            const std::string& folder) {
-  const SaveOptions& save = request.run.options.save;
-  TRY_ASSIGN(const auto items, plan_outputs(folder + batch_output(save, input.relative), save));
-  std::vector<std::string> files;
-  for (const OutputItem& item : items) {
-    files.push_back(item.path);
-    if (request.of_clip.sidecar) files.push_back(item.path + ".json");
-  }
-  return files;
+// the clips that a table makes of the files
+Result<std::vector<BatchInput>> take_parts(std::vector<BatchInput> inputs,
+                                           const std::vector<ClipRow>& rows,
+                                           const BatchRequest& request, Observer& observer) {
+  TRY_ASSIGN(std::vector<BatchInput> parts, parts_of(inputs, rows, request.clips));
+  std::set<std::string> used;
+  for (const BatchInput& part : parts) used.insert(part.variant.source);
+  std::string text = count_text(parts.size(), "part") + " of " + count_text(used.size(), "file");
+  const std::size_t unused = inputs.size() - used.size();
+  if (unused > 0) text += "; " + count_text(unused, "file") + " not in the table";
+  observer.line("clips", text);
+  return parts;
 }
 
-// every file that a batch would write: no two are one, and none is where a folder is to be
-class OutputTree {
- public:
-  explicit OutputTree(const BatchRequest& request) : request_(request) {
-    // with several robots clips have folders of their own
-    if (request.robots.size() > 1) return;
-    for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) files_[own] = {};
-  }
-
-  Result<void> add(const BatchInput& input) {
-    TRY_ASSIGN(const auto files, outputs_of(input, request_, {}));
-    for (const std::string& file : files) TRY(add_file(file, input));
-    return {};
-  }
-
-  // once all are there
-  [[nodiscard]] Result<void> check_folders() const {
-    for (const auto& [folder, input] : folders_) {
-      const auto file = files_.find(folder);
-      if (file == files_.end()) continue;
-      return usage_failure("\"" + input->path + "\" would be written to a folder \"" + folder +
-                               "\", which is " + what_is(file->second),
-                           "rename one of them or leave it out with " OPTION("exclude"));
-    }
-    return {};
-  }
-
- private:
-  static std::string what_is(const BatchInput* owner) {
-    return owner == nullptr ? "a file of the batch itself"
-                            : "the output of \"" + owner->path + "\"";
-  }
-
-  Result<void> add_file(const std::string& path, const BatchInput& input) {
-    const auto [owner, is_new] = files_.emplace(path, &input);
-    if (!is_new) {
-      return usage_failure("the output of \"" + input.path + "\" would be called \"" + path +
-                               "\", which is " + what_is(owner->second),
-                           "rename one of them, leave it out with " OPTION(
-                               "exclude") ", or write one format at a time");
-    }
-    for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
-         folder = folder.parent_path()) {
-      if (!folders_.emplace(folder.string(), &input).second) break;
-    }
-    return {};
-  }
-
-  const BatchRequest& request_;
-  std::map<std::string, const BatchInput*> files_;  // and of which clip; null: of the batch
-  std::map<std::string, const BatchInput*> folders_;
-};
-
-Result<void> check_outputs_of(const std::vector<BatchInput>& inputs, const BatchRequest& request) {
-  OutputTree tree(request);
-  for (const BatchInput& input : inputs) {
-    TRY(tree.add(input));
-  }
-  return tree.check_folders();
-}
-
-// no file that is there already is one that is read: a link into the clips' folder, say
-Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequest& request,
-                          const std::list<BatchRobot>& robots) {
-  std::vector<std::string> read = request.lists;
-  for (const BatchInput& input : inputs) read.push_back(input.path);
-  for (const BatchRobot& robot : robots) {
-    const std::vector<std::string> of_robot = files_of(robot.run, robot.setup.loaded.data_folder);
-    read.insert(read.end(), of_robot.begin(), of_robot.end());
-  }
-  const WrittenFiles written(read);
-  const std::string folder = without_last_slash(request.output) + "/";
-  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
-    TRY(written.check_spared(folder + own));
-  }
-  for (const BatchRobot& robot : robots) {
-    for (const BatchInput& input : inputs) {
-      TRY_ASSIGN(const auto files, outputs_of(input, request, folder + robot.folder));
-      for (const std::string& file : files) TRY(written.check_spared(file));
+// every clip: files, or parts of them, and mirror images
+Result<std::vector<BatchInput>> find_clips(const BatchRequest& request, Observer& observer) {
+  InputSearch search{request.inputs, request.lists, request.base, request.exclude, request.output};
+  std::vector<ClipRow> rows;
+  if (!request.clips.empty()) {
+    TRY_ASSIGN(rows, read_clip_table(request.clips));
+    if (search.names.empty() && search.lists.empty()) {
+      search.names = files_of_rows(rows, request.clips);
+      if (search.base.empty()) search.base = folder_of(request.clips);
     }
   }
-  return {};
+  TRY_ASSIGN(auto found, find_inputs(search));
+  for (const std::string& note : found.notes) observer.line("inputs", note);
+  TRY(check_distinct_outputs(found.inputs));
+  std::vector<BatchInput> inputs = std::move(found.inputs);
+  if (!rows.empty()) {
+    TRY_ASSIGN(inputs, take_parts(std::move(inputs), rows, request, observer));
+  }
+  if (request.mirror) inputs = with_mirror_images(std::move(inputs));
+  TRY(check_distinct_outputs(inputs));
+  return inputs;
 }
 
 Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchPlan& plan,
                          Observer& observer) {
-  InputSearch search{request.inputs, request.lists, request.base, request.exclude, request.output};
-  TRY_ASSIGN(auto found, find_inputs(search));
-  for (const std::string& note : found.notes) observer.line("inputs", note);
-  TRY(check_distinct_outputs(found.inputs));
-  TRY(check_outputs_of(found.inputs, request));
-  TRY(check_spared(found.inputs, request, plan.robots));
-  const std::size_t all = found.inputs.size();
-  for (const BatchInput& input : found.inputs) plan.known.insert(input.relative);
-  plan.inputs = take_shard(std::move(found.inputs), shard);
+  TRY_ASSIGN(std::vector<BatchInput> inputs, find_clips(request, observer));
+  TRY(check_outputs_of(inputs, request));
+  TRY(check_outputs_spared(inputs, request, without_last_slash(request.output), plan.robots));
+  const std::size_t all = inputs.size();
+  for (const BatchInput& input : inputs) plan.known.insert(input.relative);
+  plan.inputs = take_shard(std::move(inputs), shard);
   observer.line("inputs",
                 count_text(plan.inputs.size(), "clip") +
                     (shard.count > 1 ? " of " + std::to_string(all) + ", part " + request.shard
@@ -240,14 +199,36 @@ Result<void> plan_inputs(const BatchRequest& request, const Shard& shard, BatchP
   return {};
 }
 
-// longest first, what is done already left out
-void plan_tasks(const FinishedClips& finished, BatchPlan& plan) {
+// the entry of a clip that is not done, as it repeats another
+ManifestEntry entry_of_repeated(const BatchInput& input, const BatchRobot& robot,
+                                const RepeatedClip& repeated, const FinishedClips& finished) {
+  ManifestEntry entry;
+  entry.relative = input.relative;
+  entry.robot = robot.name;
+  entry.options_hash = robot.fingerprint.hash;
+  // what the next run knows it again by; its content is not looked at
+  entry.input = {input.path, input.bytes, input.modified_ns, {}};
+  entry.variant = input.variant;
+  entry.signature = input.signature;
+  entry.repeated = repeated;
+  entry.finished = finished_now(finished, entry);
+  return entry;
+}
+
+// longest first, what is done already and what repeats other clips left out
+void plan_tasks(const FinishedClips& finished, const std::map<std::string, RepeatedClip>& repeated,
+                BatchPlan& plan) {
   for (const BatchInput& input : plan.inputs) {
     for (const BatchRobot& robot : plan.robots) {
-      const auto found =
-          finished.find(input.relative, robot.name, robot.fingerprint.hash, input.path);
+      const auto found = finished.find(input.relative, robot.name, robot.fingerprint.hash,
+                                       input.path, input.variant);
       if (found.state == RecordState::kSame) {
         ++plan.unchanged;
+        continue;
+      }
+      const auto of = repeated.find(input.relative);
+      if (of != repeated.end() && found.entry == nullptr) {
+        plan.left_out.push_back(entry_of_repeated(input, robot, of->second, finished));
         continue;
       }
       plan.tasks.push_back({&input, &robot, found.entry});
@@ -266,6 +247,15 @@ std::vector<ManifestEntry> kept_entries(const BatchManifests& manifests, const B
   std::erase_if(kept, [&](const ManifestEntry& entry) {
     return redone.contains({entry.relative, entry.robot}) || is_gone(entry, plan.known);
   });
+  std::map<std::string_view, const std::string*> signatures;
+  for (const BatchInput& input : plan.inputs) {
+    if (!input.signature.empty()) signatures[input.relative] = &input.signature;
+  }
+  for (ManifestEntry& entry : kept) {
+    const auto found = signatures.find(entry.relative);
+    if (found != signatures.end()) entry.signature = *found->second;
+  }
+  kept.insert(kept.end(), plan.left_out.begin(), plan.left_out.end());
   return kept;
 }
 
@@ -324,8 +314,16 @@ Result<BatchPlan> plan_batch(const BatchRequest& request, const Shard& shard, Ob
 // leaves out what is done, and begins the manifest with it
 Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& manifests,
                                                        const FinishedClips& finished,
-                                                       BatchPlan& plan, Observer& observer) {
-  plan_tasks(finished, plan);
+                                                       const BatchRequest& request, BatchPlan& plan,
+                                                       Observer& observer) {
+  std::map<std::string, RepeatedClip> repeated;
+  if (request.dedupe) {
+    TRY(find_signatures(plan.inputs, plan.robots.front(), request, finished, observer));
+    repeated = repeated_inputs(plan.inputs);
+    observer.line("dedupe", std::to_string(repeated.size()) + " of " +
+                                count_text(plan.inputs.size(), "clip") + " repeat others");
+  }
+  plan_tasks(finished, repeated, plan);
   if (plan.unchanged > 0) {
     observer.line("resume", std::to_string(plan.unchanged) + " of " +
                                 std::to_string(plan.unchanged + plan.tasks.size()) +
@@ -362,6 +360,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   if (!request.shard.empty()) {
     TRY_ASSIGN(shard, parse_shard(request.shard));
   }
+  TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, false));
   TRY_ASSIGN(BatchPlan plan, plan_batch(request, shard, observer));
   TRY_ASSIGN(const std::string folder, make_output_folder(request.output));
   TRY_ASSIGN(const BatchLocks locks, take_locks(folder, shard, observer));
@@ -369,7 +368,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   std::vector<ManifestEntry> known = manifests.own;
   known.insert(known.end(), manifests.others.begin(), manifests.others.end());
   const FinishedClips finished(std::move(known), folder);
-  TRY_ASSIGN(const auto manifest, begin_manifest(manifests, finished, plan, observer));
+  TRY_ASSIGN(const auto manifest, begin_manifest(manifests, finished, request, plan, observer));
   const bool alone = shard.count == 1 && locks.folder.is_held();
   const std::set<fs::path> folders = output_folders(folder, plan.tasks);
   if (alone) remove_unfinished(folder, folders);
@@ -378,7 +377,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   auto failed = work_through(plan, request, folder, finished, *manifest, observer);
   // a clip whose process was ended could not take back what it had begun
   if (alone) remove_unfinished(folder, folders);
-  if (failed) TRY(finish_manifests(folder, shard, plan.known, observer));
+  if (failed) TRY(finish_manifests(folder, shard, plan.known, rules, observer));
   return failed;
 }
 
@@ -388,8 +387,9 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
   if (!fs::is_directory(folder, error)) {
     return usage_failure("\"" + folder + "\" is not the output folder of a batch");
   }
+  TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
   TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
-  return merge_manifests(folder, request.inputs, observer);
+  return merge_manifests(folder, request.inputs, rules, observer);
 }
 
 }  // namespace retarget

@@ -28,6 +28,11 @@ struct BatchRequest {
   bool redo = false;                 ///< Forget an earlier batch in the folder.
   std::string shard;                 ///< `I/N`; empty: all of it.
   bool quality = true;               ///< Measure the motions.
+  std::vector<std::string> gates;    ///< That the motions are held against: changed_gates().
+  std::string clips;                 ///< Table of parts of the files (clip_table.h); empty: none.
+  bool mirror = false;               ///< Every clip's mirror image as well.
+  bool dedupe = false;               ///< Leave out clips that show what another shows.
+  std::string split;  ///< `RATIO:SEED` (split.h); empty: not for training and validation.
 
   /// Recorded of clips that failed; as of a process that does one clip alone.
   std::function<int(ErrorKind)> exit_code;

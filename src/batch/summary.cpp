@@ -50,7 +50,7 @@ std::string shortest(double value) {
 
 std::string row_of(const ManifestEntry& entry) {
   std::string row;
-  add_cell(row, entry.done ? "done" : "failed");
+  add_cell(row, entry.done ? "done" : entry.is_left_out() ? "duplicate" : "failed");
   add_text(row, entry.relative);
   add_text(row, entry.robot);
   add_cell(row, entry.done ? std::to_string(entry.frames) : "");
@@ -64,7 +64,8 @@ std::string row_of(const ManifestEntry& entry) {
   for (const Metric& metric : quality_metrics()) {
     const auto figure = std::ranges::find_if(
         quality.figures, [&](const auto& item) { return item.first == metric.key; });
-    add_cell(row, figure == quality.figures.end() ? "" : shortest(figure->second));
+    const bool known = figure != quality.figures.end() && !std::isnan(figure->second);
+    add_cell(row, known ? shortest(figure->second) : "");
   }
   add_text(row,
            entry.error
@@ -78,12 +79,14 @@ std::string row_of(const ManifestEntry& entry) {
 
 ClipQuality clip_quality(const QualityReport& report) {
   ClipQuality quality;
+  quality.leg = report.leg;
   for (const MetricValue& value : report.values) {
     quality.figures.emplace_back(value.metric->key, value.value);
   }
   for (const GateResult& gate : report.gates) {
     if (gate.passed) continue;
     quality.missed.push_back(gate.metric);
+    quality.missed_gates.push_back(gate);
     const double ratio = ratio_beyond(gate);
     if (quality.worst.empty() || ratio > quality.worst_ratio) {
       quality.worst = gate.metric;
@@ -98,7 +101,9 @@ std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> ent
   for (const ManifestEntry& entry : entries) order.push_back(&entry);
   const auto key = [](const ManifestEntry* entry) {
     const bool measured = entry->quality.has_value();
-    return std::tuple(entry->done, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
+    // what was left out is nobody's concern
+    const int place = entry->has_failed() ? 0 : entry->is_left_out() ? 2 : 1;
+    return std::tuple(place, measured ? -static_cast<long>(entry->quality->missed.size()) : 0,
                       measured ? -entry->quality->worst_ratio : 0.0, entry->relative, entry->robot);
   };
   std::ranges::sort(order, {}, key);
@@ -107,7 +112,7 @@ std::vector<const ManifestEntry*> worst_first(std::span<const ManifestEntry> ent
 
 std::string summary_csv(std::span<const ManifestEntry> entries) {
   std::string text = "status,clip,robot,frames,fps,duration_s,gates_missed,worst,worst_ratio";
-  for (const Metric& metric : quality_metrics()) text += "," + std::string(metric.key);
+  for (const Metric& metric : quality_metrics()) text.append(",").append(metric.key);
   text += ",message,hint\n";
   for (const ManifestEntry* entry : worst_first(entries)) text += row_of(*entry);
   return text;

@@ -18,12 +18,6 @@ namespace retarget {
 
 namespace fs = std::filesystem;
 
-Result<Gates> default_gates(const std::string& data_folder) {
-  Gates gates;
-  TRY(gates.add_file((fs::path(data_folder) / "configs" / "quality" / "default.json").string()));
-  return gates;
-}
-
 Result<QualityReport> evaluate(const Motion& motion) {
   const Plan& plan = motion.plan;
   TRY_ASSIGN(const Gates gates, default_gates(plan.robot.data_folder));

@@ -112,6 +112,17 @@ Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
   return {};
 }
 
+Json gates_json(const Gates& gates) {
+  Json json = Json::object();
+  for (const Gate& gate : gates.all()) {
+    Json& bounds = json[gate.metric];
+    if (gate.min) bounds["min"] = *gate.min;
+    if (gate.max) bounds["max"] = *gate.max;
+    if (gate.leg) bounds["leg_m"] = *gate.leg;
+  }
+  return json;
+}
+
 }  // namespace
 
 Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
@@ -131,6 +142,8 @@ Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request
   TRY_ASSIGN(std::string hash, hash_bytes(json_text(print.hashed)));
   Json shown = {{"options_hash", hash}};
   shown.update(print.hashed);
+  // motions do not depend on them
+  if (request.gates) shown["gates"] = gates_json(*request.gates);
   shown["paths"] = print.paths;
   return RunFingerprint{std::move(hash), json_text(shown, 2)};
 }

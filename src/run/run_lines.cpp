@@ -73,7 +73,15 @@ std::string bound_text(double bound) {
   return number_text(bound, decimals);
 }
 
-// `jumps 3 (at most 0)`
+// without the ending that many models' joints have
+std::string short_name(const std::string& joint) {
+  constexpr std::string_view kEnding = "_joint";
+  const bool has_it = joint.size() > kEnding.size() && joint.ends_with(kEnding);
+  return has_it ? joint.substr(0, joint.size() - kEnding.size()) : joint;
+}
+
+}  // namespace
+
 std::string missed_text(const GateResult& gate) {
   // written so that NaN is below every bound
   const bool too_little = gate.min && !(*gate.value >= *gate.min);
@@ -88,14 +96,13 @@ std::string missed_text(const GateResult& gate) {
          (too_little ? " (at least " : " (at most ") + bound_text(bound) + ")";
 }
 
-// without the ending that many models' joints have
-std::string short_name(const std::string& joint) {
-  constexpr std::string_view kEnding = "_joint";
-  const bool has_it = joint.size() > kEnding.size() && joint.ends_with(kEnding);
-  return has_it ? joint.substr(0, joint.size() - kEnding.size()) : joint;
+std::string missed_gates_text(const QualityReport& report) {
+  std::string text;
+  for (const GateResult& gate : report.gates) {
+    if (gate.value && !gate.passed) text += (text.empty() ? "" : ", ") + missed_text(gate);
+  }
+  return text;
 }
-
-}  // namespace
 
 SummaryLine clip_line(const Clip& clip) {
   return {"read", clip.name() + ": " + count_text(clip.skeleton().joint_count(), "joint") + ", " +
@@ -166,7 +173,7 @@ std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes) {
 std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::string& file) {
   std::vector<SummaryLine> lines;
   const std::string name = file.empty() ? file : file + ": ";
-  std::string missed;
+  const std::string missed = missed_gates_text(report);
   std::string reason;
   long kept = 0, unmeasured = 0, skipped = 0;
   for (const GateResult& gate : report.gates) {
@@ -177,8 +184,6 @@ std::vector<SummaryLine> verdict_lines(const QualityReport& report, const std::s
       ++unmeasured;
     } else if (gate.passed) {
       ++kept;
-    } else {
-      missed += (missed.empty() ? "" : ", ") + missed_text(gate);
     }
   }
   if (!missed.empty()) lines.push_back({"missed", name + missed});

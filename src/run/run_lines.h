@@ -23,6 +23,11 @@ namespace retarget {
 
 /// How many bodies of a page have meshes, and which are lacking; nothing where a robot has none.
 [[nodiscard]] std::vector<SummaryLine> mesh_lines(const RobotMeshes& meshes);
+/// A gate that was missed: `jumps 3 (at most 0)`.
+/// @pre its figure was measured
+[[nodiscard]] std::string missed_text(const GateResult& gate);
+/// All of a report, parted by commas; empty: none was.
+[[nodiscard]] std::string missed_gates_text(const QualityReport& report);
 
 /// Gates that were missed, with their figures, and in one line whether the gates were kept and which
 /// joint is at its limit most: `16 of 16 gates kept; waist_pitch at its limit in 46 % of frames`.

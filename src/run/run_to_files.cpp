@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <utility>
 
 #include "base/file.h"
+#include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"
 #include "human/bone_map_file.h"
 #include "plan/human_in_world.h"
 #include "retarget/clip.h"
+#include "retarget/edit.h"
 #include "retarget/load.h"
 #include "retarget/view.h"
 #include "run/run_lines.h"
@@ -91,8 +94,8 @@ Result<OutputFile> write_picture(const RunRequest& request, const Motion& motion
 Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& run,
                                              const RunRequest& request, const Observer& observer) {
   // who reads the summary is told its verdict, which must not make a run fail
-  const bool asked =
-      request.measure || request.sidecar || !request.report.empty() || !request.html.empty();
+  const bool asked = request.measure || request.sidecar || !request.report.empty() ||
+                     !request.html.empty() || request.gates.has_value();
   if (!asked && !observer.is_read()) return std::optional<QualityReport>();
   auto report = evaluate(motion);
   if (!report && !asked) return std::optional<QualityReport>();
@@ -100,6 +103,7 @@ Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& ru
     if (report.error().location.file.empty()) report.error().location.file = run.output;
     return failure(std::move(report).error());
   }
+  if (request.gates) request.gates->judge(*report);
   report->file = run.output == "-" ? "-" : std::filesystem::path(run.output).filename().string();
   return std::optional<QualityReport>(std::move(*report));
 }
@@ -117,7 +121,7 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
   if (request.sidecar) {
     TRY_ASSIGN(auto read, files_read(run, motion.plan.robot, motion.plan.config.file));
     sidecar = [&, read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
-      return sidecar_text(run, motion, file, *outcome.quality, read);
+      return sidecar_text(run, motion, file, *outcome.quality, read, request.mirror);
     };
   }
   std::optional<OutputFile> report, page, picture;
@@ -166,6 +170,13 @@ Result<Plan> read_and_plan(const Run& run, const RunRequest& request, const Robo
   observer.lines(plan.human.lines());
   observer.warn(plan.human.doubts(), plan.clip->name());
   observer.lines(plan.clip_notes);
+  if (request.mirror) {
+    // by what was found in the original, so that both are understood alike
+    TRY_ASSIGN(Clip image, located(mirror(*plan.clip, plan.human.calibration), plan.clip->name()));
+    image.set_origin(plan.clip->origin());
+    plan.clip = std::make_shared<const Clip>(std::move(image));
+    observer.line("mirrored", "left for right");
+  }
   TRY(save_bone_map(request.write_map, plan.human.map, plan.clip->skeleton()));
   return plan;
 }

@@ -25,8 +25,10 @@ struct RunRequest {
   bool sidecar = false;   ///< Write `<output>.json` beside each file.
   bool measure = false;   ///< Measure the motion's quality, whether it is written or not.
   bool verbose = false;   ///< Say what the terms of the fit cost.
-  bool hashes_only = false;  ///< Write nothing, make the hashes alone.
-  int threads = 0;           ///< Of one clip; 0: as many as serve. The result is the same.
+  bool mirror = false;    ///< Of the clip the mirror image is taken, left for right.
+  bool hashes_only = false;    ///< Write nothing, make the hashes alone.
+  int threads = 0;             ///< Of one clip; 0: as many as serve. The result is the same.
+  std::optional<Gates> gates;  ///< For the motion, which is measured then; empty: the default ones.
 };
 
 /// What became of a run.

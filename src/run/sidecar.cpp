@@ -112,7 +112,8 @@ Result<std::vector<ReadFile>> files_read(const Run& run, const LoadedRobot& robo
 }
 
 std::string sidecar_text(const Run& run, const Motion& motion, const WrittenFile& output,
-                         const QualityReport& report, const std::vector<ReadFile>& files) {
+                         const QualityReport& report, const std::vector<ReadFile>& files,
+                         bool mirror) {
   Json json;
   json["retarget"] = version_number();
   json["build"] = build_json();
@@ -130,6 +131,7 @@ std::string sidecar_text(const Run& run, const Motion& motion, const WrittenFile
   json["inputs"] = inputs;
   Run copy = run;
   json["options"] = options_json(run_table(copy));
+  if (mirror) json["mirror"] = true;
   json["found"] = found_json(motion.plan);
   json["quality"] = Json::parse(report_json({&report, 1}), nullptr, false);
   // names of skeletons' parts may be anything: what is no UTF-8 is replaced
@@ -173,6 +175,8 @@ Result<Sidecar> read_sidecar(std::string_view text, const std::string& file) {
     options.error().hint = "it may come from a newer version of this tool";
     return as_input(options.error());
   }
+  const auto mirror = json.find("mirror");
+  sidecar.mirror = mirror != json.end() && mirror->is_boolean() && mirror->get<bool>();
   for (const Json& each : json["inputs"]) {
     if (!each.is_object()) continue;
     sidecar.files.push_back(

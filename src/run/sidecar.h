@@ -27,9 +27,10 @@ struct ReadFile {
                                                        const std::string& config);
 
 /// The sidecar of one output: docs/formats.md describes its members.
+/// @param mirror  RunRequest::mirror.
 [[nodiscard]] std::string sidecar_text(const Run& run, const Motion& motion,
                                        const WrittenFile& output, const QualityReport& report,
-                                       const std::vector<ReadFile>& files);
+                                       const std::vector<ReadFile>& files, bool mirror = false);
 
 /// What a sidecar says of a run.
 struct Sidecar {
@@ -39,6 +40,7 @@ struct Sidecar {
   std::string hash;     ///< Of that file.
   double fps = 0.0;     ///< Of its motion; 0: not recorded.
   Run run;
+  bool mirror = false;          ///< RunRequest::mirror.
   std::vector<ReadFile> files;  ///< Their paths are not known.
 };
 

@@ -30,7 +30,7 @@ MAY_INCLUDE = {
     "quality": ["fit", "dynamics"],
     "plan": ["anatomy", "quality", "io"],
     "provenance": ["io"],
-    "run": ["plan", "provenance", "view"],
+    "run": ["plan", "provenance", "view", "edit"],
     "batch": ["run"],
     "view": ["fit", "quality", "io"],
 }

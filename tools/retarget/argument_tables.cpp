@@ -6,6 +6,7 @@
 
 #include "declare_table.h"
 #include "options/run_tables.h"
+#include "plan/gates.h"
 #include "retarget/options.h"
 #include "run/run_to_files.h"
 
@@ -35,6 +36,8 @@ Option write_map_row(std::string& file) {
 OptionTable request_table(RunArguments& arguments) {
   RunRequest& request = arguments.request;
   return {write_map_row(request.write_map),
+          row("mirror", request.mirror, kInputGroup, "",
+              "Take the mirror image of the motion, left for right"),
           row("sidecar", request.sidecar, kOutputGroup, "",
               "Write FILE.json beside each output: hashes, options, what was found, quality; "
               "retarget verify checks it"),
@@ -61,6 +64,9 @@ OptionTable run_command_table(RunArguments& arguments) {
           "SMPL or SMPL-X motion to retarget: AMASS's NPZ, GVHMR's .pt, pickles", {.basic = true})};
   append(table, without(run_table(arguments.run), {"motion", "smpl"}));
   append(table, request_table(arguments));
+  table.push_back(gate_row(arguments.gates,
+                           "Exit code 1 if the motion misses a gate: default, 'FIGURE<=N', a file "
+                           "(docs/quality.md)"));
   append(table, common_table(arguments.common));
   return table;
 }
@@ -87,10 +93,7 @@ OptionTable evaluate_table(EvaluateArguments& arguments) {
               "Add what the motion asks of the robot by inverse dynamics: forces that no contact "
               "can supply, torques beyond limits, balance, friction (docs/dynamics.md)",
               {.basic = true}),
-          row("gate", arguments.gates, kOutputGroup, "FILE|METRIC=N",
-              "Gates beyond configs/quality/default.json, or instead: a file like it, METRIC=MAX, "
-              "METRIC=none, or none for no gates at all; repeatable",
-              {.basic = true})};
+          gate_row(arguments.gates)};
 }
 
 OptionTable convert_table(ConvertArguments& arguments) {
@@ -148,14 +151,15 @@ OptionTable view_table(ViewArguments& arguments) {
           "those that the robot's model names and that are there)"),
       row("fps", arguments.fps, kTimeGroup, "N|source",
           "Page: rate of motions whose files give none, in frames per second, or "
-          "`source`; the source is resampled to it (default: 30; SOMA 120)")};
+          "`source`; the source is resampled to it (default: 30; SOMA 120)"),
+      gate_row(arguments.gates, "Page: " + std::string(kGateHelp))};
   append(table, only(run_command_table(arguments.run),
                      {"output",        "strip",       "png",        "bvh",    "smpl",
                       "smpl-model",    "start",       "lead-in",    "map",    "partial",
                       "rest",          "tpose-frame", "tpose-file", "unit",   "up",
                       "forward",       "height",      "write-map",  "robot",  "robot-xml",
                       "robot-profile", "dof",         "ik-config",  "limits", "scale",
-                      "quiet",         "data-dir"}));
+                      "quiet",         "data-dir",    "mirror"}));
   append(table, reading_table(arguments.reading));
   return table;
 }

@@ -22,7 +22,8 @@ struct CommonArguments {
 struct RunArguments {
   CommonArguments common;
   Run run;
-  RunRequest request;
+  RunRequest request;                ///< But for its gates.
+  std::vector<std::string> gates;    ///< As changed_gates() takes them; none: they do not decide.
   std::string smpl_file;             ///< In place of the run's motion.
   std::array<std::string, 2> words;  ///< Motion and robot that are named without an option.
 };
@@ -42,7 +43,7 @@ struct MeasureArguments {
   std::string fps;                   ///< As given; empty: not.
   ReadingOptions reading;            ///< But for the rate, where `run` has it.
   std::vector<std::string> motions;  ///< Files of robot motions.
-  std::vector<std::string> gates;    ///< Files, `KEY=NUMBER`, `KEY=none`, `none`.
+  std::vector<std::string> gates;    ///< As changed_gates() takes them.
   bool dynamics = false;             ///< Figures of inverse dynamics, too.
 };
 

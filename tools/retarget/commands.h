@@ -9,7 +9,7 @@ namespace retarget::cli {
 
 /// Each command does its work. Some have results that the exit code of the process tells; else it is
 /// that of the error, or kDone.
-[[nodiscard]] Result<void> run(const RunArguments& arguments, Console& console);
+[[nodiscard]] Result<ExitCode> run(const RunArguments& arguments, Console& console);
 [[nodiscard]] Result<ExitCode> batch(const BatchArguments& arguments, Console& console);
 [[nodiscard]] Result<void> inspect(const InspectArguments& arguments, Console& console);
 [[nodiscard]] Result<void> edit(const EditArguments& arguments, Console& console);

@@ -28,7 +28,7 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           false)});
   declare(*command, without(run_command_table(arguments.run),
                             {"bvh", "smpl", "write-map", "robot", "output", "report", "html", "png",
-                             "strip", "memory", "verbose"}));
+                             "strip", "memory", "verbose", "gate", "mirror"}));
   declare(*command, batch_table(arguments));
   for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
   return command;
@@ -45,7 +45,7 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
                           "rest",      "tpose-frame",   "tpose-file", "unit",    "up",
                           "forward",   "height",        "start",      "lead-in", "robot",
                           "robot-xml", "robot-profile", "ik-config",  "limits",  "scale",
-                          "write-map", "quiet",         "data-dir"}));
+                          "write-map", "quiet",         "data-dir",   "mirror"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));

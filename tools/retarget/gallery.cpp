@@ -116,6 +116,8 @@ class GalleryMaker {
  private:
   Result<void> plan() {
     for (const ManifestEntry* entry : worst_first(batch_.entries)) {
+      // there is another page of the same
+      if (entry->is_left_out()) continue;
       GalleryClip clip;
       clip.name = entry->relative;
       clip.robot = entry->robot;

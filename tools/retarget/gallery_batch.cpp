@@ -244,6 +244,8 @@ ShownEntry arguments_of(const BatchFolder& batch, const ManifestEntry& entry,
   } else if (source.path.empty() && source.is_there) {
     shown.lacks = "the source has changed since: " + entry.input.file;
   }
+  if (!entry.variant.part.empty()) run.options.part = part_options(entry.variant.part);
+  arguments.run.request.mirror = entry.variant.is_mirrored();
   if (run.motion.empty()) forget_source(run);
   if (entry.fps > 0.0) arguments.fps = to_text(frame_rate_from_fps(entry.fps));
   return shown;

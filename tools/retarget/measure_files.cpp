@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "base/number_text.h"
-#include "base/suggest.h"
 #include "base/try.h"
 #include "plan/config_files.h"
 #include "plan/gates.h"
@@ -19,42 +18,6 @@ namespace retarget::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// `METRIC=NUMBER` or `METRIC=none`
-Result<Gate> gate_from_text(const std::string& text, std::size_t equals) {
-  Gate gate{text.substr(0, equals), std::nullopt, std::nullopt};
-  if (find_metric(gate.metric) == nullptr) {
-    return usage_failure("--gate names an unknown metric \"" + gate.metric + "\"" +
-                         did_you_mean(gate.metric, metric_keys()));
-  }
-  const std::string_view number = std::string_view(text).substr(equals + 1);
-  if (number == "none") return gate;
-  const auto max = parse_number<double>(number);
-  if (!max) {
-    return usage_failure("--gate " + gate.metric +
-                         "= must be followed by a number or none, found \"" + std::string(number) +
-                         "\"");
-  }
-  gate.max = max;
-  return gate;
-}
-
-Result<Gates> gates_of(const MeasureArguments& arguments, const std::string& data_folder) {
-  TRY_ASSIGN(Gates gates, default_gates(data_folder));
-  for (const std::string& text : arguments.gates) {
-    const std::size_t equals = text.find('=');
-    std::error_code ignored;
-    if (text == "none") {
-      gates.clear();
-    } else if (equals == std::string::npos || fs::exists(text, ignored)) {
-      TRY(gates.add_file(text));
-    } else {
-      TRY_ASSIGN(Gate gate, gate_from_text(text, equals));
-      gates.set(std::move(gate));
-    }
-  }
-  return gates;
-}
 
 Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measures& measures,
                         Console& console) {
@@ -121,7 +84,7 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
   Measures measures;
   measures.dynamics = arguments.dynamics;
   TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
-  TRY_ASSIGN(measures.gates, gates_of(arguments, data_folder));
+  TRY_ASSIGN(measures.gates, changed_gates(arguments.gates, data_folder));
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
   measures.robot = robot.robot;
   measures.model = robot.model;

@@ -11,9 +11,11 @@
 #include "commands.h"
 #include "console.h"
 #include "plan/check_options.h"
+#include "plan/gates.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "robot/find_robot.h"
+#include "run/run_lines.h"
 #include "run/run_to_files.h"
 #include "run/written_files.h"
 #include "shared_arguments.h"
@@ -105,13 +107,15 @@ Result<void> check_usage(const RunArguments& arguments, const std::string& data_
   for (const std::string& file : {request.report, request.html, request.png}) {
     if (!file.empty()) TRY(check_output_folder(file));
   }
-  return check_outputs(run, request.sidecar, files_of(run, data_folder),
+  std::vector<std::string> read = files_of(run, data_folder);
+  read.insert(read.end(), arguments.gates.begin(), arguments.gates.end());
+  return check_outputs(run, request.sidecar, read,
                        {request.report, request.html, request.png, request.write_map});
 }
 
 }  // namespace
 
-Result<void> run(const RunArguments& given, Console& console) {
+Result<ExitCode> run(const RunArguments& given, Console& console) {
   RunArguments arguments = given;
   TRY(take_words(arguments));
   TRY(take_smpl_file(arguments));
@@ -121,8 +125,16 @@ Result<void> run(const RunArguments& given, Console& console) {
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(arguments.run, arguments.common, console));
   // sidecars have the whole name
   if (!arguments.run.robot.name.empty()) arguments.run.robot.name = setup.loaded.name;
-  TRY(run_to_files(arguments.run, arguments.request, setup, console));
-  return {};
+  RunRequest request = arguments.request;
+  // quality decides only where gates were asked for
+  if (!arguments.gates.empty()) {
+    TRY_ASSIGN(request.gates, changed_gates(arguments.gates, *data_folder));
+  }
+  TRY_ASSIGN(const RunOutcome outcome, run_to_files(arguments.run, request, setup, console));
+  if (!request.gates || outcome.quality->passed()) return kDone;
+  return run_failure(arguments.run.output == "-" ? "standard output" : arguments.run.output,
+                     "the motion misses a gate: " + missed_gates_text(*outcome.quality),
+                     "it is written all the same");
 }
 
 }  // namespace retarget::cli

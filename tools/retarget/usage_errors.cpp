@@ -113,7 +113,8 @@ std::vector<Need> needs_of(const CLI::App& command) {
     if (is_given(command, "a")) return {{"second motion file", "B, the other of the two"}};
     return {{"motion files", "A and B, the two motion files to compare"}};
   }
-  if (name == "batch" && !merges && !is_given(command, "inputs") && !is_given(command, "--list")) {
+  if (name == "batch" && !merges && !is_given(command, "inputs") && !is_given(command, "--list") &&
+      !is_given(command, "--clips")) {
     needs.push_back({"motion files", "IN..."});
   }
   for (const CLI::Option* option : command.get_options()) {

@@ -111,6 +111,7 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
   TRY_ASSIGN(const RobotSetup setup, set_up_robot(run, arguments.common, console));
   RunRequest request;
   request.hashes_only = true;
+  request.mirror = sidecar.mirror;
   const auto outcome = run_to_files(run, request, setup, console);
   // which configuration is read is known from the source only
   const auto files = files_read(run, setup.loaded, outcome ? outcome->config : setup.config.file);

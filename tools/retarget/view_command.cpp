@@ -50,8 +50,11 @@ Result<void> check_use(const ViewArguments& arguments) {
     return usage_failure("--strip is for a picture, and only a page is written",
                          "add --png FILE, or name an output that ends in .png or .svg");
   }
-  if (!page && (!arguments.labels.empty() || !arguments.meshes.empty())) {
-    return usage_failure(std::string(arguments.labels.empty() ? "--meshes" : "--label") +
+  if (!page &&
+      (!arguments.labels.empty() || !arguments.meshes.empty() || !arguments.gates.empty())) {
+    return usage_failure(std::string(!arguments.labels.empty()   ? "--label"
+                                     : !arguments.meshes.empty() ? "--meshes"
+                                                                 : "--gate") +
                              " is for a page, and only a picture is written",
                          "name an output that ends in .html");
   }

@@ -1,0 +1,249 @@
+#include "batch/clip_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "base/file.h"
+#include "base/lower_case.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/plain_name.h"
+#include "base/suggest.h"
+#include "base/try.h"
+#include "io/csv_cells.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+// rows of millions of clips; a pipe without an end has more
+constexpr std::size_t kMaxTableBytes = std::size_t{256} << 20U;
+constexpr double kMaxEnd = 1e9;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+enum Column : std::size_t { kFile, kStart, kEnd, kName };
+constexpr std::array<std::string_view, 4> kColumns = {"file", "start", "end", "name"};
+
+Failure row_failure(const std::string& path, std::size_t line, std::string message,
+                    std::string hint = {}) {
+  return failure({ErrorKind::kInput, {path, line, 0}, std::move(message), {}, std::move(hint)});
+}
+
+// seconds, or `f` and a whole number; nothing: neither
+std::optional<double> end_value(const std::string& text) {
+  const bool is_frame = text.starts_with('f');
+  if (is_frame) {
+    const auto frame = parse_number<int>(std::string_view(text).substr(1));
+    return frame && *frame >= 0 ? std::optional<double>(*frame) : std::nullopt;
+  }
+  const auto seconds = parse_number<double>(text);
+  return seconds && *seconds >= 0.0 && *seconds <= kMaxEnd ? seconds : std::nullopt;
+}
+
+class ClipTableReader {
+ public:
+  explicit ClipTableReader(const std::string& path) : path_(path) {}
+
+  Result<void> take(std::string_view text) {
+    ++line_;
+    split_cells(text, cells_);
+    if (!begun_ && is_header()) return take_header();
+    begun_ = true;
+    return take_row();
+  }
+
+  [[nodiscard]] std::vector<ClipRow> rows() && { return std::move(rows_); }
+
+  std::size_t line_ = 0;
+
+ private:
+  [[nodiscard]] bool is_header() const {
+    return std::ranges::any_of(
+        cells_, [](const CsvCell& cell) { return lower_case(std::string(cell.text)) == "file"; });
+  }
+
+  Result<void> take_header() {
+    begun_ = true;
+    places_.fill(std::nullopt);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const std::string name = lower_case(std::string(cells_[i].text));
+      const auto known = std::ranges::find(kColumns, name);
+      if (known != kColumns.end()) {
+        places_[static_cast<std::size_t>(known - kColumns.begin())] = i;
+      }
+    }
+    if (places_[kStart] || places_[kEnd]) return {};
+    return row_failure(path_, line_, "the header has neither a column \"start\" nor \"end\"",
+                       "file,start,end,name");
+  }
+
+  [[nodiscard]] std::string cell(Column column) const {
+    const auto place = places_[column];
+    return place && *place < cells_.size() ? std::string(cells_[*place].text) : std::string();
+  }
+
+  Result<void> take_row() {
+    ClipRow row{cell(kFile), {}, cell(kName), line_};
+    if (row.file.empty()) {
+      return row_failure(path_, line_, "the row names no file", "a row is file,start,end,name");
+    }
+    const std::string start = cell(kStart), end = cell(kEnd);
+    const auto first = end_value(start), last = end_value(end);
+    for (const auto& [text, value] : {std::pair(start, first), std::pair(end, last)}) {
+      if (text.empty() || value) continue;
+      return row_failure(path_, line_,
+                         fmt::format("expected a time or a frame, found \"{}\"", text),
+                         "12.3 is seconds, f120 a frame");
+    }
+    if (first && last && start.starts_with('f') != end.starts_with('f')) {
+      return row_failure(path_, line_, fmt::format("{} and {} are a time and a frame", start, end),
+                         "give both in seconds (12.3) or both in frames (f120)");
+    }
+    if (first && last && *first >= *last) {
+      return row_failure(path_, line_, fmt::format("the part from {} to {} is empty", start, end));
+    }
+    if (!row.name.empty() && !is_plain_path(row.name)) {
+      return row_failure(path_, line_, fmt::format("\"{}\" cannot be a clip's name", row.name),
+                         "a name is that of a file below the output folder, without its ending");
+    }
+    row.part = part_text(start, end);
+    rows_.push_back(std::move(row));
+    return {};
+  }
+
+  const std::string& path_;
+  std::vector<CsvCell> cells_;
+  std::array<std::optional<std::size_t>, 4> places_ = {0, 1, 2, 3};
+  bool begun_ = false;
+  std::vector<ClipRow> rows_;
+};
+
+// inputs by what a row may call them; null: several have this name
+class InputNames {
+ public:
+  explicit InputNames(const std::vector<BatchInput>& inputs) {
+    for (const BatchInput& input : inputs) {
+      by_name_[input.relative] = &input;
+      by_name_.emplace(fs::path(input.path).lexically_normal().string(), &input);
+    }
+    for (const BatchInput& input : inputs) {
+      const std::string name = fs::path(input.relative).filename().string();
+      const auto [at, is_new] = by_last_part_.emplace(name, &input);
+      if (!is_new) at->second = nullptr;
+    }
+  }
+
+  [[nodiscard]] const BatchInput* find(const std::string& file) const {
+    for (const std::string& name : {file, fs::path(file).lexically_normal().string()}) {
+      const auto found = by_name_.find(name);
+      if (found != by_name_.end()) return found->second;
+    }
+    const auto last = by_last_part_.find(file);
+    return last == by_last_part_.end() ? nullptr : last->second;
+  }
+
+  [[nodiscard]] std::string suggestion(const std::string& file) const {
+    std::vector<std::string> known;
+    for (const auto& [name, input] : by_name_) known.push_back(name);
+    return did_you_mean(file, known);
+  }
+
+ private:
+  std::map<std::string, const BatchInput*> by_name_, by_last_part_;
+};
+
+// beside its file, with the file's ending, which tells of what kind it is
+std::string part_name(const BatchInput& input, const std::string& name) {
+  const fs::path file(input.relative);
+  return (file.parent_path() / (name + file.extension().string())).lexically_normal().string();
+}
+
+}  // namespace
+
+Result<std::vector<ClipRow>> read_clip_table(const std::string& path) {
+  TRY_ASSIGN(const auto content, read_file(path, ErrorKind::kInput, kMaxTableBytes));
+  std::string_view text = content.view();
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  ClipTableReader reader(path);
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.find_first_not_of(" \t,;") == std::string_view::npos || line.starts_with('#')) {
+      ++reader.line_;
+      continue;
+    }
+    TRY(reader.take(line));
+  }
+  std::vector<ClipRow> rows = std::move(reader).rows();
+  if (rows.empty()) {
+    return input_failure(path, "the table of clips has no rows", "a row is file,start,end,name");
+  }
+  return rows;
+}
+
+std::vector<std::string> files_of_rows(const std::vector<ClipRow>& rows, const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::set<std::string> files;
+  for (const ClipRow& row : rows) files.insert((folder / row.file).string());
+  return {files.begin(), files.end()};
+}
+
+Result<std::vector<BatchInput>> parts_of(const std::vector<BatchInput>& inputs,
+                                         const std::vector<ClipRow>& rows,
+                                         const std::string& path) {
+  const InputNames names(inputs);
+  std::map<std::string, int> parts;            // of each file, so far
+  std::map<std::string, std::size_t> line_of;  // of each clip's name
+  std::vector<BatchInput> result;
+  result.reserve(rows.size());
+  for (const ClipRow& row : rows) {
+    const BatchInput* input = names.find(row.file);
+    if (input == nullptr) {
+      return row_failure(path, row.line,
+                         fmt::format("\"{}\" is not among the motions, or several are called so{}",
+                                     row.file, names.suggestion(row.file)),
+                         "name it as below the folder of clips: a/walk.bvh");
+    }
+    const int number = ++parts[input->relative];
+    const std::string own = fs::path(input->relative).stem().string();
+    BatchInput part = *input;
+    part.variant = {input->relative, row.part, {}};
+    part.relative = part_name(
+        *input, row.name.empty() ? fmt::format("{}_{}", own, number) : output_stem(row.name));
+    const auto [at, is_new] = line_of.emplace(part.relative, row.line);
+    if (!is_new) {
+      return row_failure(path, row.line,
+                         fmt::format("the clip \"{}\" is in line {} already",
+                                     output_stem(part.relative), at->second),
+                         "give every row a name of its own");
+    }
+    result.push_back(std::move(part));
+  }
+  return result;
+}
+
+std::vector<BatchInput> with_mirror_images(std::vector<BatchInput> inputs) {
+  const std::size_t count = inputs.size();
+  inputs.reserve(2 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    BatchInput image = inputs[i];
+    if (image.variant.source.empty()) image.variant.source = image.relative;
+    image.variant.mirror_of = image.relative;
+    image.relative = mirrored_name(image.relative);
+    inputs.push_back(std::move(image));
+  }
+  return inputs;
+}
+
+}  // namespace retarget

@@ -1,0 +1,266 @@
+#include "batch/data_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/option_name.h"
+#include "base/try.h"
+#include "batch/duplicates.h"
+#include "batch/summary.h"
+#include "plan/gates.h"
+#include "run/run_lines.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+void judge_again(ClipQuality& quality, const Gates& gates) {
+  QualityReport report;
+  report.leg = quality.leg;
+  for (const auto& [key, value] : quality.figures) {
+    if (const Metric* metric = find_metric(key)) report.values.push_back({metric, value, {}});
+  }
+  gates.judge(report);
+  const ClipQuality judged = clip_quality(report);
+  quality.missed = judged.missed;
+  quality.missed_gates = judged.missed_gates;
+  quality.worst = judged.worst;
+  quality.worst_ratio = judged.worst_ratio;
+}
+
+// looked for among clips as they are: a mirror image that a batch made is left out with its original
+void find_repetitions(std::vector<ManifestEntry>& entries) {
+  std::map<std::string, MotionSignature> signatures;
+  for (const ManifestEntry& entry : entries) {
+    if (!entry.has_failed() && !entry.variant.is_mirrored() && !entry.signature.empty()) {
+      signatures.emplace(entry.relative, signature_from_bytes(entry.signature));
+    }
+  }
+  std::vector<std::string> names;
+  std::vector<const MotionSignature*> clips;
+  for (const auto& [name, signature] : signatures) {
+    names.push_back(name);
+    clips.push_back(&signature);
+  }
+  const auto found = find_duplicates(clips);
+  std::map<std::string, RepeatedClip> repeated;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!found[i]) continue;
+    repeated[names[i]] = {names[found[i]->index], found[i]->mirrored, found[i]->distance};
+  }
+  for (ManifestEntry& entry : entries) {
+    const bool is_image = entry.variant.is_mirrored();
+    const auto of = repeated.find(is_image ? entry.variant.mirror_of : entry.relative);
+    if (of != repeated.end()) {
+      entry.repeated = of->second;
+    } else if (entry.done) {
+      entry.repeated.reset();
+    }
+  }
+}
+
+// nothing that a list of lines could not hold
+bool fits_line(const std::string& name) {
+  return name.find_first_of("\r\n") == std::string::npos;
+}
+
+std::string cell_of(const std::string& text) {
+  std::string cell;
+  // a spreadsheet would take it for a formula
+  if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos) {
+    cell = "'";
+  }
+  for (const char c : text) cell += c == '\t' || c == '\r' || c == '\n' ? ' ' : c;
+  return cell;
+}
+
+// the motions among the outputs: no sidecars
+std::vector<std::string> motions_of(const ManifestEntry& entry) {
+  std::vector<std::string> files;
+  for (const FileRecord& output : entry.outputs) {
+    const bool is_sidecar =
+        output.file.ends_with(".json") &&
+        std::ranges::find(entry.outputs, output.file.substr(0, output.file.size() - 5),
+                          &FileRecord::file) != entry.outputs.end();
+    if (!is_sidecar) files.push_back(output.file);
+  }
+  return files;
+}
+
+// a list of files, sorted, one on a line
+class FileList {
+ public:
+  void add(const ManifestEntry& entry) {
+    for (const std::string& file : motions_of(entry)) {
+      if (fits_line(file)) {
+        files_.insert(file);
+      } else {
+        ++left_out_;
+      }
+    }
+  }
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    for (const std::string& file : files_) text += file + "\n";
+    return text;
+  }
+  [[nodiscard]] std::size_t left_out() const { return left_out_; }
+
+ private:
+  std::set<std::string> files_;
+  std::size_t left_out_ = 0;
+};
+
+const std::string& source_of(const ManifestEntry& entry) {
+  return entry.variant.source.empty() ? entry.relative : entry.variant.source;
+}
+
+Result<void> write_split(const std::string& folder, const std::vector<const ManifestEntry*>& passed,
+                         const Split& split, Observer& observer) {
+  std::vector<std::string> keys;
+  std::set<std::string> subjects, files;
+  for (const ManifestEntry* entry : passed) {
+    ClipGroup group = group_of(source_of(*entry));
+    (group.is_subject ? subjects : files).insert(group.key);
+    keys.push_back(std::move(group.key));
+  }
+  TRY_ASSIGN(const std::vector<bool> trains, split_clips(keys, split));
+  FileList train, validation;
+  std::set<std::string> validating;
+  for (std::size_t i = 0; i < passed.size(); ++i) {
+    (trains[i] ? train : validation).add(*passed[i]);
+    if (!trains[i]) validating.insert(keys[i]);
+  }
+  TRY(write_file(folder + "/train.txt", train.text()));
+  TRY(write_file(folder + "/validation.txt", validation.text()));
+  const auto for_training = static_cast<std::size_t>(std::ranges::count(trains, true));
+  const std::size_t groups = subjects.size() + files.size();
+  observer.line("split", fmt::format("{} of {} for training, {} of {} for validation",
+                                     count_text(for_training, "clip"),
+                                     count_text(groups - validating.size(), "group"),
+                                     count_text(passed.size() - for_training, "clip"),
+                                     count_text(validating.size(), "group")));
+  if (groups == 0) return {};
+  std::string rule = count_text(subjects.size(), "group") + " by the subject that names tell";
+  if (subjects.empty()) rule = "no name tells a subject: ";
+  if (!files.empty()) {
+    rule += (subjects.empty() ? "" : ", ") + count_text(files.size(), "group") + " by file";
+  }
+  observer.line("", rule);
+  return {};
+}
+
+// what an earlier call left and this one does not renew
+void warn_of_old_lists(const std::string& folder, Observer& observer) {
+  std::error_code ignored;
+  for (const char* name : {"train.txt", "validation.txt"}) {
+    if (!fs::exists(folder + "/" + name, ignored)) continue;
+    observer.warn(
+        {{0, 0, "is of an earlier call and stays as it is; " OPTION("split") " makes it anew"}},
+        folder + "/" + name);
+  }
+}
+
+}  // namespace
+
+Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
+  DataSetRules rules;
+  if (!request.gates.empty() && !request.quality) {
+    return usage_failure(OPTION("gate") " and " OPTION("no-quality") " cannot be combined",
+                         "gates need the figures that are measured");
+  }
+  if (!merging || !request.gates.empty()) {
+    TRY_ASSIGN(rules.gates, changed_gates(request.gates, request.data_folder));
+  }
+  if (!merging || request.dedupe) rules.dedupe = request.dedupe;
+  if (!request.split.empty()) {
+    TRY_ASSIGN(rules.split, parse_split(request.split));
+  }
+  return rules;
+}
+
+void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules) {
+  for (ManifestEntry& entry : entries) {
+    if (rules.gates && entry.quality) judge_again(*entry.quality, *rules.gates);
+    if (rules.dedupe == false && entry.done) entry.repeated.reset();
+  }
+  if (rules.dedupe == true) find_repetitions(entries);
+}
+
+bool has_passed(const ManifestEntry& entry) {
+  return entry.done && !entry.repeated && (!entry.quality || entry.quality->missed.empty());
+}
+
+std::string reason_of(const ManifestEntry& entry) {
+  if (entry.error) {
+    return describe({entry.error->kind, entry.error->location, entry.error->message, {}, {}});
+  }
+  if (!entry.quality) return {};
+  std::string reason;
+  for (const std::string& metric : entry.quality->missed) {
+    const auto gate = std::ranges::find(entry.quality->missed_gates, metric, &GateResult::metric);
+    const bool known = gate != entry.quality->missed_gates.end() && gate->value;
+    reason += (reason.empty() ? "" : "; ") + (known ? missed_text(*gate) : metric);
+  }
+  return reason;
+}
+
+Result<void> write_lists(const std::string& folder, const std::vector<ManifestEntry>& entries,
+                         const DataSetRules& rules, Observer& observer) {
+  FileList passed_files;
+  std::vector<const ManifestEntry*> passed;
+  std::string failed = "file\treason\trobot\n", repeated = "file\tof\tkind\tdistance_deg\trobot\n";
+  std::size_t missing = 0, repeating = 0, failing = 0;
+  for (const ManifestEntry& entry : entries) {
+    if (has_passed(entry)) {
+      passed_files.add(entry);
+      passed.push_back(&entry);
+    } else if (entry.repeated) {
+      ++repeating;
+      repeated +=
+          fmt::format("{}\t{}\t{}\t{:.2f}\t{}\n", cell_of(entry.relative),
+                      cell_of(entry.repeated->of), entry.repeated->mirrored ? "mirrored" : "same",
+                      entry.repeated->distance, cell_of(entry.robot));
+    } else {
+      ++(entry.done ? missing : failing);
+      failed += fmt::format("{}\t{}\t{}\n", cell_of(entry.relative), cell_of(reason_of(entry)),
+                            cell_of(entry.robot));
+    }
+  }
+  TRY(write_file(folder + "/passed.txt", passed_files.text()));
+  TRY(write_file(folder + "/failed.tsv", failed));
+  std::error_code ignored;
+  const bool earlier = fs::exists(folder + "/duplicates.tsv", ignored);
+  if (rules.dedupe == true || repeating > 0 || earlier) {
+    TRY(write_file(folder + "/duplicates.tsv", repeated));
+  }
+  if (passed_files.left_out() > 0) {
+    observer.warn({{0, 0,
+                    count_text(passed_files.left_out(), "file") +
+                        " whose name has a line break cannot be listed and is left out"}},
+                  folder + "/passed.txt");
+  }
+  std::string text = fmt::format("{} of {} in {}/passed.txt", passed.size(),
+                                 count_text(entries.size(), "clip"), folder);
+  if (missing > 0) text += fmt::format("; {} miss a gate", missing);
+  if (failing > 0) text += fmt::format("; {} failed", failing);
+  if (repeating > 0) text += fmt::format("; {} repeat others, see duplicates.tsv", repeating);
+  observer.line("passed", text);
+  if (!rules.split) {
+    warn_of_old_lists(folder, observer);
+    return {};
+  }
+  return write_split(folder, passed, *rules.split, observer);
+}
+
+}  // namespace retarget

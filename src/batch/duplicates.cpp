@@ -1,0 +1,205 @@
+#include "batch/duplicates.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace retarget {
+namespace {
+
+constexpr std::size_t kMeans = kSignatureNumbers;
+constexpr std::size_t kDimensions = kMeans + 1;  // and the length
+constexpr float kFullScale = 127.0F;
+
+// a clip in short: the means of its numbers, and its length
+using Summary = std::array<float, kDimensions>;
+
+Summary summary_of(const MotionSignature& signature) {
+  Summary summary{};
+  for (std::size_t i = 0; i < signature.samples.size(); ++i) {
+    summary[i % kSignatureNumbers] += signature.samples[i];
+  }
+  for (std::size_t i = 0; i < kMeans; ++i) {
+    summary[i] /= kFullScale * static_cast<float>(std::max<std::size_t>(1, signature.count()));
+  }
+  summary[kMeans] = static_cast<float>(signature.seconds);
+  return summary;
+}
+
+// by how much the summaries of one movement may differ: what was cut off changes short clips more
+struct Reach {
+  float means = 0.0F, seconds = 0.0F;
+
+  explicit Reach(double length)
+      : means(static_cast<float>(0.05 + 0.25 / std::max(1.0, length))),
+        seconds(static_cast<float>(signature_tolerance(length))) {}
+  [[nodiscard]] float along(std::size_t dimension) const {
+    return dimension == kMeans ? seconds : means;
+  }
+};
+
+// points, halved again and again along the dimension in which they are widest
+class SummaryTree {
+ public:
+  explicit SummaryTree(const std::vector<Summary>& points)
+      : points_(points), order_(points.size()) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    if (!order_.empty()) build(0, order_.size());
+  }
+
+  // points that are within reach in every dimension
+  void find(const Summary& center, const Reach& reach, std::vector<std::size_t>& found) const {
+    found.clear();
+    if (!nodes_.empty()) find(0, center, reach, found);
+  }
+
+ private:
+  static constexpr std::size_t kLeaf = 12;
+  struct Node {
+    std::size_t begin = 0, end = 0;  // of the order
+    std::size_t dimension = 0;
+    float split = 0.0F;
+    std::size_t left = 0, right = 0;  // nodes; 0: a leaf
+  };
+
+  std::size_t build(std::size_t begin, std::size_t end) {
+    const std::size_t index = nodes_.size();
+    nodes_.push_back({begin, end, widest(begin, end), 0.0F, 0, 0});
+    if (end - begin <= kLeaf) return index;
+    const std::size_t dimension = nodes_[index].dimension, middle = begin + (end - begin) / 2;
+    const auto at = [this](std::size_t place) {
+      return order_.begin() + static_cast<std::ptrdiff_t>(place);
+    };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::size_t a, std::size_t b) {
+      return std::pair(points_[a][dimension], a) < std::pair(points_[b][dimension], b);
+    });
+    nodes_[index].split = points_[order_[middle]][dimension];
+    const std::size_t left = build(begin, middle), right = build(middle, end);
+    nodes_[index].left = left;
+    nodes_[index].right = right;
+    return index;
+  }
+
+  [[nodiscard]] std::size_t widest(std::size_t begin, std::size_t end) const {
+    Summary low = points_[order_[begin]], high = low;
+    for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t d = 0; d < kDimensions; ++d) {
+        low[d] = std::min(low[d], points_[order_[i]][d]);
+        high[d] = std::max(high[d], points_[order_[i]][d]);
+      }
+    }
+    // as wide as a length of a second is a mean of a fifth
+    constexpr float kPerSecond = 0.2F;
+    std::size_t best = 0;
+    float best_width = -1.0F;
+    for (std::size_t d = 0; d < kDimensions; ++d) {
+      const float width = (high[d] - low[d]) * (d == kMeans ? kPerSecond : 1.0F);
+      if (width > best_width) std::tie(best, best_width) = std::pair(d, width);
+    }
+    return best;
+  }
+
+  void find(std::size_t index, const Summary& center, const Reach& reach,
+            std::vector<std::size_t>& found) const {
+    const Node& node = nodes_[index];
+    if (node.left == 0) {
+      for (std::size_t i = node.begin; i < node.end; ++i) {
+        const Summary& point = points_[order_[i]];
+        bool near = true;
+        for (std::size_t d = kDimensions; near && d-- > 0;) {
+          near = std::abs(point[d] - center[d]) <= reach.along(d);
+        }
+        if (near) found.push_back(order_[i]);
+      }
+      return;
+    }
+    const float apart = center[node.dimension] - node.split, width = reach.along(node.dimension);
+    if (apart <= width) find(node.left, center, reach, found);
+    if (apart >= -width) find(node.right, center, reach, found);
+  }
+
+  const std::vector<Summary>& points_;
+  std::vector<std::size_t> order_;
+  std::vector<Node> nodes_;
+};
+
+float square_distance(const Summary& a, const Summary& b) {
+  float sum = 0.0F;
+  for (std::size_t d = 0; d < kMeans; ++d) sum += (a[d] - b[d]) * (a[d] - b[d]);
+  return sum;
+}
+
+class DuplicateFinder {
+ public:
+  explicit DuplicateFinder(const std::vector<const MotionSignature*>& clips)
+      : clips_(clips), summaries_(summaries(clips)), tree_(summaries_) {}
+
+  std::vector<std::optional<DuplicateOf>> run() {
+    result_.resize(clips_.size());
+    for (std::size_t i = 0; i < clips_.size(); ++i) {
+      if (clips_[i] == nullptr || clips_[i]->samples.empty()) continue;
+      std::optional<DuplicateOf> best = nearest(i, *clips_[i], false);
+      const auto image = nearest(i, mirrored(*clips_[i]), true);
+      // who moves evenly is like his own image: the same then
+      if (image && (!best || image->distance < best->distance)) best = image;
+      result_[i] = best;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static std::vector<Summary> summaries(const std::vector<const MotionSignature*>& clips) {
+    std::vector<Summary> result;
+    result.reserve(clips.size());
+    for (const MotionSignature* clip : clips) {
+      result.push_back(clip == nullptr ? Summary{} : summary_of(*clip));
+    }
+    return result;
+  }
+
+  // those before it that are kept and look alike, nearest first, and of these the nearest
+  std::optional<DuplicateOf> nearest(std::size_t index, const MotionSignature& clip,
+                                     bool is_image) {
+    const Summary summary = summary_of(clip);
+    tree_.find(summary, Reach(clip.seconds), found_);
+    std::erase_if(found_, [&](std::size_t other) {
+      return other >= index || result_[other] || clips_[other] == nullptr ||
+             clips_[other]->samples.empty();
+    });
+    // many clips may stand about in the same way
+    constexpr std::size_t kCompared = 32;
+    const auto order = [&](std::size_t a, std::size_t b) {
+      return std::pair(square_distance(summaries_[a], summary), a) <
+             std::pair(square_distance(summaries_[b], summary), b);
+    };
+    const std::size_t compared = std::min(kCompared, found_.size());
+    std::partial_sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(compared),
+                      found_.end(), order);
+    found_.resize(compared);
+    std::optional<DuplicateOf> best;
+    for (const std::size_t other : found_) {
+      const double distance = signature_distance(*clips_[other], clip, kDuplicateDistance);
+      if (distance > kDuplicateDistance || (best && distance >= best->distance)) continue;
+      best = DuplicateOf{other, is_image, distance};
+    }
+    return best;
+  }
+
+  const std::vector<const MotionSignature*>& clips_;
+  const std::vector<Summary> summaries_;
+  const SummaryTree tree_;
+  std::vector<std::optional<DuplicateOf>> result_;
+  std::vector<std::size_t> found_;
+};
+
+}  // namespace
+
+std::vector<std::optional<DuplicateOf>> find_duplicates(
+    const std::vector<const MotionSignature*>& clips) {
+  return DuplicateFinder(clips).run();
+}
+
+}  // namespace retarget

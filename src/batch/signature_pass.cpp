@@ -1,0 +1,101 @@
+#include "batch/signature_pass.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <utility>
+
+#include "base/number_text.h"
+#include "base/try.h"
+#include "batch/duplicates.h"
+#include "human/motion_signature.h"
+#include "retarget/load.h"
+#include "retarget/plan.h"
+
+namespace retarget {
+namespace {
+
+// of a clip as a run would take it; empty: it cannot be read
+std::string signature_in(const BatchRobot& robot, const BatchInput& clip, double memory_gb) {
+  try {
+    const Run run = run_of_clip(robot, clip, memory_gb);
+    auto loaded = load_clip(run.motion, run.options.source);
+    if (!loaded) return {};
+    const auto plan = make_plan(std::move(*loaded), robot.setup, run.options);
+    if (!plan) return {};
+    return signature_bytes(
+        motion_signature(*plan->clip, plan->human.calibration, plan->part.begin, plan->part.end));
+  } catch (const std::exception&) {
+    // memory that ran out, say; the run itself will tell
+    return {};
+  }
+}
+
+// clips as they are, in the order in which the first of a kind is kept
+std::vector<BatchInput*> originals(std::vector<BatchInput>& inputs) {
+  std::vector<BatchInput*> clips;
+  for (BatchInput& input : inputs) {
+    if (!input.variant.is_mirrored()) clips.push_back(&input);
+  }
+  std::ranges::sort(clips, {}, &BatchInput::relative);
+  return clips;
+}
+
+}  // namespace
+
+Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& robot,
+                             const BatchRequest& request, const FinishedClips& finished,
+                             Observer& observer) {
+  const auto interrupts = observer.hold_interrupts();
+  std::vector<BatchInput*> unknown;
+  for (BatchInput* clip : originals(inputs)) {
+    clip->signature =
+        finished.signature_of(clip->relative, robot.fingerprint.hash, clip->path, clip->variant);
+    if (clip->signature.empty()) unknown.push_back(clip);
+  }
+  ClipPool pool = clip_pool({unknown.begin(), unknown.end()}, request);
+  std::size_t done = 0;
+  pool.options.keep_going = [&] { return !observer.is_stopped(); };
+  const auto work = [&](std::size_t task) {
+    return signature_in(robot, *unknown[task], pool.memory_gb(task));
+  };
+  const auto ended = [&](std::size_t task, const TaskEnd& end) {
+    if (end.answered) unknown[task]->signature = end.answer;
+    observer.status(fmt::format("looking for duplicates: {} of {}", ++done, unknown.size()));
+  };
+  if (!unknown.empty()) TRY(run_in_processes(pool.memory, pool.options, work, ended));
+  observer.end_progress();
+  if (observer.is_stopped()) return interrupted_failure();
+  return {};
+}
+
+std::map<std::string, RepeatedClip> repeated_inputs(const std::vector<BatchInput>& inputs) {
+  std::vector<const BatchInput*> clips;
+  for (const BatchInput& input : inputs) {
+    if (!input.variant.is_mirrored()) clips.push_back(&input);
+  }
+  std::ranges::sort(clips, {}, &BatchInput::relative);
+  std::vector<MotionSignature> signatures;
+  signatures.reserve(clips.size());
+  for (const BatchInput* clip : clips) signatures.push_back(signature_from_bytes(clip->signature));
+  std::vector<const MotionSignature*> pointers;
+  pointers.reserve(clips.size());
+  for (const MotionSignature& signature : signatures) pointers.push_back(&signature);
+  const auto found = find_duplicates(pointers);
+  std::map<std::string, RepeatedClip> repeated;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!found[i]) continue;
+    repeated[clips[i]->relative] = {clips[found[i]->index]->relative, found[i]->mirrored,
+                                    found[i]->distance};
+  }
+  // an image goes with its original
+  for (const BatchInput& input : inputs) {
+    const auto of = repeated.find(input.variant.mirror_of);
+    if (input.variant.is_mirrored() && of != repeated.end()) repeated[input.relative] = of->second;
+  }
+  return repeated;
+}
+
+}  // namespace retarget

@@ -1,0 +1,101 @@
+#include "batch/split.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace retarget {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Split, ReadsRatioAndSeed) {
+  const Split split = parse_split("0.8:seed").value();
+  EXPECT_EQ(split.ratio, 0.8);
+  EXPECT_EQ(split.seed, "seed");
+  EXPECT_EQ(parse_split("0.5").value().seed, "");
+  for (const char* text : {"", "1", "0", "-0.5:1", "nan:1", "0.9x", ":1", "1.5:2"}) {
+    EXPECT_FALSE(parse_split(text)) << text;
+  }
+}
+
+TEST(GroupOf, FindsTheSubjectInNames) {
+  const std::vector<std::pair<std::string, std::string>> subjects = {
+      {"walk1_subject5.bvh", "subject 5"},
+      {"dance/dance2_subject05_mirrored.bvh", "subject 5"},
+      {"sub3_largebox_003.pt", "subject 3"},
+      {"BMLmovi/Subject_11_F_MoSh/Subject_11_F_10_poses.npz", "subject 11"},
+      {"07_01.bvh", "subject 7"},
+      {"CMU/07/07_12_poses.npz", "subject 7"},
+      {"cmu_daz_03_03.bvh", "subject 3"},
+      {"KIT/3/walking_slow08_poses.npz", "KIT/3"},
+      {"BMLrub/rub001/0000_treadmill_norm_poses.npz", "BMLrub/rub001"},
+      {"ACCAD/Female1General_c3d/A1 - Stand_poses.npz", "ACCAD/female1"},
+      {"ACCAD/Female1Walking_c3d/B1_stageii.npz", "ACCAD/female1"},
+      {"GRAB/s1/airplane_fly_1.npz", "GRAB/s1"}};
+  for (const auto& [name, key] : subjects) {
+    const ClipGroup group = group_of(name);
+    EXPECT_EQ(group.key, key) << name;
+    EXPECT_TRUE(group.is_subject) << name;
+  }
+}
+
+TEST(GroupOf, TakesTheFileWhereNothingTellsASubject) {
+  for (const char* name : {"walk.bvh", "a/run_fast.bvh", "2024/take.bvh", "subjective.bvh",
+                           "clip_100.bvh", "robots3/x.bvh"}) {
+    EXPECT_FALSE(group_of(name).is_subject) << name;
+  }
+  EXPECT_EQ(group_of("a/walk.bvh").key, "a/walk");
+  // images of one motion
+  EXPECT_EQ(group_of("joints/M000123.npy").key, group_of("joints/000123.npy").key);
+  EXPECT_EQ(group_of("a/walk_mirrored.bvh").key, "a/walk");
+  EXPECT_NE(group_of("b/walk.bvh").key, "a/walk");
+}
+
+std::vector<std::string> persons(int count, int clips) {
+  std::vector<std::string> groups;
+  for (int i = 0; i < count; ++i)
+    groups.insert(groups.end(), static_cast<std::size_t>(clips), "subject " + std::to_string(i));
+  return groups;
+}
+
+TEST(SplitClips, KeepsGroupsTogetherAndTheRatio) {
+  const std::vector<std::string> groups = persons(100, 7);
+  const auto trains = split_clips(groups, {0.9, "1"}).value();
+  std::map<std::string, bool> side;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto [at, is_new] = side.emplace(groups[i], trains[i]);
+    EXPECT_EQ(at->second, trains[i]) << groups[i];
+  }
+  EXPECT_EQ(std::ranges::count(trains, true), 630);
+}
+
+TEST(SplitClips, DependsOnSeedAndGroupsAlone) {
+  const std::vector<std::string> groups = persons(40, 3);
+  std::vector<std::string> reversed(groups.rbegin(), groups.rend());
+  auto one = split_clips(groups, {0.8, "a"}).value();
+  auto other = split_clips(reversed, {0.8, "a"}).value();
+  std::reverse(other.begin(), other.end());
+  EXPECT_EQ(one, other);
+  EXPECT_NE(one, split_clips(groups, {0.8, "b"}).value());
+}
+
+TEST(SplitClips, LeavesNoSideEmptyWhereThereAreTwoGroups) {
+  for (const double ratio : {0.01, 0.5, 0.99}) {
+    const auto trains = split_clips(persons(2, 5), {ratio, ""}).value();
+    EXPECT_EQ(std::ranges::count(trains, true), 5) << ratio;
+  }
+  EXPECT_EQ(std::ranges::count(split_clips(persons(1, 5), {0.9, ""}).value(), true), 5);
+  EXPECT_TRUE(split_clips({}, {0.9, ""}).value().empty());
+}
+
+TEST(Split, ErrorShowsTheForm) {
+  EXPECT_THAT(parse_split("2:1").error().message, HasSubstr("RATIO:SEED"));
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,279 @@
+"""retarget batch for data sets: gates, lists of what passed, splits, parts, mirror images, duplicates."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+from batch_runs import BatchTest
+from tool import TOOL, sample, short_clip
+
+GMR = ("--method", "gmr")
+
+
+class DataSetTest(BatchTest):
+    def lines(self, name, folder="out"):
+        return (self.folder / folder / name).read_text().splitlines()
+
+    def rows(self, name, folder="out"):
+        return [line.split("\t") for line in self.lines(name, folder)]
+
+    def measured(self, *arguments, **options):
+        return self.batch(*GMR, *arguments, fast=False, **options)
+
+
+class Gates(DataSetTest):
+    def test_lists_say_who_passed_and_why_not(self):
+        self.clips("b.bvh", "sub/a.bvh")
+        self.write("in/bad.bvh", "HIERARCHY\n")
+        result = self.measured("--gate", "none", "--gate", "peak_speed<=0", "--sidecar")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(self.lines("passed.txt"), [])
+        header, *rows = self.rows("failed.tsv")
+        self.assertEqual(header, ["file", "reason", "robot"])
+        self.assertEqual([row[0] for row in rows], ["b.bvh", "bad.bvh", "sub/a.bvh"])
+        self.assertRegex(rows[0][1], r"^peak_speed \d.* \(at most 0\)$")
+        self.assertIn("bad.bvh:2:1: error", rows[1][1])
+        self.assertIn("0 of 3 clips in out/passed.txt; 2 miss a gate; 1 failed", result.stderr)
+        # other gates cost nothing: no clip is done again
+        self.assertEqual(self.measured("--gate", "none", "--resume", "--sidecar").returncode, 1)
+        self.assertEqual(self.lines("passed.txt"), ["b.csv", "sub/a.csv"])
+        self.assertEqual(len(self.rows("failed.tsv")), 2)
+        before = {e["relative"]: e["finished"] for e in self.manifest()}
+        merged = self.run_tool("batch", "--merge", "-o", "out", "--gate", "jumps>=1", "-q")
+        self.assertEqual(merged.returncode, 1)
+        self.assertEqual(self.lines("passed.txt"), [])
+        after = {e["relative"]: e["finished"] for e in self.manifest()}
+        self.assertEqual(before, after)
+
+    def test_a_missed_gate_fails_no_clip_of_a_batch(self):
+        self.clips("a.bvh")
+        self.assert_done(self.measured("--gate", "peak_speed<=0"))
+        entry = self.manifest()[0]
+        self.assertIn("peak_speed", entry["quality"]["gates_missed"])
+        self.assertEqual(entry["quality"]["bounds"]["peak_speed"], {"max": 0.0})
+        options = json.loads((self.folder / "out/options.json").read_text())
+        self.assertEqual(options[0]["gates"]["peak_speed"], {"max": 0.0})
+
+    def test_a_single_run_asks_with_the_same_option(self):
+        clip = self.write("wave.bvh", short_clip("wave", 4))
+        result = self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=0", bvh=clip)
+        self.assert_fails(result, 1, "out.csv: error: the motion misses a gate: peak_speed",
+                          "(at most 0)")
+        self.assertTrue((self.folder / "out.csv").exists())
+        self.assert_done(self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=1000",
+                                       bvh=clip))
+        # without the option quality decides nothing
+        self.assert_done(self.retarget(*GMR, bvh=clip))
+        self.assert_fails(self.retarget(*GMR, "--gate", "peek_speed<=1", bvh=clip), 2,
+                          'did you mean "peak_speed"?')
+        gates = self.write("gates.json", '{"gates": {"jumps": 0}}')
+        self.assert_fails(self.retarget(*GMR, "--gate", gates, "--report", gates, bvh=clip), 2,
+                          "gates.json")
+        view = self.run_tool("view", "out.csv", "--robot", "g1", "--gate", "none", "--gate",
+                             "peak_speed<=0", "-o", "page.html")
+        self.assert_done(view)
+
+    def test_wrong_calls(self):
+        self.clips("a.bvh")
+        for arguments, words in ((("--gate", "jmps<=0"), 'did you mean "jumps"?'),
+                                 (("--split", "2"), "RATIO:SEED"),
+                                 (("--split", "half:1"), '"half:1"')):
+            self.assert_fails(self.batch(*arguments, fast=False), 2, words)
+        self.assert_fails(self.batch("--gate", "jumps<=0"), 2, "--gate and --no-quality")
+        self.assert_fails(self.batch("--clips", "x.csv", "--start", "1"), 2, "--clips and --start")
+        self.assert_fails(self.batch("--clips", "missing.csv"), 3, "missing.csv")
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_names_of_the_lists_are_taken(self):
+        self.clips("passed.txt/a.bvh")
+        self.assert_fails(self.batch(), 2, "passed.txt", "a file of the batch itself")
+
+
+class Splits(DataSetTest):
+    def test_subjects_stay_together_whatever_the_order(self):
+        for subject in range(1, 6):
+            for name in ("walk", "run"):
+                self.clips(f"{name}/{name}1_subject{subject}.bvh")
+        result = self.batch("--split", "0.8:7", "--jobs", 3)
+        self.assert_done(result)
+        train, validation = self.lines("train.txt"), self.lines("validation.txt")
+        self.assertEqual((len(train), len(validation)), (8, 2))
+        subjects = [{re.search(r"subject(\d)", name)[1] for name in names}
+                    for names in (train, validation)]
+        self.assertFalse(subjects[0] & subjects[1])
+        self.assertEqual(sorted(train + validation), self.lines("passed.txt"))
+        self.assertIn("8 clips of 4 groups for training, 2 clips of 1 group for validation",
+                      result.stderr)
+        self.assertIn("5 groups by the subject", result.stderr)
+        # in parts, joined, the same
+        for part in (1, 2, 3):
+            self.assert_done(self.batch("--split", "0.8:7", "--shard", f"{part}/3", output="parts"))
+            self.assertFalse((self.folder / "parts/train.txt").exists())
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "parts", "--split", "0.8:7"))
+        for name in ("train.txt", "validation.txt", "passed.txt"):
+            self.assertEqual(self.lines(name, "parts"), self.lines(name))
+        # without the option the lists are old, and that is said
+        again = self.batch("--resume")
+        self.assertIn("train.txt: warning: is of an earlier call", again.stderr)
+
+
+class MirrorImages(DataSetTest):
+    def test_twins_are_as_good_as_their_originals(self):
+        self.write("in/wave.bvh", short_clip("wave", 40))
+        self.assert_done(self.batch("--mirror", "--sidecar", fast=False))
+        self.assertEqual(self.outputs(), ["wave.csv", "wave_mirrored.csv"])
+        original, image = self.manifest()
+        self.assertEqual((image["source"], image["mirror_of"]), ("wave.bvh", "wave.bvh"))
+        self.assertNotIn("mirror_of", original)
+        for key in ("limb_angle_deg", "trunk_lean_error_deg", "track_pos_cm"):
+            self.assertAlmostEqual(original["quality"]["figures"][key],
+                                   image["quality"]["figures"][key], delta=0.3)
+        # left and right have changed places
+        ours, theirs = ([[float(x) for x in line.split(",")] for line in self.lines(name)]
+                        for name in ("wave.csv", "wave_mirrored.csv"))
+        left, right = 7 + 15 + 3, 7 + 22 + 3  # elbows
+        for a, b in zip(ours, theirs):
+            self.assertAlmostEqual(a[left], b[right], delta=0.06)
+            self.assertAlmostEqual(a[right], b[left], delta=0.06)
+        self.assertGreater(max(abs(a[left] - a[right]) for a in ours), 0.5)
+        # the same as of a file that was mirrored before, and as a single run
+        single = self.retarget("--mirror", bvh=self.folder / "in/wave.bvh")
+        self.assert_done(single)
+        self.assertEqual((self.folder / "out.csv").read_bytes(),
+                         (self.folder / "out/wave_mirrored.csv").read_bytes())
+        self.assert_done(self.run_tool("verify", "out/wave_mirrored.csv.json"))
+        self.assert_done(self.run_tool("evaluate", "out/wave_mirrored.csv", "--robot", "g1", "--bvh",
+                                       "in/wave.bvh", "--mirror"))
+        self.assert_done(self.run_tool("view", "out", "-o", "gallery"))
+
+    def test_resume_shards_and_collisions(self):
+        self.clips("a.bvh", "b.bvh")
+        self.assert_done(self.batch())
+        again = self.batch("--mirror", "--resume")
+        self.assert_done(again)
+        self.assertIn("2 of 4 are done", again.stderr)
+        self.assertIn("4 of 4 are done", self.batch("--mirror", "--resume").stderr)
+        for part in (1, 2):
+            self.assert_done(self.batch("--mirror", "--shard", f"{part}/2", output="parts"))
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
+        self.assertEqual(self.contents("parts"), self.contents())
+        self.clips("a_mirrored.bvh")
+        self.assert_fails(self.batch("--mirror", output="two"), 2, "a_mirrored")
+        self.assertFalse((self.folder / "two").exists())
+
+
+class Parts(DataSetTest):
+    def test_several_parts_of_a_file(self):
+        self.write("in/a/wave.bvh", short_clip("wave", 40))
+        self.write("in/a/rest.bvh", short_clip("wave", 2))
+        self.write("parts.csv", "file,start,end,name\na/wave.bvh,f0,f10,one\nwave.bvh,0.5,1,two\n"
+                                "in/a/wave.bvh,f20,,\n")
+        result = self.batch("--clips", "parts.csv")
+        self.assert_done(result)
+        self.assertIn("3 parts of 1 file; 1 file not in the table", result.stderr)
+        self.assertEqual(self.outputs(), ["a/one.csv", "a/two.csv", "a/wave_3.csv"])
+        entries = {e["relative"]: e for e in self.manifest()}
+        self.assertEqual(entries["a/one.bvh"]["source"], "a/wave.bvh")
+        self.assertEqual(entries["a/one.bvh"]["part"], "f0:f10")
+        self.assertEqual(entries["a/wave_3.bvh"]["part"], "f20:")
+        self.retarget(*GMR, "--frames", "0:10", bvh=self.folder / "in/a/wave.bvh")
+        self.assertEqual((self.folder / "out.csv").read_bytes(), self.contents()["a/one.csv"])
+        self.retarget(*GMR, "--start", "0.5", "--end", "1", bvh=self.folder / "in/a/wave.bvh")
+        self.assertEqual((self.folder / "out.csv").read_bytes(), self.contents()["a/two.csv"])
+        # a part that is another one now is done again, and no other
+        self.write("parts.csv", "a/wave.bvh,f0,f12,one\na/wave.bvh,0.5,1,two\na/wave.bvh,f20,,\n")
+        self.assertIn("2 of 3 are done", self.batch("--clips", "parts.csv", "--resume").stderr)
+        self.assertEqual(len(self.lines("a/one.csv")), 12)
+
+    def test_the_table_alone_says_where_files_are(self):
+        self.write("set/x/wave.bvh", short_clip("wave", 20))
+        self.write("set/parts.csv", "x/wave.bvh,f0,f5,a\nx/wave.bvh,f5,f10,b\n")
+        self.assert_done(self.batch("--clips", "set/parts.csv", "--mirror", inputs=()))
+        self.assertEqual(self.outputs(), ["x/a.csv", "x/a_mirrored.csv", "x/b.csv",
+                                          "x/b_mirrored.csv"])
+
+    def test_errors_name_the_line_and_come_first(self):
+        self.clips("wave.bvh")
+        for text, words in (("wave.bvh,1,2,a\nwale.bvh,1,2,b\n",
+                             ("parts.csv:2: error", 'did you mean "wave.bvh"?')),
+                            ("wave.bvh,f2,1,a\n", ("parts.csv:1: error", "a time and a frame")),
+                            ("wave.bvh,1,2,a\nwave.bvh,2,3,a\n", ("parts.csv:2", "line 1"))):
+            self.write("parts.csv", text)
+            self.assert_fails(self.batch("--clips", "parts.csv"), 3, *words)
+        self.assertFalse((self.folder / "out").exists())
+        # what lies outside of the clip is the clip's own error
+        self.write("parts.csv", "wave.bvh,f0,f2,good\nwave.bvh,900,901,late\n")
+        self.assertEqual(self.batch("--clips", "parts.csv").returncode, 1)
+        self.assertEqual(self.lines("passed.txt"), ["good.csv"])
+
+
+class Duplicates(DataSetTest):
+    def prepare(self):
+        self.write("in/a.bvh", sample("wave").read_bytes())
+        self.write("in/other.bvh", sample("walk").read_bytes())
+        for arguments in (("mirror", "in/a.bvh", "-o", "in/image.bvh"),
+                          ("resample", "in/a.bvh", "--fps", "50", "-o", "in/m50.bvh"),
+                          ("trim", "in/a.bvh", "--frames", "3:117", "-o", "in/trimmed.bvh")):
+            self.assert_done(self.run_tool("edit", *arguments))
+
+    def test_they_are_left_out_and_not_even_solved(self):
+        self.prepare()
+        result = self.batch("--dedupe", "--mirror")
+        self.assert_done(result)
+        self.assertEqual(self.lines("passed.txt"), ["a.csv", "a_mirrored.csv", "other.csv",
+                                                    "other_mirrored.csv"])
+        self.assertEqual(self.outputs(), self.lines("passed.txt"))
+        header, *rows = self.rows("duplicates.tsv")
+        self.assertEqual(header, ["file", "of", "kind", "distance_deg", "robot"])
+        kinds = {row[0]: (row[1], row[2]) for row in rows}
+        self.assertEqual(kinds["image.bvh"], ("a.bvh", "mirrored"))
+        for name in ("m50.bvh", "trimmed.bvh", "m50_mirrored.bvh"):
+            self.assertEqual(kinds[name], ("a.bvh", "same"))
+        status = {e["relative"]: e["status"] for e in self.manifest()}
+        self.assertEqual(status["image.bvh"], "duplicate")
+        again = self.batch("--dedupe", "--mirror", "--resume")
+        self.assert_done(again)
+        self.assertIn("4 of 4 are done", again.stderr)
+        # without the option they are clips like others
+        self.assert_done(self.batch("--mirror", "--resume"))
+        self.assertEqual(len(self.lines("passed.txt")), 10)
+        # and with it again they are found among what is done
+        self.assert_done(self.batch("--mirror", "--resume", "--dedupe"))
+        self.assertEqual(len(self.lines("passed.txt")), 4)
+        self.assert_done(self.run_tool("view", "out", "-o", "gallery"))
+
+    def test_parts_of_a_batch_find_them_when_they_are_joined(self):
+        self.prepare()
+        for part in (1, 2, 3):
+            self.assert_done(self.batch("--dedupe", "--shard", f"{part}/3"))
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--dedupe"))
+        self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
+
+    def test_files_that_cannot_be_read_fail_as_ever(self):
+        self.prepare()
+        self.write("in/bad.bvh", "HIERARCHY\n")
+        result = self.batch("--dedupe")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual([row[0] for row in self.rows("failed.tsv")[1:]], ["bad.bvh"])
+        self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
+
+    def test_ctrl_c_leaves_a_folder_to_go_on_with(self):
+        for i in range(40):
+            self.write(f"in/{i}.bvh", sample("walk").read_bytes())
+        process = subprocess.Popen(
+            [TOOL, "batch", "in", "-o", "out", "--robot", "unitree_g1", "--dedupe", "--jobs", "1"],
+            cwd=self.folder, stderr=subprocess.PIPE)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertIn(process.returncode, (130, -signal.SIGINT, 0))
+        self.assert_done(self.batch("--dedupe", "--resume"))
+        self.assertEqual(len(self.lines("passed.txt")), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
