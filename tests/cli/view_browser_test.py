@@ -84,7 +84,7 @@ class InABrowser(ToolTest):
         self.assertEqual(self.browser.requests(), [(self.pages / page).resolve().as_uri()])
 
     def test_bodies_are_where_mujoco_has_them(self):
-        """The scene against MuJoCo's own kinematics of the CSV, which a model file and a table give it."""
+        """The scene against MuJoCo's own kinematics of the CSV."""
         mujoco = load_mujoco()
         model = mujoco.MjModel.from_xml_path(str(ROBOT))
         data = mujoco.MjData(model)
@@ -298,12 +298,15 @@ class InABrowser(ToolTest):
             panel = self.run_script("document.getElementById('panel-body').innerText")
             for i, motion in enumerate(header["motions"]):
                 [errors] = [each for each in motion["errors"] if each["body"] == name]
-                values = {key: float(tracks[errors[key]][frame // 2, 0]) for key in ("position", "rotation")}
+                values = {
+                    key: float(tracks[errors[key]][frame // 2, 0])
+                    for key in ("position", "rotation")
+                }
                 shown = self.run_script(f"retarget.errors({i}, '{name}', {frame})")
                 self.assertAlmostEqual(shown["position"], values["position"], places=6)
                 self.assertAlmostEqual(shown["rotation"], values["rotation"], places=6)
-                for text in (f"{values['position']:.1f}\u202fcm", f"{values['rotation']:.1f}\u202f\u00b0"):
-                    self.assertIn(text, panel)
+                for key, unit in (("position", "cm"), ("rotation", "\u00b0")):
+                    self.assertIn(f"{values[key]:.1f}\u202f{unit}", panel)
         # its curves, with the cursor in step
         self.run_script("document.getElementById('tab-joints').click()")
         plots = "[...document.querySelectorAll('#panel-joints section .plot')]"
@@ -314,20 +317,24 @@ class InABrowser(ToolTest):
         cursor = f"{plots}[0].querySelector('.cursor').getBoundingClientRect().left"
         # drawn once the browser has told its size
         area = "document.querySelector('#panel-joints section .area').getBoundingClientRect()"
-        self.run_script("retarget.show(250)")
-        self.browser.wait_for(f"Math.abs({cursor} + 0.75 - {area}.left - 250 / 300 * {area}.width) < 3")
-        self.run_script("retarget.show(60)")
-        self.browser.wait_for(f"Math.abs({cursor} + 0.75 - {area}.left - 60 / 300 * {area}.width) < 3")
+        for frame in (250, 60):
+            self.run_script(f"retarget.show({frame})")
+            there = f"{area}.left + {frame} / 300 * {area}.width"
+            self.browser.wait_for(f"Math.abs({cursor} + 0.75 - ({there})) < 3")
         self.assert_quiet("two.html")
         # another body has its own, none has none
-        self.run_script("document.querySelector('#panel-body select').value = '';"
-                        "document.querySelector('#panel-body select').dispatchEvent(new Event('change'))")
+        self.run_script(
+            "select.value = ''; select.dispatchEvent(new Event('change'))"
+        )
         self.assertEqual(self.run_script(f"{plots}.length"), 0)
 
     def test_the_source_beside_each_motion(self):
         self.open("two.html", "#t=3", size=(640, 420))
         self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
-        button = "[...document.querySelectorAll('button')].find((each) => each.textContent === 'For each')"
+        button = (
+            "[...document.querySelectorAll('button')]"
+            ".find((each) => each.textContent === 'For each')"
+        )
         apart = "retarget.placeOf(1).map((value, i) => value - retarget.placeOf(0)[i])"
         before = np.linalg.norm(self.run_script(apart))
         self.run_script(f"{button}.click()")
