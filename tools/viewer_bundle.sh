@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes viewer/dist/viewer.js, the script of the pages that `retarget view` writes, from viewer/src and
-# three.js, with the tools that viewer/package-lock.json pins.
+# three.js, and viewer/dist/gallery.js, that of a gallery's index, with the tools that
+# viewer/package-lock.json pins.
 #
 #   tools/viewer_bundle.sh           writes viewer/dist; to be called after a change in viewer/src
 #   tools/viewer_bundle.sh --check   writes nothing; exits with 1 when viewer/dist is not what it would write
@@ -53,17 +54,20 @@ licence_comment() {
 made=$(mktemp -d)
 trap 'rm -rf -- "$made"' EXIT
 cd -- "$viewer"
-node_modules/.bin/esbuild src/main.js --bundle --minify --format=iife --target=es2022 --charset=ascii \
-  --legal-comments=none --log-level=warning --banner:js="$(licence_comment)" \
-  --outfile="$made/viewer.js" || give_up "esbuild failed"
-# a page holds it between <script> and </script>
-if grep -qi '</script\|<!--' "$made/viewer.js"; then
-  echo "viewer_bundle: the script would end its element" >&2
+bundle() {
+  node_modules/.bin/esbuild "$@" --bundle --minify --format=iife --target=es2022 --charset=ascii \
+    --legal-comments=none --log-level=warning || give_up "esbuild failed"
+}
+bundle src/main.js --banner:js="$(licence_comment)" --outfile="$made/viewer.js"
+bundle src/gallery.js --outfile="$made/gallery.js"
+# a page holds one between <script> and </script>
+if grep -qi '</script\|<!--' "$made/viewer.js" "$made/gallery.js"; then
+  echo "viewer_bundle: a script would end its element" >&2
   exit 1
 fi
 cp -- node_modules/three/LICENSE "$made/THREE_LICENSE"
 
-for file in viewer.js THREE_LICENSE; do
+for file in viewer.js gallery.js THREE_LICENSE; do
   if $only_check; then
     cmp -s "$made/$file" "dist/$file" || {
       echo "viewer_bundle: viewer/dist/$file is not what viewer/src makes: call tools/viewer_bundle.sh" >&2

@@ -107,6 +107,8 @@ struct TrackingRow {
   std::optional<double> position_cm, position_p95_cm;
   /// Angle from the bone's offset axes, degrees. Empty for rows without rotation weight.
   std::optional<double> rotation_deg, rotation_p95_deg;
+  /// Both frame by frame, in the same units: of the last row of a body, whose table it is judged by.
+  std::vector<float> position_errors_cm, rotation_errors_deg;
 };
 
 /// Angle between a limb of the robot and the human's.

@@ -188,15 +188,19 @@ void TrackingMeasure::measure_rows() const {
     result.body = draft_.clip.robot().bodies()[row.task->body].name;
     result.bone = bone_name(row.bone);
     const bool judged = row.table == judged_table();
+    const bool is_last = std::none_of(&row + 1, rows_.data() + rows_.size(),
+                                      [&](const Row& later) { return later.body == row.body; });
     if (has_position(row)) {
       const std::vector<double> errors = position_errors(row);
       if (judged) append(positions, errors);
+      if (is_last) result.position_errors_cm.assign(errors.begin(), errors.end());
       result.position_cm = mean(errors);
       result.position_p95_cm = percentile(errors, 95.0);
     }
     if (row.task->rotation_weight > 0.0) {
       const std::vector<double> errors = rotation_errors(row);
       if (judged) append(rotations, errors);
+      if (is_last) result.rotation_errors_deg.assign(errors.begin(), errors.end());
       result.rotation_deg = mean(errors);
       result.rotation_p95_deg = percentile(errors, 95.0);
     }

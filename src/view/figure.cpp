@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "human/side_colours.h"
 #include "retarget/human.h"
@@ -71,23 +69,6 @@ void sort_by_nearness(Figure& figure) {
   std::ranges::stable_sort(figure, {}, &FigurePart::nearness);
 }
 
-struct Limb {
-  const char* prefix;
-  Side side;
-  std::vector<std::string_view> bones;
-};
-
-// bones from joint to joint; those that are missing are skipped
-const std::array<Limb, 5>& limbs() {
-  static const std::array<Limb, 5> kLimbs = {
-      {{"", Side::kNone, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},
-       {"Left", Side::kLeft, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
-       {"Right", Side::kRight, {"Hips", "UpLeg", "Leg", "Foot", "Toe"}},
-       {"Left", Side::kLeft, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}},
-       {"Right", Side::kRight, {"Spine2", "Shoulder", "Arm", "ForeArm", "Hand"}}}};
-  return kLimbs;
-}
-
 std::optional<Eigen::Vector3d> bone_place(const HumanClip& human, int frame,
                                           const std::string& name) {
   const auto bone = bone_from_name(name);
@@ -146,14 +127,23 @@ Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shape
   return figure;
 }
 
+const std::vector<HumanChain>& human_chains() {
+  static const std::vector<HumanChain> kChains = {
+      {Side::kNone, {"Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"}},
+      {Side::kLeft, {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe"}},
+      {Side::kRight, {"Hips", "RightUpLeg", "RightLeg", "RightFoot", "RightToe"}},
+      {Side::kLeft, {"Spine2", "LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"}},
+      {Side::kRight, {"Spine2", "RightShoulder", "RightArm", "RightForeArm", "RightHand"}}};
+  return kChains;
+}
+
 std::vector<HumanLine> human_lines(const HumanClip& human, int frame) {
   std::vector<HumanLine> lines;
-  for (const Limb& limb : limbs()) {
-    const int colour = side_colour(limb.side);
+  for (const HumanChain& chain : human_chains()) {
+    const int colour = side_colour(chain.side);
     std::optional<Eigen::Vector3d> before;
-    for (const std::string_view bone : limb.bones) {
-      const bool shared = bone == "Hips" || bone == "Spine2";
-      const auto place = bone_place(human, frame, (shared ? "" : limb.prefix) + std::string(bone));
+    for (const std::string& bone : chain.bones) {
+      const auto place = bone_place(human, frame, bone);
       if (!place) continue;
       if (before) lines.push_back({*before, *place, kBoneRadius, colour});
       if (before && bone == "Head") {

@@ -50,6 +50,15 @@ using Figure = std::vector<FigurePart>;
 [[nodiscard]] Figure robot_figure(const Robot& robot, const std::vector<CollisionShape>& shapes,
                                   std::span<const double> qpos, const Camera& camera);
 
+/// Bones of a human from joint to joint by name; those that a body lacks are skipped.
+struct HumanChain {
+  Side side = Side::kNone;
+  std::vector<std::string> bones;
+};
+
+/// What pictures and pages draw a human with.
+[[nodiscard]] const std::vector<HumanChain>& human_chains();
+
 /// A bone of a human, or its head, which has no length.
 struct HumanLine {
   Eigen::Vector3d from, to;  ///< World, metres.

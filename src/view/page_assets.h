@@ -23,7 +23,7 @@ extern const PageAsset kPageScript;  ///< dist/viewer.js
 
 extern const PageAsset kGalleryShell;   ///< gallery.html, likewise.
 extern const PageAsset kGalleryStyle;   ///< gallery.css
-extern const PageAsset kGalleryScript;  ///< gallery.js
+extern const PageAsset kGalleryScript;  ///< dist/gallery.js
 
 /// A shell with what stands for its marks, which are in this order and each there once.
 [[nodiscard]] std::string fill_shell(

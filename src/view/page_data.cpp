@@ -10,6 +10,7 @@
 #include "math/trigonometry.h"
 #include "quality/body_tracks.h"
 #include "retarget/version.h"
+#include "view/figure.h"
 
 namespace retarget {
 namespace {
@@ -22,6 +23,8 @@ constexpr double kQuaternionStep = 2e-5;  // of each component
 constexpr double kRootStep = 1e-4;        // metres
 constexpr double kBoneStep = 1.5e-4;
 constexpr double kMeshStep = 4e-4;
+constexpr double kErrorStepCm = 0.1, kErrorStepDeg = 0.5;  // of errors of tracking,
+constexpr double kErrorRate = 15.0;                        // of which there are so many a second
 
 Json phases_json(const std::vector<ContactPhase>& phases) {
   Json json = Json::array();
@@ -55,6 +58,22 @@ Json limits_json(const Robot& robot, const LimitSet& limits) {
   return json;
 }
 
+// of each bone the place of the one before it in its chain, among those that come first; -1: none
+std::vector<int> chain_parents(const std::vector<std::string>& bones) {
+  std::vector<int> parents(bones.size(), -1);
+  for (const HumanChain& chain : human_chains()) {
+    int before = -1;
+    for (const std::string& bone : chain.bones) {
+      const auto found = static_cast<int>(std::ranges::find(bones, bone) - bones.begin());
+      if (found == static_cast<int>(bones.size())) continue;
+      int& parent = parents[static_cast<std::size_t>(found)];
+      if (parent < 0 && before < found) parent = before;
+      before = found;
+    }
+  }
+  return parents;
+}
+
 // what motions have in common goes into the page once
 class PageWriter {
  public:
@@ -67,6 +86,7 @@ class PageWriter {
   Result<Json> meshes_of(const RobotMeshes& meshes);
   Result<int> human_of(const PageMotion& motion);
   Result<Json> tracks_of(const RobotClip& clip);
+  Result<Json> error_tracks_of(const QualityReport& report, int stride);
 
   const PageOptions& options_;
   TrackPacker packer_;
@@ -114,23 +134,30 @@ Result<int> PageWriter::human_of(const PageMotion& motion) {
   if (found != known_humans_.end()) return index;
   known_humans_.push_back(&human);
   std::vector<Bone> bones;
-  Json names = Json::array();
+  std::vector<std::string> names;
   for (const Bone bone : kMappedBones) {
     if (!human.has(bone)) continue;
     bones.push_back(bone);
-    names.push_back(bone_name(bone));
+    names.emplace_back(bone_name(bone));
   }
+  // rounded first, then from the bone before, which it moves with: smaller numbers, no other error
+  const std::vector<int> parents = chain_parents(names);
   std::vector<double> positions;
   positions.reserve(bones.size() * 3 * static_cast<std::size_t>(human.frame_count));
   for (int frame = 0; frame < human.frame_count; ++frame) {
-    for (const Bone bone : bones) {
-      const Eigen::Vector3d& place = human.frame(frame)[bone].translation;
+    const auto rounded = [&](Bone bone) -> Eigen::Vector3d {
+      return (human.frame(frame)[bone].translation / kBoneStep).array().round() * kBoneStep;
+    };
+    for (std::size_t i = 0; i < bones.size(); ++i) {
+      Eigen::Vector3d place = rounded(bones[i]);
+      if (parents[i] >= 0) place -= rounded(bones[static_cast<std::size_t>(parents[i])]);
       positions.insert(positions.end(), place.begin(), place.end());
     }
   }
   TRY_ASSIGN(const int track,
              packer_.add(static_cast<int>(3 * bones.size()), kBoneStep, positions));
-  humans_.push_back({{"bones", std::move(names)},
+  humans_.push_back({{"bones", names},
+                     {"parents", parents},
                      {"frames", human.frame_count},
                      {"height", human.height},
                      {"track", track}});
@@ -153,6 +180,32 @@ Result<Json> PageWriter::tracks_of(const RobotClip& clip) {
   const auto count = static_cast<int>(clip.robot().joints().size());
   TRY_ASSIGN(const int joint, packer_.add(count, kAngleStep, joints));
   return Json{{"position", position}, {"rotation", rotation}, {"joints", joint}};
+}
+
+// how bodies follow their bones over time: of each a track, position and rotation, where it has errors
+// @param stride  of so many frames the first.
+Result<Json> PageWriter::error_tracks_of(const QualityReport& report, int stride) {
+  Json json = Json::array();
+  for (const TrackingRow& row : report.tracking) {
+    Json errors = Json::object();
+    const auto add = [&](const char* key, double step,
+                         const std::vector<float>& values) -> Result<void> {
+      if (values.empty()) return {};
+      std::vector<double> numbers;
+      for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(stride)) {
+        numbers.push_back(values[i]);
+      }
+      TRY_ASSIGN(errors[key], packer_.add(1, step, numbers));
+      return {};
+    };
+    TRY(add("position", kErrorStepCm, row.position_errors_cm));
+    TRY(add("rotation", kErrorStepDeg, row.rotation_errors_deg));
+    if (errors.empty()) continue;
+    errors["body"] = row.body;
+    errors["bone"] = row.bone;
+    json.push_back(std::move(errors));
+  }
+  return json;
 }
 
 Result<void> PageWriter::add(const PageMotion& motion) {
@@ -178,7 +231,12 @@ Result<void> PageWriter::add(const PageMotion& motion) {
     for (const auto& phases : contacts) feet.push_back(phases_json(phases));
     json["source_contacts"] = std::move(feet);
   }
-  if (motion.report != nullptr) json["report"] = page_report(*motion.report, robot);
+  if (motion.report != nullptr) {
+    json["report"] = page_report(*motion.report, robot);
+    const int stride = std::max(1, static_cast<int>(std::ceil(clip.rate().fps() / kErrorRate)));
+    json["error_stride"] = stride;
+    TRY_ASSIGN(json["errors"], error_tracks_of(*motion.report, stride));
+  }
   motions_.push_back(std::move(json));
   return {};
 }
@@ -199,7 +257,10 @@ Result<PageData> PageWriter::finish() const {
                   {{"joint", 0.5 * kAngleStep},
                    {"root_m", 0.5 * kRootStep},
                    {"quaternion", 0.5 * kQuaternionStep},
-                   {"bone_m", 0.5 * kBoneStep}}},
+                   {"bone_m", 0.5 * kBoneStep},
+                   {"error_cm", 0.5 * kErrorStepCm},
+                   {"error_deg", 0.5 * kErrorStepDeg}}},
+                 {"figure", page_figure()},
                  {"robots", robots_},
                  {"humans", humans_},
                  {"motions", motions_},

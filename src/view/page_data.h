@@ -15,6 +15,12 @@ namespace retarget {
 /// wxyz, poses as [x, y, z, w, x, y, z] with the quaternion last.
 [[nodiscard]] nlohmann::ordered_json page_robot(const Robot& robot);
 
+/// How pages draw humans: colours by side, 0xRRGGBB, and chains of bones.
+[[nodiscard]] nlohmann::ordered_json page_figure();
+
+/// `left`, `right`, `middle`.
+[[nodiscard]] const char* side_name(Side side);
+
 /// What a page shows of a report: figures with what they mean, gates, faults by kind, tracking.
 [[nodiscard]] nlohmann::ordered_json page_report(const QualityReport& report, const Robot& robot);
 

@@ -70,10 +70,6 @@ class SkeletonPlacer {
   Eigen::Matrix3d world_from_file_ = Eigen::Matrix3d::Identity();
 };
 
-const char* side_name(Side side) {
-  return side == Side::kLeft ? "left" : side == Side::kRight ? "right" : "middle";
-}
-
 // joints and end sites: what each hangs from, which bone it stands for, on which side it is
 Json points_json(const SkeletonPage& page, const std::vector<SkeletonPoint>& points) {
   const Skeleton& skeleton = page.clip->skeleton();
@@ -152,6 +148,7 @@ Result<std::string> skeleton_page(const SkeletonPage& page) {
   const Json header = {{"title", page.title},
                        {"tool", "retarget " + version_number()},
                        {"precision", {{"bone_m", 0.5 * kStep}}},
+                       {"figure", page_figure()},
                        {"skeleton", std::move(skeleton)},
                        {"tracks", std::move(tracks)}};
   TRY_ASSIGN(std::string packed_header, packed_json(header));

@@ -13,7 +13,8 @@ import numpy as np
 
 import browser
 import pictures
-from pages import data_of
+from mujoco_python import load_mujoco
+from pages import data_of, tracks_of
 from tool import SOURCE, TOOL, ToolTest, absent, is_sanitized, sample
 
 PICTURES = pathlib.Path(__file__).resolve().parent / "view_browser_pictures"
@@ -82,25 +83,30 @@ class InABrowser(ToolTest):
         self.assertEqual(self.browser.complaints(), [])
         self.assertEqual(self.browser.requests(), [(self.pages / page).resolve().as_uri()])
 
-    def test_bodies_are_where_the_robot_is(self):
+    def test_bodies_are_where_mujoco_has_them(self):
+        """The scene against MuJoCo's own kinematics of the CSV."""
+        mujoco = load_mujoco()
+        model = mujoco.MjModel.from_xml_path(str(ROBOT))
+        data = mujoco.MjData(model)
+        rows = np.loadtxt(self.pages / "fit.csv", delimiter=",")
+        self.assertEqual(rows.shape[1], model.nq)
         for page in ("run.html", "two.html"):
             self.open(page)
             self.assert_quiet(page)
-            with np.load(self.pages / "fit.npz") as npz:
-                expected = {
-                    str(name): npz["body_pos_w"][:, i] for i, name in enumerate(npz["body_names"])
-                }
-                frames = len(npz["body_pos_w"])
-            self.assertEqual(self.run_script("retarget.motions[0].frames") - frames, 1)
+            self.assertEqual(self.run_script("retarget.motions[0].frames"), len(rows))
             worst = 0.0
-            for frame in random.Random(7).sample(range(frames), 20):
+            for frame in random.Random(7).sample(range(len(rows)), 20):
+                # quaternions of the CSV have w last
+                data.qpos[:] = rows[frame]
+                data.qpos[3:7] = rows[frame, [6, 3, 4, 5]]
+                mujoco.mj_kinematics(model, data)
                 self.run_script(f"retarget.show({frame})")
                 found = {
                     each["name"]: each["position"] for each in self.run_script("retarget.bodies(0)")
                 }
-                self.assertLessEqual(expected.keys(), found.keys())
-                for name, positions in expected.items():
-                    worst = max(worst, float(np.linalg.norm(positions[frame] - found[name])))
+                for body in range(1, model.nbody):
+                    apart = data.xpos[body] - found[model.body(body).name]
+                    worst = max(worst, float(np.linalg.norm(apart)))
             self.assertLess(worst, 2e-4)
             self.assertGreater(worst, 0.0)
 
@@ -273,6 +279,83 @@ class InABrowser(ToolTest):
         panel = self.run_script("document.getElementById('panel-body').innerText")
         for text in ("torso_link", "waist_pitch_joint", "Tracking error", "rad"):
             self.assertIn(text, panel)
+
+    def test_errors_of_the_picked_body_over_time(self):
+        self.open("two.html", "#t=3", size=(640, 420))
+        page = (self.pages / "two.html").read_text()
+        header, tracks = data_of(page)[0], tracks_of(page)
+        bodies = self.run_script("retarget.bodies(0).map((each) => each.name)")
+        name = "left_ankle_roll_link"
+        # fifteen a second
+        self.assertEqual([each["error_stride"] for each in header["motions"]], [2, 2])
+        self.run_script(
+            "const select = document.querySelector('#panel-body select');"
+            f"select.value = {bodies.index(name)}; select.dispatchEvent(new Event('change'));"
+            "document.getElementById('tab-body').click()"
+        )
+        for frame in (90, 200):
+            self.run_script(f"retarget.show({frame})")
+            panel = self.run_script("document.getElementById('panel-body').innerText")
+            for i, motion in enumerate(header["motions"]):
+                [errors] = [each for each in motion["errors"] if each["body"] == name]
+                values = {
+                    key: float(tracks[errors[key]][frame // 2, 0])
+                    for key in ("position", "rotation")
+                }
+                shown = self.run_script(f"retarget.errors({i}, '{name}', {frame})")
+                self.assertAlmostEqual(shown["position"], values["position"], places=6)
+                self.assertAlmostEqual(shown["rotation"], values["rotation"], places=6)
+                for key, unit in (("position", "cm"), ("rotation", "\u00b0")):
+                    self.assertIn(f"{values[key]:.1f}\u202f{unit}", panel)
+        # its curves, with the cursor in step
+        self.run_script("document.getElementById('tab-joints').click()")
+        plots = "[...document.querySelectorAll('#panel-joints section .plot')]"
+        self.assertEqual(
+            self.run_script(f"{plots}.map((each) => each.querySelector('b').textContent)"),
+            ["position error, cm", "rotation error, \u00b0"],
+        )
+        cursor = f"{plots}[0].querySelector('.cursor').getBoundingClientRect().left"
+        # drawn once the browser has told its size
+        area = "document.querySelector('#panel-joints section .area').getBoundingClientRect()"
+        for frame in (250, 60):
+            self.run_script(f"retarget.show({frame})")
+            there = f"{area}.left + {frame} / 300 * {area}.width"
+            self.browser.wait_for(f"Math.abs({cursor} + 0.75 - ({there})) < 3")
+        self.assert_quiet("two.html")
+        # another body has its own, none has none
+        self.run_script(
+            "select.value = ''; select.dispatchEvent(new Event('change'))"
+        )
+        self.assertEqual(self.run_script(f"{plots}.length"), 0)
+
+    def test_the_source_beside_each_motion(self):
+        self.open("two.html", "#t=3", size=(640, 420))
+        self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
+        button = (
+            "[...document.querySelectorAll('button')]"
+            ".find((each) => each.textContent === 'For each')"
+        )
+        apart = "retarget.placeOf(1).map((value, i) => value - retarget.placeOf(0)[i])"
+        before = np.linalg.norm(self.run_script(apart))
+        self.run_script(f"{button}.click()")
+        humans = self.run_script("retarget.humans()")
+        self.assertEqual([each["motion"] for each in humans], [0, 1])
+        self.assertEqual(self.run_script(f"{button}.getAttribute('aria-pressed')"), "true")
+        # room is made for the second
+        self.assertGreater(np.linalg.norm(self.run_script(apart)), before + 0.3)
+        places = [np.array(each["place"]) for each in humans]
+        self.assertGreater(np.linalg.norm(places[1] - places[0]), 0.5)
+        self.run_script("retarget.show(95)")
+        names = self.run_script(
+            "[...document.querySelectorAll('.tag:not([hidden])')].map((each) => each.textContent)"
+        )
+        self.assertEqual(sorted(names), ["fit.csv", "gmr.csv", "walk.bvh", "walk.bvh"])
+        self.run_script(f"{button}.click()")
+        self.assertEqual([each["motion"] for each in self.run_script("retarget.humans()")], [0])
+        self.assert_quiet("two.html")
+        # one motion has nothing to choose
+        self.open("one.html", size=(640, 420))
+        self.assertTrue(self.run_script(f"{button} === undefined"))
 
     def test_narrow_dark_and_calm(self):
         self.open(

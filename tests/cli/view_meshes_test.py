@@ -1,4 +1,4 @@
-"""Meshes of pages, as a maker's model names them: where MuJoCo has them, and what happens to those that are not there."""
+"""Meshes of pages, as a maker's model names them: where they are, and those that are not there."""
 
 import struct
 import unittest
@@ -12,7 +12,9 @@ from tool import SOURCE, ToolTest
 # half a step of the page's vertices along each axis
 TOLERANCE = 0.5 * 4e-4 * np.sqrt(3) + 1e-6
 # nothing is symmetric, so that no axis can be taken for another
-CORNERS = np.array([[0, 0, 0], [0.13, 0.02, 0], [0.01, 0.21, 0.03], [0.02, 0.01, 0.34], [0.2, 0.1, 0.3]])
+CORNERS = np.array(
+    [[0, 0, 0], [0.13, 0.02, 0], [0.01, 0.21, 0.03], [0.02, 0.01, 0.34], [0.2, 0.1, 0.3]]
+)
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 4], [2, 0, 3], [1, 4, 3], [2, 3, 4]])
 
 MODEL = """
@@ -226,7 +228,7 @@ class Meshes(ToolTest):
         self.assertEqual(self.shown().keys(), {"base", "upper"})
         self.make("maker/assets/trunk.stl", "solid\nvertex 1 2 x")
         said = self.page().stderr
-        self.assertIn("the meshes of 2 bodies cannot be read: trunk.stl: expected three numbers", said)
+        self.assertIn("the meshes of 2 bodies cannot be read: trunk.stl: expected three", said)
         self.assertEqual(self.shown().keys(), {"upper"})
         for file in ("trunk.stl", "arm.stl"):
             (self.folder / "maker/assets" / file).unlink()

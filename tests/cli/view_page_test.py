@@ -8,7 +8,9 @@ import re
 import shutil
 import unittest
 
-from pages import data_of
+import numpy as np
+
+from pages import data_of, tracks_of
 from tool import SOURCE, ToolTest, sample, short_clip
 
 KILOBYTE, MEGABYTE = 1000, 1000000
@@ -78,6 +80,48 @@ class PageFiles(ToolTest):
         )
         again = data_of((self.folder / "again.html").read_text())[0]["motions"][0]["report"]
         self.assertEqual(again["figures"], shown["figures"])
+
+    def test_errors_over_time_are_those_of_the_report(self):
+        clip = self.write("walk.bvh", short_clip("walk", 61))
+        # at a rate of which every frame has its errors
+        page = self.run_page("--method", "gmr", "--fps", 15, "--report", "walk.json", clip=clip)
+        [report] = json.loads((self.folder / "walk.json").read_text())["motions"]
+        header, tracks = data_of(page)[0], tracks_of(page)
+        errors = {each["body"]: each for each in header["motions"][0]["errors"]}
+        # of each body its last table's
+        rows = {row["body"]: row for row in report["tracking"]}
+        self.assertEqual(errors.keys(), rows.keys())
+        self.assertGreater(len(rows), 10)
+        self.assertEqual(header["motions"][0]["error_stride"], 1)
+        curves = 0
+        for body, row in rows.items():
+            for key, figure, near in (
+                ("position", "position_cm", header["precision"]["error_cm"]),
+                ("rotation", "rotation_deg", header["precision"]["error_deg"]),
+            ):
+                if row[figure] is None:
+                    self.assertNotIn(key, errors[body])
+                    continue
+                values = tracks[errors[body][key]][:, 0]
+                self.assertEqual(len(values), report["frames"])
+                self.assertAlmostEqual(values.mean(), row[figure], delta=near + 1e-9)
+                p95 = np.percentile(values, 95)
+                self.assertAlmostEqual(p95, row[figure.replace("_", "_p95_")], delta=0.3)
+                curves += 1
+        self.assertGreater(curves, 15)
+
+    def test_humans_are_drawn_as_the_header_says(self):
+        """Colours and chains have one source: the script has neither names of limbs nor colours of sides."""
+        page = self.run_page("--method", "gmr", clip=self.write("walk.bvh", short_clip("walk", 20)))
+        figure = data_of(page)[0]["figure"]
+        self.assertEqual(figure["colours"].keys(), {"left", "right", "middle"})
+        bones = [bone for chain in figure["chains"] for bone in chain["bones"]]
+        for bone in ("Head", "LeftToe", "RightHand"):
+            self.assertEqual(bones.count(bone), 1)
+        for side in ("left", "right"):
+            for chain in (each for each in figure["chains"] if each["side"] == side):
+                self.assertTrue(all(bone.lower().startswith(side) for bone in chain["bones"][1:]))
+        self.assertNotIn("RightForeArm", page.replace("\n", ""))
 
     def test_wrong_calls(self):
         clip = self.write("walk.bvh", short_clip("walk", 20))

@@ -1,9 +1,11 @@
 import { el, numberText } from './dom.js';
+import { ERRORS, errorText } from './tracking_plots.js';
 
 const boundText = (value, none) => (value === null ? none : numberText(value));
 
 /** What is known of a picked body: where it is, its joints, how it follows its bone. */
 export class BodyPanel {
+  /** @param {(joint: string|null) => void} onPlot  shows curves: of a joint, or of the picked body's error */
   constructor(player, motions, onPick, onPlot) {
     this.player = player;
     this.motions = motions;
@@ -51,7 +53,9 @@ export class BodyPanel {
     }
     // the same body of every motion of this robot
     this.shown = this.motions.filter((each) => each.robot === this.motion.robot);
-    this.content.replaceChildren(...this.placeTable(), ...this.jointTable(), ...this.trackingTable());
+    this.content.replaceChildren(
+      ...[...this.placeTable(), ...this.jointTable(), ...this.trackingTable()].filter(Boolean),
+    );
     this.showTime();
   }
 
@@ -144,8 +148,17 @@ export class BodyPanel {
         class: 'number',
         text: row?.[mean] === undefined ? '\u2013' : `${numberText(row[mean])} (${numberText(row[high])})`,
       });
+    const now = ERRORS.filter(([key]) => this.shown.some((motion) => motion.errors.get(name)?.[key])).map(
+      ([key, what, unit, digits]) =>
+        this.liveRow(`${what}, ${unit}`, (motion) =>
+          errorText(motion, motion.errors.get(name)?.[key], this.player.time, unit, digits),
+        ),
+    );
+    const curves = el('button', { type: 'button', text: 'Curves', on: { click: () => this.onPlot(null) } });
     return [
       el('h2', { text: `Tracking error against ${rows[0].bone}` }),
+      now.length > 0 ? el('table', {}, this.heads('Now'), el('tbody', {}, ...now)) : null,
+      now.length > 0 ? el('p', {}, curves) : null,
       el(
         'table',
         {},

@@ -42,6 +42,19 @@ export function addTestHook(viewer) {
         position: [...human.positions.subarray(3 * (frame * count + i), 3 * (frame * count + i) + 3)],
       }));
     },
+    /** How far a motion's body is from its bone in a frame; null: not known. */
+    errors(motion, body, frame) {
+      const errors = motions[motion].errors.get(body);
+      const at = motions[motion].errorAt(frame);
+      return errors && { position: errors.position?.[at], rotation: errors.rotation?.[at] };
+    },
+    /** The humans that are seen: of which motion, and where each stands. */
+    humans: () =>
+      world.humans
+        .filter((human) => human.group.visible)
+        .map((human) => ({ motion: human.motion.index, place: human.group.position.toArray() })),
+    /** Where a robot stands in the row. */
+    placeOf: (motion) => world.robots[motion].group.position.toArray(),
     /** Where a body is in the picture, pixels of the window. */
     onScreen(motion, body) {
       const canvas = viewer.stage.canvas.getBoundingClientRect();

@@ -9,20 +9,9 @@ import {
   SphereGeometry,
   Vector3,
 } from 'three';
-import { HUMAN_COLOURS, SOURCE_CONTACT } from './theme.js';
+import { SOURCE_CONTACT } from './theme.js';
 import { inPhase } from './motions.js';
 
-/** Chains of bones from joint to joint; those that a human lacks are skipped. */
-const CHAINS = [
-  ['middle', ['Hips', 'Spine', 'Spine1', 'Spine2', 'Neck', 'Head']],
-  ...['left', 'right'].flatMap((side) => {
-    const prefix = side === 'left' ? 'Left' : 'Right';
-    return [
-      [side, ['Hips', ...['UpLeg', 'Leg', 'Foot', 'Toe'].map((bone) => prefix + bone)]],
-      [side, ['Spine2', ...['Shoulder', 'Arm', 'ForeArm', 'Hand'].map((bone) => prefix + bone)]],
-    ];
-  }),
-];
 /** Radii of the bones that begin there, metres of a body 1.75 m tall. */
 const RADII = {
   Hips: 0.075,
@@ -45,25 +34,29 @@ const plain = (bone) => bone.replace(/^(Left|Right)/, '');
 
 /** The human a motion came from, in capsules. */
 export class HumanFigure {
-  /** @param {import('./motions.js').Motion} motion  with a human */
-  constructor(motion) {
+  /**
+   * @param {import('./motions.js').Motion} motion  with a human
+   * @param {object} figure  of the header: colours by side, chains of bones from joint to joint, of which
+   *     those that a human lacks are skipped
+   */
+  constructor(motion, figure) {
     this.human = motion.human;
     this.index = new Map(this.human.bones.map((bone, i) => [bone, i]));
     this.group = new Group();
     this.group.name = `human ${motion.index}`;
     const paint = (colour) => new MeshStandardMaterial({ color: colour, roughness: 0.75, transparent: true });
     this.materials = Object.fromEntries(
-      Object.entries(HUMAN_COLOURS).map(([side, colour]) => [side, paint(colour)]),
+      Object.entries(figure.colours).map(([side, colour]) => [side, paint(colour)]),
     );
     this.planted = paint(SOURCE_CONTACT);
     this.planted.emissive = new Color(SOURCE_CONTACT);
     this.planted.emissiveIntensity = 0.35;
     this.size = this.human.height / 1.75;
     this.bones = [];
-    for (const [side, chain] of CHAINS)
+    for (const { side, bones } of figure.chains)
       this.addChain(
         side,
-        chain.filter((bone) => this.index.has(bone)),
+        bones.filter((bone) => this.index.has(bone)),
       );
     if (this.index.has('Head')) this.addHead();
     this.addFeet();

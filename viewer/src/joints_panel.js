@@ -1,6 +1,7 @@
 import { Choice, el } from './dom.js';
-import { Plot } from './plot.js';
+import { Plot, plotBox } from './plot.js';
 import { cssColour, motionColour } from './theme.js';
+import { TrackingPlots } from './tracking_plots.js';
 
 const FIRST = 4;
 
@@ -27,7 +28,7 @@ export function commonLimits(limits) {
   };
 }
 
-/** Curves of chosen joints, in step with the picture. */
+/** Curves of chosen joints, and of the picked body's error, in step with the picture. */
 export class JointsPanel {
   constructor(player, motions) {
     this.player = player;
@@ -60,7 +61,14 @@ export class JointsPanel {
       },
     );
     this.list = el('div');
-    this.element = el('div', {}, el('div', { class: 'field' }, this.select, choice.element), this.list);
+    this.tracking = new TrackingPlots(player, motions);
+    this.element = el(
+      'div',
+      {},
+      this.tracking.element,
+      el('div', { class: 'field' }, this.select, choice.element),
+      this.list,
+    );
     this.firstJoints().forEach((name) => this.add(name));
     player.addEventListener('time', () => this.showTime());
   }
@@ -88,14 +96,13 @@ export class JointsPanel {
       this.plots.get(name).element.scrollIntoView({ block: 'nearest' });
       return;
     }
-    const value = el('span', { class: 'number quiet' });
     const close = el('button', {
       type: 'button',
       text: '\u00d7',
       'aria-label': `Remove ${name}`,
       on: { click: () => this.remove(name) },
     });
-    const element = el('div', { class: 'plot' }, el('header', {}, el('b', { text: name }), value, close));
+    const { element, value } = plotBox(name, close);
     this.plots.set(name, { element, value, plot: null });
     this.list.prepend(element);
     this.draw(name);
@@ -139,12 +146,19 @@ export class JointsPanel {
     return { lower: speed === null ? null : -speed, upper: speed };
   }
 
+  /** @param {string|null} body  that is picked, by its name */
+  showBody(body) {
+    this.tracking.show(body);
+  }
+
   redraw() {
+    this.tracking.redraw();
     for (const name of this.plots.keys()) this.draw(name);
   }
 
   showTime() {
     if (this.element.offsetParent === null) return;
+    this.tracking.showTime();
     for (const [name, { value, plot }] of this.plots) {
       plot?.showTime();
       value.textContent = this.motions

@@ -72,7 +72,7 @@ class Viewer extends PlayedPage {
       Math.min(...motions.map((motion) => motion.frameTime)),
     );
     this.motions = motions;
-    this.world = new World(this.motions, this.stage);
+    this.world = new World(this.motions, this.stage, page.figure);
     this.tags = new Tags(this.world);
     showHeader(page, this.motions);
     this.links = page.links ?? null;
@@ -98,7 +98,7 @@ class Viewer extends PlayedPage {
       motions,
       (motion, body) => this.pick(motion, body),
       (name) => {
-        this.joints.add(name);
+        if (name !== null) this.joints.add(name);
         this.tabs.show('joints');
       },
     );
@@ -107,7 +107,7 @@ class Viewer extends PlayedPage {
       [
         ['quality', 'Quality', qualityPanel(motions)],
         ['faults', `Faults ${this.faults.total}`, this.faults.element],
-        ['joints', 'Joints', this.joints.element],
+        ['joints', 'Curves', this.joints.element],
         ['body', 'Body', this.body.element],
       ],
       () => {
@@ -115,13 +115,13 @@ class Viewer extends PlayedPage {
         this.body?.showTime();
       },
     );
-    const { joint, root_m: root, bone_m: bone } = page.precision;
+    const { joint, root_m: root, bone_m: bone, error_cm: cm, error_deg: degrees } = page.precision;
     this.help = addHelp([
       'Drag turns the picture, the wheel zooms, the right button moves it; a click picks a body. ' +
         'While the picture has the focus (Tab), arrows turn it, \u2212 and + zoom. ' +
         'A link ending in #t=12.3 opens at that second.',
       `Numbers on this page are at most so far from the motion\u2019s: joints ${joint} rad, the root ${root * 1000} mm, ` +
-        `bones ${bone * 1000} mm. Made by ${page.tool}.`,
+        `bones ${bone * 1000} mm, errors over time ${cm} cm and ${degrees}\u00b0. Made by ${page.tool}.`,
     ]);
     this.addKeys();
   }
@@ -184,6 +184,7 @@ class Viewer extends PlayedPage {
     this.picked = body === null ? null : { motion, body };
     this.world.highlight(motion, bodies);
     this.body.show(body === null ? null : motion, body);
+    this.joints.showBody(body === null ? null : this.motions[motion].robot.bodies[body].name);
     if (show && body !== null) this.tabs.show('body');
     this.redraw();
   }

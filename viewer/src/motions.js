@@ -1,5 +1,22 @@
 import { Kinematics } from './kinematics.js';
 
+// bones are packed from the one before them in their chain, which comes first
+function bonePlaces(human, track) {
+  if (!human.placed) {
+    const count = human.bones.length;
+    for (let frame = 0; frame < human.frames; ++frame) {
+      human.parents.forEach((parent, i) => {
+        if (parent < 0) return;
+        for (let axis = 0; axis < 3; ++axis)
+          track[3 * (frame * count + i) + axis] += track[3 * (frame * count + parent) + axis];
+      });
+    }
+    // motions of one source share it
+    human.placed = track;
+  }
+  return human.placed;
+}
+
 /** A motion with its numbers unpacked; frames are its own, times in seconds. */
 export class Motion {
   constructor(data, index, page, tracks) {
@@ -21,12 +38,20 @@ export class Motion {
       vertices: tracks[vertices],
       triangles: tracks[triangles],
     }));
+    /** How bodies follow their bones: cm and degrees in every so many frames, as far as the source goes. */
+    this.errorStride = data.error_stride ?? 1;
+    this.errors = new Map(
+      (data.errors ?? []).map(({ body, bone, position, rotation }) => [
+        body,
+        { bone, position: tracks[position] ?? null, rotation: tracks[rotation] ?? null },
+      ]),
+    );
     this.human = null;
     if (data.human !== undefined) {
       const human = page.humans[data.human];
       this.human = {
         ...human,
-        positions: tracks[human.track],
+        positions: bonePlaces(human, tracks[human.track]),
         placement: data.placement,
         contacts: data.source_contacts ?? [[], [], [], []],
       };
@@ -64,6 +89,11 @@ export class Motion {
       this.jointCount * frame,
     );
     return this.kinematics.bodyPoses;
+  }
+
+  /** The place of a frame among a body's errors: of the last that has some. */
+  errorAt(frame) {
+    return Math.floor(frame / this.errorStride);
   }
 
   jointValue(joint, frame) {

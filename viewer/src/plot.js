@@ -2,12 +2,19 @@ import { el } from './dom.js';
 
 const PAD = 5;
 
+/** What is around a curve: its name, its values now, perhaps a button. @returns {{element, value}} */
+export function plotBox(name, button = null) {
+  const value = el('span', { class: 'number quiet' });
+  const element = el('div', { class: 'plot' }, el('header', {}, el('b', { text: name }), value, button));
+  return { element, value };
+}
+
 /** A curve over time for each motion, with limits shaded; a click goes to that time. */
 export class Plot {
   /**
    * @param {import('./player.js').Player} player
    * @param {{values: Float64Array|number[], frameTime: number, colour: string}[]} series
-   * @param {{lower: number|null, upper: number|null}} limits
+   * @param {{lower: number|null, upper: number|null, base?: number}} limits  base: what curves begin at
    */
   constructor(player, series, limits, name) {
     this.player = player;
@@ -46,8 +53,10 @@ export class Plot {
     const { lower, upper } = this.limits;
     if (lower !== null && lower > low - reach) low = Math.min(low, lower);
     if (upper !== null && upper < high + reach) high = Math.max(high, upper);
+    const { base } = this.limits;
+    if (base !== undefined) low = Math.min(low, base);
     const margin = 0.06 * Math.max(high - low, 0.02);
-    return [low - margin, high + margin];
+    return [low === base ? low : low - margin, high + margin];
   }
 
   draw() {

@@ -13,13 +13,14 @@ import { addHelp, addKeyboard } from './keyboard.js';
 import { PlayedPage } from './played_page.js';
 import { Tabs } from './tabs.js';
 import { Tags } from './tags.js';
+import { cssColour } from './theme.js';
 import { Timeline } from './timeline.js';
 import { Transport } from './transport.js';
 import { cameraChoice, resetButton } from './view_tools.js';
 
 const UP = new Vector3(0, 1, 0);
-/** Joints that stand for a bone by side, and what else there is. */
-const COLOURS = { left: 0x4d9a5d, right: 0xc9604f, middle: 0x7f8794, '': 0xb9bec8 };
+/** Of joints that stand for no bone. */
+const OTHER = 0xb9bec8;
 const AXES = [
   ['x', 0xd64545],
   ['y', 0x3f9b4f],
@@ -28,15 +29,21 @@ const AXES = [
 
 /** A skeleton as sticks and balls. */
 class SkeletonFigure {
-  /** @param {object} skeleton  of the header  @param {number} thickness metres  @param {number} opacity */
-  constructor(skeleton, thickness, opacity) {
+  /**
+   * @param {object} skeleton  of the header
+   * @param {object} colours  of joints that stand for a bone, by side
+   * @param {number} thickness metres
+   * @param {number} opacity
+   */
+  constructor(skeleton, colours, thickness, opacity) {
     this.group = new Group();
     this.points = skeleton.points;
     const paint = (colour) =>
       new MeshStandardMaterial({ color: colour, roughness: 0.75, transparent: opacity < 1, opacity });
     const materials = Object.fromEntries(
-      Object.entries(COLOURS).map(([side, colour]) => [side, paint(colour)]),
+      Object.entries(colours).map(([side, colour]) => [side, paint(colour)]),
     );
+    const other = paint(OTHER);
     const stick = new CylinderGeometry(0.55 * thickness, thickness, 1, 10),
       ball = new SphereGeometry(1.35 * thickness, 12, 9);
     const add = (geometry, material) => {
@@ -46,12 +53,12 @@ class SkeletonFigure {
       return mesh;
     };
     this.balls = this.points.map((point) => {
-      const mesh = add(ball, materials[point.side] ?? materials['']);
+      const mesh = add(ball, materials[point.side] ?? other);
       if (!point.bone) mesh.scale.setScalar(0.6);
       return mesh;
     });
     this.sticks = this.points.map((point) =>
-      point.parent < 0 ? null : add(stick, materials[point.side] ?? materials['']),
+      point.parent < 0 ? null : add(stick, materials[point.side] ?? other),
     );
     this.places = this.points.map(() => new Vector3());
   }
@@ -84,6 +91,7 @@ export class SkeletonViewer extends PlayedPage {
     const fps = rate[0] / rate[1];
     super(Math.max(0, frames - 1) / fps, 1 / fps);
     this.skeleton = page.skeleton;
+    this.colours = page.figure.colours;
     this.frames = frames;
     this.fps = fps;
     this.stride = 3 * this.skeleton.points.length;
@@ -128,8 +136,8 @@ export class SkeletonViewer extends PlayedPage {
 
   addFigures() {
     const thickness = 0.011 * this.height;
-    this.moving = new SkeletonFigure(this.skeleton, thickness, 1);
-    this.still = new SkeletonFigure(this.skeleton, thickness, 0.55);
+    this.moving = new SkeletonFigure(this.skeleton, this.colours, thickness, 1);
+    this.still = new SkeletonFigure(this.skeleton, this.colours, thickness, 0.55);
     this.still.update(this.rest, 0);
     this.aside = new Vector3(-Math.sin(this.heading), Math.cos(this.heading), 0);
     this.spacing = 0.95 * this.height;
@@ -229,7 +237,7 @@ export class SkeletonViewer extends PlayedPage {
         height: '9px',
         borderRadius: '50%',
         marginRight: '6px',
-        background: `#${(COLOURS[point.side] ?? COLOURS['']).toString(16).padStart(6, '0')}`,
+        background: cssColour(this.colours[point.side] ?? OTHER),
       });
       return el(
         'tr',

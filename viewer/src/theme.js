@@ -21,7 +21,6 @@ const DARK = {
 
 /** Robots by motion: quiet colours that are told apart in light and dark, and by the colour-blind. */
 export const MOTION_COLOURS = [0x7d9fcb, 0xdd9a63, 0x71b59b, 0xa78dcb, 0xcb7d8d, 0x9ca467];
-export const HUMAN_COLOURS = { left: 0x7fb08a, right: 0xc98d80, middle: 0xb4aea4 };
 export const PICKED = 0xe8364f;
 export const ROBOT_CONTACT = 0xf09a1a;
 export const SOURCE_CONTACT = 0x17a398;

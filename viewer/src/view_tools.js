@@ -87,7 +87,19 @@ export class ViewTools {
     this.distance.addEventListener('input', () =>
       this.apply(() => world.setHumanDistance(Number(this.distance.value))),
     );
-    return [this.human.element, el('div', { class: 'group' }, this.distance)];
+    const each = world.sharesSource
+      ? el(
+          'div',
+          { class: 'group' },
+          toggle(
+            'For each',
+            false,
+            (on) => this.apply(() => world.setBesideEach(on)),
+            'The source of several motions with each of them, or once',
+          ),
+        )
+      : null;
+    return [this.human.element, el('div', { class: 'group' }, this.distance), each].filter(Boolean);
   }
 
   apply(change) {

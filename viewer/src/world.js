@@ -8,14 +8,20 @@ import { calmWay, lift, onWay, standing } from './ways.js';
 
 /** The figures of all motions, and where each stands: in a row across the way that they face. */
 export class World {
-  /** @param {import('./motions.js').Motion[]} motions  @param {import('./stage.js').Stage} stage */
-  constructor(motions, stage) {
+  /**
+   * @param {import('./motions.js').Motion[]} motions
+   * @param {import('./stage.js').Stage} stage
+   * @param {object} figure  of the header: how humans are drawn
+   */
+  constructor(motions, stage, figure) {
     this.motions = motions;
     this.stage = stage;
     this.heading = motions[0].heading();
     this.aside = new Vector3(-Math.sin(this.heading), Math.cos(this.heading), 0);
     this.humanMode = 'beside';
     this.humanDistance = 1;
+    this.figure = figure;
+    this.besideEach = false;
     this.showContacts = true;
     this.robots = motions.map((motion, i) => new RobotFigure(motion, motionColour(i)));
     this.humans = this.makeHumans();
@@ -28,16 +34,31 @@ export class World {
     this.arrange();
   }
 
-  // one of each source: motions of one source share it
+  // one for each motion; the first of a source is seen where motions of one source share it
   makeHumans() {
     const known = new Set();
     return this.motions
-      .filter((motion) => {
-        if (!motion.human || known.has(motion.data.human)) return false;
+      .filter((motion) => motion.human)
+      .map((motion) => {
+        const first = !known.has(motion.data.human);
         known.add(motion.data.human);
-        return true;
-      })
-      .map((motion) => Object.assign(new HumanFigure(motion), { motion }));
+        return Object.assign(new HumanFigure(motion, this.figure), { motion, first });
+      });
+  }
+
+  /** Whether several motions have one source. */
+  get sharesSource() {
+    return this.humans.some((human) => !human.first);
+  }
+
+  get shownHumans() {
+    return this.humans.filter((human) => human.first || this.besideEach);
+  }
+
+  /** Shows the source of each motion with it, or a source of several once. */
+  setBesideEach(on) {
+    this.besideEach = on;
+    this.arrange();
   }
 
   setHumanMode(mode) {
@@ -73,10 +94,11 @@ export class World {
   arrange() {
     this.shown = null;
     const beside = this.humanMode === 'beside' && this.humans.length > 0;
+    const shown = this.shownHumans;
     let place = 0;
     const places = [];
     this.motions.forEach((motion, i) => {
-      const human = this.humans.find((each) => each.motion === motion);
+      const human = shown.find((each) => each.motion === motion);
       // the human to the left of its robot, which is at the right in the picture
       if (human && beside) {
         this.placeHuman(human, place);
@@ -90,7 +112,7 @@ export class World {
       place -= this.spacing;
     });
     for (const human of this.humans) {
-      human.group.visible = this.humanMode !== 'off';
+      human.group.visible = this.humanMode !== 'off' && shown.includes(human);
       human.setOver(this.humanMode === 'over');
     }
     this.middle = (Math.max(...places) + Math.min(...places)) / 2;
@@ -120,7 +142,7 @@ export class World {
       this.robots[i].setEnded(motion.hasEnded(time));
     });
     // a human goes on to its own end
-    for (const human of this.humans) human.update(human.motion.step(time), this.showContacts);
+    for (const human of this.shownHumans) human.update(human.motion.step(time), this.showContacts);
     const [x, y, z] = onWay(this.way, time);
     this.stage.aim(
       x + this.aside.x * this.middle,
@@ -170,7 +192,7 @@ export class World {
       add(robot, robot.bodies[motion.robot.root].position, text, motionColour(i));
     });
     if (this.humanMode === 'beside') {
-      for (const human of this.humans) {
+      for (const human of this.shownHumans) {
         const step = human.motion.step(this.time ?? 0);
         const frame = Math.min(step, human.human.frames - 1);
         const hips = human.index.has('Hips') ? human.place('Hips', frame, new Vector3()) : new Vector3();

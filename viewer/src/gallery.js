@@ -1,19 +1,7 @@
 /** The page of a gallery: lists the clips of a batch. Text from files is only ever text. */
-'use strict';
+import { byId, el } from './dom.js';
 
-const gallery = JSON.parse(document.getElementById('gallery').textContent);
-const byId = (id) => document.getElementById(id);
-
-function el(tag, properties, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (value === undefined || value === null || value === false) continue;
-    if (name === 'text') node.textContent = value;
-    else node.setAttribute(name, value === true ? '' : value);
-  }
-  node.append(...children.filter(Boolean));
-  return node;
-}
+const gallery = JSON.parse(byId('gallery').textContent);
 
 const count = (number, noun) => `${number} ${noun}${number === 1 ? '' : 's'}`;
 const unitText = (unit) => (unit === '1' || unit === 'count' ? '' : ` ${unit}`);
