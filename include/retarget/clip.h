@@ -124,6 +124,9 @@ struct ClipOrigin {
   std::uint64_t bytes = 0;            ///< Of the file.
   std::optional<double> body_height;  ///< Metres, if the file gives it.
   std::vector<Warning> warnings;      ///< What was odd about the file.
+  /// Joints that have a rotation because all have one: the file has places of joints, which do not
+  /// tell how these turn.
+  std::vector<std::string> unknown_rotations = {};
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,

@@ -183,6 +183,8 @@ struct SourceOptions {
   std::string smpl_model;   ///< The user's body model, NPZ; empty: a generic body.
   bool lenient = false;     ///< Keep the complete frames of a damaged file.
   std::string root;         ///< Which of several ROOTs.
+  std::string take;         ///< Which of several motions in a file, by name or number from 1.
+  std::string joint_names;  ///< List of joints' names, for places of joints; empty: not given.
   double source_fps = 0.0;  ///< Frames per second; 0: the file's own.
   double memory_gb = 0.0;   ///< Limit for one clip; 0: three quarters of what is available.
 };

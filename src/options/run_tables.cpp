@@ -92,6 +92,12 @@ OptionTable source_table(SourceOptions& options) {
                  "Keep the complete frames of a damaged file and report what was dropped"),
           option("root", options.root, kInputGroup, "NAME",
                  "Which tree to read, when a file holds several ROOTs"),
+          option("take", options.take, kInputGroup, "NAME|N",
+                 "Which motion to read, when a file holds several: its name or number from 1"),
+          option("joint-names", options.joint_names, kInputGroup, "FILE",
+                 "Names of the joints, a line each or a JSON list, of a file with places of joints "
+                 "in an order of its own",
+                 {.file = OptionFile::kContent}),
           option("source-fps", options.source_fps, kInputGroup, "N",
                  "Frames per second of the source, whatever its header says",
                  {.min = kMinRate, .max = kMaxRate}),

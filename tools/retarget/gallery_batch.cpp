@@ -19,18 +19,35 @@ namespace {
 namespace fs = std::filesystem;
 
 // what the options of a batch say about its sources, and about how its motions are measured
-constexpr std::array<std::string_view, 20> kOfSources = {
-    "lenient",       "root",        "source-fps", "partial", "rest",   "tpose-frame",
-    "unit",          "up",          "forward",    "height",  "start",  "end",
-    "frames",        "lead-in",     "scale",      "limits",  "method", "normalize-start",
-    "interpolation", "no-antialias"};
+constexpr std::array<std::string_view, 21> kOfSources = {"lenient",
+                                                         "root",
+                                                         "take",
+                                                         "source-fps",
+                                                         "partial",
+                                                         "rest",
+                                                         "tpose-frame",
+                                                         "unit",
+                                                         "up",
+                                                         "forward",
+                                                         "height",
+                                                         "start",
+                                                         "end",
+                                                         "frames",
+                                                         "lead-in",
+                                                         "scale",
+                                                         "limits",
+                                                         "method",
+                                                         "normalize-start",
+                                                         "interpolation",
+                                                         "no-antialias"};
 
 // options that are files, and what the batch calls them
 struct FileRole {
   std::string_view option, role;
 };
-constexpr std::array<FileRole, 5> kFiles = {{{"smpl-model", "smpl-model"},
+constexpr std::array<FileRole, 6> kFiles = {{{"smpl-model", "smpl-model"},
                                              {"map", "map"},
+                                             {"joint-names", "joint-names"},
                                              {"tpose-file", "tpose-file"},
                                              {"ik-config", "mapping"},
                                              {"limits", "limits"}}};
