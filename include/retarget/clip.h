@@ -130,6 +130,9 @@ struct ClipOrigin {
   std::optional<Eigen::Vector3d> up;      ///< In the file's axes, if the file gives it.
   std::vector<std::string> takes;         ///< Names of its animations, in the file's order.
   std::string choices;  ///< What was chosen in the file, for people: take, skeleton, rate.
+  /// Joints that have a rotation because all have one: the file has places of joints, which do not
+  /// tell how these turn.
+  std::vector<std::string> unknown_rotations = {};
 };
 
 /// A motion of a skeleton: local rotations (unit quaternions) and translations, frame by frame,

@@ -154,9 +154,9 @@ struct FitOptions {
   double smoothing_time = 0.013;  ///< Seconds; velocities are smoothed over about this time.
 
   // of `dynamics`, with the size and mass of a G1
-  double com_weight = 600.0;   ///< Centre of mass to its place, per metre.
-  double spin_weight = 200.0;   ///< Angular momentum, as the turn that it makes, per kg m^2.
-  int dynamics_iterations = 6;  ///< Of the solver's last steps, how many look at it.
+  double com_weight = 600.0;      ///< Centre of mass to its place, per metre.
+  double spin_weight = 200.0;     ///< Angular momentum, as the turn that it makes, per kg m^2.
+  int dynamics_iterations = 6;    ///< Of the solver's last steps, how many look at it.
   double support_friction = 0.6;  ///< That contacts are planned with.
   double sole_shrink = 0.15;      ///< By which share of its size a sole is taken smaller.
 
@@ -191,7 +191,8 @@ struct SourceOptions {
   std::string smpl_model;   ///< The user's body model, NPZ; empty: a generic body.
   bool lenient = false;     ///< Keep the complete frames of a damaged file.
   std::string root;         ///< Which of several ROOTs, or of several skeletons of a scene.
-  std::string take;         ///< Which animation of a scene, by name or number from 1.
+  std::string take;         ///< Which of several motions in a file, by name or number from 1.
+  std::string joint_names;  ///< List of joints' names, for places of joints; empty: not given.
   double source_fps = 0.0;  ///< Frames per second; 0: the file's own. A scene is sampled so often.
   double memory_gb = 0.0;   ///< Limit for one clip; 0: three quarters of what is available.
 };

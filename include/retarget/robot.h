@@ -111,8 +111,8 @@ struct RobotProfile {
   std::string torque_limits_source;                  ///< For people.
   /// What a rotor behind its gear adds to a joint's inertia, by joint name, kg m^2 or kg.
   std::map<std::string, double> rotor_inertias;
-  std::string rotor_inertias_source;  ///< For people.
-  std::map<std::string, double> t_pose;              ///< Joints that are not 0 there, rad or m.
+  std::string rotor_inertias_source;     ///< For people.
+  std::map<std::string, double> t_pose;  ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.
   std::vector<RobotVariant> variants;

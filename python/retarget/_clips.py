@@ -12,6 +12,32 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 
+def check_names(names: Sequence[str]) -> None:
+    """Raises UsageError for what are no names."""
+    if isinstance(names, str) or not all(isinstance(each, str) for each in names):
+        raise UsageError("names: expected a sequence of texts")
+
+
+def checked_rate(fps: float) -> float:
+    """Frames per second as a float; whether they make sense is not looked at."""
+    try:
+        return float(fps)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"fps: expected frames per second, found {fps!r}") from None
+
+
+def clip_from_positions(positions: ArrayLike, names: Sequence[str] | None = None, *, fps: float,
+                        name: str = "positions") -> _retarget.Clip:
+    """Clip.from_positions, whose docs say what is meant."""
+    if names is not None:
+        check_names(names)
+        if len(names) == 0:
+            raise UsageError("names: expected at least one joint, or None")
+    if not isinstance(name, str):
+        raise UsageError(f"name: expected a text, found {name!r}")
+    return _retarget.clip_from_positions(positions, list(names or []), checked_rate(fps), name)
+
+
 def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: ArrayLike, *,
                      rotations_wxyz: ArrayLike | None = None,
                      rotations_xyzw: ArrayLike | None = None, fps: float,
@@ -21,20 +47,17 @@ def clip_from_arrays(names: Sequence[str], parents: Sequence[int], positions: Ar
     if space not in ("world", "local"):
         raise UsageError(f'space: expected "world" or "local", found {space!r}')
     if rotations_wxyz is None and rotations_xyzw is None:
-        raise UsageError("positions alone are not read yet: give rotations_wxyz or rotations_xyzw")
+        raise UsageError("give rotations_wxyz or rotations_xyzw; Clip.from_positions takes "
+                         "positions alone")
     if rotations_wxyz is not None and rotations_xyzw is not None:
         raise UsageError("rotations_wxyz and rotations_xyzw are both given: give only one of them")
     scalar_first = rotations_wxyz is not None
     rotations = rotations_wxyz if scalar_first else rotations_xyzw
-    if isinstance(names, str) or not all(isinstance(each, str) for each in names):
-        raise UsageError("names: expected a sequence of texts")
+    check_names(names)
     if len(parents) != len(names):
         raise UsageError(f"parents: expected {len(names)} of them, one for each name, "
                          f"found {len(parents)}")
-    try:
-        fps = float(fps)
-    except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"fps: expected frames per second, found {fps!r}") from None
+    fps = checked_rate(fps)
     if not isinstance(name, str):
         raise UsageError(f"name: expected a text, found {name!r}")
     try:

@@ -5,13 +5,16 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <limits>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "bvh/write_bvh.h"
-#include "clip_from_arrays.h"
 #include "handles.h"
+#include "human/joint_clip.h"
 #include "inspect/inspect_clip.h"
 #include "keywords.h"
+#include "motion/clip_from_arrays.h"
 #include "motion/forward_kinematics.h"
 #include "options/run_tables.h"
 #include "raise.h"
@@ -156,6 +159,31 @@ ClipHandle from_arrays(const nb::list& names, const nb::list& parents, nb::objec
   return ClipHandle(without_gil([&] { return clip_from_arrays(arrays); }));
 }
 
+ClipHandle from_positions(nb::object positions, const nb::list& names, double fps,
+                          const nb::object& name) {
+  JointMotion motion;
+  motion.rate = rate_of(fps);
+  for (nb::handle each : names) motion.names.push_back(bytes_of_name(each, "names"));
+  const auto named = static_cast<std::int64_t>(motion.names.size());
+  const GivenArray places(positions, "positions", {-1, named > 0 ? named : -1, 3});
+  constexpr std::size_t kMax = std::numeric_limits<int>::max();
+  if (places.size(0) == 0 || places.size(1) == 0 || places.size(0) > kMax ||
+      places.size(1) > kMax) {
+    raise(usage_failure("positions: expected frames and joints, found none or too many").value());
+  }
+  motion.frame_count = static_cast<int>(places.size(0));
+  motion.joint_count = static_cast<int>(places.size(1));
+  const std::span<const double> numbers = places.numbers();
+  motion.positions.reserve(numbers.size() / 3);
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    motion.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  }
+  const std::string called = bytes_of_name(name, "name");
+  ClipHandle clip(without_gil([&] { return clip_of_joints(motion, called); }));
+  warn(clip->origin().warnings, clip->name());
+  return clip;
+}
+
 ClipHandle load(const nb::object& file, const nb::dict& options, bool skeleton_only) {
   SourceOptions source;
   apply_keywords(source_table(source), options);
@@ -278,10 +306,32 @@ void bind_clip(nb::module_& module) {
           "Raises UsageError: wrong shapes, numbers that are not finite, quaternions that are not "
           "of "
           "unit length, parents that are no tree.")
+      .def_static(
+          "from_positions",
+          [](const nb::args& given, const nb::kwargs& named) {
+            return nb::module_::import_("retarget._clips")
+                .attr("clip_from_positions")(*given, **named);
+          },
+          "given"_a, "named"_a,
+          nb::sig("def from_positions(positions: numpy.typing.ArrayLike, names: "
+                  "collections.abc.Sequence[str] | None = None, *, fps: float, name: str = "
+                  "'positions') -> Clip"),
+          "A clip from places of joints alone, whose rotations are computed from the directions of "
+          "limbs and the planes in which they bend (docs/positions.md).\n\n"
+          "positions: (F, J, 3), any unit of length, any axis up.\n"
+          "names: J names, each once, such as left_hip or LeftUpLeg; None: the order is one that "
+          "is "
+          "known, as those of SMPL, and found by the places.\n"
+          "fps: frames per second.\n"
+          "name: what messages call the clip.\n\n"
+          "What was found and assumed are warnings. Raises UsageError: wrong shapes, numbers that "
+          "are not finite; InputError: no human in the joints.")
       .def("__len__", [](const ClipHandle& clip) { return clip->frame_count(); })
       .def("__repr__", &shown);
   module.def("clip_from_arrays", &from_arrays, "names"_a, "parents"_a, "positions"_a.none(),
              "rotations"_a.none(), "scalar_first"_a, "local"_a, "fps"_a, "name"_a);
+  module.def("clip_from_positions", &from_positions, "positions"_a.none(), "names"_a, "fps"_a,
+             "name"_a);
   module.def("load", &load, "file"_a.none(), "options"_a, "skeleton_only"_a);
   module.def("inspect", &inspect, "clip"_a, "options"_a, "data_dir"_a.none());
 }

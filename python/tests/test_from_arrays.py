@@ -87,7 +87,7 @@ GOOD: dict[str, Any] = {
     ({"rotations_wxyz": np.zeros((2, 2, 4))}, r"rotations_wxyz: expected shape \(3, 2, 4\)"),
     ({"rotations_wxyz": np.zeros((3, 2, 4))}, "expected unit quaternions, found one of length 0"),
     ({"rotations_wxyz": np.full((3, 2, 4), np.inf)}, r"rotations_wxyz\[0, 0, 0\]"),
-    ({"rotations_wxyz": None}, "positions alone are not read yet"),
+    ({"rotations_wxyz": None}, "Clip.from_positions takes positions alone"),
     ({"rotations_xyzw": np.zeros((3, 2, 4))}, "both given"),
     ({"parents": [0, 0]}, "found a circle"),
     ({"parents": [-1, -1]}, 'two roots, "a" and "b"'),

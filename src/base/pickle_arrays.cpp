@@ -232,12 +232,29 @@ Result<void> PickleReader::fill_shell(Node shell, const PickleNode& state) {
   if (state.kind != Kind::kTuple || state.items.size() != 5) {
     return fault("the pickle has an array with an unsupported state");
   }
+  if (node(state.items[4]).kind == Kind::kList) return fill_with_objects(shell, state);
   if (node(state.items[4]).kind != Kind::kBytes) {
     return fault("the pickle has an array of Python objects, which is refused",
                  "save arrays of numbers");
   }
   return make_array(shell, node(state.items[2]), node(state.items[1]),
                     node(state.items[3]).integer != 0, node(state.items[4]).text);
+}
+
+// an array of objects is a list of them, as numpy.save makes one of a dictionary
+Result<void> PickleReader::fill_with_objects(Node shell, const PickleNode& state) {
+  const PickleNode& type = node(state.items[2]);
+  if (!is_part(type, Part::kType) || !type.text.starts_with('O')) {
+    return fault("the pickle has an array of numbers without their bytes");
+  }
+  const std::vector<Node> items = node(state.items[4]).items;
+  // each is an opcode of the file, unless a list is taken again and again
+  array_bytes_ += items.size();
+  if (array_bytes_ > bytes_.size()) return fault("the pickle repeats its arrays without end");
+  PickleNode& made = node(shell);
+  made.kind = Kind::kList;
+  made.items = items;
+  return {};
 }
 
 // joblib's dictionary; then, outside of all opcodes, padding and the bytes of the array

@@ -65,6 +65,7 @@ class PickleReader {
   [[nodiscard]] Result<void> make_scalar(const PickleNode& arguments);
   [[nodiscard]] Result<void> array_from_buffer(const PickleNode& arguments);
   [[nodiscard]] Result<void> fill_shell(Node shell, const PickleNode& state);
+  [[nodiscard]] Result<void> fill_with_objects(Node shell, const PickleNode& state);
   [[nodiscard]] Result<void> fill_wrapper(Node wrapper, const PickleNode& state);
   [[nodiscard]] Result<void> set_byte_order(Node type, const PickleNode& state);
   [[nodiscard]] Result<void> make_array(Node target, const PickleNode& type,

@@ -31,6 +31,8 @@ constexpr std::array kLimbBones = {Bone::kLeftUpLeg,   Bone::kLeftLeg,     Bone:
 
 // the square of the sine of a bend at which its plane counts as much as that of the frame before
 constexpr double kBendThatCounts = 0.01;
+// the same of what the foot tells of its knee
+constexpr double kFootThatCounts = 0.12;
 // the sine of a bend that says for itself which way the limb bends
 constexpr double kPlainBend = 0.35;
 
@@ -56,7 +58,8 @@ using Track = std::vector<Matrix3d>;
 // the rotations of mapped bones in all frames, from the positions of their joints
 class DirectionRotations {
  public:
-  DirectionRotations(const Clip& clip, const Body& body) : body_(body) {
+  DirectionRotations(const Clip& clip, const Body& body, StraightLimbs straight)
+      : body_(body), straight_(straight) {
     for (int frame = 0; frame < clip.frame_count(); ++frame) {
       poses_.push_back(frame_pose(clip, frame));
     }
@@ -144,6 +147,16 @@ class DirectionRotations {
     }
   }
 
+  // across the shin and the foot, to the left, as far as these are not in line: a knee does not turn
+  // the foot aside, while hips, knees and ankles are never quite in the plane of a small bend
+  [[nodiscard]] Vector3d across_foot(int frame, Side side, Bone middle) const {
+    if (straight_ == StraightLimbs::kStay || limb_bone(middle) != kLeg) return Vector3d::Zero();
+    const Bone foot = side_bone(side, kFoot);
+    const auto shin = way(frame, middle, foot), ahead = way(frame, foot, side_bone(side, kToe));
+    if (!shin || !ahead) return Vector3d::Zero();
+    return kFootThatCounts * ahead->cross(*shin);
+  }
+
   // normals of the plane in which a limb bends, upper x lower, by frame
   [[nodiscard]] std::vector<Vector3d> bend_normals(Side side, Bone upper, Bone middle,
                                                    Bone lower) const {
@@ -163,17 +176,26 @@ class DirectionRotations {
     std::vector<Vector3d> normals(bends.size());
     const auto settle = [&](int frame, const Vector3d& carried) {
       const Vector3d &bend = bends[frame], &along = uppers[frame];
+      const Vector3d expected = kBendThatCounts * carried + across_foot(frame, side, middle);
       // elbows and knees bend one way: a little the other way is a limb that is nearly straight
-      const bool overstretched = bend.dot(carried) < 0.0 && bend.norm() < kPlainBend;
-      const Vector3d wanted =
-          (overstretched ? -1.0 : 1.0) * bend * bend.norm() + kBendThatCounts * carried;
+      const bool overstretched = bend.dot(expected) < 0.0 && bend.norm() < kPlainBend;
+      const Vector3d wanted = (overstretched ? -1.0 : 1.0) * bend * bend.norm() + expected;
       normals[frame] = across(wanted, along)
                            .value_or(across(usual(frame), along).value_or(along.unitOrthogonal()));
     };
     if (bends.empty()) return normals;
     settle(peak, usual(peak));
+    const Track& trunk_of_limb =
+        tracks_[limb_bone(middle) == kLeg || !has(Bone::kSpine2) ? Bone::kHips : Bone::kSpine2];
+    const bool with_trunk = straight_ == StraightLimbs::kTurnWithTrunk && !trunk_of_limb.empty();
+    const auto seen = [&](int frame) {
+      return with_trunk ? Matrix3d(trunk_of_limb[frame].transpose())
+                        : Matrix3d(Matrix3d::Identity());
+    };
     const auto carry = [&](int from, int to) {
-      settle(to, minimal_rotation(uppers[from], uppers[to], normals[from]) * normals[from]);
+      const Matrix3d before = seen(from), now = seen(to);
+      const Vector3d a = before * uppers[from], b = now * uppers[to], n = before * normals[from];
+      settle(to, now.transpose() * (minimal_rotation(a, b, n) * n));
     };
     for (int frame = peak + 1; frame < frames(); ++frame) carry(frame - 1, frame);
     for (int frame = peak - 1; frame >= 0; --frame) carry(frame + 1, frame);
@@ -224,6 +246,7 @@ class DirectionRotations {
   }
 
   const Body& body_;
+  StraightLimbs straight_;
   std::vector<JointPoses> poses_;
   BoneArray<Track> tracks_;
 };
@@ -276,10 +299,12 @@ double limb_wander(const Clip& clip, const BoneMap& map) {
   return wander[1];
 }
 
-void make_rotations_from_directions(Clip& clip, BoneMap& map) {
+}  // namespace
+
+void make_rotations_from_directions(Clip& clip, BoneMap& map, StraightLimbs straight) {
   const Skeleton& skeleton = clip.skeleton();
   const Body body(skeleton, map);
-  const DirectionRotations rotations(clip, body);
+  const DirectionRotations rotations(clip, body, straight);
   const std::vector<const Track*> tracks = tracks_by_joint(rotations, skeleton, body);
   std::vector<Joint> joints = skeleton.joints();
   for (Joint& joint : joints) {
@@ -312,8 +337,6 @@ void make_rotations_from_directions(Clip& clip, BoneMap& map) {
   map.facts.rest = RestPose::kLearned;
 }
 
-}  // namespace
-
 std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
   constexpr double kDegree = 57.295779513082321;
   constexpr double kMaxWander = 3.0;  // degrees
@@ -322,7 +345,7 @@ std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map) {
       !has_positions_of_all_bones(clip.skeleton(), map)) {
     return std::nullopt;
   }
-  make_rotations_from_directions(clip, map);
+  make_rotations_from_directions(clip, map, StraightLimbs::kStay);
   return Warning{
       0, 0,
       fmt::format("the joints' rotations do not match the limbs, which are off by up to {} "

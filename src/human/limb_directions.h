@@ -26,4 +26,14 @@ namespace retarget {
 ///     not known of all bones.
 [[nodiscard]] std::optional<Warning> let_directions_win(Clip& clip, BoneMap& map);
 
+/// How the plane of a limb that is straight goes on from frame to frame.
+enum class StraightLimbs : unsigned char {
+  kStay,  ///< By the least turn in the world: a body that turns on straight legs leaves them.
+  kTurnWithTrunk,  ///< By the least turn as hips or torso see it.
+};
+
+/// The same of any clip whose mapped joints, and those between, have position channels, whatever their
+/// rotations are. The map has Hips.
+void make_rotations_from_directions(Clip& clip, BoneMap& map, StraightLimbs straight);
+
 }  // namespace retarget

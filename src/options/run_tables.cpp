@@ -93,8 +93,12 @@ OptionTable source_table(SourceOptions& options) {
           option("root", options.root, kInputGroup, "NAME",
                  "Which tree to read, when a file holds several ROOTs or skeletons"),
           option("take", options.take, kInputGroup, "NAME|N",
-                 "FBX, glTF: which animation to read, by name or number from 1 (default: the "
-                 "longest that moves)"),
+                 "Which motion to read, when a file holds several: its name or number from 1 (FBX, "
+                 "glTF: default the longest that moves)"),
+          option("joint-names", options.joint_names, kInputGroup, "FILE",
+                 "Names of the joints, a line each or a JSON list, of a file with places of joints "
+                 "in an order of its own",
+                 {.file = OptionFile::kContent}),
           option("source-fps", options.source_fps, kInputGroup, "N",
                  "Frames per second of the source, whatever its header says",
                  {.min = kMinRate, .max = kMaxRate}),

@@ -1,16 +1,20 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/option_name.h"
 #include "base/try.h"
 #include "bvh/foreign_file.h"
 #include "bvh/read_bvh.h"
+#include "human/joint_clip.h"
 #include "motion/clip_size.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
@@ -52,8 +56,50 @@ Result<Clip> load_bvh_clip(std::string_view bytes, const std::string& name,
   return std::move(file.clip);
 }
 
-Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
-                            const SourceOptions& options) {
+Failure no_smpl(const std::string& name) {
+  return usage_failure(OPTION("smpl-model") " is for SMPL motions, and \"" + name + "\" is not one",
+                       "leave it out");
+}
+
+Failure no_places(const std::string& name) {
+  return usage_failure(OPTION("joint-names") " is for places of joints without rotations, and \"" +
+                           name + "\" holds something else",
+                       "leave it out");
+}
+
+// a JSON list of names, or a name a line
+Result<std::vector<std::string>> load_joint_names(const std::string& file) {
+  std::vector<std::string> names;
+  if (file.empty()) return names;
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 20U;
+  TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kConfig, kMaxBytes));
+  std::string_view text = bytes.view();
+  if (text.find_first_not_of(" \t\r\n") != std::string_view::npos &&
+      text[text.find_first_not_of(" \t\r\n")] == '[') {
+    TRY_ASSIGN(const auto json, parse_json(text, file));
+    for (const auto& name : json) {
+      if (!name.is_string()) {
+        return config_failure(file, "expected a list of joints' names, found something else in it");
+      }
+      names.push_back(name.get<std::string>());
+    }
+  } else {
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(std::min(end + 1, text.size()));
+      while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) {
+        line.remove_suffix(1);
+      }
+      if (!line.empty()) names.emplace_back(line);
+    }
+  }
+  if (!names.empty()) return names;
+  return config_failure(file, "the file names no joints", "one name a line, or a JSON list");
+}
+
+Result<Clip> load_array_clip(std::string_view bytes, const std::string& name,
+                             const SourceOptions& options) {
   SmplReadOptions read;
   read.source_fps = given_rate(options);
   read.max_clip_bytes = memory_share(options.memory_gb);
@@ -62,7 +108,19 @@ Result<Clip> load_smpl_clip(std::string_view bytes, const std::string& name,
     TRY_ASSIGN(body, load_smpl_body(options.smpl_model));
     read.body = &*body;
   }
-  TRY_ASSIGN(SmplMotion motion, read_smpl(bytes, name, read));
+  read.take = options.take;
+  TRY_ASSIGN(read.joint_names, load_joint_names(options.joint_names));
+  TRY_ASSIGN(ArrayMotion content, read_array_motion(bytes, name, read));
+  if (const auto* joints = std::get_if<JointMotion>(&content)) {
+    if (read.body != nullptr) return no_smpl(name);
+    TRY_ASSIGN(Clip clip, clip_of_joints(*joints, name));
+    ClipOrigin origin = clip.origin();
+    origin.bytes = bytes.size();
+    clip.set_origin(std::move(origin));
+    return clip;
+  }
+  if (!options.joint_names.empty()) return no_places(name);
+  SmplMotion& motion = std::get<SmplMotion>(content);
   if (motion.approximate_body) {
     motion.warnings.push_back({0, 0,
                                "bone lengths and the zero pose are those of a generic body, "
@@ -86,17 +144,14 @@ Result<Clip> load_scene_clip(std::string_view bytes, const std::string& name,
 }
 
 // options that say what a file is, or which part of it, where it is another kind of file
-Result<void> check_kind(const std::string& name, const SourceOptions& options, bool is_smpl,
+Result<void> check_kind(const std::string& name, const SourceOptions& options, bool has_arrays,
                         bool is_scene) {
-  if (!options.smpl_model.empty() && !is_smpl) {
-    return usage_failure(
-        OPTION("smpl-model") " is for SMPL motions, and \"" + name + "\" is not one",
-        "leave it out");
-  }
-  if (!options.take.empty() && !is_scene) {
-    return usage_failure(
-        OPTION("take") " is for FBX and glTF files, and \"" + name + "\" holds one motion alone",
-        "leave it out");
+  if (!options.smpl_model.empty() && !has_arrays) return no_smpl(name);
+  if (!options.joint_names.empty() && !has_arrays) return no_places(name);
+  if (!options.take.empty() && !has_arrays && !is_scene) {
+    return usage_failure(OPTION("take") " is for files with several motions, and \"" + name +
+                             "\" holds one motion alone",
+                         "leave it out");
   }
   return {};
 }
@@ -106,11 +161,11 @@ Result<Clip> load(const std::string& file, const SourceOptions& options, bool sk
   TRY(check_no_folder(file));
   TRY_ASSIGN(const auto bytes,
              read_file(file, ErrorKind::kInput, memory_share(options.memory_gb), kLargeFileHint));
-  const bool is_smpl =
+  const bool has_arrays =
       options.smpl || (looks_like_motion_file(bytes.view()) && !is_usd_archive(bytes.view()));
-  const bool is_scene = !is_smpl && looks_like_scene(bytes.view());
-  TRY(check_kind(name, options, is_smpl, is_scene));
-  if (is_smpl) return load_smpl_clip(bytes.view(), name, options);
+  const bool is_scene = !has_arrays && looks_like_scene(bytes.view());
+  TRY(check_kind(name, options, has_arrays, is_scene));
+  if (has_arrays) return load_array_clip(bytes.view(), name, options);
   if (is_scene) return load_scene_clip(bytes.view(), name, options, skeleton_only);
   return load_bvh_clip(bytes.view(), name, options, skeleton_only);
 }

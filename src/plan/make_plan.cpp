@@ -17,6 +17,7 @@
 #include "pipeline/limb_lengths.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "plan/unknown_rotations.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/load.h"
@@ -73,6 +74,23 @@ Result<void> leave_out_missing(Plan& plan) {
   return {};
 }
 
+}  // namespace
+
+void leave_out_unknown_rotations(const Clip& clip, Plan& plan) {
+  const std::vector<std::string>& unknown = clip.origin().unknown_rotations;
+  if (unknown.empty()) return;
+  for (ResolvedConfig::Table& table : plan.config.match_tables) {
+    for (ConfigTask& task : table.tasks) {
+      const int joint = plan.human.calibration.bones[task.bone].position_joint;
+      if (joint < 0) continue;
+      const std::string& name = clip.skeleton().joint(joint).name;
+      if (std::ranges::find(unknown, name) != unknown.end()) task.rotation_weight = 0.0;
+    }
+  }
+}
+
+namespace {
+
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);
   TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
@@ -115,6 +133,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   plan.is_config_of_others = &config != &robot.config;
   TRY(choose_frames(clip, options, plan));
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
+  leave_out_unknown_rotations(clip, plan);
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));

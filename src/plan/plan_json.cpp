@@ -19,6 +19,7 @@
 #include "options/options_json.h"
 #include "options/run_tables.h"
 #include "plan/memory.h"
+#include "plan/unknown_rotations.h"
 #include "retarget/plan.h"
 #include "retarget/version.h"
 
@@ -289,6 +290,7 @@ Result<Plan> load_plan(const std::string& file, const DataFolder& data_folder) {
                  plan.options.source.memory_gb, plan.options.save));
   TRY_ASSIGN(plan.config, load_config(config_file, *plan.robot.robot));
   if (plan.human.map.partial) TRY(leave_out_bones(plan.config, plan.human.missing_bones()));
+  leave_out_unknown_rotations(*plan.clip, plan);
   return plan;
 }
 

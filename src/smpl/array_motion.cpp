@@ -33,9 +33,9 @@ Failure at_file(Error error, const std::string& file_name) {
   return failure(std::move(error));
 }
 
-// the array that is the whole file
-Result<NpyArray> read_array(std::string_view bytes, std::size_t max_number_bytes) {
-  const ReadBytes take = [&bytes](std::size_t size) -> Result<std::string> {
+// the header of an array; what follows it is left
+Result<NpyHeader> take_header(std::string_view& bytes) {
+  return read_npy_header([&bytes](std::size_t size) -> Result<std::string> {
     if (size > bytes.size()) {
       return format_failure("the array is cut off within its header",
                             "the file was cut off: download or copy it again");
@@ -43,8 +43,12 @@ Result<NpyArray> read_array(std::string_view bytes, std::size_t max_number_bytes
     std::string taken(bytes.substr(0, size));
     bytes.remove_prefix(size);
     return taken;
-  };
-  TRY_ASSIGN(const auto header, read_npy_header(take));
+  });
+}
+
+// the array that is the rest of the file
+Result<NpyArray> read_array(const NpyHeader& header, std::string_view bytes,
+                            std::size_t max_number_bytes) {
   TRY_ASSIGN(auto layout, npy_layout(header));
   if (layout.data_size != bytes.size()) {
     return format_failure(
@@ -88,29 +92,36 @@ MotionKind kind_of_columns(const Columns& columns) {
 Failure no_motion(const NpyArray& array, const std::string& file_name) {
   const std::string found =
       "expected a motion of SMPL, found an array of shape " + shape_text(array.shape) + ": ";
-  const std::size_t dimensions = array.shape.size();
-  if ((dimensions == 3 && array.shape[2] == 3) || (dimensions == 4 && array.shape[2] == 3)) {
-    return input_failure(file_name,
-                         found + "places of joints, without their rotations, are not read",
-                         "fit SMPL to them first, as the tools of HumanML3D and MDM do, and give "
-                         "its poses and trans in an NPZ file");
-  }
-  if (dimensions == 2 && array.shape[1] == kHumanMlFeatures) {
+  if (array.shape.size() == 2 && array.shape[1] == kHumanMlFeatures) {
     return input_failure(file_name, found + "HumanML3D's features are not read",
-                         "turn them into rotations first, and give SMPL's poses and trans in an "
-                         "NPZ file");
+                         "give the places of joints that they were made of, or are turned back "
+                         "into by recover_from_ric: new_joints, (frames, 22, 3)");
   }
-  return input_failure(file_name, found + "Motion-X has 322 columns, PHUMA 69",
+  return input_failure(file_name,
+                       found +
+                           "Motion-X has 322 columns, PHUMA 69, and places of joints are "
+                           "(frames, joints, 3)",
                        "put the arrays of a motion into one file with numpy.savez");
 }
 
 }  // namespace
 
 Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& file_name,
-                                     std::size_t max_number_bytes) {
-  const Result<NpyArray> array = read_array(bytes, max_number_bytes);
+                                     const OpenOptions& options) {
+  const Result<NpyHeader> header = take_header(bytes);
+  if (!header) return at_file(header.error(), file_name);
+  // what numpy.save makes of a dictionary, as MDM saves its results
+  if (header->type.ends_with('O')) return open_pickled_motion(bytes, file_name, options);
+  const Result<NpyArray> array = read_array(*header, bytes, options.max_number_bytes);
   if (!array) return at_file(array.error(), file_name);
-  const bool is_table = array->is_number() && array->shape.size() == 2;
+  const std::size_t dimensions = array->shape.size();
+  const bool may_be_places = dimensions == 3 || dimensions == 4;
+  if (array->is_number() && (may_be_places || (dimensions == 2 && options.has_names))) {
+    auto places = std::make_unique<MadeArrays>(file_name);
+    places->add("positions", *array);
+    return MotionFile{std::move(places), {}, {}, MotionContent::kJoints};
+  }
+  const bool is_table = array->is_number() && dimensions == 2;
   const Columns* columns = nullptr;
   for (const Columns* known : {&kMotionX, &kPhuma}) {
     if (is_table && array->shape[1] == known->width) columns = known;

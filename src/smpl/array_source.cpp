@@ -1,5 +1,6 @@
 #include "smpl/array_source.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +24,20 @@ std::optional<NpyArray> row_of(const PickleDocument& document, const PickleNode&
     numbers.push_back(*number);
   }
   return float64_array(numbers, {numbers.size()});
+}
+
+// a list of texts, as a row; nothing for other lists, and for texts beyond ASCII
+std::optional<NpyArray> text_row_of(const PickleDocument& document, const PickleNode& list) {
+  std::vector<std::string> texts;
+  for (const std::uint32_t item : list.items) {
+    const PickleNode& node = document.at(item);
+    const bool is_plain =
+        node.kind == PickleNode::Kind::kText &&
+        std::ranges::all_of(node.text, [](char c) { return c >= 0x20 && c < 0x7F; });
+    if (!is_plain) return std::nullopt;
+    texts.emplace_back(node.text);
+  }
+  return text_array(texts);
 }
 
 // what Python calls it, for messages
@@ -107,6 +122,7 @@ Result<NpyArray> DictionaryArrays::read(std::string_view name) const {
     case Kind::kList:
     case Kind::kTuple:
       if (auto row = row_of(document(), *node)) return std::move(*row);
+      if (auto row = text_row_of(document(), *node)) return std::move(*row);
       break;
     default:
       break;

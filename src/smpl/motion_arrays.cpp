@@ -13,6 +13,7 @@
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "smpl/motion_rate.h"
 
 namespace retarget {
 namespace {
@@ -24,8 +25,6 @@ constexpr std::size_t kUsedColumns = kRootColumns + kBodyColumns;
 constexpr std::size_t kSmplColumns = 72;
 constexpr std::size_t kSmplhColumns = 156;
 constexpr std::size_t kSmplxColumns = 165;
-
-constexpr std::string_view kRateHint = "give the frame rate with " OPTION("source-fps");
 
 // rotations in one array, and in two: the pelvis, the body. AMASS, smplx, AIST++, and fits to video
 // name them so; of several the parts in AMASS's names come first, then its whole, then the others
@@ -196,56 +195,19 @@ class MotionReader {
           "*_stageii.npz";
     }
     return file_.file_failure(
-        "expected an SMPL motion with the arrays \"poses\", or \"root_orient\" and \"pose_body\"; "
-        "found " +
+        "expected an SMPL motion with the arrays \"poses\", or \"root_orient\" and \"pose_body\", "
+        "or "
+        "places of joints as \"joint_positions\"; found " +
             (file_.names().empty() ? "no arrays at all" : list_names(file_.names(), 20)),
         hint);
   }
 
   Result<void> read_rate(std::optional<double> source_fps) {
-    if (source_fps) {
-      arrays_.rate = frame_rate_from_fps(*source_fps);
-      return {};
-    }
-    const char* first = nullptr;
-    for (const char* name : {"mocap_framerate", "mocap_frame_rate", "fps"}) {
-      if (!file_.has(name)) continue;
-      TRY_ASSIGN(const auto fps, read_rate_array(name));
-      const FrameRate rate = frame_rate_from_fps(fps);
-      if (first != nullptr && !same_rate(rate, arrays_.rate)) {
-        return file_.array_failure(
-            name,
-            to_text(rate) + " frames per second, but " + first + " says " + to_text(arrays_.rate),
-            std::string(kRateHint));
-      }
-      if (first != nullptr) continue;
-      arrays_.rate = rate;
-      first = name;
-    }
-    if (first != nullptr) return {};
-    if (kind_.fps) {
-      arrays_.rate = frame_rate_from_fps(*kind_.fps);
-      if (!kind_.fps_reason.empty()) warn(kind_.fps_reason);
-      return {};
-    }
-    return file_.file_failure(
-        "no frame rate: found none of mocap_framerate, mocap_frame_rate and fps",
-        std::string(kRateHint));
-  }
-
-  Result<double> read_rate_array(const char* name) const {
-    TRY_ASSIGN(const auto array, file_.read(name));
-    if (!array.is_number() || array.element_count() != 1) {
-      return file_.array_failure(name,
-                                 std::string("expected one number, found ") +
-                                     (array.is_text() ? "text of" : "numbers of") + " shape " +
-                                     shape_text(array.shape),
-                                 std::string(kRateHint));
-    }
-    const double fps = array.numbers().front();
-    if (std::isfinite(fps) && fps > 0.0) return fps;
-    return file_.array_failure(name, "expected a frame rate above 0, found " + std::to_string(fps),
-                               std::string(kRateHint));
+    TRY_ASSIGN(const auto stated, read_motion_rate(file_, source_fps));
+    if (!stated && !kind_.fps) return no_motion_rate(file_);
+    arrays_.rate = stated ? *stated : frame_rate_from_fps(*kind_.fps);
+    if (!stated && !kind_.fps_reason.empty()) warn(kind_.fps_reason);
+    return {};
   }
 
   Result<void> read_betas() {

@@ -7,11 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "base/number_text.h"
+#include "base/option_name.h"
 #include "base/printable.h"
 #include "base/suggest.h"
 #include "base/torch_file.h"
 #include "base/try.h"
 #include "smpl/intermimic.h"
+#include "smpl/joint_motion.h"
 
 namespace retarget {
 namespace {
@@ -20,7 +23,7 @@ using Kind = PickleNode::Kind;
 
 constexpr std::string_view kMotionHint =
     "read are GVHMR's results (smpl_params_global), InterMimic's tensors (frames, 591), and "
-    "dictionaries with the arrays of an SMPL motion: docs/smpl.md";
+    "dictionaries with the arrays of an SMPL motion or with places of joints: docs/smpl.md";
 
 // members by which dictionaries of robots' motions are known
 constexpr std::array<std::string_view, 4> kOfRobots = {"dof_pos", "root_trans_offset",
@@ -87,8 +90,12 @@ std::vector<Member> dictionaries_in(const PickleDocument& document, const Pickle
 // finds the motion in a document
 class MotionFinder {
  public:
-  MotionFinder(const PickleDocument& document, const std::string& file_name)
-      : document_(document), file_name_(file_name) {}
+  MotionFinder(const PickleDocument& document, const std::string& file_name,
+               const std::string& take)
+      : document_(document), file_name_(file_name), take_(take) {}
+
+  // whether the motion is one of several, as was asked for
+  [[nodiscard]] bool took() const { return took_; }
 
   // the dictionary with the motion
   Result<const PickleNode*> find() {
@@ -99,8 +106,9 @@ class MotionFinder {
       if (is_of_robot(document_, *member.node)) robots.push_back(member);
       if (is_motion(*member.node)) motions.push_back(std::move(member));
     }
-    if (motions.size() == 1) return motions.front().node;
-    if (motions.size() > 1) return several(motions);
+    // what is asked for may be one of several within it
+    if (motions.size() == 1 && motions.front().name != take_) return motions.front().node;
+    if (!motions.empty()) return choose(motions);
     if (is_of_robot(document_, root) || !robots.empty()) {
       return input_failure(
           file_name_,
@@ -120,21 +128,37 @@ class MotionFinder {
     if (node.kind != Kind::kDict) return false;
     MadeArrays names(file_name_);
     for (std::string& name : document_.keys(node)) names.add(std::move(name), {});
-    return has_motion(names);
+    return has_motion(names) || has_joint_positions(names);
   }
 
-  Failure several(const std::vector<Member>& motions) const {
+  // the motion that was asked for, by its name before its number
+  Result<const PickleNode*> choose(const std::vector<Member>& motions) {
     std::vector<std::string> names;
     names.reserve(motions.size());
-    for (const Member& motion : motions) names.push_back(motion.name);
-    return input_failure(
-        file_name_,
-        fmt::format("the file holds {} motions: {}", motions.size(), list_names(names, 8)),
-        "save each in a file of its own: numpy.savez(name, **motions[key])");
+    for (const Member& motion : motions) {
+      names.push_back(motion.name);
+      if (motion.name != take_) continue;
+      took_ = true;
+      return motion.node;
+    }
+    const auto number = parse_number<long long>(take_);
+    if (number && *number >= 1 && *number <= static_cast<long long>(motions.size())) {
+      took_ = true;
+      return motions[static_cast<std::size_t>(*number) - 1].node;
+    }
+    return input_failure(file_name_,
+                         fmt::format("{} {}: {}",
+                                     take_.empty() ? std::string("the file holds")
+                                                   : fmt::format("no motion \"{}\": the file holds",
+                                                                 printable(take_)),
+                                     count_text(motions.size(), "motion"), list_names(names, 8)),
+                         OPTION("take") " NAME chooses one, by its name or its number from 1");
   }
 
   const PickleDocument& document_;
   const std::string& file_name_;
+  const std::string& take_;
+  bool took_ = false;
 };
 
 // the results of GVHMR: a motion along gravity, one in the camera's axes, and what led to them
@@ -158,9 +182,11 @@ MotionKind kind_of(const ArraySource& arrays) {
   return kind;
 }
 
-MotionFile motion_file_of(std::unique_ptr<ArraySource> arrays) {
+MotionFile motion_file_of(std::unique_ptr<ArraySource> arrays, bool took = false) {
   MotionKind kind = kind_of(*arrays);
-  return {std::move(arrays), std::move(kind), {}};
+  const bool of_joints = !has_motion(*arrays) && has_joint_positions(*arrays);
+  const auto content = of_joints ? MotionContent::kJoints : MotionContent::kSmpl;
+  return {std::move(arrays), std::move(kind), {}, content, took};
 }
 
 MotionKind gvhmr_kind() {
@@ -175,10 +201,10 @@ MotionKind gvhmr_kind() {
 }
 
 Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_name,
-                              std::size_t max_number_bytes) {
-  TorchReadOptions options;
-  options.max_number_bytes = max_number_bytes;
-  TRY_ASSIGN(TorchFile torch, TorchFile::open(bytes, file_name, options));
+                              const OpenOptions& options) {
+  TorchReadOptions read;
+  read.max_number_bytes = options.max_number_bytes;
+  TRY_ASSIGN(TorchFile torch, TorchFile::open(bytes, file_name, read));
   const PickleDocument& document = torch.document();
   const PickleNode& root = document.root();
   if (root.kind == Kind::kTensor) {
@@ -201,22 +227,10 @@ Result<MotionFile> open_torch(std::string_view bytes, const std::string& file_na
         "where up is",
         "save smpl_params_global as well");
   }
-  TRY_ASSIGN(const auto* motion, MotionFinder(document, file_name).find());
-  return motion_file_of(std::make_unique<DictionaryArrays>(file_name, torch, *motion));
-}
-
-Result<MotionFile> open_pickle(std::string_view bytes, const std::string& file_name) {
-  if (is_old_torch_file(bytes)) {
-    return input_failure(file_name,
-                         "the file is of PyTorch's form before 1.6, which is not an archive and is "
-                         "not read",
-                         "save it again with a newer PyTorch: "
-                         "torch.save(torch.load(\"old.pt\"), \"new.pt\")");
-  }
-  TRY_ASSIGN(PickleDocument document, read_pickle(bytes, file_name));
-  TRY_ASSIGN(const auto* motion, MotionFinder(document, file_name).find());
-  return motion_file_of(
-      std::make_unique<DictionaryArrays>(file_name, std::move(document), *motion));
+  MotionFinder finder(document, file_name, options.take);
+  TRY_ASSIGN(const auto* motion, finder.find());
+  return motion_file_of(std::make_unique<DictionaryArrays>(file_name, torch, *motion),
+                        finder.took());
 }
 
 bool is_array(std::string_view bytes) {
@@ -230,18 +244,34 @@ bool is_pickle(std::string_view bytes) {
 
 }  // namespace
 
+Result<MotionFile> open_pickled_motion(std::string_view bytes, const std::string& file_name,
+                                       const OpenOptions& options) {
+  if (is_old_torch_file(bytes)) {
+    return input_failure(file_name,
+                         "the file is of PyTorch's form before 1.6, which is not an archive and is "
+                         "not read",
+                         "save it again with a newer PyTorch: "
+                         "torch.save(torch.load(\"old.pt\"), \"new.pt\")");
+  }
+  TRY_ASSIGN(PickleDocument document, read_pickle(bytes, file_name));
+  MotionFinder finder(document, file_name, options.take);
+  TRY_ASSIGN(const auto* motion, finder.find());
+  return motion_file_of(std::make_unique<DictionaryArrays>(file_name, std::move(document), *motion),
+                        finder.took());
+}
+
 bool looks_like_motion_file(std::string_view bytes) {
   return bytes.starts_with("PK\x03\x04") || is_array(bytes) || is_pickle(bytes);
 }
 
 Result<MotionFile> open_motion_file(std::string_view bytes, const std::string& file_name,
-                                    std::size_t max_number_bytes) {
-  if (is_torch_file(bytes)) return open_torch(bytes, file_name, max_number_bytes);
-  if (is_array(bytes)) return open_array_motion(bytes, file_name, max_number_bytes);
-  if (is_pickle(bytes)) return open_pickle(bytes, file_name);
-  NpzReadOptions options;
-  options.max_number_bytes = max_number_bytes;
-  TRY_ASSIGN(NpzFile file, NpzFile::open(bytes, file_name, options));
+                                    const OpenOptions& options) {
+  if (is_torch_file(bytes)) return open_torch(bytes, file_name, options);
+  if (is_array(bytes)) return open_array_motion(bytes, file_name, options);
+  if (is_pickle(bytes)) return open_pickled_motion(bytes, file_name, options);
+  NpzReadOptions read;
+  read.max_number_bytes = options.max_number_bytes;
+  TRY_ASSIGN(NpzFile file, NpzFile::open(bytes, file_name, read));
   return motion_file_of(std::make_unique<NpzArrays>(std::move(file)));
 }
 

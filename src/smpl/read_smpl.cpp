@@ -100,9 +100,7 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body, bool y_is_up)
   return clip;
 }
 
-Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_name,
-                               const SmplReadOptions& options) {
-  TRY_ASSIGN(auto opened, open_motion_file(bytes, file_name, options.max_clip_bytes));
+Result<SmplMotion> read_smpl_motion(const MotionFile& opened, const SmplReadOptions& options) {
   const ArraySource& file = *opened.arrays;
   TRY_ASSIGN(auto arrays, read_motion_arrays(file, opened.kind, options.source_fps));
   arrays.warnings.insert(arrays.warnings.end(), opened.warnings.begin(), opened.warnings.end());
@@ -131,10 +129,37 @@ Result<SmplMotion> read_motion(std::string_view bytes, const std::string& file_n
                     std::move(arrays.warnings)};
 }
 
+Result<ArrayMotion> read_motion(std::string_view bytes, const std::string& file_name,
+                                const SmplReadOptions& options) {
+  TRY_ASSIGN(const auto opened, open_motion_file(bytes, file_name,
+                                                 {options.max_clip_bytes, options.take,
+                                                  !options.joint_names.empty()}));
+  if (opened.content == MotionContent::kJoints) {
+    TRY_ASSIGN(auto motion,
+               read_joint_motion(*opened.arrays, {options.source_fps, options.joint_names,
+                                                  opened.took ? std::string() : options.take,
+                                                  options.max_clip_bytes}));
+    return ArrayMotion(std::move(motion));
+  }
+  if (!options.take.empty() && !opened.took && options.take != "1") {
+    return opened.arrays->file_failure("the file holds one motion alone",
+                                       "leave out " OPTION("take"));
+  }
+  TRY_ASSIGN(auto motion, read_smpl_motion(opened, options));
+  return ArrayMotion(std::move(motion));
+}
+
 }  // namespace
 
 Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
                              const SmplReadOptions& options) {
+  TRY_ASSIGN(auto motion, read_array_motion(bytes, file_name, options));
+  if (auto* smpl = std::get_if<SmplMotion>(&motion)) return std::move(*smpl);
+  return input_failure(file_name, "expected a motion of SMPL, found places of joints");
+}
+
+Result<ArrayMotion> read_array_motion(std::string_view bytes, const std::string& file_name,
+                                      const SmplReadOptions& options) {
   if (!is_positive(options.source_fps)) {
     return usage_failure("the source frame rate must be a finite number above 0");
   }

@@ -5,10 +5,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
+#include "smpl/joint_motion.h"
 #include "smpl/smpl_body.h"
 
 namespace retarget {
@@ -26,6 +28,9 @@ struct SmplReadOptions {
 
   /// The user's body model; nullptr: the generic body. Must live during the call.
   const SmplBody* body = nullptr;
+
+  std::string take;  ///< Which of several motions, by name or number from 1; empty: the only one.
+  std::vector<std::string> joint_names;  ///< Of places of joints; empty: as the file tells.
 };
 
 /// A motion of an SMPL body.
@@ -69,5 +74,13 @@ struct SmplMotion {
 /// @param file_name  as the user named it, for messages.
 [[nodiscard]] Result<SmplMotion> read_smpl(std::string_view bytes, const std::string& file_name,
                                            const SmplReadOptions& options = {});
+
+/// What a file of arrays holds: a motion of SMPL, or places of joints.
+using ArrayMotion = std::variant<SmplMotion, JointMotion>;
+
+/// Reads either by the file's content: read_smpl, read_joint_motion.
+[[nodiscard]] Result<ArrayMotion> read_array_motion(std::string_view bytes,
+                                                    const std::string& file_name,
+                                                    const SmplReadOptions& options = {});
 
 }  // namespace retarget

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import unittest
 
@@ -53,6 +54,32 @@ def commands(document):
     return [line for line in code_lines(document.read_text()) if COMMAND.match(line)]
 
 
+SMPL = ("pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+        "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+        "left_elbow right_elbow left_wrist right_wrist").split()
+# places of these joints, metres, Y up, facing z
+STANDING = [
+    (0, 0, 0), (.09, -.08, 0), (-.09, -.08, 0), (0, .11, 0), (.09, -.46, .02), (-.09, -.46, .02),
+    (0, .25, 0), (.09, -.87, 0), (-.09, -.87, 0), (0, .31, 0), (.09, -.92, .12), (-.09, -.92, .12),
+    (0, .52, 0), (.07, .43, 0), (-.07, .43, 0), (0, .62, 0), (.18, .45, 0), (-.18, .45, 0),
+    (.3, .2, 0), (-.3, .2, 0), (.4, 0, .1), (-.4, 0, .1)]
+
+
+def npy(table):
+    """A file of a NumPy array of doubles."""
+    shape, numbers = [], table
+    while isinstance(numbers, list):
+        shape.append(len(numbers))
+        numbers = numbers[0]
+    flat = table
+    for _ in shape[1:]:
+        flat = [item for part in flat for item in part]
+    header = str({"descr": "<f8", "fortran_order": False, "shape": tuple(shape)})
+    header += " " * (-(len(header) + 11) % 64) + "\n"
+    return (b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
+            + struct.pack(f"<{len(flat)}d", *flat))
+
+
 class Commands(ToolTest):
     def prepare(self):
         """The files that the documents' commands read."""
@@ -81,6 +108,17 @@ class Commands(ToolTest):
             shutil.copy(ROBOT / "model.xml", self.folder / name)
         shutil.copy(SOURCE / "configs/lafan1_to_unitree_g1.json", self.folder / "my_mapping.json")
         shutil.copytree(SOURCE / "data", self.folder / "data")
+        self.write_places()
+
+    def write_places(self):
+        """A body that sways, as places of SMPL's joints: HumanML3D's array, MDM's, one with names."""
+        frames = [[[x + 0.002 * frame * y, y, z] for x, y, z in STANDING] for frame in range(20)]
+        motion = [[[[frame[joint][axis] for frame in frames] for axis in range(3)]
+                   for joint in range(22)]] * 3
+        self.write("new_joints/000021.npy", npy(frames))
+        self.write("results.npy", npy(motion))
+        self.write("keypoints.npy", npy([frame[::-1] for frame in frames]))
+        self.write("names.txt", "\n".join(SMPL[::-1]))
 
     def run_line(self, line):
         return subprocess.run(

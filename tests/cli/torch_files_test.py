@@ -182,7 +182,7 @@ class TorchFiles(ToolTest):
         positions = numpy.zeros((4, 22, 3))
         numpy.save(self.folder / "joints.npy", positions)
         self.assert_fails(self.run_tool("joints.npy", "g1", "-o", "o.csv"), 3,
-                          "places of joints, without their rotations", "hint: fit SMPL to them")
+                          "no human in the order of SMPL", "--joint-names")
 
     def test_what_they_are_is_asked_of_the_content(self):
         self.write("really.bvh", torch_bytes(walking()))

@@ -1,15 +1,18 @@
 // Any bytes as a file of arrays: NPY, NPZ, an SMPL motion or model, a pickle, a file of PyTorch.
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "base/npz.h"
 #include "base/pickle.h"
 #include "base/torch_file.h"
 #include "fuzz/fuzz_target.h"
+#include "human/joint_clip.h"
 #include "smpl/read_smpl.h"
 #include "support/npz_builder.h"
 #include "support/read_npy.h"
@@ -25,17 +28,44 @@ void check_array(const Result<NpyArray>& array) {
   require(found == count, "every element is given");
 }
 
-void check_motion(std::string_view bytes) {
-  const auto motion = read_smpl(bytes, "fuzz.npz");
-  if (!good(motion)) return;
-  const Clip& clip = motion->clip;
+void check_clip(const Clip& clip) {
   require(clip.frame_count() > 0 && clip.rate().fps() > 0.0, "motions have frames and a rate");
   for (int frame = 0; frame < clip.frame_count(); ++frame) {
     for (const auto& rotation : clip.rotations(frame)) {
       require(std::abs(rotation.norm() - 1.0) < 1e-9, "rotations are of unit length");
     }
-    require(clip.translation(frame, 0).allFinite(), "translations are finite");
+    for (int joint = 0; joint < clip.skeleton().joint_count(); ++joint) {
+      require(clip.translation(frame, joint).allFinite(), "translations are finite");
+    }
   }
+}
+
+void check_motion(std::string_view bytes) {
+  SmplReadOptions options;
+  // of several motions the first one
+  options.take = "1";
+  const auto motion = read_array_motion(bytes, "fuzz.npz", options);
+  if (!good(motion)) return;
+  if (const auto* joints = std::get_if<JointMotion>(&*motion)) {
+    const auto made = clip_of_joints(*joints, "fuzz.npz");
+    if (good(made)) check_clip(*made);
+    return;
+  }
+  check_clip(std::get<SmplMotion>(*motion).clip);
+}
+
+// SMPL's 22 joints of a body that stands, in two frames
+std::vector<double> standing_twice() {
+  constexpr std::array kBody = {0.0,  0.0,  0.0,  .09,  -.08, 0.0,  -.09, -.08, 0.0,  0.0,  .11,
+                                0.0,  .09,  -.46, .02,  -.09, -.46, .02,  0.0,  .25,  0.0,  .09,
+                                -.87, 0.0,  -.09, -.87, 0.0,  0.0,  .31,  0.0,  .09,  -.92, .12,
+                                -.09, -.92, .12,  0.0,  .52,  0.0,  .07,  .43,  0.0,  -.07, .43,
+                                0.0,  0.0,  .62,  0.0,  .18,  .45,  0.0,  -.18, .45,  0.0,  .44,
+                                .45,  0.0,  -.44, .45,  0.0,  .68,  .45,  .05,  -.68, .45,  .05};
+  std::vector<double> values(kBody.begin(), kBody.end());
+  values.insert(values.end(), kBody.begin(), kBody.end());
+  values[3] += 0.01;
+  return values;
 }
 
 // the arrays of a sound motion, one of them given
@@ -49,6 +79,19 @@ std::string motion_with(const std::string& name, const std::string& array) {
   add("betas", npy_doubles({1}, {0.5}));
   add("gender", npy_text("male"));
   add("fps", npy_doubles({}, {30}));
+  return builder.build();
+}
+
+// the arrays of a body's places, the same
+std::string places_with(const std::string& name, const std::string& array) {
+  NpzBuilder builder;
+  const auto add = [&](const std::string& own_name, const std::string& own) {
+    builder.add(own_name, own_name == name ? array : own);
+  };
+  const bool kimodo = name == "global_rot_mats";
+  add(kimodo ? "posed_joints" : "joint_positions", npy_doubles({2, 22, 3}, standing_twice()));
+  if (kimodo || name == "joint_names" || name == "height") add(name, array);
+  add("fps", npy_doubles({}, {20}));
   return builder.build();
 }
 
@@ -104,6 +147,9 @@ void fuzz_smpl(std::string_view bytes) {
 void fuzz_smpl_arrays(std::string_view bytes) {
   for (const char* name : {"poses", "trans", "betas", "gender", "fps"}) {
     check_motion(motion_with(name, std::string(bytes)));
+  }
+  for (const char* name : {"joint_positions", "joint_names", "fps", "height", "global_rot_mats"}) {
+    check_motion(places_with(name, std::string(bytes)));
   }
 }
 

@@ -103,6 +103,25 @@ def arrays():
     for name in ("poses", "trans", "betas", "gender"):
         write("smpl_arrays", name + ".npy", npy(motion[name]))
     write("smpl_arrays", "fps.npy", npy(30.0))
+    body = standing()
+    write("smpl", "joints.npy", npy(np.stack([body, body + .01])))
+    write("smpl", "mdm.npy", npy(np.stack([body, body + .01]).transpose(1, 2, 0)[None]))
+    results = io.BytesIO()
+    np.save(results, {"motion": np.float32(np.stack([body, body]).transpose(1, 2, 0)[None]), "lengths": np.array([2]),
+                      "text": ["stands"]}, allow_pickle=True)
+    write("smpl", "results.npy", results.getvalue())
+    write("smpl", "kimodo.npz", npz({"posed_joints": np.float32(body[None]),
+                                     "global_rot_mats": np.float32(np.tile(np.eye(3), (1, 22, 1, 1)))}, compress=True))
+    write("smpl_arrays", "joints.npy", npy(np.stack([body, body])))
+    write("smpl_arrays", "joint_names.npy", npy(np.array(["left_hip", "right_hip", "left_knee"])))
+
+
+def standing():
+    """SMPL's 22 joints in a T-pose, metres, Y up."""
+    return np.array([[0, 0, 0], [.09, -.08, 0], [-.09, -.08, 0], [0, .11, 0], [.09, -.46, .02], [-.09, -.46, .02],
+                     [0, .25, 0], [.09, -.87, 0], [-.09, -.87, 0], [0, .31, 0], [.09, -.92, .12], [-.09, -.92, .12],
+                     [0, .52, 0], [.07, .43, 0], [-.07, .43, 0], [0, .62, 0], [.18, .45, 0], [-.18, .45, 0],
+                     [.44, .45, 0], [-.44, .45, 0], [.68, .45, .05], [-.68, .45, .05]])
 
 
 def body_model():

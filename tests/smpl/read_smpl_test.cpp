@@ -394,7 +394,7 @@ TEST(ReadSmpl, RejectsBadArraysByNameAndFrame) {
 TEST(ReadSmpl, RejectsInconsistentParts) {
   Amass amass;
   amass.without("poses").with("root_orient", npy_doubles({4, 3}, std::vector<double>(12)));
-  EXPECT_THAT(error_of(amass), HasSubstr("\"root_orient\" and \"pose_body\"; found trans"));
+  EXPECT_THAT(error_of(amass), HasSubstr("places of joints as \"joint_positions\"; found trans"));
   amass.with("pose_body", npy_doubles({3, 63}, std::vector<double>(189)));
   EXPECT_THAT(error_of(amass), HasSubstr("pose_body\": it has 3 frames, root_orient has 4"));
 }

@@ -40,12 +40,12 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
   declare(*command, {word("motions", arguments.motions, "MOTION...",
                           "Robot motions, CSV, NPZ or pickle; - reads standard input")});
   declare(*command, only(run_command_table(arguments.run),
-                         {"bvh",       "smpl",          "smpl-model", "lenient", "root",
-                          "take",      "source-fps",    "memory",     "map",     "partial",
-                          "rest",      "tpose-frame",   "tpose-file", "unit",    "up",
-                          "forward",   "height",        "start",      "lead-in", "robot",
-                          "robot-xml", "robot-profile", "ik-config",  "limits",  "scale",
-                          "write-map", "quiet",         "data-dir",   "mirror"}));
+                         {"bvh",     "smpl",        "smpl-model",    "lenient",    "root",
+                          "take",    "joint-names", "source-fps",    "memory",     "map",
+                          "partial", "rest",        "tpose-frame",   "tpose-file", "unit",
+                          "up",      "forward",     "height",        "start",      "lead-in",
+                          "robot",   "robot-xml",   "robot-profile", "ik-config",  "limits",
+                          "scale",   "write-map",   "quiet",         "data-dir",   "mirror"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));

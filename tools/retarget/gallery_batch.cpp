@@ -45,8 +45,9 @@ constexpr std::array<std::string_view, 21> kOfSources = {"lenient",
 struct FileRole {
   std::string_view option, role;
 };
-constexpr std::array<FileRole, 5> kFiles = {{{"smpl-model", "smpl-model"},
+constexpr std::array<FileRole, 6> kFiles = {{{"smpl-model", "smpl-model"},
                                              {"map", "map"},
+                                             {"joint-names", "joint-names"},
                                              {"tpose-file", "tpose-file"},
                                              {"ik-config", "mapping"},
                                              {"limits", "limits"}}};

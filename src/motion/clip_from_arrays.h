@@ -7,7 +7,7 @@
 #include "retarget/clip.h"
 #include "retarget/error.h"
 
-namespace retarget::python {
+namespace retarget {
 
 /// A motion as arrays: positions and rotations of named joints, frame by frame.
 struct ClipArrays {
@@ -20,13 +20,15 @@ struct ClipArrays {
   std::size_t frames = 0;
   FrameRate rate;
   std::string name;  ///< Of the clip, in messages.
+  /// By how much of the longest offset a joint may leave its own, and have it fixed.
+  double fixed_offset = 1e-4;
 };
 
 /// The clip of these poses. Joints come in depth-first order, siblings as they were given. A joint
 /// below the root keeps its distance to its parent (as a fixed offset, the mean) where it never
-/// differs by more than 1e-4 of the longest; else it has a translation in each frame.
+/// differs by more than `fixed_offset` of the longest; else it has a translation in each frame.
 /// Errors (kUsage): a tree that is none, names that are empty or given twice, rotations that are not
 /// of unit length within 1e-3.
 [[nodiscard]] Result<Clip> clip_from_arrays(const ClipArrays& arrays);
 
-}  // namespace retarget::python
+}  // namespace retarget

@@ -1,4 +1,4 @@
-#include "clip_from_arrays.h"
+#include "motion/clip_from_arrays.h"
 
 #include <fmt/format.h>
 
@@ -11,11 +11,10 @@
 #include "base/try.h"
 #include "retarget/pose.h"
 
-namespace retarget::python {
+namespace retarget {
 namespace {
 
 constexpr double kMaxNormError = 1e-3;
-constexpr double kFixedOffset = 1e-4;  // of the longest
 
 // indices of the joints, each behind its parent, depth first
 Result<std::vector<int>> depth_first(const ClipArrays& arrays) {
@@ -143,7 +142,7 @@ std::shared_ptr<const Skeleton> make_skeleton(const ClipArrays& arrays, const Po
   for (const int joint : order) {
     place[joint] = static_cast<int>(joints.size());
     const int parent = arrays.parents[joint];
-    const bool translated = parent < 0 || offsets[joint].spread > kFixedOffset * longest;
+    const bool translated = parent < 0 || offsets[joint].spread > arrays.fixed_offset * longest;
     joints.push_back({arrays.names[joint],
                       parent < 0 ? -1 : place[parent],
                       offsets[joint].mean,
@@ -176,4 +175,4 @@ Result<Clip> clip_from_arrays(const ClipArrays& arrays) {
   return clip;
 }
 
-}  // namespace retarget::python
+}  // namespace retarget

@@ -1,0 +1,253 @@
+"""Places of joints without rotations: the robot moves as by the file that has both."""
+
+import csv
+import io
+import json
+import os
+import pathlib
+import pickle
+import unittest
+
+from tool import ToolTest, sample
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+SHARED = os.environ.get("RETARGET_SHARED")
+
+# limbs of the G1 between origins of its links
+SEGMENTS = [(f"{side}_{a}_link", f"{side}_{b}_link") for side in ("left", "right") for a, b in (
+    ("hip_roll", "knee"), ("knee", "ankle_pitch"), ("shoulder_roll", "elbow"),
+    ("elbow", "wrist_roll"))]
+
+SMPL = ("pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 "
+        "left_foot right_foot neck left_collar right_collar head left_shoulder right_shoulder "
+        "left_elbow right_elbow left_wrist right_wrist").split()
+LAFAN1 = ("Hips LeftUpLeg RightUpLeg Spine LeftLeg RightLeg Spine1 LeftFoot RightFoot Spine2 LeftToe "
+          "RightToe Neck LeftShoulder RightShoulder Head LeftArm RightArm LeftForeArm RightForeArm "
+          "LeftHand RightHand").split()
+
+
+def segment_directions(path):
+    """Unit vectors (F, S, 3) along SEGMENTS and the trunk, in the world, of a tracking NPZ."""
+    motion = numpy.load(path)
+    bodies = list(motion["body_names"])
+    place = motion["body_pos_w"].astype(float)
+
+    def at(name):
+        return place[:, bodies.index(name)]
+
+    lines = [at(b) - at(a) for a, b in SEGMENTS]
+    lines.append(at("left_shoulder_pitch_link") + at("right_shoulder_pitch_link")
+                 - at("left_hip_pitch_link") - at("right_hip_pitch_link"))
+    lines = numpy.stack(lines, axis=1)
+    return lines / numpy.linalg.norm(lines, axis=2, keepdims=True)
+
+
+@unittest.skipIf(numpy is None, "needs numpy")
+class PositionsFiles(ToolTest):
+    def places_of(self, motion):
+        """Names and world places (F, J, 3) of a motion's joints, in its own unit and axes."""
+        found = self.run_tool("inspect", motion, "--json")
+        self.assert_done(found)
+        names = [joint["name"] for joint in json.loads(found.stdout)["joints"]]
+        table = self.run_tool("inspect", motion, "--positions", "-")
+        self.assert_done(table)
+        rows = list(csv.reader(io.StringIO(table.stdout)))
+        columns = [rows[0].index(name + ".x") for name in names]
+        numbers = numpy.array(rows[1:])[:, [c + axis for c in columns for axis in range(3)]]
+        return names, numbers.astype(float).reshape(len(rows) - 1, len(names), 3)
+
+    def solve(self, motion, name, *options):
+        """Directions of the G1's limbs, the report's verdict, the messages."""
+        result = self.run_tool(motion, "g1", "-o", f"{name}.npz", "--format", "npz-mjlab",
+                               "--report", f"{name}.json", *options)
+        self.assert_done(result)
+        report = json.loads((self.folder / f"{name}.json").read_text())["motions"][0]
+        return segment_directions(self.folder / f"{name}.npz"), report, result.stderr
+
+    def assert_alike(self, found, expected, parts, degrees=3.0):
+        cosine = numpy.clip((found * expected).sum(axis=2), -1, 1)
+        angles = numpy.degrees(numpy.arccos(cosine)).mean(axis=0)[parts]
+        self.assertLess(angles.max(), degrees, angles.round(2))
+
+    def compare(self, motion, *options, parts=slice(None), gates=True):
+        """A motion's own run against that of its places alone, with its names; some segments of it."""
+        names, places = self.places_of(motion)
+        numpy.savez(self.folder / "places.npz", joint_positions=places, joint_names=names, fps=30)
+        truth, expected, _ = self.solve(motion, "truth", "--source-fps", 30, *options)
+        found, report, said = self.solve("places.npz", "found", *options)
+        self.assertIn("rotations were computed", said)
+        self.assert_alike(found, truth, parts)
+        if not gates:
+            return
+        verdicts = [{gate["metric"]: gate["passed"] for gate in one["gates"]}
+                    for one in (report, expected)]
+        self.assertEqual(*verdicts)
+
+    def test_samples_without_their_rotations(self):
+        for name in ("walk", "wave", "squat"):
+            with self.subTest(name):
+                self.compare(sample(name))
+
+    def test_get_up_without_its_rotations(self):
+        # who kneels has the toes bent, which places do not tell: arms and trunk alone
+        self.compare(sample("get_up"), parts=[2, 3, 6, 7, 8], gates=False)
+
+    def test_frame_by_frame(self):
+        self.compare(sample("walk"), "--method", "gmr", "--ik-config", "derived", "--scale", "limbs",
+                     gates=False)
+
+    def shared(self, *parts):
+        if not SHARED:
+            self.skipTest("RETARGET_SHARED is not set")
+        return pathlib.Path(SHARED, "data", *parts)
+
+    def test_lafan1_without_its_rotations(self):
+        self.compare(self.shared("lafan1_cuts", "fight1_subject2_backward.bvh"))
+
+    def test_smpl_without_its_rotations(self):
+        self.compare(self.shared("smpl", "smpl_walk.npz"))
+
+    def smpl_places(self, name="walk", unit=0.01):
+        """Places of SMPL's joints (F, 22, 3), metres, Y up, from a sample with LAFAN1's."""
+        names, places = self.places_of(sample(name))
+        return unit * places[:, [names.index(joint) for joint in LAFAN1]]
+
+    def rows_of(self, motion, *options):
+        result = self.run_tool(motion, "g1", "-o", "out.csv", *options)
+        self.assert_done(result)
+        return (self.folder / "out.csv").read_bytes(), result.stderr
+
+    def test_one_motion_in_many_files(self):
+        places = self.smpl_places()
+        numpy.save(self.folder / "new_joints.npy", places)
+        expected, said = self.rows_of("new_joints.npy")
+        for words in ("20 fps, as HumanML3D and MDM have", "in the order of SMPL", "up +y",
+                      "unit m", "left_wrist, right_wrist, head"):
+            self.assertIn(words, said)
+        many = numpy.stack([places[::-1], places]).transpose(0, 2, 3, 1)
+        padded = numpy.concatenate([many, numpy.zeros((2, 22, 3, 5))], axis=3)
+        frames = len(places)
+        files = {
+            "single.npy": (lambda f: numpy.save(f, many[1]), ()),
+            "fortran.npy": (lambda f: numpy.save(f, numpy.asfortranarray(places)), ()),
+            "big_endian.npy": (lambda f: numpy.save(f, places.astype(">f8")), ()),
+            "mdm.npy": (lambda f: numpy.save(f, many), ("--take", 2)),
+            "results.npy": (lambda f: numpy.save(f, {
+                "motion": padded, "text": ["walks", "turns"], "lengths": numpy.array([9, frames]),
+                "num_samples": 2, "num_repetitions": 1}, allow_pickle=True), ("--take", 2)),
+            "named.npz": (lambda f: numpy.savez_compressed(
+                f, joints=places[:, ::-1], joint_names=SMPL[::-1], fps=20.0), ()),
+            "dictionary.pkl": (lambda f: f.write(pickle.dumps(
+                {"positions": places, "names": SMPL, "fps": 20})), ()),
+            "listed.npy": (lambda f: numpy.save(f, places[:, ::-1].reshape(frames, -1)),
+                           ("--joint-names", "names.txt", "--source-fps", 20)),
+            "json.npy": (lambda f: numpy.save(f, places[:, ::-1]),
+                         ("--joint-names", "names.json")),
+        }
+        self.write("names.txt", "\n".join(SMPL[::-1]) + "\n")
+        self.write("names.json", json.dumps(SMPL[::-1]))
+        for name, (write, options) in files.items():
+            with self.subTest(name):
+                with open(self.folder / name, "wb") as file:
+                    write(file)
+                self.assertEqual(self.rows_of(name, *options)[0], expected)
+
+    def test_units_axes_and_sides(self):
+        places = self.smpl_places()
+        numpy.savez(self.folder / "metres.npz", joints=places, fps=20)
+        expected, _ = self.rows_of("metres.npz")
+        first = numpy.loadtxt(io.BytesIO(expected), delimiter=",")
+        for name, changed, said in (("cm", 100 * places, "unit cm"), ("mm", 1000 * places, "unit mm"),
+                                    ("z", places[..., [2, 0, 1]], "up +z")):
+            with self.subTest(name):
+                numpy.savez(self.folder / "changed.npz", joints=changed, fps=20)
+                rows, text = self.rows_of("changed.npz")
+                self.assertIn(said, text)
+                rows = numpy.loadtxt(io.BytesIO(rows), delimiter=",")
+                self.assertLess(abs(rows[:, 7:] - first[:, 7:]).max(), 0.02)
+
+    def test_every_command_takes_them(self):
+        numpy.savez(self.folder / "clip.npz", joints=self.smpl_places()[:40], fps=20)
+        shown = self.run_tool("inspect", "clip.npz")
+        self.assert_done(shown)
+        self.assertIn("left_wrist", shown.stdout)
+        self.assertIn("is not known and not followed", shown.stderr)
+        self.assert_done(self.run_tool("inspect", "clip.npz", "--html", "page.html"))
+        self.assert_done(self.run_tool("edit", "mirror", "clip.npz", "-o", "mirrored.bvh"))
+        self.assert_done(self.run_tool("inspect", "mirrored.bvh"))
+        self.assert_done(self.run_tool("convert", "clip.npz", "human.glb"))
+        (self.folder / "clips").mkdir()
+        os.rename(self.folder / "clip.npz", self.folder / "clips/clip.npz")
+        numpy.save(self.folder / "clips/weights.npy", numpy.zeros((4, 7)))
+        numpy.savez(self.folder / "clips/other.npz", weights=numpy.zeros(3))
+        done = self.run_tool("batch", "clips", "-o", "out", "--robot", "g1")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertTrue((self.folder / "out/clip.csv").exists())
+        self.assertFalse((self.folder / "out/weights.csv").exists())
+
+    def test_what_is_no_motion(self):
+        self.write("few.txt", "a\nb\n")
+        for array, options, words in (
+                (numpy.zeros((5, 22, 3)), (), ("no human in the order of SMPL", "--joint-names")),
+                (numpy.zeros((5, 9, 3)), ("--source-fps", 30), ("9 joints", "--joint-names")),
+                (numpy.zeros((2, 5, 9, 3)), (), ("2 motions", "--take")),
+                (numpy.full((5, 22, 3), numpy.nan), (), ("NaN in frame 0, joint 0",)),
+                (numpy.zeros((5, 9, 3)), (), ("no frame rate", "--source-fps")),
+                (numpy.zeros((5, 22, 3)), ("--joint-names", "few.txt"),
+                 ("22 joints", "2 names")),
+                (numpy.zeros((5, 2, 3)), ("--joint-names", "few.txt", "--source-fps", 30),
+                 ("no human in joints called a, b",)),
+                (numpy.zeros((5, 263)), (), ("HumanML3D's features", "new_joints"))):
+            numpy.save(self.folder / "odd.npy", array)
+            self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", *options), 3, *words)
+        self.assertNotIn("out.csv", self.files())
+        self.write("empty.txt", "\n\n")
+        self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
+                                        "empty.txt"), 4, "names no joints")
+        self.write("bad.json", '["a", 3]')
+        self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
+                                        "bad.json"), 4, "found something else")
+        self.assert_fails(self.run_tool(sample("walk"), "g1", "-o", "out.csv", "--joint-names",
+                                        "few.txt"), 2, "--joint-names is for places of joints")
+
+    def test_kimodo_has_rotations(self):
+        names, places = self.places_of(sample("walk"))
+        places = 0.01 * places[:, [names.index(joint) for joint in LAFAN1]]
+        turns = numpy.tile(numpy.eye(3), (len(places), 22, 1, 1))
+        # a body that glides in a T-pose, as its rotations have it
+        still = self.t_pose() + places[:, :1]
+        numpy.savez(self.folder / "kimodo.npz", posed_joints=still, global_rot_mats=turns,
+                    local_rot_mats=turns, foot_contacts=numpy.zeros((len(places), 4)),
+                    root_positions=still[:, 0], smooth_root_pos=still[:, 0])
+        _, said = self.rows_of("kimodo.npz")
+        self.assertIn("30 fps, as Kimodo's motions have", said)
+        self.assertIn("T-pose from zero pose", said)
+        self.assertNotIn("rotations were computed", said)
+
+    @staticmethod
+    def t_pose():
+        """SMPL's joints (22, 3) of a body in a T-pose at the origin, metres, Y up, facing z."""
+        return numpy.array([
+            [0, 0, 0], [.09, -.08, 0], [-.09, -.08, 0], [0, .11, 0], [.09, -.46, 0], [-.09, -.46, 0],
+            [0, .25, 0], [.09, -.87, 0], [-.09, -.87, 0], [0, .31, 0], [.09, -.92, .12],
+            [-.09, -.92, .12], [0, .52, 0], [.07, .43, 0], [-.07, .43, 0], [0, .62, 0],
+            [.18, .45, 0], [-.18, .45, 0], [.44, .45, 0], [-.44, .45, 0], [.70, .45, 0],
+            [-.70, .45, 0]])
+
+    def test_climb_of_53_joints(self):
+        climb = self.shared("formats", "climb_seq_0_joint_positions.npy")
+        result = self.run_tool(climb, "g1", "-o", "climb.csv", "--report", "climb.json")
+        self.assert_done(result)
+        for words in ("120 fps, as holosoma's motions of 53 joints have", "optical motion capture",
+                      "up +z", "unit m"):
+            self.assertIn(words, result.stderr)
+        report = json.loads((self.folder / "climb.json").read_text())["motions"][0]
+        self.assertTrue(report["passed"], report["gates"])
+
+
+if __name__ == "__main__":
+    unittest.main()
