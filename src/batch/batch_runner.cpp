@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/file.h"
 #include "base/lower_case.h"
 #include "base/machine.h"
 #include "base/number_text.h"
@@ -121,6 +122,10 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   Run one = task.robot->run;
   one.motion = task.input->path;
   one.output = output;
+  if (request_.contacts) {
+    one.options.save.contacts =
+        context_.output_folder + "/" + task.robot->folder + contacts_output(task.input->relative);
+  }
   SourceOptions& source = one.options.source;
   // it is for the SMPL motions among the clips
   if (ending_of(*task.input) == ".bvh") source.smpl_model.clear();
@@ -140,7 +145,13 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   entry.config = recorded_name(outcome->config, task.robot->setup.loaded.data_folder);
   if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
   std::vector<std::string> files;
-  for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
+  for (const WrittenFile& motion : outcome->motions) {
+    if (!format_is_folder(motion.item.format)) {
+      files.push_back(motion.item.path);
+      continue;
+    }
+    for (const fs::path& file : files_in_folder(motion.item.path)) files.push_back(file.string());
+  }
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
   for (const std::string& file : files) {
     TRY_ASSIGN(auto record, record_file(file, file.substr(context_.output_folder.size() + 1)));
@@ -154,7 +165,12 @@ void BatchWorker::remove_outputs(const BatchTask& task) const {
   std::error_code ignored;
   for (const std::string& file :
        context_.finished.outputs_of(task.input->relative, task.robot->name, true)) {
-    fs::remove(context_.output_folder + "/" + file, ignored);
+    const fs::path path = context_.output_folder + "/" + file;
+    fs::remove(path, ignored);
+    // a motion that was a folder, once nothing is in it
+    if (path.parent_path().filename() == fs::path(task.input->relative).stem()) {
+      fs::remove(path.parent_path(), ignored);
+    }
   }
 }
 
@@ -285,6 +301,10 @@ std::string batch_output(const SaveOptions& options, const std::string& relative
   const MotionFormat format =
       options.formats.size() == 1 ? options.formats.front() : MotionFormat::kCsv;
   return output_stem(relative) + std::string(format_ending(format));
+}
+
+std::string contacts_output(const std::string& relative) {
+  return output_stem(relative) + ".contacts.csv";
 }
 
 Result<void> run_batch_tasks(const std::vector<BatchTask>& tasks, const BatchRequest& request,

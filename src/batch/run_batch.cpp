@@ -21,6 +21,7 @@
 #include "batch/leftovers.h"
 #include "batch/manifest.h"
 #include "batch/manifests.h"
+#include "batch/motion_list.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
 #include "batch/shard.h"
@@ -60,7 +61,10 @@ Result<void> check_request(const BatchRequest& request) {
   }
   const SaveOptions& save = request.run.options.save;
   TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
-  TRY(check_options(request.run.options));
+  Options options = request.run.options;
+  if (request.contacts) options.save.contacts = contacts_output("*");
+  TRY(check_options(options));
+  if (request.motion_list) TRY(check_motion_list(save));
   RobotChoice robot = request.run.robot;
   if (!request.robots.empty()) robot.name = request.robots.front();
   TRY(check_robot_choice(robot));
@@ -92,6 +96,8 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
   for (const std::string& name : names) {
     BatchRobot robot;
     robot.run = request.run;
+    // each clip has a name of its own there
+    if (request.contacts) robot.run.options.save.contacts = contacts_output("*");
     robot.run.robot.name = name;
     robot.request = request.of_clip;
     robot.request.measure = request.quality;
@@ -135,6 +141,7 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
     files.push_back(item.path);
     if (request.of_clip.sidecar) files.push_back(item.path + ".json");
   }
+  if (request.contacts) files.push_back(folder + contacts_output(input.relative));
   return files;
 }
 
@@ -144,7 +151,8 @@ class OutputTree {
   explicit OutputTree(const BatchRequest& request) : request_(request) {
     // with several robots clips have folders of their own
     if (request.robots.size() > 1) return;
-    for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) files_[own] = {};
+    for (const char* own : {"manifest.jsonl", "summary.csv", "options.json", "motions.yaml"})
+      files_[own] = {};
   }
 
   Result<void> add(const BatchInput& input) {
@@ -210,7 +218,7 @@ Result<void> check_spared(const std::vector<BatchInput>& inputs, const BatchRequ
   }
   const WrittenFiles written(read);
   const std::string folder = without_last_slash(request.output) + "/";
-  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json"}) {
+  for (const char* own : {"manifest.jsonl", "summary.csv", "options.json", "motions.yaml"}) {
     TRY(written.check_spared(folder + own));
   }
   for (const BatchRobot& robot : robots) {
@@ -379,6 +387,9 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   // a clip whose process was ended could not take back what it had begun
   if (alone) remove_unfinished(folder, folders);
   if (failed) TRY(finish_manifests(folder, shard, plan.known, observer));
+  if (failed && request.motion_list && shard.count == 1) {
+    TRY(write_motion_lists(folder, observer));
+  }
   return failed;
 }
 
@@ -389,7 +400,9 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
     return usage_failure("\"" + folder + "\" is not the output folder of a batch");
   }
   TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
-  return merge_manifests(folder, request.inputs, observer);
+  auto failed = merge_manifests(folder, request.inputs, observer);
+  if (failed && request.motion_list) TRY(write_motion_lists(folder, observer));
+  return failed;
 }
 
 }  // namespace retarget

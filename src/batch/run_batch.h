@@ -28,6 +28,8 @@ struct BatchRequest {
   bool redo = false;                 ///< Forget an earlier batch in the folder.
   std::string shard;                 ///< `I/N`; empty: all of it.
   bool quality = true;               ///< Measure the motions.
+  bool contacts = false;             ///< Write CLIP.contacts.csv beside each motion.
+  bool motion_list = false;          ///< Write motions.yaml.
 
   /// Recorded of clips that failed; as of a process that does one clip alone.
   std::function<int(ErrorKind)> exit_code;

@@ -26,9 +26,9 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           "Files, folders (searched recursively), patterns, or @LIST for a file "
                           "of names; with --merge, further manifests",
                           false)});
-  declare(*command,
-          without(run_command_table(arguments.run), {"bvh", "smpl", "write-map", "robot", "output",
-                                                     "report", "html", "memory", "verbose"}));
+  declare(*command, without(run_command_table(arguments.run),
+                            {"bvh", "smpl", "write-map", "robot", "output", "report", "html",
+                             "memory", "verbose", "contacts"}));
   declare(*command, batch_table(arguments));
   command->get_option("--without")->allow_extra_args();
   return command;
