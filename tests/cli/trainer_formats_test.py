@@ -1,5 +1,5 @@
-"""Formats that trainers read, by readers of their own: each takes what the trainer's loader takes, by
-the same keys, columns and orders (docs/formats.md names the loaders)."""
+"""Formats that trainers read, by readers of their own: each takes what the trainer's loader takes,
+by the same keys, columns and orders (docs/formats.md names the loaders)."""
 
 import pathlib
 import os
