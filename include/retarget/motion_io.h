@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,8 +26,15 @@ namespace RETARGET_API retarget {
 /// Errors (kUsage): an unknown name (suggests the nearest one and lists all).
 [[nodiscard]] Result<MotionFormat> format_from_name(std::string_view name);
 
-/// `.csv`, `.npz`, `.pkl` or `.glb`.
+/// `.csv`, `.npz`, `.pkl`, `.motion` or `.glb`; empty: a folder.
 [[nodiscard]] std::string_view format_ending(MotionFormat format);
+/// Whether a motion in this format is a folder of files.
+[[nodiscard]] bool format_is_folder(MotionFormat format);
+/// Names of the files that such a folder may hold.
+[[nodiscard]] std::vector<std::string> folder_file_names(MotionFormat format);
+/// Whether files in this format have the rate of trackers, TrackingOptions::rate, and not the
+/// motion's own.
+[[nodiscard]] bool format_has_own_rate(MotionFormat format);
 /// Distinguishes files of one motion in several formats: `.csv`, `.soma.csv`, `.mjlab.npz`, ...
 [[nodiscard]] std::string_view format_long_ending(MotionFormat format);
 
@@ -91,23 +100,52 @@ class RobotCsvFormatter {
 /// Errors (kRun): a quaternion that rounds to zero with so few digits.
 [[nodiscard]] Result<RobotClip> printed_clip(const RobotClip& clip, int precision = 6);
 
+/// The ends of feet that contacts are of, in their order.
+inline constexpr std::array<std::string_view, 4> kContactNames = {"left_heel", "left_toe",
+                                                                  "right_heel", "right_toe"};
+
+/// When the ends of a robot's feet are planted: where its human's stand.
+struct FootContacts {
+  std::vector<std::uint8_t> planted;  ///< By frame, one for each of kContactNames; 1: planted.
+
+  [[nodiscard]] int frame_count() const {
+    return static_cast<int>(planted.size() / kContactNames.size());
+  }
+  /// Whether heel or toe of a foot is. @param foot  0 left, 1 right
+  [[nodiscard]] bool foot_planted(int frame, int foot) const {
+    const std::size_t heel =
+        kContactNames.size() * static_cast<std::size_t>(frame) + 2 * static_cast<std::size_t>(foot);
+    return planted[heel] != 0 || planted[heel + 1] != 0;
+  }
+};
+
+/// Contacts at another rate: each sample has what the frame nearest to its time has.
+/// @param frames  of the result.
+[[nodiscard]] FootContacts resample_contacts(const FootContacts& contacts, const FrameRate& from,
+                                             const FrameRate& to, int frames);
+
+/// As CSV: a header, then frame number, time in seconds and 0 or 1 for each of kContactNames.
+[[nodiscard]] std::string format_contacts_csv(const FootContacts& contacts, const FrameRate& rate);
+
 /// Joints and bodies in the arrays of a tracking file, and their order.
 ///
 /// Bodies are the root and those moved by an output joint; bodies fixed to another, or held by the
 /// robot's variant, count as part of it (so does Isaac Lab's importer, and mjlab's models have no
-/// such bodies). kNpzMjlab: MuJoCo's order, depth first. kNpzBeyondMimic: Isaac Lab's, breadth
-/// first: by depth in the tree of those bodies, then in MuJoCo's order.
+/// such bodies). kNpzBeyondMimic and kCsvSonic: Isaac Lab's order, breadth first: by depth in the
+/// tree of those bodies, then in MuJoCo's order. Others: MuJoCo's order, depth first.
 struct TrackingLayout {
   std::vector<int> joints;  ///< Indices into Robot::joints().
   std::vector<int> bodies;  ///< Indices into Robot::bodies().
+  int fixed = 0;  ///< How many of them, the last ones, are fixed to another one: kNpzHolosoma.
 };
 
-/// @param format  kNpzMjlab or kNpzBeyondMimic
+/// @param format  with bodies: of an NPZ, kProtoMotions or kCsvSonic
 [[nodiscard]] TrackingLayout tracking_layout(const Robot& robot, MotionFormat format);
 
 struct TrackingOptions {
   FrameRate rate{50, 1};
   std::optional<BodyPoint> velocity_of;  ///< Empty: as in the format's trainer.
+  bool until_last = false;               ///< A sample at the last frame as well, where one falls.
 };
 
 /// The arrays that motion trackers train from, row by row; world frame, Z up, SI, wxyz.
@@ -119,6 +157,7 @@ struct TrackingMotion {
   std::vector<double> joint_pos, joint_vel;        ///< frames x joints
   std::vector<double> body_pos, body_quat;         ///< frames x bodies x 3, x 4
   std::vector<double> body_lin_vel, body_ang_vel;  ///< frames x bodies x 3
+  std::optional<FootContacts> contacts;            ///< At the samples; empty: not known.
 };
 
 /// Computes from kinematics alone what BeyondMimic's and mjlab's csv_to_npz get by replaying a CSV
@@ -136,8 +175,12 @@ struct TrackingMotion {
                                                           const TrackingOptions& options = {});
 
 /// As an NPZ file: `fps` (1,) int64, `joint_pos`, `joint_vel`, `body_pos_w`, `body_quat_w`,
-/// `body_lin_vel_w`, `body_ang_vel_w` float32; also, ignored by trainers, `flavour` and the names
-/// of joints and bodies. Errors (kRun): 4 GiB or more; a rate that is not whole.
+/// `body_lin_vel_w`, `body_ang_vel_w` float32; also, ignored by trainers, `flavour`, the names of
+/// joints and bodies and, where they are known, `contacts` (frames, 4) bool and `contact_names`.
+///
+/// kNpzHolosoma: `joint_pos` begins with the root's position and quaternion wxyz, `joint_vel` with
+/// its linear and angular velocity in the world.
+/// Errors (kRun): 4 GiB or more; a rate that is not whole.
 [[nodiscard]] Result<std::string> format_tracking_npz(const TrackingMotion& motion);
 
 /// Of joints without a colour of their own, 0xRRGGBB.
@@ -157,6 +200,14 @@ struct WriteMotionOptions {
   std::string name;  ///< Of the motion: the key in a kPklPbhc file, the animation's name in a kGlb
                      ///< file; empty: `motion`.
   std::optional<HumanInWorld> human = std::nullopt;  ///< What it came from, shown in a kGlb file.
+  /// At the clip's frames, for the formats that have room for them; empty: not known.
+  std::optional<FootContacts> contacts = std::nullopt;
+};
+
+/// A file of a motion.
+struct FormattedFile {
+  std::string name;  ///< In its folder; empty: the motion is this one file.
+  std::string bytes;
 };
 
 /// The bytes of a file that holds the motion.
@@ -167,17 +218,31 @@ struct WriteMotionOptions {
 ///
 /// kPklPbhc: {name: {`root_trans_offset` (F, 3), `pose_aa` (F, 1 + n + 3, 3): rotation vectors of
 /// the root and, about their axes, of the joints, then three zero rows, `dof` (F, n), `root_rot`
-/// (F, 4) xyzw, `fps`}}, float32. If the profile has a variant made for PBHC (its name ends in
-/// `pbhc`) and the robot is complete, the variant's joints are used.
+/// (F, 4) xyzw, `fps`}}, float32, and where contacts are known `contact_mask` (F, 2), left and
+/// right. If the profile has a variant made for PBHC (its name ends in `pbhc`) and the robot is
+/// complete, the variant's joints are used.
+///
+/// kPklMotionLib: the same with all joints of the robot, and `pose_aa` (F, 1 + n, 3).
+///
+/// kPklMimicKit: `loop_mode` 0, `fps`, `frames`: rows of root position, rotation vector, joints.
+///
+/// kProtoMotions: a file of PyTorch with a dictionary: `state_conversion`, `fps`, `dof_pos`,
+/// `dof_vel`, `rigid_body_pos`, `rigid_body_rot` xyzw, `rigid_body_vel`, `rigid_body_ang_vel`,
+/// `rigid_body_contacts`.
 ///
 /// kGlb: glTF 2.0, a node for each body with its shapes as meshes, a rotation (shortest-path
 /// quaternions) for each frame and body that a hinge moves, a translation for the root and for
 /// bodies that a slide moves, LINEAR; turned so that Y is up. A human stands beside it as a skin. For
 /// programs that show motions; nothing reads it back.
 ///
-/// Errors: make_tracking_motion's and format_tracking_npz's; (kRun) a GLB of 4 GiB or more.
+/// Errors: make_tracking_motion's and format_tracking_npz's; (kRun) a GLB of 4 GiB or more; (kUsage)
+/// a format that is a folder.
 [[nodiscard]] Result<std::string> format_robot_motion(const RobotClip& clip, MotionFormat format,
                                                       const WriteMotionOptions& options = {});
+
+/// The same for all formats. kCsvSonic: the files of SONIC's folder.
+[[nodiscard]] Result<std::vector<FormattedFile>> format_motion_files(
+    const RobotClip& clip, MotionFormat format, const WriteMotionOptions& options = {});
 
 /// A human's motion alone as a GLB, see kGlb.
 [[nodiscard]] Result<std::string> format_human_glb(const HumanInWorld& human,
@@ -219,11 +284,12 @@ struct ReadMotionOptions {
 struct RobotMotion {
   RobotClip clip;
   MotionFormat format = MotionFormat::kCsv;
-  bool rate_known = false;            ///< The file has a rate, or one was given.
-  std::vector<std::string> notes;     ///< What was detected or guessed, human-readable; one line
-                                      ///< each.
-  std::vector<std::string> warnings;  ///< Anything odd, human-readable; one line each.
-  std::size_t bytes = 0;              ///< Of the file.
+  bool rate_known = false;               ///< The file has a rate, or one was given.
+  std::vector<std::string> notes;        ///< What was detected or guessed, human-readable; one line
+                                         ///< each.
+  std::vector<std::string> warnings;     ///< Anything odd, human-readable; one line each.
+  std::size_t bytes = 0;                 ///< Of the file.
+  std::optional<FootContacts> contacts;  ///< Of the clip's frames; empty: the file has none.
 };
 
 /// Reads a robot motion in any format of docs/formats.md; the format is detected by content.

@@ -46,6 +46,11 @@ enum class MotionFormat : unsigned char {
   kPklGmr,          ///< GMR's dictionary.
   kPklPbhc,         ///< PBHC's and ASAP's dictionary of dictionaries.
   kGlb,             ///< glTF 2.0, binary: a picture that moves, for Blender and web pages.
+  kNpzHolosoma,     ///< Tracking arrays with the root among the joints, for holosoma.
+  kPklMotionLib,    ///< SONIC's motion library: as kPklPbhc, with all joints.
+  kPklMimicKit,     ///< MimicKit's frames: root, rotation vector, joints.
+  kProtoMotions,    ///< ProtoMotions' `.motion`, a file of PyTorch.
+  kCsvSonic,        ///< SONIC's reference motion: a folder of CSVs.
 };
 
 /// Order of the four quaternion columns.
@@ -266,6 +271,7 @@ struct SaveOptions {
   int npz_fps = 50;                       ///< NPZ: frames per second.
   std::optional<BodyPoint> npz_velocity;  ///< NPZ; empty: the format's own.
   std::string motion_name;                ///< In PBHC's files; empty: from the output's name.
+  std::string contacts;  ///< CSV of when the feet are planted, beside the output; empty: none.
 };
 
 /// Everything that a motion depends on besides its clip and its robot.

@@ -81,18 +81,11 @@ constexpr int kMaxNames = 1000;
 constexpr std::string_view kTemporaryBegin = ".retarget-";
 constexpr std::string_view kTemporaryEnd = ".tmp";
 
-// beside the target and short enough for any folder; who uses it must try the next number when
-// it is taken, as processes of other machines may share the folder
-std::string temporary_name(const std::string& target, int number) {
-  return folder_of(target) + "/" + std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
-         std::to_string(number) + std::string(kTemporaryEnd);
-}
-
 // gives a nameless file a name that nothing has; 0, or -1 with errno
 int link_to_new_name(int descriptor, const std::string& target, std::string& name) {
   const std::string handle = "/proc/self/fd/" + std::to_string(descriptor);
   for (int number = 0; number < kMaxNames; ++number) {
-    name = temporary_name(target, number);
+    name = temporary_path(target, number);
     if (::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
       return 0;
     }
@@ -105,7 +98,7 @@ int link_to_new_name(int descriptor, const std::string& target, std::string& nam
 // a new empty file beside the target, for file systems without nameless files
 int create_named(const std::string& target, std::string& name) {
   for (int number = 0; number < kMaxNames; ++number) {
-    name = temporary_name(target, number);
+    name = temporary_path(target, number);
     const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
   }
@@ -295,6 +288,11 @@ Result<void> OutputFile::commit() {
   temporary_.clear();
   discard();
   return {};
+}
+
+std::string temporary_path(const std::string& target, int number) {
+  return folder_of(target) + "/" + std::string(kTemporaryBegin) + std::to_string(::getpid()) + "-" +
+         std::to_string(number) + std::string(kTemporaryEnd);
 }
 
 bool is_temporary_name(std::string_view name) {

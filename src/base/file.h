@@ -87,6 +87,10 @@ class OutputFile {
   bool direct_ = false;  // standard output, a pipe or a device: no temporary file
 };
 
+/// A name for what is not whole yet, beside the target and short enough for any folder. Who uses it
+/// must try the next number when it is taken, as processes of other machines may share the folder.
+[[nodiscard]] std::string temporary_path(const std::string& target, int number);
+
 /// Whether a file's name is one that OutputFile gives to what is not whole yet. Such a file is left
 /// behind only by a process that was killed, on file systems without nameless files.
 [[nodiscard]] bool is_temporary_name(std::string_view name);

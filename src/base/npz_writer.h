@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/npy.h"
+#include "base/zip_writer.h"
 #include "retarget/error.h"
 
 namespace retarget {
@@ -18,6 +19,8 @@ namespace retarget {
                                      std::vector<std::size_t> shape);
 [[nodiscard]] NpyArray int64_array(std::span<const std::int64_t> values,
                                    std::vector<std::size_t> shape);
+[[nodiscard]] NpyArray bool_array(std::span<const std::uint8_t> values,
+                                  std::vector<std::size_t> shape);
 /// ASCII texts as NumPy's type U; without a shape of their own a list, `scalar` for one alone.
 [[nodiscard]] NpyArray text_array(std::span<const std::string> texts, bool scalar = false);
 
@@ -36,9 +39,7 @@ class NpzWriter {
   [[nodiscard]] Result<std::string> finish();
 
  private:
-  std::string bytes_;
-  std::string directory_;
-  int count_ = 0;
+  ZipWriter zip_;
 };
 
 }  // namespace retarget

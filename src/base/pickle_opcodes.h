@@ -52,6 +52,10 @@ enum class PickleOp : std::uint8_t {
   kByteArray8 = 0x96,
 };
 
+inline void append_opcode(std::string& bytes, PickleOp op) {
+  bytes += static_cast<char>(op);
+}
+
 /// `PERSID`, or for a byte that is no opcode `0x07`.
 [[nodiscard]] std::string refused_opcode_name(std::uint8_t opcode);
 

@@ -18,6 +18,8 @@ class PickleWriter {
 
   void begin_dict();
   void end_dict();
+  void begin_list();
+  void end_list();
   void none();
   void integer(std::int64_t value);
   void number(double value);

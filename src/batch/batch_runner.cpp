@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/file.h"
 #include "base/lower_case.h"
 #include "base/machine.h"
 #include "base/number_text.h"
@@ -115,6 +116,10 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
                               ManifestEntry& entry) const {
   Run one = run_of_clip(*task.robot, *task.input, memory_gb);
   one.output = output;
+  if (request_.contacts) {
+    one.options.save.contacts =
+        context_.output_folder + "/" + task.robot->folder + contacts_output(task.input->relative);
+  }
   RunRequest request = task.robot->request;
   request.threads = threads_;
   request.mirror = task.input->variant.is_mirrored();
@@ -131,7 +136,13 @@ Result<void> BatchWorker::run(const BatchTask& task, double memory_gb, const std
   entry.config = recorded_name(outcome->config, task.robot->setup.loaded.data_folder);
   if (outcome->quality) entry.quality = clip_quality(*outcome->quality);
   std::vector<std::string> files;
-  for (const WrittenFile& motion : outcome->motions) files.push_back(motion.item.path);
+  for (const WrittenFile& motion : outcome->motions) {
+    if (!format_is_folder(motion.item.format)) {
+      files.push_back(motion.item.path);
+      continue;
+    }
+    for (const fs::path& file : files_in_folder(motion.item.path)) files.push_back(file.string());
+  }
   files.insert(files.end(), outcome->others.begin(), outcome->others.end());
   for (const std::string& file : files) {
     TRY_ASSIGN(auto record, record_file(file, file.substr(context_.output_folder.size() + 1)));
@@ -145,7 +156,12 @@ void BatchWorker::remove_outputs(const BatchTask& task) const {
   std::error_code ignored;
   for (const std::string& file :
        context_.finished.outputs_of(task.input->relative, task.robot->name, true)) {
-    fs::remove(context_.output_folder + "/" + file, ignored);
+    const fs::path path = context_.output_folder + "/" + file;
+    fs::remove(path, ignored);
+    // a motion that was a folder, once nothing is in it
+    if (path.parent_path().filename() == fs::path(task.input->relative).stem()) {
+      fs::remove(path.parent_path(), ignored);
+    }
   }
 }
 
@@ -277,6 +293,10 @@ std::string batch_output(const SaveOptions& options, const std::string& relative
   const MotionFormat format =
       options.formats.size() == 1 ? options.formats.front() : MotionFormat::kCsv;
   return output_stem(relative) + std::string(format_ending(format));
+}
+
+std::string contacts_output(const std::string& relative) {
+  return output_stem(relative) + ".contacts.csv";
 }
 
 // later entries of a clip count more, so this one must be later than those that are known

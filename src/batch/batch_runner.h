@@ -66,6 +66,9 @@ struct ClipPool {
 /// @param relative  BatchInput::relative.
 [[nodiscard]] std::string batch_output(const SaveOptions& options, const std::string& relative);
 
+/// The file of its contacts, there as well. @param relative  BatchInput::relative, or `*` for all.
+[[nodiscard]] std::string contacts_output(const std::string& relative);
+
 /// Does the tasks on several threads and writes what came of them into the manifest. A clip that
 /// fails is no error, a manifest that cannot be written is. Ctrl-C ends it (kInterrupted); clips
 /// that were being solved are then as if they had not been begun.

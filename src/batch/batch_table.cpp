@@ -59,6 +59,12 @@ OptionTable batch_table(BatchRequest& request, double& memory_gb) {
                 "Continue a batch: skip clips that are done and unchanged", {.basic = true}),
       batch_row("redo", request.redo, kBatchGroup, "",
                 "Discard an earlier batch in the folder and start over"),
+      batch_row(
+          "contacts", request.contacts, kOutputGroup, "",
+          "Also write when heels and toes are planted, beside each motion: CLIP.contacts.csv"),
+      batch_row("motion-list", request.motion_list, kOutputGroup, "",
+                "Write motions.yaml, which lists the pickles or .motion files of all clips with "
+                "weights, for TWIST2, GMT, MimicKit and ProtoMotions"),
       batch_row("shard", request.shard, kBatchGroup, "I/N",
                 "Do one of N parts of about the same length, I from 1 to N, with its own "
                 "manifest")};

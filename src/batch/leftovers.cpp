@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/plain_name.h"
 #include "plan/output_files.h"
+#include "retarget/motion_io.h"
 #include "retarget/options.h"
 
 namespace retarget {
@@ -39,9 +40,11 @@ void remove_unfinished(const std::string& output_folder, const std::set<fs::path
       continue;
     }
     for (const fs::path& file : files_in_folder(place)) {
-      const bool is_own = is_temporary_name(file.filename().string()) &&
-                          fs::is_regular_file(fs::symlink_status(file, error));
-      if (is_own) fs::remove(file, error);
+      if (!is_temporary_name(file.filename().string())) continue;
+      const fs::file_status there = fs::symlink_status(file, error);
+      if (fs::is_regular_file(there)) fs::remove(file, error);
+      // of a motion that is a folder
+      if (fs::is_directory(there)) fs::remove_all(file, error);
     }
   }
 }
@@ -57,9 +60,14 @@ std::vector<std::string> files_of_earlier_options(const std::string& folder,
     if (!items) continue;
     for (const std::string& file :
          finished.outputs_of(task.input->relative, task.robot->name, false)) {
-      const bool replaced = std::ranges::any_of(*items, [&](const OutputItem& item) {
-        return file == item.path || (task.robot->request.sidecar && file == item.path + ".json");
-      });
+      const bool is_contacts = file == task.robot->folder + contacts_output(task.input->relative) &&
+                               !save.contacts.empty();
+      const bool replaced =
+          is_contacts || std::ranges::any_of(*items, [&](const OutputItem& item) {
+            return file == item.path ||
+                   (format_is_folder(item.format) && file.starts_with(item.path + "/")) ||
+                   (task.robot->request.sidecar && file == item.path + ".json");
+          });
       if (!replaced && is_file(fs::path(folder) / file)) files.push_back(file);
     }
   }

@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // what a batch writes beside motions
-constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv",   "options.json",
-                                  "passed.txt",     "failed.tsv",    "train.txt",
-                                  "validation.txt", "duplicates.tsv"};
+constexpr std::array kOwnFiles = {"manifest.jsonl", "summary.csv",    "options.json",
+                                  "passed.txt",     "failed.tsv",     "train.txt",
+                                  "validation.txt", "duplicates.tsv", "motions.yaml"};
 
 // the files of a clip below a folder, sidecars too
 Result<std::vector<std::string>> outputs_of(const BatchInput& input, const BatchRequest& request,
@@ -30,6 +30,7 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
     files.push_back(item.path);
     if (request.of_clip.sidecar) files.push_back(item.path + ".json");
   }
+  if (request.contacts) files.push_back(folder + contacts_output(input.relative));
   return files;
 }
 

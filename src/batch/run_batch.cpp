@@ -24,6 +24,7 @@
 #include "batch/leftovers.h"
 #include "batch/manifest.h"
 #include "batch/manifests.h"
+#include "batch/motion_list.h"
 #include "batch/output_tree.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
@@ -72,7 +73,10 @@ Result<void> check_request(const BatchRequest& request) {
   }
   const SaveOptions& save = request.run.options.save;
   TRY(plan_outputs(batch_output(save, "clip.bvh"), save));
-  TRY(check_options(request.run.options));
+  Options options = request.run.options;
+  if (request.contacts) options.save.contacts = contacts_output("*");
+  TRY(check_options(options));
+  if (request.motion_list) TRY(check_motion_list(save));
   RobotChoice robot = request.run.robot;
   if (!request.robots.empty()) robot.name = request.robots.front();
   TRY(check_robot_choice(robot));
@@ -110,6 +114,8 @@ Result<std::list<BatchRobot>> load_batch_robots(const BatchRequest& request, Obs
   for (const std::string& name : names) {
     BatchRobot robot;
     robot.run = request.run;
+    // each clip has a name of its own there
+    if (request.contacts) robot.run.options.save.contacts = contacts_output("*");
     robot.run.robot.name = name;
     robot.request = request.of_clip;
     robot.request.measure = request.quality;
@@ -378,6 +384,9 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   // a clip whose process was ended could not take back what it had begun
   if (alone) remove_unfinished(folder, folders);
   if (failed) TRY(finish_manifests(folder, shard, plan.known, rules, observer));
+  if (failed && request.motion_list && shard.count == 1) {
+    TRY(write_motion_lists(folder, observer));
+  }
   return failed;
 }
 
@@ -389,7 +398,9 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
   }
   TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
   TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
-  return merge_manifests(folder, request.inputs, rules, observer);
+  auto failed = merge_manifests(folder, request.inputs, rules, observer);
+  if (failed && request.motion_list) TRY(write_motion_lists(folder, observer));
+  return failed;
 }
 
 }  // namespace retarget

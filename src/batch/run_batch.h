@@ -33,6 +33,8 @@ struct BatchRequest {
   bool mirror = false;               ///< Every clip's mirror image as well.
   bool dedupe = false;               ///< Leave out clips that show what another shows.
   std::string split;  ///< `RATIO:SEED` (split.h); empty: not for training and validation.
+  bool contacts = false;             ///< Write CLIP.contacts.csv beside each motion.
+  bool motion_list = false;          ///< Write motions.yaml.
 
   /// Recorded of clips that failed; as of a process that does one clip alone.
   std::function<int(ErrorKind)> exit_code;

@@ -52,7 +52,7 @@ std::vector<std::string> format_losses(const RobotClip& motion, MotionFormat for
   if (!lost) return {};
   const std::string& variant = (*robot)->variant().name;
   return {"pkl-pbhc has the joints of the variant " + variant + ": " + *lost +
-          "; " OPTION("dof") " " + variant + " leaves them out"};
+          "; " OPTION("dof") " " + variant + " leaves them out, and pkl-motion-lib has all joints"};
 }
 
 }  // namespace retarget

@@ -28,6 +28,8 @@ namespace {
 // metres by which bodies may lie elsewhere than the robot's model has them
 constexpr double kSamePlace = 0.01;
 constexpr std::size_t kFramesCompared = 40;
+// position and quaternion
+constexpr std::size_t kRootNumbers = 7;
 
 struct TrackingArrays {
   std::size_t frames = 0, joint_count = 0, body_count = 0;
@@ -165,6 +167,68 @@ Result<LayoutChoice> choose_layout(const std::shared_ptr<const Robot>& robot,
   return *best;
 }
 
+// what every tracker's file may have besides
+Result<void> read_rate_and_contacts(const NpzFile& npz, RawMotion& raw) {
+  if (npz.has("fps")) {
+    TRY_ASSIGN(const auto fps, npz.read("fps"));
+    const double value = fps.is_number() && fps.element_count() == 1 ? fps.numbers().front() : 0.0;
+    if (!(value >= kMinFileRate && value <= kMaxFileRate))
+      return npz.array_failure("fps", "is not a valid rate");
+    raw.rate = frame_rate_from_fps(value);
+  }
+  if (npz.has("contacts")) {
+    TRY_ASSIGN(const auto contacts, npz.read("contacts"));
+    const std::vector<std::size_t> shape = {raw.frames, kContactNames.size()};
+    if (!contacts.is_number() || contacts.shape != shape) {
+      return npz.array_failure("contacts", "has the shape " + shape_text(contacts.shape) +
+                                               " and should have " + shape_text(shape));
+    }
+    raw.contacts.emplace();
+    for (const double value : contacts.numbers()) {
+      raw.contacts->planted.push_back(value > 0.5 ? 1 : 0);
+    }
+  }
+  return {};
+}
+
+// joint names of a file whose joints follow the root's seven numbers, as holosoma's do
+Result<std::vector<std::string>> names_behind_root(const NpzFile& npz, std::size_t joint_count) {
+  if (!npz.has("joint_names")) return std::vector<std::string>();
+  TRY_ASSIGN(const auto names, npz.read("joint_names"));
+  const bool behind =
+      names.is_text() && names.shape.size() == 1 && joint_count == names.shape[0] + kRootNumbers;
+  return behind ? names.texts() : std::vector<std::string>();
+}
+
+Result<RawMotion> read_holosoma(const NpzFile& npz, const TrackingArrays& arrays,
+                                const std::vector<std::string>& names, const Robot& robot) {
+  RawMotion raw;
+  raw.format = MotionFormat::kNpzHolosoma;
+  raw.order = raw.usual = QuaternionOrder::kWxyz;
+  raw.degrees = false;
+  raw.metres_per_unit = 1.0;
+  raw.frames = arrays.frames;
+  raw.joint_count = names.size();
+  for (const std::string& name : names) {
+    const auto joint = robot.find_joint(name);
+    if (!joint) {
+      return npz.array_failure("joint_names", "names the joint \"" + name + "\", which the robot " +
+                                                  robot.name() + " does not have");
+    }
+    raw.joint_indices.push_back(*joint);
+  }
+  for (std::size_t frame = 0; frame < raw.frames; ++frame) {
+    const auto row =
+        arrays.joint_pos.begin() + static_cast<std::ptrdiff_t>(frame * arrays.joint_count);
+    raw.position.insert(raw.position.end(), row, row + 3);
+    raw.rotation.insert(raw.rotation.end(), row + 3, row + 7);
+    raw.joints.insert(raw.joints.end(), row + 7,
+                      row + static_cast<std::ptrdiff_t>(arrays.joint_count));
+  }
+  TRY(read_rate_and_contacts(npz, raw));
+  return raw;
+}
+
 }  // namespace
 
 Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
@@ -179,6 +243,8 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
         "it has " + list_names(npz.names(), 12));
   }
   TRY_ASSIGN(const auto arrays, read_arrays(npz));
+  TRY_ASSIGN(const auto names, names_behind_root(npz, arrays.joint_count));
+  if (!names.empty()) return read_holosoma(npz, arrays, names, *robot);
   TRY_ASSIGN(const auto layout, choose_layout(robot, arrays, npz, options));
   RawMotion raw;
   raw.format = layout.format;
@@ -197,13 +263,7 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
     raw.position.insert(raw.position.end(), place, place + 3);
     raw.rotation.insert(raw.rotation.end(), turn, turn + 4);
   }
-  if (npz.has("fps")) {
-    TRY_ASSIGN(const auto fps, npz.read("fps"));
-    const double value = fps.is_number() && fps.element_count() == 1 ? fps.numbers().front() : 0.0;
-    if (!(value >= kMinFileRate && value <= kMaxFileRate))
-      return npz.array_failure("fps", "is not a valid rate");
-    raw.rate = frame_rate_from_fps(value);
-  }
+  TRY(read_rate_and_contacts(npz, raw));
   return raw;
 }
 

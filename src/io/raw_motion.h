@@ -35,6 +35,7 @@ struct RawMotion {
   std::vector<int> joint_indices;            ///< Into Robot::joints(); empty: by their number.
   std::optional<bool> degrees;               ///< Where the file tells.
   std::optional<double> metres_per_unit;     ///< Where the file tells.
+  std::optional<FootContacts> contacts;      ///< Empty: the file has none.
   std::vector<std::string> notes, warnings;  ///< As in RobotMotion.
 };
 
@@ -47,6 +48,15 @@ struct RawMotion {
                                                 const std::shared_ptr<const Robot>& robot,
                                                 const std::string& file,
                                                 const ReadMotionOptions& options);
+
+[[nodiscard]] Result<RawMotion> read_protomotions(std::string_view bytes,
+                                                  const std::shared_ptr<const Robot>& robot,
+                                                  const std::string& file,
+                                                  const ReadMotionOptions& options);
+/// Whether a folder holds a motion of kCsvSonic, and what is in it.
+[[nodiscard]] bool is_sonic_folder(const std::string& path);
+[[nodiscard]] Result<RawMotion> read_sonic_folder(const std::string& path, const Robot& robot,
+                                                  const ReadMotionOptions& options);
 
 /// Joints in the order of a file that has `count` of them: the robot's own columns, those of the
 /// whole robot, or of one of its variants. Errors (kInput): none, or several, have as many.

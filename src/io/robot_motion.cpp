@@ -17,6 +17,7 @@
 #include "base/option_name.h"
 #include "base/pickle.h"
 #include "base/suggest.h"
+#include "base/torch_file.h"
 #include "base/try.h"
 #include "io/quaternion_order.h"
 #include "io/raw_motion.h"
@@ -64,6 +65,7 @@ class MotionInterpreter {
     if (assumes_metres) {
       TRY(check_assumed_metres(motion.clip, file_, raw_.warnings));
     }
+    motion.contacts = std::move(raw_.contacts);
     motion.notes = std::move(raw_.notes);
     motion.warnings = std::move(raw_.warnings);
     return motion;
@@ -211,6 +213,7 @@ class MotionInterpreter {
 // what a file is by its first bytes
 Result<RawMotion> read_raw(std::string_view bytes, const std::shared_ptr<const Robot>& robot,
                            const std::string& file, const ReadMotionOptions& options) {
+  if (is_torch_file(bytes)) return read_protomotions(bytes, robot, file, options);
   if (bytes.starts_with("PK")) {
     if (options.degrees || options.metres_per_unit) {
       return input_failure(
@@ -311,6 +314,10 @@ Result<RobotMotion> load_robot_motion(const std::string& path,
                                       const ReadMotionOptions& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
+    if (is_sonic_folder(path)) {
+      TRY_ASSIGN(auto raw, read_sonic_folder(path, *robot, options));
+      return MotionInterpreter(raw, robot, path, options).interpret();
+    }
     return input_failure(path, "expected a robot's motion, found a directory",
                          "name files in it, such as " +
                              (std::filesystem::path(path) / "*.csv").string() +

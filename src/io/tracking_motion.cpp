@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/npz_writer.h"
 #include "base/option_name.h"
 #include "math/so3.h"
 #include "math/spline.h"
@@ -40,16 +38,19 @@ struct Samples {
   std::vector<std::vector<double>> qpos;
 };
 
-Samples sample(const RobotClip& clip, const FrameRate& rate) {
+Samples sample(const RobotClip& clip, const TrackingOptions& options) {
+  const FrameRate& rate = options.rate;
   const Int128 numerator = Int128{clip.rate().frames} * rate.seconds;
   const Int128 denominator = Int128{clip.rate().seconds} * rate.frames;
   const Int128 last = clip.frame_count() - 1;
   Samples samples;
-  for (Int128 i = 0; i * numerator < last * denominator; ++i) {
+  for (Int128 i = 0; options.until_last ? i * numerator <= last * denominator
+                                        : i * numerator < last * denominator;
+       ++i) {
     const auto frame = static_cast<int>(i * numerator / denominator);
     const double s =
         static_cast<double>(i * numerator % denominator) / static_cast<double>(denominator);
-    const auto a = clip.qpos(frame), b = clip.qpos(frame + 1);
+    const auto a = clip.qpos(frame), b = clip.qpos(std::min(frame + 1, clip.frame_count() - 1));
     std::vector<double> qpos(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) qpos[k] = a[k] * (1.0 - s) + b[k] * s;
     const Quaterniond rotation =
@@ -121,9 +122,11 @@ class TrackingMaker {
         speeds_(robot.joints().size()),
         linear_(posed_.world_from_link.size()),
         angular_(posed_.world_from_link.size()) {
-    centres_ = point == BodyPoint::kMass
-                   ? mass_centres(robot, layout.bodies)
-                   : std::vector<Vector3d>(layout.bodies.size(), Vector3d::Zero());
+    if (point == BodyPoint::kMass) {
+      centres_ = mass_centres(
+          robot, std::vector<int>(layout.bodies.begin(), layout.bodies.end() - layout.fixed));
+    }
+    centres_.resize(layout.bodies.size(), Vector3d::Zero());
   }
 
   void add(const Samples& samples, std::size_t i, const Vector3d& root_angular) {
@@ -192,11 +195,20 @@ TrackingLayout tracking_layout(const Robot& robot, MotionFormat format) {
     depth[b] = depth[robot.bodies()[b].parent] + (own ? 1 : 0);
     if (own) layout.bodies.push_back(static_cast<int>(b));
   }
-  if (format == MotionFormat::kNpzBeyondMimic) {
+  if (format == MotionFormat::kNpzBeyondMimic || format == MotionFormat::kCsvSonic) {
     std::ranges::stable_sort(layout.bodies, {}, [&](int body) { return depth[body]; });
   }
   for (const int body : layout.bodies) {
     layout.joints.insert(layout.joints.end(), joints_of[body].begin(), joints_of[body].end());
+  }
+  if (format == MotionFormat::kNpzHolosoma) {
+    // its reader looks bodies up by their names, those without a joint as well
+    for (std::size_t b = 1; b < robot.bodies().size(); ++b) {
+      const int body = static_cast<int>(b);
+      if (std::ranges::find(layout.bodies, body) != layout.bodies.end()) continue;
+      layout.bodies.push_back(body);
+      ++layout.fixed;
+    }
   }
   return layout;
 }
@@ -213,10 +225,10 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
                              to_text(options.rate) + " fps",
                          OPTION("source-fps") " corrects a wrong rate in the file");
   }
-  const Samples samples = sample(clip, options.rate);
+  const Samples samples = sample(clip, options);
   const std::size_t count = samples.qpos.size();
   if (count < kMinSamples) {
-    return input_failure("", "a tracking NPZ needs three frames at " + to_text(options.rate) +
+    return input_failure("", "a tracking file needs three frames at " + to_text(options.rate) +
                                  " fps, but the motion has " + std::to_string(count));
   }
   TrackingMotion motion;
@@ -226,7 +238,9 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
   for (const int joint : layout.joints) motion.joint_names.push_back(robot.joints()[joint].name);
   for (const int body : layout.bodies) motion.body_names.push_back(robot.bodies()[body].name);
   const BodyPoint usual =
-      format == MotionFormat::kNpzBeyondMimic ? BodyPoint::kMass : BodyPoint::kLink;
+      format == MotionFormat::kNpzBeyondMimic || format == MotionFormat::kNpzHolosoma
+          ? BodyPoint::kMass
+          : BodyPoint::kLink;
   TrackingMaker maker(robot, motion, layout, options.velocity_of.value_or(usual));
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t middle = std::clamp<std::size_t>(i, 1, count - 2);
@@ -235,29 +249,6 @@ Result<TrackingMotion> make_tracking_motion(const RobotClip& clip, MotionFormat 
     maker.add(samples, i, log_so3(turn) / (2.0 * options.rate.frame_time()));
   }
   return motion;
-}
-
-Result<std::string> format_tracking_npz(const TrackingMotion& motion) {
-  if (motion.rate.seconds != 1) {
-    return run_failure("", "a tracking NPZ needs a whole number of frames per second, not " +
-                               to_text(motion.rate));
-  }
-  const std::size_t frames = motion.frames;
-  const std::size_t joints = motion.joint_names.size(), bodies = motion.body_names.size();
-  const std::array<std::int64_t, 1> fps = {motion.rate.frames};
-  const std::array<std::string, 1> flavour = {std::string(format_name(motion.format))};
-  NpzWriter npz;
-  npz.add("fps", int64_array(fps, {1}));
-  npz.add("joint_pos", float32_array(motion.joint_pos, {frames, joints}));
-  npz.add("joint_vel", float32_array(motion.joint_vel, {frames, joints}));
-  npz.add("body_pos_w", float32_array(motion.body_pos, {frames, bodies, 3}));
-  npz.add("body_quat_w", float32_array(motion.body_quat, {frames, bodies, 4}));
-  npz.add("body_lin_vel_w", float32_array(motion.body_lin_vel, {frames, bodies, 3}));
-  npz.add("body_ang_vel_w", float32_array(motion.body_ang_vel, {frames, bodies, 3}));
-  npz.add("flavour", text_array(flavour, true));
-  npz.add("joint_names", text_array(motion.joint_names));
-  npz.add("body_names", text_array(motion.body_names));
-  return npz.finish();
 }
 
 }  // namespace retarget

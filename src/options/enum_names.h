@@ -53,8 +53,13 @@ inline constexpr auto kEnumNames<MotionFormat> =
                                              {MotionFormat::kCsvSoma, "csv-soma"},
                                              {MotionFormat::kNpzMjlab, "npz-mjlab"},
                                              {MotionFormat::kNpzBeyondMimic, "npz-beyondmimic"},
+                                             {MotionFormat::kNpzHolosoma, "npz-holosoma"},
                                              {MotionFormat::kPklGmr, "pkl-gmr"},
                                              {MotionFormat::kPklPbhc, "pkl-pbhc"},
+                                             {MotionFormat::kPklMotionLib, "pkl-motion-lib"},
+                                             {MotionFormat::kPklMimicKit, "pkl-mimickit"},
+                                             {MotionFormat::kProtoMotions, "protomotions"},
+                                             {MotionFormat::kCsvSonic, "csv-sonic"},
                                              {MotionFormat::kGlb, "glb"}});
 template <>
 inline constexpr auto kEnumNames<QuaternionOrder> = std::to_array<NamedValue<QuaternionOrder>>(

@@ -209,11 +209,13 @@ OptionTable time_table(TimeOptions& options) {
 
 OptionTable save_table(SaveOptions& options) {
   return {
-      option("format", options.formats, kOutputGroup, "FORMAT,...",
-             "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, pkl-gmr, pkl-pbhc, glb (to "
-             "look at in Blender and web pages; default where the output ends in .glb); several go "
-             "to files named after the output, each with its own extension",
-             {.basic = true}),
+      option(
+          "format", options.formats, kOutputGroup, "FORMAT,...",
+          "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, npz-holosoma, pkl-gmr, pkl-pbhc, "
+          "pkl-motion-lib, pkl-mimickit, protomotions, csv-sonic (a folder), glb (to "
+          "look at in Blender and web pages; default where the output ends in .glb); several go "
+          "to files named after the output, each with its own extension",
+          {.basic = true}),
       option("precision", options.precision, kOutputGroup, "N",
              "CSV: digits after the decimal point, 0 to 17", {.min = 0.0, .max = 17.0}),
       option("csv-delimiter", options.delimiter, kOutputGroup, "", "CSV: column separator"),
@@ -228,13 +230,17 @@ OptionTable save_table(SaveOptions& options) {
              "CSV: root position in centimetres (default: metres)"),
       option("normalize-start", options.normalize_start, kOutputGroup, "",
              "Move and turn the motion so that it starts at x = y = 0, facing +x"),
-      option("npz-fps", options.npz_fps, kOutputGroup, "N", "NPZ: frames per second",
+      option("npz-fps", options.npz_fps, kOutputGroup, "N",
+             "NPZ and csv-sonic: frames per second, at which a fit solves them",
              {.min = 1.0, .max = 1000.0}),
       option("npz-velocity", options.npz_velocity, kOutputGroup, "",
              "NPZ: linear velocities of the links' origins or of their centres of mass (default: "
-             "link for npz-mjlab, mass for npz-beyondmimic, as in their simulators)"),
+             "link for npz-mjlab, mass for the others, as in their simulators)"),
       option("motion-name", options.motion_name, kOutputGroup, "NAME",
-             "pkl-pbhc: name of the motion (default: the file's)")};
+             "pkl-pbhc and pkl-motion-lib: name of the motion (default: the file's)"),
+      option(
+          "contacts", options.contacts, kOutputGroup, "FILE",
+          "Also write when heels and toes are planted: CSV with a header, a row for each frame")};
 }
 
 OptionTable run_table(Run& run) {

@@ -63,6 +63,11 @@ Result<void> check_solving_options(const Options& options) {
             "window") " belong to " OPTION("method") " fit",
         "leave out " OPTION("method"));
   }
+  if (solve.method != Method::kFit && !options.save.contacts.empty()) {
+    return usage_failure(OPTION("contacts") " belongs to " OPTION("method") " fit: the published "
+                             "method keeps to no contacts",
+                         "leave out " OPTION("method"));
+  }
   if (!options.part.frames.empty() && (options.part.start_s >= 0.0 || options.part.end_s >= 0.0)) {
     return usage_failure(OPTION("frames") " and " OPTION("start") "/" OPTION(
                              "end") " both choose a part of the clip",

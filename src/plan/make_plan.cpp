@@ -17,6 +17,7 @@
 #include "pipeline/limb_lengths.h"
 #include "plan/check_options.h"
 #include "plan/memory.h"
+#include "plan/output_files.h"
 #include "plan/unknown_rotations.h"
 #include "retarget/clip.h"
 #include "retarget/human.h"
@@ -104,7 +105,8 @@ Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan)
                      count_text(plan.lead_in_frames, "frame"), one ? "it" : "them")});
   }
   const auto& fps = options.time.fps;
-  plan.rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
+  const FrameRate rate = fps ? frame_rate_from_fps(*fps) : clip.rate();
+  plan.rate = solved_rates(options.save, options.solve.method, rate).front();
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "motion/resample.h"
+#include "retarget/motion_io.h"
 
 namespace retarget {
 namespace {
@@ -29,12 +30,6 @@ constexpr std::uint64_t kFreeBytes = 256'000'000;
 constexpr std::uint64_t kBytesOfTrackingFrame = 8500;
 constexpr std::uint64_t kMaxOfTrackedFile = 1200;
 
-// whether a file of one of two formats is asked for
-bool makes(const SaveOptions& save, MotionFormat one, MotionFormat other) {
-  return std::ranges::any_of(save.formats,
-                             [&](MotionFormat format) { return format == one || format == other; });
-}
-
 }  // namespace
 
 std::uint64_t memory_bound(double memory_gb) {
@@ -49,18 +44,27 @@ std::size_t memory_share(double memory_gb) {
 
 Result<void> check_need(const MotionNeed& need, double memory_gb, const SaveOptions& save) {
   const std::uint64_t made = need.is_solved ? kBytesOfFrame : kBytesOfReadFrame;
-  const bool pickled = makes(save, MotionFormat::kPklGmr, MotionFormat::kPklPbhc);
+  const auto makes = [&](MotionFormat format) {
+    return std::ranges::find(save.formats, format) != save.formats.end();
+  };
+  const bool pickled = std::ranges::any_of(
+      save.formats, [](MotionFormat format) { return format_ending(format) == ".pkl"; });
   std::uint64_t needed =
       static_cast<std::uint64_t>(need.frames) * (made + (pickled ? kBytesOfPickledFrame : 0));
   std::uint64_t of_file = kMaxOfFile * need.file_bytes;
-  if (makes(save, MotionFormat::kNpzMjlab, MotionFormat::kNpzBeyondMimic)) {
+  if (std::ranges::any_of(save.formats, format_has_own_rate)) {
     const auto count = static_cast<int>(std::min<std::int64_t>(need.frames, 1 << 30));
     const std::int64_t samples = resampled_frame_count(count, need.rate, {save.npz_fps, 1});
-    needed += static_cast<std::uint64_t>(samples) * kBytesOfTrackingFrame;
+    // where other formats have another rate the motion is solved once more
+    const bool again = need.is_solved && !std::ranges::all_of(save.formats, format_has_own_rate);
+    needed += static_cast<std::uint64_t>(samples) * (kBytesOfTrackingFrame + (again ? made : 0));
     of_file = kMaxOfTrackedFile * need.file_bytes;
   }
-  if (makes(save, MotionFormat::kGlb, MotionFormat::kGlb)) {
+  if (makes(MotionFormat::kGlb)) {
     needed += static_cast<std::uint64_t>(need.frames) * kBytesOfShownFrame;
+  }
+  if (makes(MotionFormat::kProtoMotions)) {
+    needed += static_cast<std::uint64_t>(need.frames) * kBytesOfTrackingFrame;
   }
   const std::uint64_t by_file = std::max(kFreeBytes, of_file);
   const std::uint64_t given = memory_bound(memory_gb);

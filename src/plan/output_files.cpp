@@ -18,8 +18,9 @@ namespace {
 
 // endings that say what a file is: the formats' own, and others of files of the same kinds
 constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
-    {".csv", ".csv"},    {".npz", ".npz"}, {".pkl", ".pkl"}, {".pickle", ".pkl"},
-    {".joblib", ".pkl"}, {".tsv", ".csv"}, {".txt", ".csv"}, {".glb", ".glb"}};
+    {".csv", ".csv"},    {".npz", ".npz"},    {".pkl", ".pkl"},
+    {".pickle", ".pkl"}, {".joblib", ".pkl"}, {".tsv", ".csv"},
+    {".txt", ".csv"},    {".glb", ".glb"},    {".motion", ".motion"}};
 
 // endings of what is no robot's motion
 constexpr std::string_view kForeignEndings[] = {".bvh",  ".json", ".jsonl", ".npy", ".xml",
@@ -31,7 +32,7 @@ std::string ending_of(const std::string& path) {
   return lower_case(fs::path(path).extension().string());
 }
 
-// `.csv`, `.npz`, `.pkl` or `.glb` by a name; empty: it does not say
+// `.csv`, `.npz`, `.pkl`, `.motion` or `.glb` by a name; empty: it does not say
 std::string_view kind_of(const std::string& path) {
   const std::string ending = ending_of(path);
   for (const auto& [known, kind] : kEndings) {
@@ -53,7 +54,9 @@ Result<MotionFormat> only_format(const std::string& output, const SaveOptions& o
   if (!options.formats.empty()) return options.formats.front();
   const std::string_view kind = kind_of(output);
   if (kind.empty() || kind == format_ending(MotionFormat::kCsv)) return MotionFormat::kCsv;
-  if (kind == format_ending(MotionFormat::kGlb)) return MotionFormat::kGlb;
+  for (const MotionFormat format : {MotionFormat::kGlb, MotionFormat::kProtoMotions}) {
+    if (kind == format_ending(format)) return format;
+  }
   return usage_failure("the output \"" + output +
                            "\" may be of several formats, and " OPTION("format") " is not given",
                        "add " OPTION("format") " with one of: " + formats_ending_in(kind));
@@ -63,12 +66,18 @@ Result<void> check_ending(const OutputItem& item) {
   const std::string_view kind = kind_of(item.path);
   const std::string ending = ending_of(item.path);
   const bool foreign = std::ranges::find(kForeignEndings, ending) != std::end(kForeignEndings);
+  if (item.path == "-" && format_is_folder(item.format)) {
+    return usage_failure(OPTION("format") " " + std::string(format_name(item.format)) +
+                             " makes a folder, which cannot go to standard output",
+                         "name a folder with " OPTION("output"));
+  }
   if (!foreign && (kind.empty() || kind == format_ending(item.format))) return {};
-  return usage_failure("the output \"" + item.path + "\" ends in " +
-                           fs::path(item.path).extension().string() +
-                           ", and " OPTION("format") " " + std::string(format_name(item.format)) +
-                           " makes a " + std::string(format_ending(item.format)) + " file",
-                       "give a name that matches the format");
+  return usage_failure(
+      "the output \"" + item.path + "\" ends in " + fs::path(item.path).extension().string() +
+          ", and " OPTION("format") " " + std::string(format_name(item.format)) + " makes a " +
+          (format_is_folder(item.format) ? std::string("folder")
+                                         : std::string(format_ending(item.format)) + " file"),
+      "give a name that matches the format");
 }
 
 }  // namespace
@@ -82,6 +91,10 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
   if (options.formats.size() <= 1) {
     TRY_ASSIGN(const MotionFormat format, only_format(output, options));
     OutputItem item{format, output};
+    // a slash at the end names the same folder
+    while (format_is_folder(format) && item.path.size() > 1 && item.path.ends_with('/')) {
+      item.path.pop_back();
+    }
     TRY(check_ending(item));
     return std::vector<OutputItem>{std::move(item)};
   }
@@ -101,6 +114,28 @@ Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
     items.push_back({format, base + std::string(format_long_ending(format))});
   }
   return items;
+}
+
+FrameRate rate_of_format(MotionFormat format, const SaveOptions& options, const FrameRate& motion) {
+  return format_has_own_rate(format) ? FrameRate{options.npz_fps, 1} : motion;
+}
+
+std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
+                                    const FrameRate& motion) {
+  const auto has_motions = [](MotionFormat format) { return !format_has_own_rate(format); };
+  std::vector<FrameRate> rates;
+  if (method != Method::kFit || options.formats.empty() ||
+      std::ranges::any_of(options.formats, has_motions)) {
+    rates.push_back(motion);
+  }
+  if (method != Method::kFit) return rates;
+  for (const MotionFormat format : options.formats) {
+    const FrameRate rate = rate_of_format(format, options, motion);
+    const bool known =
+        std::ranges::any_of(rates, [&](const FrameRate& one) { return same_rate(one, rate); });
+    if (!known) rates.push_back(rate);
+  }
+  return rates;
 }
 
 WriteMotionOptions write_options(const std::string& output, const SaveOptions& options) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "retarget/clip.h"
 #include "retarget/error.h"
 #include "retarget/motion_io.h"
 #include "retarget/options.h"
@@ -23,6 +24,17 @@ struct OutputItem {
 /// .pkl without a format, several formats to standard output.
 [[nodiscard]] Result<std::vector<OutputItem>> plan_outputs(const std::string& output,
                                                            const SaveOptions& options);
+
+/// Rate of a format's file: trackers' formats have their own.
+/// @param motion  what the others have.
+[[nodiscard]] FrameRate rate_of_format(MotionFormat format, const SaveOptions& options,
+                                       const FrameRate& motion);
+
+/// The rates that the formats ask for, each once; the motion's own first where any has it. A fit
+/// solves a motion at each of them; the published method solves it at its own, and what needs
+/// another is interpolated.
+[[nodiscard]] std::vector<FrameRate> solved_rates(const SaveOptions& options, Method method,
+                                                  const FrameRate& motion);
 
 /// How the options want a motion to be written.
 /// @param output  whose name the motion takes where it needs one.

@@ -8,6 +8,8 @@
 #include "base/file.h"
 #include "base/try.h"
 #include "plan/human_in_world.h"
+#include "plan/motion_contacts.h"
+#include "plan/motion_target.h"
 #include "plan/output_files.h"
 #include "retarget/motion.h"
 #include "retarget/motion_io.h"
@@ -17,34 +19,47 @@
 namespace retarget {
 namespace {
 
-Result<void> save_with(const RobotClip& clip, std::optional<HumanInWorld> human,
-                       const std::string& output, const SaveOptions& options) {
+// the human and the contacts are of the frames of the motion
+struct SavedMotion {
+  const RobotClip& clip;
+  std::optional<HumanInWorld> human;
+  std::optional<FootContacts> contacts;
+};
+
+Result<void> save_with(SavedMotion motion, const std::string& output, const SaveOptions& options) {
   TRY_ASSIGN(const auto items, plan_outputs(output, options));
   WriteMotionOptions write = write_options(output, options);
-  write.human = std::move(human);
-  RobotClip moved = clip;
+  write.human = std::move(motion.human);
+  write.contacts = std::move(motion.contacts);
+  RobotClip moved = motion.clip;
   if (options.normalize_start) normalize_start(moved, write);
-  std::vector<OutputFile> files;
+  std::vector<MotionTarget> targets;
   for (const OutputItem& item : items) {
-    TRY_ASSIGN(OutputFile file, OutputFile::create(item.path));
-    TRY_ASSIGN(const std::string bytes, format_robot_motion(moved, item.format, write));
-    TRY(file.write(bytes));
-    files.push_back(std::move(file));
+    TRY_ASSIGN(MotionTarget target, MotionTarget::create(item));
+    TRY_ASSIGN(const auto files, format_motion_files(moved, item.format, write));
+    TRY(target.write(files));
+    targets.push_back(std::move(target));
+  }
+  std::optional<OutputFile> contacts;
+  if (!options.contacts.empty()) {
+    TRY_ASSIGN(contacts, write_contacts(options.contacts, write.contacts, moved.rate()));
   }
   // together, once all are written
-  for (OutputFile& file : files) TRY(file.commit());
+  for (MotionTarget& target : targets) TRY(target.commit());
+  if (contacts) TRY(contacts->commit());
   return {};
 }
 
 }  // namespace
 
 Result<void> save(const RobotClip& clip, const std::string& output, const SaveOptions& options) {
-  return save_with(clip, std::nullopt, output, options);
+  return save_with({clip, std::nullopt, std::nullopt}, output, options);
 }
 
 Result<void> save(const Motion& motion, const std::string& output,
                   const std::optional<SaveOptions>& options) {
-  return save_with(motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+  return save_with({motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                    contacts_of(motion)},
                    output, options.value_or(motion.plan.options.save));
 }
 

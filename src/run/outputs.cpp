@@ -1,10 +1,12 @@
 #include "run/outputs.h"
 
+#include <map>
 #include <utility>
 
 #include "base/suggest.h"
 #include "base/try.h"
 #include "plan/human_in_world.h"
+#include "plan/motion_contacts.h"
 #include "provenance/hash.h"
 
 namespace retarget {
@@ -30,7 +32,7 @@ Result<std::unique_ptr<MotionOutputs>> MotionOutputs::open(
       // fails now rather than after the work
       outputs->others_.emplace_back();
       if (in_memory) continue;
-      TRY_ASSIGN(outputs->others_.back(), OutputFile::create(item.path));
+      TRY_ASSIGN(outputs->others_.back(), MotionTarget::create(item));
       continue;
     }
     const RobotCsvOptions& csv = outputs->write_options_.csv;
@@ -50,36 +52,44 @@ void MotionOutputs::add(std::span<const double> qpos) {
   }
 }
 
-Result<void> MotionOutputs::write_others(const RobotClip& motion) {
-  RobotClip moved = motion;
-  if (options_.normalize_start) normalize_start(moved, write_options_);
+Result<void> MotionOutputs::write_others(std::span<const OutputMotion> motions) {
+  std::vector<RobotClip> moved;
+  std::vector<std::optional<HumanInWorld>> humans;
+  for (const OutputMotion& motion : motions) {
+    moved.push_back(*motion.clip);
+    write_options_.human = motion.human;
+    if (options_.normalize_start) normalize_start(moved.back(), write_options_);
+    humans.push_back(std::move(write_options_.human));
+  }
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (sinks_[i]) continue;
-    auto bytes = format_robot_motion(moved, items_[i].format, write_options_);
-    if (!bytes) {
-      if (bytes.error().location.file.empty()) bytes.error().location.file = items_[i].path;
-      return failure(bytes.error());
+    const std::size_t chosen = motion_of_format(items_[i].format, options_, motions);
+    write_options_.human = humans[chosen];
+    write_options_.contacts = motions[chosen].contacts;
+    auto files = format_motion_files(moved[chosen], items_[i].format, write_options_);
+    if (!files) {
+      if (files.error().location.file.empty()) files.error().location.file = items_[i].path;
+      return failure(files.error());
     }
-    TRY_ASSIGN(auto hash, hash_bytes(*bytes));
+    TRY_ASSIGN(auto hash, hash_files(*files));
     written_[i] = {items_[i], std::move(hash)};
     if (in_memory_) continue;
-    TRY(others_[i]->write(*bytes));
+    TRY(others_[i]->write(*files));
   }
   return {};
 }
 
-Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
-                                                       std::optional<HumanInWorld> human,
+Result<std::vector<WrittenFile>> MotionOutputs::finish(std::span<const OutputMotion> motions,
                                                        const SidecarText& sidecar) {
-  write_options_.human = std::move(human);
   written_.resize(items_.size());
-  TRY(write_others(motion));
+  TRY(write_others(motions));
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!sinks_[i]) continue;
     TRY_ASSIGN(auto hash, sinks_[i]->flush());
     written_[i] = {items_[i], std::move(hash)};
   }
-  if (sidecar && !in_memory_) {
+  if (in_memory_) return written_;
+  if (sidecar) {
     for (const WrittenFile& written : written_) {
       TRY_ASSIGN(const auto text, sidecar(written));
       TRY_ASSIGN(auto file, OutputFile::create(written.item.path + ".json"));
@@ -87,19 +97,44 @@ Result<std::vector<WrittenFile>> MotionOutputs::finish(const RobotClip& motion,
       sidecars_.push_back(std::move(file));
     }
   }
-  if (in_memory_) return written_;
-  for (const auto& sink : sinks_) {
-    if (!sink) continue;
-    TRY(sink->commit());
+  if (!options_.contacts.empty()) {
+    TRY_ASSIGN(auto file, write_contacts(options_.contacts, motions.front().contacts,
+                                         motions.front().clip->rate()));
+    sidecars_.push_back(std::move(file));
   }
-  for (auto& file : others_) {
-    if (!file) continue;
-    TRY(file->commit());
-  }
-  for (OutputFile& file : sidecars_) {
-    TRY(file.commit());
-  }
+  TRY(commit());
   return written_;
+}
+
+Result<void> MotionOutputs::commit() {
+  for (const auto& sink : sinks_) {
+    if (sink) TRY(sink->commit());
+  }
+  for (auto& target : others_) {
+    if (target) TRY(target->commit());
+  }
+  for (OutputFile& file : sidecars_) TRY(file.commit());
+  return {};
+}
+
+Result<std::string> hash_files(const std::vector<FormattedFile>& files) {
+  if (files.size() == 1 && files.front().name.empty()) return hash_bytes(files.front().bytes);
+  std::map<std::string, std::string> hashes;  // sorted, as a folder is read
+  for (const FormattedFile& file : files) {
+    TRY_ASSIGN(hashes[file.name], hash_bytes(file.bytes));
+  }
+  std::string listed;
+  for (const auto& [name, hash] : hashes) listed += name + " " + hash + "\n";
+  return hash_bytes(listed);
+}
+
+std::size_t motion_of_format(MotionFormat format, const SaveOptions& options,
+                             std::span<const OutputMotion> motions) {
+  const FrameRate rate = rate_of_format(format, options, motions.front().clip->rate());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (same_rate(motions[i].clip->rate(), rate)) return i;
+  }
+  return 0;
 }
 
 std::string outputs_text(std::span<const WrittenFile> files) {

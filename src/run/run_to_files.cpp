@@ -13,6 +13,8 @@
 #include "base/try.h"
 #include "human/bone_map_file.h"
 #include "plan/human_in_world.h"
+#include "plan/motion_contacts.h"
+#include "plan/output_files.h"
 #include "retarget/clip.h"
 #include "retarget/edit.h"
 #include "retarget/load.h"
@@ -28,7 +30,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs& outputs,
+// a motion at one of the rates that its formats have, and what is known of it
+struct SolvedMotion {
+  Motion motion;
+  std::optional<QualityReport> quality;
+};
+
+// the first motion is written while it is solved
+Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutputs* outputs,
                               Observer& observer) {
   SolveControl control;
   control.threads = request.threads;
@@ -36,18 +45,40 @@ Result<Motion> solve_observed(Plan plan, const RunRequest& request, MotionOutput
     observer.progress(progress);
     return !observer.is_stopped();
   };
-  control.frame_solved = [&](int, std::span<const double> qpos) { outputs.add(qpos); };
+  if (outputs != nullptr) {
+    control.frame_solved = [=](int, std::span<const double> qpos) { outputs->add(qpos); };
+  }
   auto motion = solve(std::move(plan), control);
   observer.end_progress();
   if (!motion) return motion;
-  if (motion->fit) observer.lines(fit_lines(*motion->fit, request.verbose));
+  if (motion->fit && outputs != nullptr) {
+    observer.lines(fit_lines(*motion->fit, request.verbose));
+  }
   const int frames = motion->clip.frame_count();
   observer.line("solved", count_text(frames, "frame") + " at " + to_text(motion->clip.rate()) +
                               " fps, " +
                               number_text(static_cast<double>(motion->ik_steps) / frames, 2) +
                               " IK steps per frame");
-  if (observer.is_read()) observer.lines(limit_lines(*motion));
+  if (observer.is_read() && outputs != nullptr) observer.lines(limit_lines(*motion));
   return motion;
+}
+
+// the plan's own rate first, then those that other formats have
+Result<std::vector<SolvedMotion>> solve_all(Plan plan, const Run& run, const RunRequest& request,
+                                            MotionOutputs& outputs, Observer& observer) {
+  const Options& options = run.options;
+  const auto rates = solved_rates(options.save, options.solve.method, plan.rate);
+  std::vector<SolvedMotion> solved;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const bool is_last = i + 1 == rates.size();
+    Plan one = is_last ? std::move(plan) : plan;
+    one.rate = rates[i];
+    TRY_ASSIGN(Motion motion,
+               solve_observed(std::move(one), request, i == 0 ? &outputs : nullptr, observer));
+    if (observer.is_stopped()) return interrupted_failure();
+    solved.push_back({std::move(motion), std::nullopt});
+  }
+  return solved;
 }
 
 // complete before the motion's files appear
@@ -108,8 +139,33 @@ Result<std::optional<QualityReport>> measure(const Motion& motion, const Run& ru
   return std::optional<QualityReport>(std::move(*report));
 }
 
-Result<RunOutcome> write_results(const Run& run, const RunRequest& request, const Motion& motion,
-                                 MotionOutputs& outputs, Observer& observer) {
+std::vector<OutputMotion> output_motions(const std::vector<SolvedMotion>& solved) {
+  std::vector<OutputMotion> motions;
+  for (const auto& [motion, quality] : solved) {
+    motions.push_back({&motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
+                       contacts_of(motion)});
+  }
+  return motions;
+}
+
+// of each file that of the motion that it was made of
+Result<SidecarText> sidecars_of(const Run& run, const RunRequest& request,
+                                const std::vector<SolvedMotion>& solved,
+                                std::span<const OutputMotion> motions) {
+  const Plan& plan = solved.front().motion.plan;
+  TRY_ASSIGN(auto read, files_read(run, plan.robot, plan.config.file));
+  return [&run, &solved, motions, mirrored = request.mirror,
+          read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
+    const auto& [motion, quality] =
+        solved[motion_of_format(file.item.format, run.options.save, motions)];
+    return sidecar_text(run, motion, file, *quality, read, mirrored);
+  };
+}
+
+Result<RunOutcome> write_results(const Run& run, const RunRequest& request,
+                                 std::vector<SolvedMotion>& solved, MotionOutputs& outputs,
+                                 Observer& observer) {
+  const Motion& motion = solved.front().motion;
   RunOutcome outcome{motion.clip.frame_count(),
                      motion.clip.rate().fps(),
                      motion.plan.config.file,
@@ -117,12 +173,14 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
                      {},
                      std::nullopt};
   TRY_ASSIGN(outcome.quality, measure(motion, run, request, observer));
+  solved.front().quality = outcome.quality;
+  const std::vector<OutputMotion> motions = output_motions(solved);
   SidecarText sidecar;
   if (request.sidecar) {
-    TRY_ASSIGN(auto read, files_read(run, motion.plan.robot, motion.plan.config.file));
-    sidecar = [&, read = std::move(read)](const WrittenFile& file) -> Result<std::string> {
-      return sidecar_text(run, motion, file, *outcome.quality, read, request.mirror);
-    };
+    for (std::size_t i = 1; i < solved.size(); ++i) {
+      TRY_ASSIGN(solved[i].quality, measure(solved[i].motion, run, request, observer));
+    }
+    TRY_ASSIGN(sidecar, sidecars_of(run, request, solved, motions));
   }
   std::optional<OutputFile> report, page, picture;
   if (!request.report.empty()) {
@@ -137,13 +195,12 @@ Result<RunOutcome> write_results(const Run& run, const RunRequest& request, cons
     TRY_ASSIGN(picture, write_picture(request, motion, observer));
     outcome.others.push_back(request.png);
   }
-  TRY_ASSIGN(
-      outcome.motions,
-      outputs.finish(motion.clip, human_in_world(*motion.source, motion.plan.human.calibration),
-                     sidecar));
+  TRY_ASSIGN(outcome.motions, outputs.finish(motions, sidecar));
   for (const WrittenFile& file : outcome.motions) {
     if (request.sidecar) outcome.others.push_back(file.item.path + ".json");
   }
+  const std::string& contacts = run.options.save.contacts;
+  if (!contacts.empty()) outcome.others.push_back(contacts);
   if (report) TRY(report->commit());
   if (page) TRY(page->commit());
   if (picture) TRY(picture->commit());
@@ -190,12 +247,11 @@ Result<RunOutcome> run_to_files(const Run& run, const RunRequest& request, const
   const auto interrupts = observer.hold_interrupts();
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(run.output, run.options.save, plan.robot.robot,
                                                      plan.rate, request.hashes_only));
-  TRY_ASSIGN(const Motion motion, solve_observed(std::move(plan), request, *outputs, observer));
-  if (observer.is_stopped()) return interrupted_failure();
-  auto outcome = write_results(run, request, motion, *outputs, observer);
+  TRY_ASSIGN(auto solved, solve_all(std::move(plan), run, request, *outputs, observer));
+  auto outcome = write_results(run, request, solved, *outputs, observer);
   if (!outcome || request.hashes_only) return outcome;
   for (const WrittenFile& file : outcome->motions) {
-    for (const std::string& loss : format_losses(motion.clip, file.item.format)) {
+    for (const std::string& loss : format_losses(solved.front().motion.clip, file.item.format)) {
       observer.warn({{0, 0, loss}}, file.item.path);
     }
   }

@@ -125,6 +125,10 @@ Result<void> check_outputs(const Run& run, bool sidecar, const std::vector<std::
   }
   TRY_ASSIGN(const auto items, plan_outputs(run.output, run.options.save));
   for (const std::string& other : others) TRY(written.take(other));
+  if (run.options.save.contacts == "-") {
+    return usage_failure(OPTION("contacts") " needs a file", "name one that ends in .csv");
+  }
+  TRY(written.take(run.options.save.contacts));
   for (const OutputItem& item : items) {
     TRY(written.take(item.path));
     if (!sidecar) continue;

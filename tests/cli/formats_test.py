@@ -130,7 +130,7 @@ class Documentation(FormatsTest):
             elif blocks[-1]:
                 blocks.append([])
         programs = [block for block in blocks if block and block[0].startswith("import")]
-        self.assertEqual(len(programs), 5)
+        self.assertEqual(len(programs), 8)
         here = os.getcwd()
         self.addCleanup(os.chdir, here)
         os.chdir(self.folder)

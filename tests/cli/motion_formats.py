@@ -12,7 +12,9 @@ except ImportError:
 GOLDEN = SOURCE / "tests" / "golden"
 FORMATS = {"csv": "out.csv", "csv-soma": "out.soma.csv", "npz-mjlab": "out.mjlab.npz",
            "npz-beyondmimic": "out.beyondmimic.npz", "pkl-gmr": "out.gmr.pkl",
-           "pkl-pbhc": "out.pbhc.pkl"}
+           "pkl-pbhc": "out.pbhc.pkl", "npz-holosoma": "out.holosoma.npz",
+           "pkl-motion-lib": "out.motion-lib.pkl", "pkl-mimickit": "out.mimickit.pkl",
+           "protomotions": "out.motion"}
 
 
 class FormatsTest(ToolTest):

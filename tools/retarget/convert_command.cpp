@@ -1,6 +1,7 @@
 // `retarget convert`: robot motions from one format to another.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include "base/located.h"
@@ -58,6 +59,12 @@ Result<void> check_usage(const ConvertArguments& arguments) {
   return check_outputs(run, false, files_read(run, arguments.common), {});
 }
 
+// a motion to be written, with what its file tells of contacts
+struct ReadMotion {
+  RobotClip clip;
+  std::optional<FootContacts> contacts;
+};
+
 Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes,
                           const ConvertArguments& arguments) {
   const TimeOptions& time = arguments.time;
@@ -72,7 +79,7 @@ Result<RobotClip> at_rate(RobotClip clip, std::size_t file_bytes,
 }
 
 // the motion of the whole robot, or of the variant that is asked for
-Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& console) {
+Result<ReadMotion> load_motion(const ConvertArguments& arguments, Console& console) {
   // the file may have joints that the variant holds: it is read as of the whole robot
   RobotChoice whole = arguments.robot;
   whole.variant.clear();
@@ -83,12 +90,21 @@ Result<RobotClip> load_motion(const ConvertArguments& arguments, Console& consol
                                   read_motion_options(arguments.reading, arguments.memory_gb)));
   print_motion(arguments.input, motion, console);
   const std::string& name = arguments.robot.variant;
-  if (name.empty()) return at_rate(std::move(motion.clip), motion.bytes, arguments);
-  TRY_ASSIGN(auto variant, robot_variant(robot.robot, name));
-  if (const auto lost = lost_joints(motion.clip, *variant)) {
-    console.warn({{0, 0, *lost}}, arguments.input);
+  const FrameRate file_rate = motion.clip.rate();
+  RobotClip read = std::move(motion.clip);
+  if (!name.empty()) {
+    TRY_ASSIGN(auto variant, robot_variant(robot.robot, name));
+    if (const auto lost = lost_joints(read, *variant)) {
+      console.warn({{0, 0, *lost}}, arguments.input);
+    }
+    read = with_robot(read, std::move(variant));
   }
-  return at_rate(with_robot(motion.clip, std::move(variant)), motion.bytes, arguments);
+  TRY_ASSIGN(RobotClip clip, at_rate(std::move(read), motion.bytes, arguments));
+  if (motion.contacts) {
+    motion.contacts =
+        resample_contacts(*motion.contacts, file_rate, clip.rate(), clip.frame_count());
+  }
+  return ReadMotion{std::move(clip), std::move(motion.contacts)};
 }
 
 Result<void> convert_human(const ConvertArguments& arguments, Console& console) {
@@ -121,11 +137,13 @@ Result<void> convert_human(const ConvertArguments& arguments, Console& console) 
 Result<void> convert(const ConvertArguments& arguments, Console& console) {
   TRY(check_usage(arguments));
   if (is_of_human(arguments)) return convert_human(arguments, console);
-  TRY_ASSIGN(const RobotClip clip, load_motion(arguments, console));
+  TRY_ASSIGN(const ReadMotion motion, load_motion(arguments, console));
+  const RobotClip& clip = motion.clip;
   TRY_ASSIGN(const auto outputs, MotionOutputs::open(arguments.output, arguments.save,
                                                      clip.shared_robot(), clip.rate()));
   for (int frame = 0; frame < clip.frame_count(); ++frame) outputs->add(clip.qpos(frame));
-  TRY_ASSIGN(const auto files, outputs->finish(clip));
+  const OutputMotion written{&clip, std::nullopt, motion.contacts};
+  TRY_ASSIGN(const auto files, outputs->finish({&written, 1}));
   warn_of_losses(clip, files, console);
   console.line("wrote", outputs_text(files) + ": " + count_text(clip.frame_count(), "frame") +
                             " at " + to_text(clip.rate()) + " fps");

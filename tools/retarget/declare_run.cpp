@@ -28,7 +28,7 @@ CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
                           false)});
   declare(*command, without(run_command_table(arguments.run),
                             {"bvh", "smpl", "write-map", "robot", "output", "report", "html", "png",
-                             "strip", "memory", "verbose", "gate", "mirror"}));
+                             "strip", "memory", "verbose", "gate", "mirror", "contacts"}));
   declare(*command, batch_table(arguments));
   for (const char* terms : {"--with", "--without"}) command->get_option(terms)->allow_extra_args();
   return command;

@@ -20,6 +20,7 @@
 #include "retarget/options.h"
 #include "retarget/plan.h"
 #include "retarget/version.h"
+#include "run/folder_hash.h"
 #include "run/run_to_files.h"
 #include "run/sidecar.h"
 #include "shared_arguments.h"
@@ -123,7 +124,8 @@ Result<void> verify(const VerifyArguments& arguments, Console& console) {
   const std::string output = (beside / sidecar.output).string();
   std::error_code ignored;
   if (fs::exists(output, ignored)) {
-    TRY_ASSIGN(const std::string there, hash_file(output));
+    TRY_ASSIGN(const std::string there,
+               fs::is_directory(output, ignored) ? folder_hash(output, "") : hash_file(output));
     if (there != sidecar.hash) {
       return run_failure(output, "the file has changed since the sidecar was written");
     }

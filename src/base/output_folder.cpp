@@ -1,0 +1,140 @@
+#include "base/output_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "base/file.h"
+#include "base/try.h"
+
+namespace retarget {
+namespace {
+
+namespace fs = std::filesystem;
+
+Failure folder_failure(const std::string& path, int error_number) {
+  return run_failure(path,
+                     "cannot write the folder: " + std::generic_category().message(error_number));
+}
+
+// of the name that an old folder has while the new one takes its place
+constexpr int kAsideNumber = 1001;
+
+// a slash at the end names the same folder
+std::string plain_path(std::string path) {
+  while (path.size() > 1 && path.ends_with('/')) path.pop_back();
+  return path;
+}
+
+// on the disk before anything has its name
+Result<void> flush_folder(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return folder_failure(path, errno);
+  const int flushed = ::fsync(descriptor);
+  const int error_number = errno;
+  ::close(descriptor);
+  // file systems that cannot do it for folders have no say
+  if (flushed != 0 && error_number != EINVAL) return folder_failure(path, error_number);
+  return {};
+}
+
+}  // namespace
+
+Result<OutputFolder> OutputFolder::create(const std::string& given,
+                                          const std::vector<std::string>& own) {
+  OutputFolder folder;
+  folder.path_ = plain_path(given);
+  TRY(check_output_folder(folder.path_));
+  std::error_code error;
+  const fs::file_status there = fs::status(folder.path_, error);
+  if (fs::exists(there) && !fs::is_directory(there)) {
+    return usage_failure("the output \"" + folder.path_ + "\" is a file and should be a folder",
+                         "give another name");
+  }
+  if (fs::is_directory(there)) {
+    for (const fs::path& file : files_in_folder(folder.path_)) {
+      const std::string name = file.filename().string();
+      if (std::ranges::find(own, name) != own.end()) continue;
+      return usage_failure("the folder \"" + folder.path_ + "\" holds \"" + name +
+                               "\", which is no part of a motion and would be lost",
+                           "give another name, or an empty folder");
+    }
+  }
+  for (int number = 0;; ++number) {
+    const std::string name = temporary_path(folder.path_, number);
+    if (::mkdir(name.c_str(), 0777) == 0) {
+      folder.temporary_ = name;
+      return folder;
+    }
+    if (errno != EEXIST || number >= 1000) return folder_failure(folder.path_, errno);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  discard();
+}
+
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept {
+  *this = std::move(other);
+}
+
+OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
+  if (this == &other) return *this;
+  discard();
+  path_ = std::move(other.path_);
+  temporary_ = std::exchange(other.temporary_, {});
+  return *this;
+}
+
+void OutputFolder::discard() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+  temporary_.clear();
+}
+
+Result<void> OutputFolder::write(const std::string& name, std::string_view bytes) {
+  if (temporary_.empty()) return folder_failure(path_, EBADF);
+  auto written = write_file(temporary_ + "/" + name, bytes);
+  if (written) return {};
+  // nobody knows the temporary folder's name
+  written.error().location.file = path_ + "/" + name;
+  discard();
+  return written;
+}
+
+Result<void> OutputFolder::commit() {
+  if (temporary_.empty()) return folder_failure(path_, EBADF);
+  TRY(flush_folder(temporary_));
+  if (::rename(temporary_.c_str(), path_.c_str()) == 0) {
+    temporary_.clear();
+    return {};
+  }
+  if (errno != ENOTEMPTY && errno != EEXIST) return folder_failure(path_, errno);
+    // a folder is there: both change places, and the old one goes with the temporary name
+#ifdef RENAME_EXCHANGE
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
+    discard();
+    return {};
+  }
+#endif
+  // file systems that cannot exchange: there is a moment without either
+  const std::string aside = temporary_path(path_, kAsideNumber);
+  if (::rename(path_.c_str(), aside.c_str()) != 0) return folder_failure(path_, errno);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    const int error_number = errno;
+    [[maybe_unused]] const int back = ::rename(aside.c_str(), path_.c_str());
+    return folder_failure(path_, error_number);
+  }
+  temporary_ = aside;
+  discard();
+  return {};
+}
+
+}  // namespace retarget

@@ -1,0 +1,50 @@
+#include "base/torch_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "base/npz_writer.h"
+#include "base/torch_file.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(TorchWriterTest, WhatIsWrittenIsRead) {
+  const std::array<double, 6> numbers = {1.0, 2.0, 3.0, 4.0, 5.0, 6.5};
+  const std::array<std::uint8_t, 2> flags = {0, 7};
+  const auto write = [&] {
+    TorchWriter torch;
+    torch.integer("fps", 30);
+    torch.number("rate", 29.97);
+    torch.enum_member("state_conversion", "protomotions.simulator.base_simulator.simulator_state",
+                      "StateConversion", "common");
+    torch.tensor("pose", float32_array(numbers, {2, 3}));
+    torch.tensor("flags", bool_array(flags, {2}));
+    return torch.finish("motion");
+  };
+  const auto bytes = write();
+  ASSERT_TRUE(bytes) << describe(bytes.error());
+  EXPECT_EQ(*bytes, *write());
+  EXPECT_TRUE(is_torch_file(*bytes));
+  const auto file = TorchFile::open(*bytes, "file.pt");
+  ASSERT_TRUE(file) << describe(file.error());
+  const PickleDocument& document = file->document();
+  EXPECT_EQ(document.number(*document.find(document.root(), "fps")), 30.0);
+  EXPECT_EQ(document.number(*document.find(document.root(), "rate")), 29.97);
+  EXPECT_EQ(document.find(document.root(), "state_conversion")->text, "common");
+  const auto pose = file->read(*document.find(document.root(), "pose"), "pose");
+  ASSERT_TRUE(pose) << describe(pose.error());
+  EXPECT_THAT(pose->shape, ElementsAre(2, 3));
+  EXPECT_THAT(pose->numbers(), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0, 6.5));
+  const auto read = file->read(*document.find(document.root(), "flags"), "flags");
+  ASSERT_TRUE(read) << describe(read.error());
+  EXPECT_THAT(read->numbers(), ElementsAre(0.0, 1.0));
+}
+
+}  // namespace
+}  // namespace retarget
