@@ -35,7 +35,7 @@ struct DataFolder {
 };
 
 /// Reads a motion file, by its content: BVH; SMPL or SMPL-X as NPZ, as a file of PyTorch, as a
-/// pickle or as a single array (docs/smpl.md); FBX, glTF, VRM and MVNX (docs/scenes.md).
+/// pickle or as a single array (docs/smpl.md); places of joints in such files (docs/positions.md); FBX, glTF, VRM and MVNX (docs/scenes.md).
 ///
 /// Errors (kInput): errors in the file with line and column; a clip that needs more than
 /// `memory_gb`.

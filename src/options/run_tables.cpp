@@ -212,9 +212,8 @@ OptionTable save_table(SaveOptions& options) {
       option(
           "format", options.formats, kOutputGroup, "FORMAT,...",
           "csv (default), csv-soma, npz-mjlab, npz-beyondmimic, npz-holosoma, pkl-gmr, pkl-pbhc, "
-          "pkl-motion-lib, pkl-mimickit, protomotions, csv-sonic (a folder), glb (to "
-          "look at in Blender and web pages; default where the output ends in .glb); several go "
-          "to files named after the output, each with its own extension",
+          "pkl-motion-lib, pkl-mimickit, protomotions, csv-sonic (a folder), glb "
+          "(default where the output ends in .glb); several go to files named after the output",
           {.basic = true}),
       option("precision", options.precision, kOutputGroup, "N",
              "CSV: digits after the decimal point, 0 to 17", {.min = 0.0, .max = 17.0}),

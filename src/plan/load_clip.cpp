@@ -73,10 +73,16 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
   if (file.empty()) return names;
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20U;
   TRY_ASSIGN(const auto bytes, read_file(file, ErrorKind::kConfig, kMaxBytes));
+  constexpr const char* kHint = "one name a line, or a JSON list";
+  constexpr std::string_view kBom = "\xef\xbb\xbf";
   std::string_view text = bytes.view();
-  if (text.find_first_not_of(" \t\r\n") != std::string_view::npos &&
-      text[text.find_first_not_of(" \t\r\n")] == '[') {
+  if (text.starts_with(kBom)) text.remove_prefix(kBom.size());
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (text.starts_with('[') || text.starts_with('{')) {
     TRY_ASSIGN(const auto json, parse_json(text, file));
+    if (!json.is_array()) {
+      return config_failure(file, "expected a JSON list of joints' names, found an object", kHint);
+    }
     for (const auto& name : json) {
       if (!name.is_string()) {
         return config_failure(file, "expected a list of joints' names, found something else in it");
@@ -93,9 +99,12 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
       }
       if (!line.empty()) names.emplace_back(line);
     }
+    if (names.size() == 1 && names.front().find(',') != std::string::npos) {
+      return config_failure(file, "expected a name a line, found one line with commas", kHint);
+    }
   }
   if (!names.empty()) return names;
-  return config_failure(file, "the file names no joints", "one name a line, or a JSON list");
+  return config_failure(file, "the file names no joints", kHint);
 }
 
 Result<Clip> load_array_clip(std::string_view bytes, const std::string& name,

@@ -148,7 +148,8 @@ class PositionsFiles(ToolTest):
             "json.npy": (lambda f: numpy.save(f, places[:, ::-1]),
                          ("--joint-names", "names.json")),
         }
-        self.write("names.txt", "\n".join(SMPL[::-1]) + "\n")
+        # as Windows' editors write it
+        self.write("names.txt", "\ufeff" + "\r\n".join(SMPL[::-1]) + "\r\n")
         self.write("names.json", json.dumps(SMPL[::-1]))
         for name, (write, options) in files.items():
             with self.subTest(name):
@@ -208,6 +209,10 @@ class PositionsFiles(ToolTest):
         self.write("empty.txt", "\n\n")
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
                                         "empty.txt"), 4, "names no joints")
+        for text, words in (('{"a": 1}', "found an object"), ("a,b,c\n", "one line with commas")):
+            self.write("wrong.txt", text)
+            self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
+                                            "wrong.txt"), 4, words, "one name a line")
         self.write("bad.json", '["a", 3]')
         self.assert_fails(self.run_tool("odd.npy", "g1", "-o", "out.csv", "--joint-names",
                                         "bad.json"), 4, "found something else")

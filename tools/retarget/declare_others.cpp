@@ -12,7 +12,8 @@ namespace retarget::cli {
 CLI::App* add_inspect_command(CLI::App& app, InspectArguments& arguments) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a motion file contains");
   declare(*command, {word("file", arguments.run.run.motion, "FILE",
-                          "BVH, or SMPL as NPZ, .pt, .pkl, .npy; - reads standard input")});
+                          "BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as NPZ, .npy, .pt, "
+                          ".pkl; - reads standard input")});
   declare(*command, inspect_table(arguments));
   return command;
 }

@@ -13,10 +13,11 @@ void add_run_options(CLI::App& app, RunArguments& arguments) {
 }
 
 void add_run_words(CLI::App& app, RunArguments& arguments) {
-  declare(app,
-          {word("motion", arguments.words[0], "[MOTION]",
-                "Motion to retarget by its content: BVH, or SMPL as NPZ, .pt, .pkl, .npy", false),
-           word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
+  declare(app, {word("motion", arguments.words[0], "[MOTION]",
+                     "Motion to retarget: BVH, FBX, glTF, VRM, MVNX; SMPL or places of joints as "
+                     "NPZ, .npy, .pt, .pkl",
+                     false),
+                word("robot-name", arguments.words[1], "[ROBOT]", "The robot, as --robot", false)});
 }
 
 CLI::App* add_batch_command(CLI::App& app, BatchArguments& arguments) {
