@@ -63,6 +63,7 @@ struct FitStatus {
   double cost_before = 0.0, cost_after = 0.0;  ///< Sums over the frames, of all terms.
   /// Frames that the term `dynamics` left as they are, for what carries the robot there is not known.
   int distrusted_frames = 0;
+  bool dynamics_taken_back = false;  ///< It helped nothing: the steps were taken without it.
 };
 
 /// See FitStatus::converged.

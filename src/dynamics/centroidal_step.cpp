@@ -12,9 +12,17 @@ namespace {
 
 constexpr std::size_t kBlock = 6;
 constexpr std::size_t kBand = 3 * kBlock;     // the diagonal and what is left of it
-constexpr std::size_t kFixed = 2;             // frames at either end that stay
+constexpr std::size_t kFixed = 2;             // coefficients at either end that are 0
 constexpr double kRho = 1.0 / (0.02 * 0.02);  // per share of the weight that is missing, squared
-constexpr double kHold = 1e12;
+constexpr double kHold = 1e12;                // of those, in terms of the largest diagonal
+// of the weight; what is missing less than that pulls at nothing
+constexpr double kDeadZone = 0.01;
+
+// by how much the square of what is missing beyond the dead zone pulls less than the whole square
+double pull_share(const Vector6d& rest) {
+  const double norm = rest.norm();
+  return norm > kDeadZone ? 1.0 - kDeadZone / norm : 0.0;
+}
 
 }  // namespace
 
@@ -61,7 +69,8 @@ double CentroidalStep::evaluate(std::vector<CentroidalFrame>& frames,
         frame.needed + force_per_acceleration_.cwiseProduct(xdd) + coupling_[t] * x;
     rest_[t] = projector_.project(frame.cone, wrench);
     complement_[t] = projector_.complement();
-    cost += 0.5 * (kRho * frame.trust * rest_[t].squaredNorm() +
+    const double missing = std::max(0.0, rest_[t].norm() - kDeadZone);
+    cost += 0.5 * (kRho * frame.trust * missing * missing +
                    position_weight_.dot((x + frame.moved).cwiseAbs2()) +
                    acceleration_weight_.dot(xdd.cwiseAbs2()));
   }
@@ -77,7 +86,7 @@ void CentroidalStep::assemble(const std::vector<CentroidalFrame>& frames,
   for (std::size_t t = 1; t + 1 < frames.size(); ++t) {
     const Matrix6d side = per_second + coupling_[t] / 6.0;
     const Matrix6d middle = -2.0 * per_second + 4.0 * coupling_[t] / 6.0;
-    const double rho = kRho * frames[t].trust;
+    const double rho = kRho * frames[t].trust * pull_share(rest_[t]);
     // the complement is a projector but for the ridge
     const Matrix6d side_part = rho * complement_[t] * side;
     const Matrix6d middle_part = rho * complement_[t] * middle;
@@ -140,9 +149,11 @@ bool CentroidalStep::step(std::vector<Vector6d>& direction) {
     return band_.data() + static_cast<std::ptrdiff_t>(i * kBand + kBand - 1 - i);
   };
   const auto first = [](std::size_t i) { return i < kBand ? 0 : i - kBand + 1; };
+  double largest = 0.0;
+  for (std::size_t i = 0; i < size; ++i) largest = std::max(largest, row(i)[i]);
   for (std::size_t i = 0; i < held; ++i) {
-    row(i)[i] += kHold;
-    row(size - 1 - i)[size - 1 - i] += kHold;
+    row(i)[i] += kHold * largest;
+    row(size - 1 - i)[size - 1 - i] += kHold * largest;
   }
   std::vector<double>& y = right_;  // becomes the solution
   for (std::size_t i = 0; i < size; ++i) {

@@ -28,8 +28,9 @@ struct CentroidalScale {
 ///     min over b   rho/2 sum dist^2(w + [x_lin'' / g; (x_ang'' + x_lin x F) / (W l)], cone)
 ///                  + 1/2 sum |x + moved|^2 + |x''|^2, each weighted
 ///
-/// x cubic splines with coefficients b, so that x'' at the frames is b's second difference. Damped
-/// semismooth Newton on a banded system; the two frames at either end stay.
+/// x cubic splines with coefficients b, so that x'' at the frames is b's second difference; of dist
+/// what is below 1 % of the weight counts for nothing. Damped semismooth Newton on a banded system;
+/// the first and the last frame stay.
 class CentroidalStep {
  public:
   /// What contacts cannot supply of what is needed as it is; see unexplained().

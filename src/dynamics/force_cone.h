@@ -17,10 +17,9 @@ class ForceCone {
   static constexpr int kMaxPoints = 10;
   static constexpr int kMaxEdges = kEdges * kMaxPoints;
 
-  void clear() {
-    count_ = 0;
-    sides_.fill(BoundSide::kLower);
-  }
+  ForceCone() { sides_.fill(BoundSide::kLower); }
+  /// Takes all points away; where its last projection ended is kept as a beginning for the next.
+  void clear() { count_ = 0; }
   /// @param lever  from the point that torques are about, in the unit of length of the torques.
   void add_point(const Eigen::Vector3d& lever, double friction);
   [[nodiscard]] bool empty() const { return count_ == 0; }

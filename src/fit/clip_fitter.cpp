@@ -60,6 +60,9 @@ class WindowFitter {
     std::vector<Eigen::Vector2d> anchors;  // of phases that the window owns
     std::vector<double> damping, cost;
     std::vector<BoundSide> held;
+    std::vector<Eigen::Vector2d> anchor_pushes;
+    std::vector<std::vector<std::uint32_t>> pairs;
+    FitStatus status;
   };
 
   [[nodiscard]] Before state() const;
@@ -98,6 +101,7 @@ class WindowFitter {
   std::vector<BoundSide> held_;                    // by frame and dof: at which limit
   std::vector<Held> rows_;
   std::vector<StepTerm> steps_before_, steps_after_;  // of the frame's two steps, by dof
+  std::vector<double> applied_;                       // to a frame by a step, by dof
   double anchor_hold_ = 1.0;
   std::vector<Eigen::Vector2d> anchor_sums_;
   std::vector<Eigen::Vector2d> anchor_pushes_;
@@ -124,6 +128,7 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
       held_(pairs_.size() * at(dofs_), BoundSide::kFree),
       steps_before_(at(dofs_)),
       steps_after_(at(dofs_)),
+      applied_(at(dofs_)),
       anchor_sums_(clip.anchors.size(), Eigen::Vector2d::Zero()),
       anchor_pushes_(anchor_sums_),
       anchor_counts_(clip.anchors.size(), 0),
@@ -134,22 +139,24 @@ WindowFitter::WindowFitter(const FitModel& model, const FitOptions& options,
 }
 
 FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
+  constexpr double kWorse = 1.02, kNoise = 1e-3;  // of the weight
   const int first_with_dynamics =
       dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
                 : options_.iterations;
   bool go_on = steps(0, first_with_dynamics, keep_going);
   if (dynamics_ && go_on) {
     const Before before = state();
-    const double unexplained = dynamics_->measure(clip_);
+    const double unexplained = dynamics_->begin(clip_);
     with_dynamics_ = true;
     go_on = steps(first_with_dynamics, options_.iterations, keep_going);
     with_dynamics_ = false;
     status_.distrusted_frames = dynamics_->distrusted_frames();
-    if (go_on && dynamics_->measure(clip_) > unexplained) {
+    if (go_on && dynamics_->measure(clip_) > kWorse * unexplained + kNoise) {
       // it helped nothing: as if it had not been asked for
       restore(before);
       go_on = steps(first_with_dynamics, options_.iterations, keep_going);
-      status_.distrusted_frames = window_.end - window_.begin;
+      status_.distrusted_frames = 0;
+      status_.dynamics_taken_back = true;
     }
   }
   status_.converged = status_.predicted_decrease <= kFitTolerance;
@@ -177,7 +184,7 @@ WindowFitter::Before WindowFitter::state() const {
   const auto size = at(model_.configuration_size);
   const auto begin = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.begin) * size);
   const auto end = clip_.qpos.begin() + static_cast<std::ptrdiff_t>(at(window_.end) * size);
-  Before before{{begin, end}, {}, damping_, cost_, held_};
+  Before before{{begin, end}, {}, damping_, cost_, held_, anchor_pushes_, pairs_, status_};
   // others belong to windows that may run at the same time
   for (std::size_t i = 0; i < clip_.anchors.size(); ++i) {
     if (owns(static_cast<int>(i))) before.anchors.push_back(clip_.anchors[i]);
@@ -196,6 +203,9 @@ void WindowFitter::restore(const Before& before) {
   damping_ = before.damping;
   cost_ = before.cost;
   held_ = before.held;
+  anchor_pushes_ = before.anchor_pushes;
+  pairs_ = before.pairs;
+  status_ = before.status;
 }
 
 bool WindowFitter::owns(int phase) const {
@@ -346,12 +356,15 @@ void WindowFitter::release_limits() {
 
 void WindowFitter::apply(int frame) {
   const auto x = chain_.solution(local(frame));
-  if (with_dynamics_) dynamics_->moved(frame, x);
   const auto qpos = clip_.frame(frame, model_.configuration_size);
-  for (int k = 0; k < 3; ++k) qpos[at(k)] += std::clamp(x[at(k)], -kMaxMove, kMaxMove);
+  for (int k = 0; k < 3; ++k) {
+    applied_[at(k)] = std::clamp(x[at(k)], -kMaxMove, kMaxMove);
+    qpos[at(k)] += applied_[at(k)];
+  }
   Vector3d turn(x[3], x[4], x[5]);
   const double angle = turn.norm();
   if (angle > kMaxTurn) turn *= kMaxTurn / angle;
+  for (int k = 0; k < 3; ++k) applied_[at(3 + k)] = turn[k];
   const Quaterniond rotation =
       (Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]) * exp_so3(turn)).normalized();
   qpos[3] = rotation.w();
@@ -359,11 +372,15 @@ void WindowFitter::apply(int frame) {
   qpos[5] = rotation.y();
   qpos[6] = rotation.z();
   for (int i = kBase; i < dofs_; ++i) {
+    applied_[at(i)] = 0.0;
     if (is_held(frame, i)) continue;
     double& value = qpos[at(model_.tree.links()[at(i - kBase + 1)].qpos_address)];
+    const double before = value;
     value += std::clamp(x[at(i)], -kMaxTurn, kMaxTurn);
     held(frame, i) = clamp_to_bounds(value, model_.lower[at(i)], model_.upper[at(i)]);
+    applied_[at(i)] = value - before;
   }
+  if (with_dynamics_) dynamics_->moved(frame, applied_);
 }
 
 void WindowFitter::add_to_anchors(int frame) {

@@ -15,6 +15,7 @@
 #include "base/number_text.h"
 #include "base/try.h"
 #include "fit/clip_fitter.h"
+#include "fit/fit_dynamics.h"
 #include "fit/fit_model.h"
 #include "fit/fit_windows.h"
 #include "fit/foot_plan.h"
@@ -80,7 +81,6 @@ LimitSet first_limits(const Robot& robot, const LimitSet& limits) {
 // G1's; of one half as large, whose limbs move half as far for the same angles, they count twice.
 // Contacts, floor and overlaps, whose amounts matter in metres, never count less.
 FitOptions sized_options(FitOptions options, double leg) {
-  constexpr double kUsualLeg = 0.632;  // metres
   const double size = kUsualLeg / leg;
   TrackingWeights& w = options.weights;
   for (double* weight :
@@ -163,6 +163,19 @@ void note_missing_feet(const Robot& robot, const SourceSides& sides, FitReport& 
   }
 }
 
+// why the term `dynamics` does less than it could
+void note_dynamics(const FitOptions& options, const FitModel& model, double fps,
+                   FitReport& report) {
+  constexpr double kMadeFor = 60.0;  // frames per second
+  if (!options.dynamics) return;
+  if (!FitDynamics::possible(model)) {
+    report.notes.emplace_back("no dynamics: the robot has no mass, or no foot to stand on");
+  } else if (fps > kMadeFor) {
+    report.notes.emplace_back(
+        "dynamics: made for up to 60 frames a second; at higher rates the motion becomes rougher");
+  }
+}
+
 // @return whether all targets are numbers that can be computed with
 bool Fit::read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made) {
   constexpr double kTooLarge = 1e50;  // metres
@@ -238,6 +251,16 @@ std::string not_converged(const FitStatus& window) {
       frames, number_text(100.0 * window.predicted_decrease, 1));
 }
 
+// where the stage was taken back
+void note_taken_back(const std::vector<FitStatus>& parts, FitReport& report) {
+  for (const FitStatus& part : parts) {
+    if (!part.dynamics_taken_back) continue;
+    report.notes.push_back(
+        fmt::format("dynamics: it helped nothing in frames {} to {}, which are as without it",
+                    part.begin, part.end - 1));
+  }
+}
+
 void note_distrust(FitReport& report) {
   constexpr double kWorthTelling = 0.02;
   const FitStatus& all = report.status;
@@ -272,6 +295,7 @@ void report_status(std::vector<FitStatus> parts, const std::vector<TermCosts>& b
     counted = part.end;
     all.distrusted_frames += part.distrusted_frames;
   }
+  note_taken_back(parts, report);
   note_distrust(report);
   const auto worst = std::ranges::max_element(parts, {}, &FitStatus::predicted_decrease);
   if (!all.converged) report.notes.push_back(not_converged(*worst));
@@ -388,6 +412,7 @@ Result<FitResult> Fit::run() {
   if (limbs) model_.leg = limbs->lengths.leg;
   FitReport& report = result.report;
   note_missing_feet(*robot_, sides_, report);
+  note_dynamics(options_, model_, info.rate.fps(), report);
   if (model_.shapes.empty()) {
     report.notes.emplace_back("the robot has no collision shapes: no self-collision");
   }

@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLength = 0.3;      // m: torques per weight and this length, of a G1
-constexpr double kUsualLeg = 0.632;  // m
 constexpr double kUsualMass = 35.0;  // kg
 
 MotionState state_of(const FitModel& model, std::vector<double> qpos) {
@@ -20,6 +19,27 @@ MotionState state_of(const FitModel& model, std::vector<double> qpos) {
   state.velocity.assign(at(model.dof_count()), 0.0);
   state.acceleration = state.velocity;
   return state;
+}
+
+// by frame: the mean of those at most `reach` away
+template <typename T>
+std::vector<T> means_around(const std::vector<T>& values, int reach, T sum) {
+  const auto count = static_cast<int>(values.size());
+  std::vector<T> means;
+  means.reserve(values.size());
+  int frames = 0;
+  for (int t = -reach; t < count; ++t) {
+    if (t + reach < count) {
+      sum += values[at(t + reach)];
+      ++frames;
+    }
+    if (t - reach - 1 >= 0) {
+      sum -= values[at(t - reach - 1)];
+      --frames;
+    }
+    if (t >= 0) means.push_back(sum / static_cast<double>(frames));
+  }
+  return means;
 }
 
 }  // namespace
@@ -44,10 +64,29 @@ FitDynamics::FitDynamics(const FitModel& model, const FitOptions& options, const
       share_(at(count_), 1.0),
       spin_rows_(3, count_ * model.dof_count()) {}
 
+double FitDynamics::begin(const FitClip& clip) {
+  read_frames(clip);
+  find_trust();
+  begun_ = true;
+  return missing_share();
+}
+
+double FitDynamics::measure(const FitClip& clip) {
+  read_frames(clip);
+  return missing_share();
+}
+
+double FitDynamics::missing_share() const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    sum += frames_[t].trust * std::min(1.0, step_.unexplained()[t].norm());
+  }
+  return sum / count_;
+}
+
 void FitDynamics::plan(const FitClip& clip) {
   constexpr int kFirstSteps = 4, kLaterSteps = 2;  // of the centroidal step
-  read_frames(clip);
-  if (!planned_) find_trust();
+  if (planned_) read_frames(clip);
   std::vector<Vector6d> moves = step_.solve(frames_, scale_, planned_ ? kLaterSteps : kFirstSteps);
   restrain(moves);
   for (int t = 0; t < count_; ++t) {
@@ -57,13 +96,6 @@ void FitDynamics::plan(const FitClip& clip) {
   planned_ = true;
 }
 
-double FitDynamics::measure(const FitClip& clip) {
-  read_frames(clip);
-  double sum = 0.0;
-  for (const Vector6d& missing : step_.unexplained()) sum += std::min(1.0, missing.norm());
-  return sum / count_;
-}
-
 int FitDynamics::distrusted_frames() const {
   return static_cast<int>(std::ranges::count_if(
       frames_, [](const CentroidalFrame& frame) { return frame.trust <= 0.0; }));
@@ -71,8 +103,9 @@ int FitDynamics::distrusted_frames() const {
 
 // the clip's wrenches, contacts and what they leave
 void FitDynamics::read_frames(const FitClip& clip) {
-  constexpr int kContext = 10;  // frames beside fixed ends
-  const int beside = window_.fixed_ends ? kContext : 0;
+  // no farther than smoothing looks: frames beyond may be another seam's
+  constexpr int kContext = 10;
+  const int beside = window_.fixed_ends ? std::min(kContext, window_.context) : 0;
   const int first = std::max(window_.begin - beside, 0);
   const int last = std::min(window_.end + beside, clip.frame_count);
   const auto size = at(model_.configuration_size);
@@ -87,7 +120,7 @@ void FitDynamics::read_frames(const FitClip& clip) {
     spline.sample(at_end ? index - 1 : index, at_end ? 1.0 : 0.0, state);
     read_frame(state, t, clip);
   }
-  if (!planned_) {
+  if (!begun_) {
     first_com_ = com_;
     lend_contacts();
   }
@@ -103,7 +136,7 @@ void FitDynamics::read_frame(const MotionState& state, int t, const FitClip& cli
   frame.needed.head<3>() = inverse_.needed().force / weight;
   frame.needed.tail<3>() = inverse_.needed().torque / (weight * scale_.length);
   com_[at(t)] = inverse_.com();
-  if (!planned_) {
+  if (!begun_) {
     find_contacts(t, clip, contacts_[at(t)]);
     frame.moved.setZero();
   } else {
@@ -171,17 +204,20 @@ void FitDynamics::add_bodies(double height, double speed,
   }
 }
 
-// a frame without contacts between two steps has its neighbours'
+// What may be pushed against in a frame may be a thirtieth of a second before and after, as in the
+// metric: contacts begin and end between frames. Frames without any have the nearest ones.
 void FitDynamics::lend_contacts() {
-  std::vector<char> empty(at(count_));
-  for (int t = 0; t < count_; ++t) empty[at(t)] = contacts_[at(t)].empty() ? 1 : 0;
+  const int reach = frames_within(1.0 / 30.0);
+  std::vector<char> empty;
+  for (const auto& contacts : contacts_) empty.push_back(contacts.empty() ? 1 : 0);
   for (int t = 0; t < count_; ++t) {
-    if (empty[at(t)] == 0) continue;
-    for (const int beside : {t - 1, t + 1}) {
-      if (beside < 0 || beside >= count_ || empty[at(beside)] != 0) continue;
-      if (!contacts_[at(t)].empty()) break;
-      contacts_[at(t)] = contacts_[at(beside)];
-      contact_places_[at(t)] = contact_places_[at(beside)];
+    for (int away = 1; away <= reach && contacts_[at(t)].empty(); ++away) {
+      for (const int beside : {t - away, t + away}) {
+        if (beside < 0 || beside >= count_ || empty[at(beside)] != 0) continue;
+        if (!contacts_[at(t)].empty()) continue;
+        contacts_[at(t)] = contacts_[at(beside)];
+        contact_places_[at(t)] = contact_places_[at(beside)];
+      }
     }
   }
 }
@@ -199,66 +235,39 @@ void FitDynamics::fill_cone(int t) {
 void FitDynamics::find_trust() {
   constexpr double kReach = 0.3;                   // s
   constexpr double kDoubtful = 0.1, kWrong = 0.3;  // of the weight, on the mean
-  const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
-  Vector6d sum = Vector6d::Zero();
-  int frames = 0;
-  for (int t = -reach; t < count_; ++t) {
-    if (t + reach < count_) {
-      sum += step_.unexplained()[at(t + reach)];
-      ++frames;
-    }
-    if (t - reach - 1 >= 0) {
-      sum -= step_.unexplained()[at(t - reach - 1)];
-      --frames;
-    }
-    if (t < 0) continue;
-    const double missing = sum.norm() / frames;
-    frames_[at(t)].trust = std::clamp((kWrong - missing) / (kWrong - kDoubtful), 0.0, 1.0);
+  const std::vector<Vector6d> mean =
+      means_around(step_.unexplained(), frames_within(kReach), Vector6d(Vector6d::Zero()));
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    frames_[t].trust = std::clamp((kWrong - mean[t].norm()) / (kWrong - kDoubtful), 0.0, 1.0);
   }
+}
+
+int FitDynamics::frames_within(double seconds) const {
+  return std::max(1, static_cast<int>(std::lround(seconds / scale_.frame_time)));
 }
 
 // Where the last step left more unexplained than there was, the next one is shorter: what moves fast
 // would diverge.
 void FitDynamics::restrain(std::vector<Vector6d>& moves) {
-  constexpr double kWorse = 1.02, kNoise = 1e-4, kShorter = 0.4, kReach = 0.3;  // s
-  const int reach = std::max(1, static_cast<int>(std::lround(kReach / scale_.frame_time)));
+  constexpr double kWorse = 1.02, kNoise = 1e-5, kShorter = 0.4, kReach = 0.3;  // s
   std::vector<double> now;
-  for (std::size_t t = 0; t < share_.size(); ++t) {
-    now.push_back(frames_[t].trust * step_.unexplained()[t].norm());
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    now.push_back(std::min(1.0, frames_[t].trust * step_.unexplained()[t].norm()));
   }
   if (planned_) {
-    std::vector<double> shorter(share_.size(), 1.0);
-    double before = 0.0, after = 0.0;
-    for (int t = -reach; t < count_; ++t) {
-      if (t + reach < count_) {
-        before += std::min(1.0, rest_before_[at(t + reach)]);
-        after += std::min(1.0, now[at(t + reach)]);
-      }
-      if (t - reach - 1 >= 0) {
-        before -= std::min(1.0, rest_before_[at(t - reach - 1)]);
-        after -= std::min(1.0, now[at(t - reach - 1)]);
-      }
-      if (t >= 0 && after > kWorse * before + kNoise) shorter[at(t)] = kShorter;
+    const int reach = frames_within(kReach);
+    const std::vector<double> before = means_around(rest_before_, reach, 0.0);
+    const std::vector<double> after = means_around(now, reach, 0.0);
+    std::vector<double> share(now.size(), 1.0);
+    for (std::size_t t = 0; t < now.size(); ++t) {
+      if (after[t] > kWorse * before[t] + kNoise) share[t] = kShorter;
     }
     // even over the same time, so that the cut makes no jump of its own
-    double sum = 0.0;
-    int frames = 0;
-    std::vector<double> smooth(share_.size(), 1.0);
-    for (int t = -reach; t < count_; ++t) {
-      if (t + reach < count_) {
-        sum += shorter[at(t + reach)];
-        ++frames;
-      }
-      if (t - reach - 1 >= 0) {
-        sum -= shorter[at(t - reach - 1)];
-        --frames;
-      }
-      if (t >= 0) smooth[at(t)] = sum / frames;
-    }
-    for (int t = 0; t < count_; ++t) share_[at(t)] *= smooth[at(t)];
+    share = means_around(share, reach, 0.0);
+    for (std::size_t t = 0; t < now.size(); ++t) share_[t] *= share[t];
   }
   rest_before_ = now;
-  for (int t = 0; t < count_; ++t) moves[at(t)] *= share_[at(t)];
+  for (std::size_t t = 0; t < moves.size(); ++t) moves[t] *= share_[t];
 }
 
 double FitDynamics::add_rows(int frame, const TreeState& pose, double* gradient, double* hessian,

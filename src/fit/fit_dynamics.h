@@ -28,8 +28,11 @@ class FitDynamics {
     return model.inertias.mass > 0.0 && !model.feet.empty();
   }
 
-  /// What contacts cannot supply of what the clip needs as it is now: mean over the frames, each at
-  /// most one weight.
+  /// Finds contacts, and where these are to be trusted. Before all else.
+  /// @return measure(clip)
+  double begin(const FitClip& clip);
+  /// What contacts cannot supply of what the clip needs as it is now, in weights: mean over the
+  /// frames, each at most 1 and as far as its contacts are trusted.
   double measure(const FitClip& clip);
   /// Frames that stay as they are: their contacts are not known.
   [[nodiscard]] int distrusted_frames() const;
@@ -44,6 +47,8 @@ class FitDynamics {
 
  private:
   void read_frames(const FitClip& clip);
+  [[nodiscard]] double missing_share() const;
+  [[nodiscard]] int frames_within(double seconds) const;
   void read_frame(const MotionState& state, int t, const FitClip& clip);
   void find_contacts(int t, const FitClip& clip, std::vector<SupportPoint>& contacts);
   void add_feet(int t, const FitClip& clip, double height, double speed,
@@ -71,7 +76,7 @@ class FitDynamics {
   std::vector<Vector6d> goals_;  // centre of mass, world; turn still to be made
   std::vector<double> rest_before_, share_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> spin_rows_;  // of all frames side by side
-  bool planned_ = false;
+  bool begun_ = false, planned_ = false;
   std::vector<Eigen::Vector3d> places_;
   std::vector<int> chosen_;
 };

@@ -18,6 +18,9 @@
 
 namespace retarget {
 
+/// Hip to knee to ankle of a G1, metres: weights per metre are those of a robot of that size.
+inline constexpr double kUsualLeg = 0.632;
+
 /// A robot body that follows a target.
 struct FitTask {
   int link = 0;
@@ -95,7 +98,7 @@ struct FitModel {
   std::vector<BoundingSphere> link_spheres;  ///< By link.
   int configuration_size = 0;
   Inertias inertias;
-  double leg = 0.632;  ///< Hip to knee to ankle, metres; the G1's where it is not known.
+  double leg = kUsualLeg;  ///< Hip to knee to ankle, metres; the G1's where it is not known.
 
   [[nodiscard]] int dof_count() const { return tree.dof_count(); }
 };

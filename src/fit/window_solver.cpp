@@ -55,7 +55,7 @@ void WindowSolver::solve(const FitWindow& window, FitStatus& status) {
   status = fit_window(model_, options_, window, clip_, [&] {
     const auto done = static_cast<double>(done_.fetch_add(window.end - window.begin));
     if (caller_ == std::this_thread::get_id() && keep_going_ &&
-        !keep_going_(done / static_cast<double>(all_))) {
+        !keep_going_(std::min(1.0, done / static_cast<double>(all_)))) {
       tasks_.stop();
     }
     return !tasks_.stopped();

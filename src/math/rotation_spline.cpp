@@ -61,6 +61,12 @@ RotationSpline::RotationSpline(std::span<const Eigen::Quaterniond> rotations)
   if (steps_.empty()) return;
   velocities_ = steps_;
   velocities_.push_back(steps_.back());
+  if (steps_.size() > 1) {
+    // of the parabola through the three samples at an end
+    const std::size_t last = steps_.size() - 1;
+    velocities_.front() = 1.5 * steps_[0] - 0.5 * steps_[1];
+    velocities_.back() = 1.5 * steps_[last] - 0.5 * steps_[last - 1];
+  }
   solve();
 }
 

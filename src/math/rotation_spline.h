@@ -20,7 +20,8 @@ struct RotationState {
 /// angular velocities at the samples are such that accelerations meet there. That is a block
 /// tridiagonal system with a small term that depends on the solution, iterated (N. Mayorov,
 /// "Spline interpolation of rotations", 2019). About a fixed axis it is the cubic spline of the
-/// angle. At both ends the angular velocity is that of the step beside it.
+/// angle. At both ends the angular velocity is that of the parabola through the three samples there,
+/// so that a constant angular acceleration about one axis is kept exactly.
 ///
 /// math/spline.h's rotations are continuous in velocity only where the axis changes; they cost less.
 class RotationSpline {

@@ -82,15 +82,31 @@ TEST_F(FitDynamicsTest, AWalkBecomesPossible) {
   EXPECT_LT(contact(with), contact(without) + 1.0);
 }
 
-TEST_F(FitDynamicsTest, WindowsAndThreadsDoNotChangeTheResult) {
+// short windows, too, whose seams have little between them
+TEST_F(FitDynamicsTest, ThreadsDoNotChangeTheResult) {
   const Clip walk = sample("walk.bvh", 60, 240);
+  for (const double window : {2.0, 0.3}) {
+    FitOptions options = with_dynamics();
+    options.window = window;
+    options.threads = 1;
+    const RobotClip one = fitted(walk, options).clip;
+    for (const int threads : {2, 8}) {
+      options.threads = threads;
+      EXPECT_EQ(largest_difference(one, fitted(walk, options).clip), 0.0) << window;
+    }
+  }
+}
+
+// the stage has nothing to do: what it does not help is as without it, to the last bit
+TEST_F(FitDynamicsTest, WhatItDoesNotHelpIsAsWithoutIt) {
+  const Clip squat = sample("squat.bvh", 0, 60);
   FitOptions options = with_dynamics();
-  options.window = 2.0;
-  options.seam = 0.5;
-  options.threads = 1;
-  const RobotClip one = fitted(walk, options).clip;
-  options.threads = 3;
-  EXPECT_EQ(largest_difference(one, fitted(walk, options).clip), 0.0);
+  options.com_weight = options.spin_weight = 1e5;  // a robot that is torn apart
+  options.support_friction = 0.0;                  // on ice
+  const FitResult with = fitted(squat, options);
+  ASSERT_TRUE(with.report.windows.front().dynamics_taken_back);
+  EXPECT_EQ(largest_difference(fitted(squat, {}).clip, with.clip), 0.0);
+  EXPECT_EQ(with.report.status.steps, options.iterations);
 }
 
 // it stands in the air: nothing that is known carries it, and it stays as it is

@@ -84,6 +84,20 @@ TEST(RotationSplineOfMotions, IsTheCubicSplineOfTheAngleAboutOneAxis) {
   }
 }
 
+TEST(RotationSplineOfMotions, KeepsAConstantAngularAccelerationToItsEnds) {
+  const Vector3d axis = Vector3d(2, -1, 2) / 3.0;
+  std::vector<Quaterniond> rotations;
+  for (int i = 0; i < 8; ++i) rotations.push_back(exp_so3(0.02 * i * i * axis));
+  const RotationSpline spline(rotations);
+  for (int i = 0; i + 1 < 8; ++i) {
+    for (const double s : {0.0, 0.4, 1.0}) {
+      const RotationState at = spline.at(i, s);
+      EXPECT_LT((at.velocity - 0.04 * (i + s) * axis).norm(), 1e-12);
+      EXPECT_LT((at.acceleration - 0.04 * axis).norm(), 1e-11);
+    }
+  }
+}
+
 TEST(RotationSplineOfMotions, OneAndTwoSamples) {
   const RotationSpline one(std::vector<Quaterniond>{Quaterniond(0, 1, 0, 0)});
   EXPECT_EQ(one.at(0, 0.5).velocity.norm(), 0.0);
