@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/little_endian.h"
+#include "base/try.h"
+#include "base/utf8.h"
 
 namespace retarget {
 namespace {
@@ -15,6 +17,23 @@ NpyArray array_of(NpyKind kind, std::size_t item_size, std::vector<std::size_t> 
   array.item_size = item_size;
   array.shape = std::move(shape);
   return array;
+}
+
+std::u32string characters_of(const std::string& text) {
+  const std::string valid = valid_utf8(text);
+  std::u32string characters;
+  for (std::size_t at = 0; at < valid.size();) {
+    // at least one byte, as nothing else is in a valid text
+    const std::size_t length = std::max<std::size_t>(1, utf8_length(valid, at));
+    const auto first = static_cast<unsigned char>(valid[at]);
+    char32_t character = length == 1 ? first : first & (0xFFU >> (length + 1));
+    for (std::size_t i = 1; i < length; ++i) {
+      character = character << 6 | (static_cast<unsigned char>(valid[at + i]) & 0x3FU);
+    }
+    characters += character;
+    at += length;
+  }
+  return characters;
 }
 
 }  // namespace
@@ -52,16 +71,18 @@ NpyArray int64_array(std::span<const std::int64_t> values, std::vector<std::size
 }
 
 NpyArray text_array(std::span<const std::string> texts, bool scalar) {
+  std::vector<std::u32string> characters;
   std::size_t longest = 1;
-  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  for (const std::string& text : texts) {
+    characters.push_back(characters_of(text));
+    longest = std::max(longest, characters.back().size());
+  }
   std::vector<std::size_t> shape;
   if (!scalar) shape.push_back(texts.size());
   NpyArray array = array_of(NpyKind::kText, 4 * longest, std::move(shape));
-  for (const std::string& text : texts) {
-    for (std::size_t i = 0; i < longest; ++i) {
-      append_little_endian(array.data, i < text.size() ? static_cast<unsigned char>(text[i]) : 0,
-                           4);
-    }
+  for (std::u32string& text : characters) {
+    text.resize(longest, 0);
+    for (const char32_t character : text) append_little_endian(array.data, character, 4);
   }
   return array;
 }
@@ -77,7 +98,7 @@ std::string npy_type_text(const NpyArray& array) {
   return (has_order ? "<" : "|") + std::string(1, letter) + std::to_string(array.item_size);
 }
 
-std::string format_npy(const NpyArray& array) {
+std::string format_npy_header(const NpyArray& array) {
   constexpr std::size_t kBeforeHeader = 10;
   constexpr std::size_t kAlignment = 64;
   std::string header = "{'descr': '" + npy_type_text(array) + "', 'fortran_order': False, " +
@@ -86,7 +107,11 @@ std::string format_npy(const NpyArray& array) {
   header += '\n';
   std::string bytes("\x93NUMPY\x01\x00", 8);
   append_little_endian(bytes, header.size(), 2);
-  return bytes + header + array.data;
+  return bytes + header;
+}
+
+std::string format_npy(const NpyArray& array) {
+  return format_npy_header(array) + array.data;
 }
 
 void NpzWriter::add(std::string_view name, const NpyArray& array) {
@@ -95,6 +120,24 @@ void NpzWriter::add(std::string_view name, const NpyArray& array) {
 
 Result<std::string> NpzWriter::finish() {
   return zip_.finish();
+}
+
+Result<void> NpzStream::add(std::string_view name, const NpyArray& array) {
+  ZipChecksum elements;
+  elements.add(array.data);
+  TRY(begin(name, array, elements));
+  TRY(write(array.data));
+  return end();
+}
+
+Result<void> NpzStream::begin(std::string_view name, const NpyArray& array,
+                              const ZipChecksum& elements) {
+  const std::string header = format_npy_header(array);
+  ZipChecksum content;
+  content.add(header);
+  content.append(elements);
+  TRY(zip_.begin(std::string(name) + ".npy", content));
+  return zip_.write(header);
 }
 
 }  // namespace retarget

@@ -65,6 +65,9 @@ OptionTable batch_table(BatchRequest& request, double& memory_gb) {
       batch_row("motion-list", request.motion_list, kOutputGroup, "",
                 "Write motions.yaml, which lists the pickles or .motion files of all clips with "
                 "weights, for TWIST2, GMT, MimicKit and ProtoMotions"),
+      batch_row("pack", request.pack, kOutputGroup, "NAME.npz",
+                "Also write one NPZ of all motions that passed, one after the other, with names, "
+                "starts and lengths of the clips (docs/formats.md)"),
       batch_row("shard", request.shard, kBatchGroup, "I/N",
                 "Do one of N parts of about the same length, I from 1 to N, with its own "
                 "manifest")};

@@ -38,6 +38,7 @@ Result<std::vector<std::string>> outputs_of(const BatchInput& input, const Batch
 class OutputTree {
  public:
   explicit OutputTree(const BatchRequest& request) : request_(request) {
+    if (!request.pack.empty()) files_[request.pack] = {};
     // with several robots clips have folders of their own
     if (request.robots.size() > 1) return;
     for (const char* own : kOwnFiles) files_[own] = {};
@@ -114,6 +115,7 @@ Result<void> check_outputs_spared(const std::vector<BatchInput>& inputs,
     TRY(written.check_spared(folder + own));
   }
   for (const BatchRobot& robot : robots) {
+    if (!request.pack.empty()) TRY(written.check_spared(folder + robot.folder + request.pack));
     for (const BatchInput& input : inputs) {
       TRY_ASSIGN(const auto files, outputs_of(input, request, folder + robot.folder));
       for (const std::string& file : files) TRY(written.check_spared(file));

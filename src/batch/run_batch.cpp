@@ -26,6 +26,7 @@
 #include "batch/manifests.h"
 #include "batch/motion_list.h"
 #include "batch/output_tree.h"
+#include "batch/pack_motions.h"
 #include "batch/progress.h"
 #include "batch/resume.h"
 #include "batch/shard.h"
@@ -77,6 +78,10 @@ Result<void> check_request(const BatchRequest& request) {
   if (request.contacts) options.save.contacts = contacts_output("*");
   TRY(check_options(options));
   if (request.motion_list) TRY(check_motion_list(save));
+  if (!request.pack.empty()) {
+    TRY(check_pack_name(request.pack));
+    TRY(check_pack_format(save));
+  }
   RobotChoice robot = request.run.robot;
   if (!request.robots.empty()) robot.name = request.robots.front();
   TRY(check_robot_choice(robot));
@@ -387,6 +392,9 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
   if (failed && request.motion_list && shard.count == 1) {
     TRY(write_motion_lists(folder, observer));
   }
+  if (failed && !request.pack.empty() && shard.count == 1) {
+    TRY(pack_motions(folder, request, observer));
+  }
   return failed;
 }
 
@@ -396,10 +404,12 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
   if (!fs::is_directory(folder, error)) {
     return usage_failure("\"" + folder + "\" is not the output folder of a batch");
   }
+  if (!request.pack.empty()) TRY(check_pack_name(request.pack));
   TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
   TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
   auto failed = merge_manifests(folder, request.inputs, rules, observer);
   if (failed && request.motion_list) TRY(write_motion_lists(folder, observer));
+  if (failed && !request.pack.empty()) TRY(pack_motions(folder, request, observer));
   return failed;
 }
 

@@ -32,9 +32,10 @@ struct BatchRequest {
   std::string clips;                 ///< Table of parts of the files (clip_table.h); empty: none.
   bool mirror = false;               ///< Every clip's mirror image as well.
   bool dedupe = false;               ///< Leave out clips that show what another shows.
-  std::string split;  ///< `RATIO:SEED` (split.h); empty: not for training and validation.
-  bool contacts = false;             ///< Write CLIP.contacts.csv beside each motion.
-  bool motion_list = false;          ///< Write motions.yaml.
+  std::string split;         ///< `RATIO:SEED` (split.h); empty: not for training and validation.
+  bool contacts = false;     ///< Write CLIP.contacts.csv beside each motion.
+  bool motion_list = false;  ///< Write motions.yaml.
+  std::string pack;          ///< Name of the NPZ of all motions that passed; empty: none.
 
   /// Recorded of clips that failed; as of a process that does one clip alone.
   std::function<int(ErrorKind)> exit_code;

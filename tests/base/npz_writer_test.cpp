@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/npz.h"
+#include "base/zip.h"
 
 namespace retarget {
 namespace {
@@ -33,6 +36,83 @@ TEST(NpzWriterTest, RoundTrips) {
   EXPECT_THAT(npz->read("counts")->numbers(), ElementsAre(-1, 50));
   EXPECT_THAT(npz->read("names")->texts(), ElementsAre("left", "a"));
   EXPECT_TRUE(npz->read("one")->shape.empty());
+}
+
+TEST(NpzWriterTest, StreamsGiveTheSameBytes) {
+  const std::vector<double> values = {1.5, -2.0, 3.0, 0.1, 5.0, 6.0};
+  const std::vector<std::string> names = {"gehen/\xC3\xA4", "\xE8\xB7\x91\xF0\x9F\x98\x80"};
+  NpyArray array = float64_array(values, {3, 2});
+  NpzWriter writer;
+  writer.add("doubles", array);
+  writer.add("names", text_array(names));
+  const auto whole = writer.finish();
+  ASSERT_TRUE(whole);
+
+  std::string bytes;
+  NpzStream stream([&bytes](std::string_view more) -> Result<void> {
+    bytes += more;
+    return {};
+  });
+  const std::string data = std::exchange(array.data, {});
+  ZipChecksum first, elements;
+  first.add(data.substr(16));
+  elements.add(data.substr(0, 16));
+  elements.append(first);
+  ASSERT_TRUE(stream.begin("doubles", array, elements));
+  ASSERT_TRUE(stream.write(data.substr(0, 16)));
+  ASSERT_TRUE(stream.write(data.substr(16)));
+  ASSERT_TRUE(stream.end());
+  ASSERT_TRUE(stream.add("names", text_array(names)));
+  ASSERT_TRUE(stream.finish());
+  EXPECT_EQ(bytes, *whole);
+  const auto npz = NpzFile::open(bytes, "x.npz");
+  ASSERT_TRUE(npz) << describe(npz.error());
+  EXPECT_EQ(npz->read("names")->texts(), names);
+}
+
+TEST(NpzWriterTest, StreamsSayWhatChanged) {
+  NpzStream stream([](std::string_view) -> Result<void> { return {}; });
+  const std::vector<double> values = {1.5, -2.0};
+  NpyArray array = float64_array(values, {2});
+  ZipChecksum elements;
+  elements.add(array.data);
+  ASSERT_TRUE(stream.begin("doubles", array, elements));
+  ASSERT_TRUE(stream.write(array.data.substr(1)));
+  const auto ended = stream.end();
+  ASSERT_FALSE(ended);
+  EXPECT_NE(ended.error().message.find("doubles.npy"), std::string::npos);
+}
+
+TEST(NpzWriterTest, Zip64IsRead) {
+  std::string bytes;
+  // as if a plain field held less than 100
+  ZipStream stream(
+      [&bytes](std::string_view more) -> Result<void> {
+        bytes += more;
+        return {};
+      },
+      100);
+  const std::string large(300, 'x'), small(3, 'y');
+  for (const std::string* content : {&small, &large, &small}) {
+    ZipChecksum checksum;
+    checksum.add(*content);
+    ASSERT_TRUE(stream.begin(std::to_string(bytes.size()), checksum));
+    ASSERT_TRUE(stream.write(*content));
+    ASSERT_TRUE(stream.end());
+  }
+  ASSERT_TRUE(stream.finish());
+  EXPECT_NE(bytes.find("PK\x06\x06"), std::string::npos);
+  const auto archive = ZipArchive::open(bytes);
+  ASSERT_TRUE(archive) << describe(archive.error());
+  ASSERT_EQ(archive->entries().size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string& content = i == 1 ? large : small;
+    EXPECT_EQ(archive->entries()[i].size, content.size());
+    auto reader = archive->entry_reader(i);
+    ASSERT_TRUE(reader) << describe(reader.error());
+    EXPECT_EQ(*reader->read(content.size()), content);
+    EXPECT_TRUE(reader->finish());
+  }
 }
 
 TEST(NpzWriterTest, HeadersMatchNumpy) {
