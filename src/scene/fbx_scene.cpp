@@ -99,13 +99,25 @@ class FbxMotion : public SceneMotion {
   FbxFile file_;
 };
 
+// by more than rounding, degrees and units alike
+bool varies(const ufbx_anim_curve& curve) {
+  constexpr double kSameValue = 1e-3, kRounding = 1e-6;
+  const double first = curve.keyframes.data[0].value;
+  return std::ranges::any_of(curve.keyframes, [&](const ufbx_keyframe& key) {
+    return std::abs(key.value - first) > std::max(kSameValue, kRounding * std::abs(first));
+  });
+}
+
 SceneTake take_of(const ufbx_anim_stack& stack, std::size_t node_count) {
   SceneTake take;
   take.name = fbx_text(stack.name);
+  take.has_keys.resize(node_count, false);
   take.moves.resize(node_count, false);
   double first = HUGE_VAL, last = -HUGE_VAL;
   for_each_curve(stack, [&](int node, const ufbx_anim_curve& curve) {
-    take.moves[static_cast<std::size_t>(node)] = true;
+    const auto index = static_cast<std::size_t>(node);
+    take.has_keys[index] = true;
+    take.moves[index] = take.moves[index] || varies(curve);
     const ufbx_keyframe_list& keys = curve.keyframes;
     first = std::min(first, keys.data[0].time);
     last = std::max(last, keys.data[keys.count - 1].time);

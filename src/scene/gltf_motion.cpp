@@ -56,6 +56,20 @@ Eigen::Vector4d GltfTrack::value(std::size_t key, std::size_t part) const {
   return result;
 }
 
+bool GltfTrack::varies() const {
+  constexpr double kSameValue = 1e-5;
+  const std::size_t part = kind == Kind::kCubic ? 1 : 0;
+  const Eigen::Vector4d first = value(0, part);
+  const double tolerance = kSameValue * std::max(1.0, first.cwiseAbs().maxCoeff());
+  for (std::size_t key = 1; key < times->size(); ++key) {
+    Eigen::Vector4d now = value(key, part);
+    // a quaternion and its negative are one rotation
+    if (width == 4 && now.dot(first) < 0.0) now = -now;
+    if ((now - first).cwiseAbs().maxCoeff() > tolerance) return true;
+  }
+  return false;
+}
+
 // glTF 2.0, appendix C
 Eigen::Vector4d GltfTrack::at(double seconds) const {
   const std::size_t part = kind == Kind::kCubic ? 1 : 0;
@@ -122,6 +136,7 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
                                   const std::vector<int>& scene_nodes) {
   SceneTake take;
   take.name = text_member(animation, "name", "");
+  take.has_keys.resize(rest_.size(), false);
   take.moves.resize(rest_.size(), false);
   take.begin = HUGE_VAL;
   take.end = -HUGE_VAL;
@@ -145,9 +160,11 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
     }
     TRY_ASSIGN(GltfTrack track, read_track(document, (*samplers)[sampler], *path));
     const int place = scene_nodes[index];
+    const auto node_place = static_cast<std::size_t>(place);
     take.begin = std::min(take.begin, track.times->front());
     take.end = std::max(take.end, track.times->back());
-    take.moves[static_cast<std::size_t>(place)] = true;
+    take.has_keys[node_place] = true;
+    take.moves[node_place] = take.moves[node_place] || track.varies();
     found.all.push_back({place, *path, std::move(track)});
   }
   if (found.all.empty()) take.begin = take.end = 0.0;

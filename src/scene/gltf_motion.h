@@ -21,6 +21,9 @@ struct GltfTrack {
   /// x y z w) are interpolated as such, and of unit length.
   [[nodiscard]] Eigen::Vector4d at(double seconds) const;
 
+  /// Whether its keys differ by more than rounding.
+  [[nodiscard]] bool varies() const;
+
  private:
   [[nodiscard]] Eigen::Vector4d value(std::size_t key, std::size_t part) const;
 };

@@ -40,8 +40,9 @@ struct SceneNode {
 /// An animation: glTF's `animation`, FBX's `AnimStack`.
 struct SceneTake {
   std::string name;
-  double begin = 0.0, end = 0.0;  ///< Seconds; begin <= end.
-  std::vector<bool> moves;        ///< Of each node: whether it has keys.
+  double begin = 0.0, end = 0.0;  ///< Seconds, of all nodes' keys; begin <= end.
+  std::vector<bool> has_keys;     ///< Of each node.
+  std::vector<bool> moves;        ///< Of each node: whether its keys differ by more than rounding.
 };
 
 /// The animations of a scene.

@@ -28,6 +28,8 @@ constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxBytesOfFile = 256;
 // of scales
 constexpr double kUneven = 1.01;
+// a body with fingers, face and helpers has some hundreds
+constexpr std::size_t kMaxJoints = 5000;
 // times of keys are floats (glTF): seconds, and a share of the time itself
 constexpr double kSameTime = 2e-6, kRounding = 1.2e-7;
 
@@ -43,16 +45,27 @@ class SceneSampler {
       : scene_(scene), file_name_(file_name), options_(options) {}
 
   Result<Clip> run(std::size_t file_bytes) {
-    TRY_ASSIGN(take_, choose_take(scene_, options_.take, file_name_));
+    TRY_ASSIGN(SceneMotionChoice choice, choose_motion(scene_, options_.take, options_.root,
+                                                       options_.skeleton_only, file_name_));
+    take_ = choice.take;
+    begin_ = choice.begin;
+    end_ = choice.end;
+    skeleton_ = std::move(choice.skeleton);
+    if (take_ >= 0 && !choice.moves && !options_.skeleton_only) warn_of_still_take();
+    if (skeleton_.joints.size() > kMaxJoints) {
+      return input_failure(file_name_,
+                           fmt::format("the skeleton has {} joints; {} are allowed",
+                                       skeleton_.joints.size(), kMaxJoints),
+                           "export the armature of the body alone");
+    }
     if (take_ < 0 && !options_.skeleton_only) {
       return input_failure(
           file_name_,
           fmt::format("the {} file holds no animation{}", scene_.format,
-                      scene_.takes.empty() ? "" : " that moves a node"),
+                      scene_.takes.empty() ? "" : " that moves its skeleton"),
           "export the character with its animation baked; retarget inspect " OPTION(
-              "skeleton-only") " shows the joints of a file without one");
+              "skeleton") " shows the joints of a file without one");
     }
-    TRY_ASSIGN(skeleton_, choose_skeleton(scene_, take_, options_.root, file_name_));
     mark_chain();
     TRY(check_scale());
     const Sampling sampling = choose_sampling();
@@ -70,15 +83,21 @@ class SceneSampler {
  private:
   // the joints and all nodes above the root
   void mark_chain() {
-    in_chain_.assign(scene_.nodes.size(), false);
-    for (const int joint : skeleton_.joints) in_chain_[as_size(joint)] = true;
-    const int root = skeleton_.joints.front();
-    for (int node = root; node >= 0; node = scene_.nodes[as_size(node)].parent) {
-      in_chain_[as_size(node)] = true;
-    }
+    in_chain_ = nodes_of_chain(scene_, skeleton_);
+    has_joints_below_.assign(scene_.nodes.size(), false);
     for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
-      if (in_chain_[i]) chain_.push_back(static_cast<int>(i));
+      if (!in_chain_[i]) continue;
+      chain_.push_back(static_cast<int>(i));
+      const int parent = scene_.nodes[i].parent;
+      if (parent >= 0) has_joints_below_[as_size(parent)] = true;
     }
+  }
+
+  void warn_of_still_take() {
+    warnings_.push_back({0, 0,
+                         "nothing moves in the take \"" +
+                             printable(scene_.takes[as_size(take_)].name) +
+                             "\": all its keys of the skeleton are the same"});
   }
 
   std::string name_of(int node) const {
@@ -99,7 +118,8 @@ class SceneSampler {
       const NodeTransform& rest = scene_.nodes[as_size(node)].rest;
       if (is_mirrored(rest)) return mirrored(node);
       const Eigen::Vector3d size = rest.scale.cwiseAbs();
-      if (!uneven_ && size.maxCoeff() > kUneven * size.minCoeff() && has_joints_below(node)) {
+      if (!uneven_ && size.maxCoeff() > kUneven * size.minCoeff() &&
+          has_joints_below_[as_size(node)]) {
         uneven_ = true;
         warnings_.push_back({0, 0,
                              name_of(node) +
@@ -108,19 +128,6 @@ class SceneSampler {
       }
     }
     return {};
-  }
-
-  bool has_joints_below(int node) const {
-    const int root = skeleton_.joints.front();
-    for (const int joint : skeleton_.joints) {
-      if (scene_.nodes[as_size(joint)].parent == node && joint != root) return true;
-    }
-    // above the root
-    for (int above = scene_.nodes[as_size(root)].parent; above >= 0;
-         above = scene_.nodes[as_size(above)].parent) {
-      if (above == node) return true;
-    }
-    return false;
   }
 
   Sampling choose_sampling() {
@@ -139,14 +146,16 @@ class SceneSampler {
       return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
     }
     if (keys) return {frame_rate_from_fps(*keys), "as its keys are spaced"};
+    if (keys_.size() < 3) {
+      return {frame_rate_from_fps(kDefaultRate), "too few keys to tell a rate by"};
+    }
     return {frame_rate_from_fps(kDefaultRate),
             "its keys are not evenly spaced: " OPTION("source-fps") " N samples it otherwise"};
   }
 
   Result<int> count_frames(const FrameRate& rate, std::size_t file_bytes) const {
     if (take_ < 0) return 0;
-    const SceneTake& take = scene_.takes[as_size(take_)];
-    const double length = take.end - take.begin;
+    const double length = end_ - begin_;
     const double frames = std::floor(length * rate.fps() + 1e-3) + 1.0;
     const std::size_t frame_bytes = ClipBuilder::frame_bytes(chain_.size());
     const double by_file = static_cast<double>(kFreeClipBytes) +
@@ -183,8 +192,7 @@ class SceneSampler {
 
   // of a key, where one is there but for rounding: a value that jumps does so at its key
   double seconds_of(int frame, const FrameRate& rate) const {
-    const SceneTake& take = scene_.takes[as_size(take_)];
-    const double seconds = std::min(take.begin + rate.time_of(frame), take.end);
+    const double seconds = std::min(begin_ + rate.time_of(frame), end_);
     const double tolerance = kSameTime + kRounding * std::abs(seconds);
     const auto key = std::ranges::lower_bound(keys_, seconds - tolerance);
     return key != keys_.end() && *key <= seconds + tolerance ? *key : seconds;
@@ -288,12 +296,13 @@ class SceneSampler {
   const std::string& file_name_;
   const SceneReadOptions& options_;
   int take_ = -1;
+  double begin_ = 0.0, end_ = 0.0;  // of the take, seconds
   SceneSkeleton skeleton_;
-  std::vector<int> chain_;         // nodes that have a part in the joints' places, parents first
-  std::vector<double> keys_;       // times of the chain's keys, ascending
-  std::vector<bool> in_chain_;     // of each node
-  std::vector<NodePlace> places_;  // of the frame that is sampled
-  std::vector<double> sizes_;      // in the first frame
+  std::vector<int> chain_;    // nodes that have a part in the joints' places, parents first
+  std::vector<double> keys_;  // times of the chain's keys, ascending
+  std::vector<bool> in_chain_, has_joints_below_;  // of each node
+  std::vector<NodePlace> places_;                  // of the frame that is sampled
+  std::vector<double> sizes_;                      // in the first frame
   std::vector<Warning> warnings_;
   bool uneven_ = false, grows_ = false;
 };

@@ -1,6 +1,7 @@
 #include "scene/scene_skeleton.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "base/option_name.h"
 #include "base/printable.h"
 #include "base/suggest.h"
+#include "base/try.h"
 
 namespace retarget {
 namespace {
@@ -41,13 +43,13 @@ Marks bones_of(const Scene& scene) {
   return marks;
 }
 
-// nodes that move, and what hangs from them and is no object: hands and feet often have no keys
+// nodes with keys, and what hangs from them and is no object: hands and feet often have no keys
 Marks moving_nodes(const Scene& scene, int take) {
   Marks marks(scene.nodes.size());
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const SceneNode& node = scene.nodes[i];
-    const bool moves = take >= 0 && scene.takes[as_size(take)].moves[i];
-    marks[i] = node.is_bone || moves ||
+    const bool has_keys = take >= 0 && scene.takes[as_size(take)].has_keys[i];
+    marks[i] = node.is_bone || has_keys ||
                (!node.is_object && node.parent >= 0 && marks[as_size(node.parent)]);
   }
   close_gaps(scene, marks);
@@ -165,23 +167,87 @@ Result<SceneSkeleton> choose_skeleton(const Scene& scene, int take, const std::s
   return chosen;
 }
 
-Result<int> choose_take(const Scene& scene, const std::string& wanted,
-                        const std::string& file_name) {
-  const auto moves = [](const SceneTake& take) {
-    return std::ranges::find(take.moves, true) != take.moves.end();
-  };
-  if (wanted.empty()) {
-    int best = -1;
-    for (std::size_t i = 0; i < scene.takes.size(); ++i) {
-      const SceneTake& take = scene.takes[i];
-      if (!moves(take)) continue;
-      // lengths that are equal but for rounding count as one, the first
-      const auto length = [](const SceneTake& each) { return each.end - each.begin; };
-      if (best < 0 || length(take) > length(scene.takes[as_size(best)]) + 1e-6)
-        best = static_cast<int>(i);
-    }
-    return best;
+std::vector<bool> nodes_of_chain(const Scene& scene, const SceneSkeleton& skeleton) {
+  std::vector<bool> marks(scene.nodes.size(), false);
+  for (const int joint : skeleton.joints) marks[as_size(joint)] = true;
+  for (int node = skeleton.joints.front(); node >= 0; node = scene.nodes[as_size(node)].parent) {
+    marks[as_size(node)] = true;
   }
+  return marks;
+}
+
+namespace {
+
+bool any_of_both(const Marks& a, const Marks& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] && b[i]) return true;
+  }
+  return false;
+}
+
+// what a take is to the skeleton that is read with it
+struct TakeUse {
+  Result<SceneMotionChoice> choice;
+  bool has_keys = false, is_body = false;
+
+  [[nodiscard]] bool moves() const { return has_keys && (!choice || choice->moves); }
+  [[nodiscard]] double length() const { return choice ? choice->end - choice->begin : 0.0; }
+};
+
+// from the first key of the chain to its last, within what the take shows
+void set_extent(const Scene& scene, const Marks& chain, SceneMotionChoice& choice) {
+  const SceneTake& take = scene.takes[as_size(choice.take)];
+  std::vector<double> times = scene.motion->key_times(choice.take, chain);
+  std::erase_if(times, [](double time) { return !std::isfinite(time); });
+  if (times.empty()) return;
+  const auto [first, last] = std::ranges::minmax(times);
+  choice.begin = first;
+  choice.end = last;
+  const double begin = std::max(first, take.begin), end = std::min(last, take.end);
+  if (begin < end) {
+    choice.begin = begin;
+    choice.end = end;
+  }
+}
+
+TakeUse use_of(const Scene& scene, int take, const std::string& root,
+               const std::string& file_name) {
+  const SceneTake& its = scene.takes[as_size(take)];
+  const auto skeleton = choose_skeleton(scene, take, root, file_name);
+  if (!skeleton) {
+    // of several skeletons none is chosen: an error, if this is the take
+    return {failure(skeleton.error()),
+            skeleton.error().kind != ErrorKind::kUsage &&
+                std::ranges::find(its.moves, true) != its.moves.end(),
+            true};
+  }
+  const Marks chain = nodes_of_chain(scene, *skeleton);
+  SceneMotionChoice choice;
+  choice.take = take;
+  choice.skeleton = *skeleton;
+  choice.moves = any_of_both(chain, its.moves);
+  set_extent(scene, chain, choice);
+  return {std::move(choice), any_of_both(chain, its.has_keys),
+          skeleton->joints.size() >= kMinJoints};
+}
+
+// what moves before what stands, bodies before props, long before short; lengths that are equal but for
+// rounding count as one
+bool is_better(const TakeUse& a, const TakeUse& b) {
+  if (a.moves() != b.moves()) return a.moves();
+  if (a.is_body != b.is_body) return a.is_body;
+  return a.length() > b.length() + 1e-6;
+}
+
+std::string take_names(const Scene& scene, const std::vector<TakeUse>* uses) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    if (uses == nullptr || (*uses)[i].moves()) names.push_back(printable(scene.takes[i].name));
+  }
+  return names.empty() ? "none" : list_names(names, 8);
+}
+
+Result<int> find_take(const Scene& scene, const std::string& wanted, const std::string& file_name) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.takes.size(); ++i) {
     if (scene.takes[i].name == wanted) return static_cast<int>(i);
@@ -192,8 +258,39 @@ Result<int> choose_take(const Scene& scene, const std::string& wanted,
     return static_cast<int>(*number) - 1;
   }
   return usage_failure("expected a take \"" + printable(wanted) +
-                       "\" as " OPTION("take") " asks for, found " +
-                       (names.empty() ? "none" : list_names(names, 8)) + " in " + file_name);
+                       "\" as " OPTION("take") " asks for, found " + take_names(scene, nullptr) +
+                       " in " + file_name + did_you_mean(printable(wanted), names));
+}
+
+}  // namespace
+
+Result<SceneMotionChoice> choose_motion(const Scene& scene, const std::string& wanted_take,
+                                        const std::string& root, bool skeleton_only,
+                                        const std::string& file_name) {
+  int wanted = -1;
+  if (!wanted_take.empty()) {
+    TRY_ASSIGN(wanted, find_take(scene, wanted_take, file_name));
+  }
+  std::vector<TakeUse> uses;
+  std::size_t best = scene.takes.size();
+  for (std::size_t i = 0; i < scene.takes.size(); ++i) {
+    uses.push_back(use_of(scene, static_cast<int>(i), root, file_name));
+    if (!uses[i].has_keys) continue;
+    if (best == scene.takes.size() || is_better(uses[i], uses[best])) best = i;
+  }
+  if (wanted >= 0) {
+    TakeUse& use = uses[as_size(wanted)];
+    if (use.has_keys || !use.choice || skeleton_only) return std::move(use.choice);
+    return usage_failure(
+        "expected a take that moves the skeleton as " OPTION("take") " asks for; \"" +
+        printable(scene.takes[as_size(wanted)].name) +
+        "\" has no keys of its joints. Takes that move it: " + take_names(scene, &uses));
+  }
+  if (best < scene.takes.size()) return std::move(uses[best].choice);
+  SceneMotionChoice still;
+  if (!skeleton_only) return still;
+  TRY_ASSIGN(still.skeleton, choose_skeleton(scene, -1, root, file_name));
+  return still;
 }
 
 }  // namespace retarget

@@ -29,9 +29,29 @@ struct SceneSkeleton {
                                                     const std::string& root,
                                                     const std::string& file_name);
 
-/// Chooses a take by name or number (from 1); without either the longest in which a joint moves, of
-/// several the first. -1: the scene has none that moves.
-[[nodiscard]] Result<int> choose_take(const Scene& scene, const std::string& wanted,
-                                      const std::string& file_name);
+/// Of each node whether it has a part in the places of a skeleton's joints: they and all above the root.
+[[nodiscard]] std::vector<bool> nodes_of_chain(const Scene& scene, const SceneSkeleton& skeleton);
+
+/// A skeleton, and the take that moves it.
+struct SceneMotionChoice {
+  int take = -1;  ///< -1: none has keys of the skeleton, which is empty then
+                  ///< unless it alone is wanted.
+  SceneSkeleton skeleton;
+  double begin = 0.0, end = 0.0;  ///< Seconds; of the keys that move the skeleton.
+  bool moves = false;             ///< Whether they differ.
+};
+
+/// Chooses a take by name or number (from 1), and the skeleton that is read with it; without either the
+/// longest take in which the skeleton moves, of several the first.
+///
+/// Keys of cameras and other objects count for nothing, and a take whose keys are all the same is
+/// chosen only where no other has keys.
+///
+/// @param skeleton_only  a take without keys of the skeleton may be asked for.
+/// @return the errors of choose_skeleton(); kUsage: no such take, or none of its keys is the skeleton's.
+[[nodiscard]] Result<SceneMotionChoice> choose_motion(const Scene& scene,
+                                                      const std::string& wanted_take,
+                                                      const std::string& root, bool skeleton_only,
+                                                      const std::string& file_name);
 
 }  // namespace retarget

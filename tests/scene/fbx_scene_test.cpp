@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
+#include "base/option_name.h"
 #include "fbx_text.h"
 #include "scene/read_scene.h"
 
@@ -158,6 +160,67 @@ TEST(FbxSceneTest, TakesTheTakeThatIsAskedFor) {
   EXPECT_THAT(missing.error().message, HasSubstr("empty, short, long"));
 }
 
+// a camera that flies for half a minute, a pose that is held for ten seconds, a walk of two
+TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
+  for (const bool are_limbs : {true, false}) {
+    FbxText file;
+    std::vector<int> limbs;
+    for (int i = 0; i < 12; ++i) {
+      limbs.push_back(file.node("limb" + std::to_string(i), i == 0 ? 0 : limbs.back(), {0, 1, 0},
+                                {}, 0, are_limbs ? "LimbNode" : "Null"));
+    }
+    const int camera = file.node("camera", 0, {0, 0, 9}, {}, 0, "Null");
+    file.take("flight", 0, 30);
+    file.keys(camera, "Lcl Translation", {{0, {0, 0, 9}}, {30, {9, 0, 9}}});
+    file.take("pose", 0, 10);
+    for (const int limb : limbs) {
+      file.keys(limb, "Lcl Rotation", {{0, {10, 0, 0}}, {10, {10.0001, 0, 0}}});
+    }
+    file.take("walk", 0, 20);
+    file.keys(camera, "Lcl Translation", {{0, {0, 0, 9}}, {20, {9, 0, 9}}});
+    for (const int limb : limbs) {
+      file.keys(limb, "Lcl Rotation", {{1, {0, 0, 0}}, {3, {30, 0, 0}}});
+    }
+    const auto clip = read_scene(file.text(), "test.fbx");
+    ASSERT_TRUE(clip) << clip.error().message;
+    EXPECT_THAT(clip->origin().choices, HasSubstr("\"walk\" (3 of 3)"));
+    EXPECT_EQ(clip->frame_count(), 61);
+    EXPECT_EQ(clip->skeleton().joint_count(), 12);
+    EXPECT_TRUE(clip->origin().warnings.empty());
+
+    SceneReadOptions options;
+    options.take = "pose";
+    const auto pose = read_scene(file.text(), "test.fbx", options);
+    ASSERT_TRUE(pose) << pose.error().message;
+    ASSERT_EQ(pose->origin().warnings.size(), 1U);
+    EXPECT_THAT(pose->origin().warnings[0].message,
+                HasSubstr("nothing moves in the take \"pose\""));
+    options.take = "wolk";
+    EXPECT_THAT(read_scene(file.text(), "test.fbx", options).error().message,
+                HasSubstr("did you mean \"walk\""));
+    if (!are_limbs) continue;
+    options.take = "flight";
+    const auto flight = read_scene(file.text(), "test.fbx", options);
+    ASSERT_FALSE(flight);
+    EXPECT_EQ(flight.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(flight.error().message, HasSubstr("Takes that move it: walk"));
+  }
+}
+
+TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0});
+  file.take("pose", 0, 1);
+  file.keys(root, "Lcl Translation", {{0, {1, 0, 0}}});
+  std::string text = file.text();
+  const std::string rate = "\"TimeMode\", \"enum\", \"\", \"\",6";
+  text.replace(text.find(rate), rate.size(), "\"TimeMode\", \"enum\", \"\", \"\",14");
+  const auto clip = read_scene(text, "test.fbx");
+  ASSERT_TRUE(clip) << clip.error().message;
+  EXPECT_EQ(clip->frame_count(), 1);
+  EXPECT_THAT(clip->origin().choices, ::testing::Not(HasSubstr("evenly")));
+}
+
 TEST(FbxSceneTest, SamplesAsOftenAsAskedFor) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
@@ -177,6 +240,8 @@ TEST(FbxSceneTest, RefusesWhatIsNoMotion) {
   const auto without = read_scene(still.text(), "still.fbx");
   ASSERT_FALSE(without);
   EXPECT_THAT(without.error().message, HasSubstr("holds no animation"));
+  // an option that `inspect` has
+  EXPECT_THAT(without.error().hint, HasSubstr("inspect " OPTION("skeleton") " shows"));
   SceneReadOptions skeleton;
   skeleton.skeleton_only = true;
   EXPECT_EQ(read_scene(still.text(), "still.fbx", skeleton)->skeleton().joint_count(), 1);

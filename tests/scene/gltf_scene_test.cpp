@@ -221,6 +221,26 @@ TEST(GltfSceneTest, RefusesWhatCannotBe) {
   EXPECT_THAT(message_of(std::string("glTF\x01\0\0\0 12345678901234", 23)), HasSubstr("version"));
 }
 
+// leaves without end are seen once each; more joints than a body has are refused
+TEST(GltfSceneTest, HasNoMoreJointsThanABody) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  const auto with_leaves = [&](int count) {
+    std::string children, joints, leaves;
+    for (int i = 1; i <= count; ++i) {
+      children += fmt::format("{}{}", i == 1 ? "" : ",", i);
+      joints += fmt::format(",{}", i);
+      leaves += R"(,{"scale": [1, 1, 2]})";
+    }
+    moved.nodes = fmt::format(R"({{"name": "Hips", "children": [{}]}}{})", children, leaves);
+    moved.more = fmt::format(R"(, "skins": [{{"joints": [0{}]}}])", joints);
+    return message_of(moved.text());
+  };
+  EXPECT_EQ(with_leaves(4000), "");
+  EXPECT_THAT(with_leaves(60000), HasSubstr("60001 joints; 5000 are allowed"));
+}
+
 // many samplers of the same numbers are no way to fill the memory
 TEST(GltfSceneTest, ReadsTheSameBytesNotWithoutEnd) {
   Animated moved;

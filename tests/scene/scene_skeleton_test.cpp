@@ -22,6 +22,7 @@ int add_chain(Scene& scene, const std::string& name, int parent, int count, bool
     node.parent = i == 0 ? parent : static_cast<int>(scene.nodes.size()) - 1;
     node.is_bone = are_bones;
     scene.nodes.push_back(node);
+    scene.takes.at(0).has_keys.push_back(move);
     scene.takes.at(0).moves.push_back(move);
   }
   return static_cast<int>(scene.nodes.size()) - count;
@@ -29,7 +30,7 @@ int add_chain(Scene& scene, const std::string& name, int parent, int count, bool
 
 Scene scene_of_one_take() {
   Scene scene;
-  scene.takes.push_back({"take", 0.0, 1.0, {}});
+  scene.takes.push_back({"take", 0.0, 1.0, {}, {}});
   return scene;
 }
 
@@ -80,6 +81,7 @@ TEST(SceneSkeletonTest, TakesPlainNodesWhereThereAreNoLimbs) {
   camera.parent = 0;
   camera.is_object = true;
   scene.nodes.push_back(camera);
+  scene.takes[0].has_keys.push_back(false);
   scene.takes[0].moves.push_back(false);
   const auto chosen = choose_skeleton(scene, 0, "", "a.glb");
   ASSERT_TRUE(chosen) << chosen.error().message;
