@@ -16,6 +16,7 @@
 #include "base/json_members.h"
 #include "base/printable.h"
 #include "base/try.h"
+#include "motion/clip_size.h"
 #include "scene/gltf_numbers.h"
 
 namespace retarget {
@@ -79,7 +80,7 @@ const GltfJson* gltf_member(const GltfJson& object, const char* key) {
 
 Failure GltfDocument::fault(std::string what, std::string hint) const {
   return input_failure(file_name_, "the glTF file cannot be read: " + std::move(what),
-                       std::move(hint));
+                       hint.empty() ? "the file may be damaged: export it again" : std::move(hint));
 }
 
 Result<GltfDocument> GltfDocument::open(std::string_view bytes, const std::string& file_name,
@@ -141,7 +142,15 @@ const GltfJson* GltfDocument::element(const char* name, const GltfJson& number) 
   return &all[*index];
 }
 
-Result<std::string> GltfDocument::read_buffer(const GltfJson& buffer) const {
+Result<void> GltfDocument::take_bytes(std::size_t bytes) {
+  if (bytes > max_bytes_ - std::min(kept_, max_bytes_)) {
+    return fault("its numbers need more memory than they may take", kLargeFileHint);
+  }
+  kept_ += bytes;
+  return {};
+}
+
+Result<std::shared_ptr<const std::string>> GltfDocument::read_buffer(const GltfJson& buffer) {
   const auto uri = buffer.find("uri");
   if (uri == buffer.end() || !uri->is_string()) {
     return fault("its buffer has no bytes, as that of a compressed file",
@@ -155,7 +164,9 @@ Result<std::string> GltfDocument::read_buffer(const GltfJson& buffer) const {
     auto bytes = is_base64 ? bytes_from_base64(std::string_view(text).substr(comma + 1))
                            : std::optional<std::string>();
     if (!bytes) return fault("a buffer in the text is no base64");
-    return *std::move(bytes);
+    TRY(take_bytes(bytes->size()));
+    available_ += bytes->size();
+    return std::make_shared<const std::string>(*std::move(bytes));
   }
   if (file_name_ == "standard input") {
     return fault("its buffer is in a file beside it, and standard input has none",
@@ -167,8 +178,19 @@ Result<std::string> GltfDocument::read_buffer(const GltfJson& buffer) const {
     return fault("its buffer \"" + printable(name) + "\" is not a file of its own folder",
                  "no other is opened: export it as GLB, which is one file");
   }
-  TRY_ASSIGN(const FileContent content, read_file(file->string(), ErrorKind::kInput, max_bytes_));
-  return std::string(content.view());
+  auto& kept = files_[file->string()];
+  if (kept) return kept;
+  // a pipe may never answer
+  if (!is_file(*file)) {
+    return fault("its buffer \"" + printable(name) + "\" is no file beside it",
+                 "copy the files that belong to it too, or export it as GLB, which is one file");
+  }
+  TRY_ASSIGN(const FileContent content,
+             read_file(file->string(), ErrorKind::kInput, max_bytes_ - kept_, kLargeFileHint));
+  TRY(take_bytes(content.view().size()));
+  available_ += content.view().size();
+  kept = std::make_shared<const std::string>(content.view());
+  return kept;
 }
 
 Result<std::string_view> GltfDocument::buffer(const GltfJson& number) {
@@ -181,9 +203,7 @@ Result<std::string_view> GltfDocument::buffer(const GltfJson& number) {
   }
   auto& read = buffers_[index];
   if (!read) {
-    TRY_ASSIGN(std::string bytes, read_buffer(*description));
-    read = std::make_shared<std::string>(std::move(bytes));
-    available_ += read->size();
+    TRY_ASSIGN(read, read_buffer(*description));
   }
   return std::string_view(*read);
 }
@@ -243,6 +263,7 @@ Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int wi
   if (view != accessor->end()) {
     TRY_ASSIGN(const Run run, run_of(*view, *accessor, *count, layout->bytes()));
     taken_ += all * sizeof(double);
+    TRY(take_bytes(all * sizeof(double)));
     if (taken_ > kFreeNumberBytes + kMaxReadings * available_) {
       return fault("it has the same bytes read too often");
     }
@@ -252,6 +273,7 @@ Result<std::vector<double>> GltfDocument::numbers(const GltfJson& number, int wi
     }
   } else {
     taken_ += all * sizeof(double);
+    TRY(take_bytes(all * sizeof(double)));
     if (taken_ > kFreeNumberBytes) return fault("too many numbers have no bytes");
     result.resize(all, 0.0);
   }

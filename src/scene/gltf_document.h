@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -27,7 +28,7 @@ using GltfJson = nlohmann::ordered_json;
 class GltfDocument {
  public:
   /// @param bytes      the whole file, GLB or JSON; must outlive the document.
-  /// @param max_bytes  of each file beside it.
+  /// @param max_bytes  of all files beside it and all numbers together.
   [[nodiscard]] static Result<GltfDocument> open(std::string_view bytes,
                                                  const std::string& file_name,
                                                  std::size_t max_bytes);
@@ -59,7 +60,9 @@ class GltfDocument {
   GltfDocument() = default;
   Result<void> split(std::string_view bytes);
   Result<std::string_view> buffer(const GltfJson& number);
-  Result<std::string> read_buffer(const GltfJson& buffer) const;
+  Result<std::shared_ptr<const std::string>> read_buffer(const GltfJson& buffer);
+  // counts bytes that are kept; an error where they are too many
+  Result<void> take_bytes(std::size_t bytes);
   Result<std::string_view> buffer_view(const GltfJson& number, std::size_t& stride);
   Result<Run> run_of(const GltfJson& view, const GltfJson& place, std::size_t count,
                      std::size_t element_bytes);
@@ -68,11 +71,14 @@ class GltfDocument {
 
   std::string file_name_;
   GltfJson json_;
-  std::optional<std::string_view> binary_;             // of a GLB
-  std::vector<std::shared_ptr<std::string>> buffers_;  // read so far; null: not yet
+  std::optional<std::string_view> binary_;                   // of a GLB
+  std::vector<std::shared_ptr<const std::string>> buffers_;  // read so far; null: not yet
+  // files beside it, by where they are: many buffers may name one
+  std::map<std::string, std::shared_ptr<const std::string>> files_;
   std::size_t max_bytes_ = 0;
   std::size_t taken_ = 0;      // bytes of numbers that were read
   std::size_t available_ = 0;  // of buffers that were read
+  std::size_t kept_ = 0;       // of both
 };
 
 }  // namespace retarget

@@ -165,24 +165,19 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
     take.end = std::max(take.end, track.times->back());
     take.has_keys[node_place] = true;
     take.moves[node_place] = take.moves[node_place] || track.varies();
-    found.all.push_back({place, *path, std::move(track)});
+    found.push_back({place, *path, std::move(track)});
   }
-  if (found.all.empty()) take.begin = take.end = 0.0;
-  std::ranges::stable_sort(found.all, {}, &Channel::node);
-  found.begin.resize(rest_.size() + 1);
-  for (const Channel& channel : found.all)
-    ++found.begin[static_cast<std::size_t>(channel.node) + 1];
-  for (std::size_t i = 1; i < found.begin.size(); ++i) found.begin[i] += found.begin[i - 1];
+  if (found.empty()) take.begin = take.end = 0.0;
+  std::ranges::stable_sort(found, {}, &Channel::node);
   takes_.push_back(std::move(found));
   return take;
 }
 
 NodeTransform GltfMotion::at(int take, int node, double seconds) const {
   const auto index = static_cast<std::size_t>(node);
-  const Channels& channels = takes_[static_cast<std::size_t>(take)];
   NodeTransform place = rest_[index];
-  for (std::size_t i = channels.begin[index]; i < channels.begin[index + 1]; ++i) {
-    const Channel& channel = channels.all[i];
+  for (const Channel& channel :
+       std::ranges::equal_range(takes_[static_cast<std::size_t>(take)], node, {}, &Channel::node)) {
     const Eigen::Vector4d value = channel.track.at(seconds);
     if (channel.path == GltfPath::kTranslation) place.translation = value.head<3>();
     if (channel.path == GltfPath::kScale) place.scale = value.head<3>();
@@ -194,7 +189,7 @@ NodeTransform GltfMotion::at(int take, int node, double seconds) const {
 std::vector<double> GltfMotion::key_times(int take, const std::vector<bool>& nodes) const {
   std::vector<double> times;
   const std::vector<double>* last = nullptr;
-  for (const Channel& channel : takes_[static_cast<std::size_t>(take)].all) {
+  for (const Channel& channel : takes_[static_cast<std::size_t>(take)]) {
     if (!nodes[static_cast<std::size_t>(channel.node)]) continue;
     // most channels have the same times as the one before
     if (last != nullptr && *last == *channel.track.times) continue;

@@ -53,11 +53,8 @@ class GltfMotion : public SceneMotion {
   Result<GltfTrack> read_track(GltfDocument& document, const GltfJson& sampler, GltfPath path);
 
   std::vector<NodeTransform> rest_;
-  // of each take its channels by node, and where those of a node begin
-  struct Channels {
-    std::vector<Channel> all;
-    std::vector<std::size_t> begin;
-  };
+  // by node
+  using Channels = std::vector<Channel>;
   std::vector<Channels> takes_;
 };
 

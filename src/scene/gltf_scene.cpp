@@ -7,7 +7,11 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/json_members.h"
+#include "base/number_text.h"
+#include "base/printable.h"
 #include "base/try.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_motion.h"
@@ -17,6 +21,8 @@ namespace retarget {
 namespace {
 
 constexpr int kMaxDepth = 1000;
+// a library of a thousand animations of a body is far below it
+constexpr std::size_t kMaxTakesTimesNodes = 20'000'000;
 
 std::optional<std::vector<double>> numbers_of(const GltfJson& node, const char* key,
                                               std::size_t count) {
@@ -54,6 +60,13 @@ class GltfReader {
     TRY(add_skins());
     name_bones();
     auto motion = std::make_unique<GltfMotion>(scene_.nodes);
+    const std::size_t takes = document_.list("animations").size();
+    if (takes > kMaxTakesTimesNodes / std::max<std::size_t>(scene_.nodes.size(), 1)) {
+      return document_.fault(
+          fmt::format("{} of {} are more than can be looked through",
+                      count_text(takes, "animation"), count_text(scene_.nodes.size(), "node")),
+          "export the armature with the animation that you want");
+    }
     for (const GltfJson& animation : document_.list("animations")) {
       TRY_ASSIGN(SceneTake take, motion->add(document_, animation, place_));
       if (take.name.empty()) take.name = "animation " + std::to_string(scene_.takes.size() + 1);
@@ -98,13 +111,22 @@ class GltfReader {
       place_[index] = static_cast<int>(scene_.nodes.size());
       scene_.nodes.push_back(node_of(nodes[index], parent_[index]));
       if (!is_sound(scene_.nodes.back().rest)) {
-        return document_.fault("a node's place has numbers that are none");
+        return document_.fault("the place of " + name_of(index) +
+                               " has numbers that are not finite, or no "
+                               "rotation");
       }
       for (const std::size_t child : children[index]) waiting.emplace_back(child, depth + 1);
     }
     if (scene_.nodes.size() != nodes.size())
-      return document_.fault("its nodes are a ring, no tree");
+      return document_.fault("its nodes form a ring and not a tree");
     return {};
+  }
+
+  std::string name_of(std::size_t index) const {
+    const GltfJson* name = gltf_member(document_.list("nodes")[index], "name");
+    return name != nullptr && name->is_string() && !name->empty()
+               ? "the node \"" + printable(name->get<std::string>()) + "\""
+               : "node " + std::to_string(index);
   }
 
   SceneNode node_of(const GltfJson& json, int parent) const {

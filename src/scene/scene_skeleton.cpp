@@ -213,6 +213,11 @@ void set_extent(const Scene& scene, const Marks& chain, SceneMotionChoice& choic
 TakeUse use_of(const Scene& scene, int take, const std::string& root,
                const std::string& file_name) {
   const SceneTake& its = scene.takes[as_size(take)];
+  if (std::ranges::find(its.has_keys, true) == its.has_keys.end()) {
+    SceneMotionChoice none;
+    none.take = take;
+    return {std::move(none)};
+  }
   const auto skeleton = choose_skeleton(scene, take, root, file_name);
   if (!skeleton) {
     // of several skeletons none is chosen: an error, if this is the take
@@ -280,7 +285,11 @@ Result<SceneMotionChoice> choose_motion(const Scene& scene, const std::string& w
   }
   if (wanted >= 0) {
     TakeUse& use = uses[as_size(wanted)];
-    if (use.has_keys || !use.choice || skeleton_only) return std::move(use.choice);
+    if (use.has_keys || !use.choice) return std::move(use.choice);
+    if (skeleton_only) {
+      TRY_ASSIGN(use.choice->skeleton, choose_skeleton(scene, wanted, root, file_name));
+      return std::move(use.choice);
+    }
     return usage_failure(
         "expected a take that moves the skeleton as " OPTION("take") " asks for; \"" +
         printable(scene.takes[as_size(wanted)].name) +

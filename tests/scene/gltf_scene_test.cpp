@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstdint>
@@ -203,7 +204,8 @@ TEST(GltfSceneTest, RefusesWhatCannotBe) {
   EXPECT_THAT(with([](Animated& a) { a.times = {0, 1, 2}; }), HasSubstr("other numbers"));
   EXPECT_THAT(with([](Animated& a) { a.interpolation = "SMOOTH"; }),
               HasSubstr("sampler is broken"));
-  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [0]})"; }), HasSubstr("a ring"));
+  EXPECT_THAT(with([](Animated& a) { a.nodes = R"({"children": [0]})"; }),
+              HasSubstr("form a ring"));
   EXPECT_THAT(with([](Animated& a) {
                 a.nodes = R"({"children": [1]}, {"children": [2]}, {"children": [1]})";
               }),
@@ -219,6 +221,58 @@ TEST(GltfSceneTest, RefusesWhatCannotBe) {
   cut.resize(cut.size() / 2);
   EXPECT_NE(message_of(cut), "");
   EXPECT_THAT(message_of(std::string("glTF\x01\0\0\0 12345678901234", 23)), HasSubstr("version"));
+}
+
+// thousands of buffers of one file are that file once; a pipe is none; a missing one is named with its glTF
+TEST(GltfSceneTest, ReadsAFileBesideItOnce) {
+  constexpr int kBuffers = 200;
+  const TemporaryFolder folder;
+  const std::string name = (folder.path() / "test.gltf").string();
+  folder.write("big.bin", packed<float>({0, 1}) + std::string(std::size_t{1} << 20U, '\0'));
+  const auto text = [&](const std::string& uri) {
+    std::string buffers, views, accessors, channels, samplers;
+    for (int i = 0; i < kBuffers; ++i) {
+      const char* comma = i == 0 ? "" : ",";
+      buffers += fmt::format(R"({}{{"byteLength": 32, "uri": "{}"}})", comma, uri);
+      views += fmt::format(R"({}{{"buffer": {}, "byteLength": 32}})", comma, i);
+      accessors +=
+          fmt::format(R"({}{{"bufferView": {}, "componentType": 5126, "count": 2, "type": "{}"}})",
+                      comma, i, i == 0 ? "SCALAR" : "VEC3");
+      if (i == 0) continue;
+      comma = i == 1 ? "" : ",";
+      channels += fmt::format(
+          R"({}{{"sampler": {}, "target": {{"node": 0, "path": "translation"}}}})", comma, i - 1);
+      samplers += fmt::format(R"({}{{"input": 0, "output": {}}})", comma, i);
+    }
+    return fmt::format(
+        R"({{"asset": {{"version": "2.0"}}, "nodes": [{{"name": "Hips"}}], "buffers": [{}],
+"bufferViews": [{}], "accessors": [{}], "animations": [{{"channels": [{}], "samplers": [{}]}}]}})",
+        buffers, views, accessors, channels, samplers);
+  };
+  // four times the file, for two hundred buffers
+  const auto once = read_gltf(text("big.bin"), name, std::size_t{4} << 20U);
+  EXPECT_TRUE(once.has_value()) << once.error().message;
+  const auto too_large = read_gltf(text("big.bin"), name, std::size_t{1} << 19U);
+  ASSERT_FALSE(too_large);
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe.bin").c_str(), 0600), 0);
+  for (const char* uri : {"pipe.bin", "missing.bin"}) {
+    const auto refused = read_gltf(text(uri), name, kMemory);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr("is no file beside it"));
+    EXPECT_THAT(refused.error().location.file, HasSubstr("test.gltf"));
+  }
+}
+
+TEST(GltfSceneTest, LooksThroughNoMoreTakesThanThereCanBe) {
+  Animated moved;
+  moved.times = {0, 1};
+  moved.values = {0, 0, 0, 1, 1, 1};
+  for (int i = 0; i < 5000; ++i) moved.nodes += ",{}";
+  std::string text = moved.text();
+  std::string empty;
+  for (int i = 0; i < 5000; ++i) empty += R"({"channels": [], "samplers": []},)";
+  text.insert(text.find(R"({"name": "move")"), empty);
+  EXPECT_THAT(message_of(text), HasSubstr("5001 animations of 5001 nodes"));
 }
 
 // leaves without end are seen once each; more joints than a body has are refused
