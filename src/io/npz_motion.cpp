@@ -242,6 +242,10 @@ Result<RawMotion> read_npz_motion(std::string_view bytes, const std::shared_ptr<
         "it is not a robot motion: there is no array \"" + std::string(name) + "\"",
         "it has " + list_names(npz.names(), 12));
   }
+  if (npz.has("clip_starts")) {
+    return npz.file_failure("the file holds many clips, packed for training",
+                            "name the clips' own files");
+  }
   TRY_ASSIGN(const auto arrays, read_arrays(npz));
   TRY_ASSIGN(const auto names, names_behind_root(npz, arrays.joint_count));
   if (!names.empty()) return read_holosoma(npz, arrays, names, *robot);

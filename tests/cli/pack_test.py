@@ -60,6 +60,9 @@ class Packs(BatchTest):
         (self.folder / "one/motions.npz").unlink()
         self.batch(*NPZ, "--resume", output="one")
         self.assertEqual(self.bytes_of("one/motions.npz"), self.bytes_of("out/motions.npz"))
+        # whoever takes it for one motion is told
+        self.assert_fails(self.run_tool("convert", "out/motions.npz", "x.csv", "--robot", "g1"), 3,
+                          "holds many clips")
 
     def test_contacts_go_along(self):
         self.motions()
