@@ -57,11 +57,10 @@ OptionTable request_table(RunArguments& arguments) {
 }
 
 OptionTable run_command_table(RunArguments& arguments) {
-  OptionTable table = {
-      row("bvh", arguments.run.motion, kInputGroup, "FILE",
-          "Motion to retarget; - reads standard input", {.basic = true}),
-      row("smpl", arguments.smpl_file, kInputGroup, "FILE",
-          "SMPL or SMPL-X motion to retarget: AMASS's NPZ, GVHMR's .pt, pickles", {.basic = true})};
+  OptionTable table = {row("bvh", arguments.run.motion, kInputGroup, "FILE",
+                           "Motion to retarget; - reads standard input", {.basic = true}),
+                       row("smpl", arguments.smpl_file, kInputGroup, "FILE",
+                           "SMPL or SMPL-X motion to retarget (docs/smpl.md)", {.basic = true})};
   append(table, without(run_table(arguments.run), {"motion", "smpl"}));
   append(table, request_table(arguments));
   table.push_back(gate_row(arguments.gates,
