@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/printable.h"
+#include "motion/clip_size.h"
 #include "scene/transforms.h"
 
 namespace retarget {
@@ -221,11 +222,21 @@ Failure load_failure(const ufbx_error& error, const std::string& file_name) {
 }  // namespace
 
 bool looks_like_fbx(std::string_view bytes) {
-  return bytes.starts_with("Kaydara FBX Binary") || bytes.starts_with("; FBX");
+  if (bytes.starts_with("Kaydara FBX Binary")) return true;
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  // text: the comment that programs write, or the first element, which comments may stand before
+  while (true) {
+    bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+    if (bytes.starts_with("; FBX") || bytes.starts_with("FBXHeaderExtension")) return true;
+    const std::size_t line = bytes.find('\n');
+    if (!bytes.starts_with(";") || line == std::string_view::npos) return false;
+    bytes.remove_prefix(line);
+  }
 }
 
 Result<Scene> read_fbx(std::string_view bytes, const std::string& file_name,
                        std::size_t max_bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   const ufbx_load_opts options = load_options(bytes.size(), max_bytes);
   ufbx_error error;
   FbxFile file(ufbx_load_memory(bytes.data(), bytes.size(), &options, &error));
@@ -248,7 +259,7 @@ Result<Scene> read_fbx(std::string_view bytes, const std::string& file_name,
     scene.metres_per_unit = settings.unit_meters;
   }
   scene.up = direction_of(settings.axes.up);
-  if (std::isfinite(settings.frames_per_second) && settings.frames_per_second > 0.0) {
+  if (is_plausible_rate(settings.frames_per_second)) {
     scene.fps = settings.frames_per_second;
   }
   scene.motion = std::make_unique<FbxMotion>(std::move(file));

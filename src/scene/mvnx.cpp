@@ -26,7 +26,6 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr std::size_t kMaxSegments = 1000;
-constexpr double kMinMvnxRate = 1.0, kMaxMvnxRate = 10000.0;
 
 std::string_view attribute(const XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
@@ -67,7 +66,7 @@ class MvnxReader {
   Result<Clip> read(std::string_view bytes) {
     tinyxml2::XMLDocument document;
     if (document.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
-      return fault(fmt::format("it is no XML document that ends well ({})",
+      return fault(fmt::format("the XML is broken or cut off ({})",
                                tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID())),
                    static_cast<std::size_t>(std::max(document.ErrorLineNum(), 0)));
     }
@@ -86,6 +85,7 @@ class MvnxReader {
  private:
   Failure fault(std::string what, std::size_t line = 0) const {
     Error error{ErrorKind::kInput, {file_name_, line, 0}, {}, {}, {}};
+    error.hint = "the file may be cut off or damaged: export it again from MVN";
     error.message = "the MVNX file cannot be read: " + std::move(what);
     return failure(std::move(error));
   }
@@ -122,7 +122,7 @@ class MvnxReader {
   // Others are props.
   Result<void> order_segments() {
     const auto root = std::ranges::find(parents_, -1);
-    if (root == parents_.end()) return fault("its segments are a ring, no tree");
+    if (root == parents_.end()) return fault("its segments form a ring and not a tree");
     std::vector<std::pair<int, int>> waiting = {{static_cast<int>(root - parents_.begin()), -1}};
     while (!waiting.empty()) {
       const auto [segment, parent] = waiting.back();
@@ -209,7 +209,7 @@ class MvnxReader {
   Result<FrameRate> rate_of(const XMLElement& subject) const {
     if (options_.source_fps) return frame_rate_from_fps(*options_.source_fps);
     const auto fps = parse_number<double>(attribute(subject, "frameRate"));
-    if (!fps || !(*fps >= kMinMvnxRate && *fps <= kMaxMvnxRate)) {
+    if (!fps || !is_plausible_rate(*fps)) {
       return input_failure(file_name_, "the MVNX file has no frame rate",
                            OPTION("source-fps") " N gives it");
     }
@@ -258,11 +258,23 @@ class MvnxReader {
 }  // namespace
 
 bool looks_like_mvnx(std::string_view bytes) {
-  constexpr std::size_t kBeginning = 4096;
-  const std::string_view beginning = bytes.substr(0, kBeginning);
-  const std::size_t first = beginning.find_first_not_of("\xEF\xBB\xBF \t\r\n");
-  return first != std::string_view::npos && beginning[first] == '<' &&
-         beginning.find("<mvnx") != std::string_view::npos;
+  // the first element, after comments and what else stands before it
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  while (true) {
+    bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+    if (bytes.starts_with("<mvnx")) return true;
+    std::string_view end;
+    if (bytes.starts_with("<!--")) {
+      end = "-->";
+    } else if (bytes.starts_with("<?") || bytes.starts_with("<!")) {
+      end = ">";
+    } else {
+      return false;
+    }
+    const std::size_t at = bytes.find(end);
+    if (at == std::string_view::npos) return false;
+    bytes.remove_prefix(at + end.size());
+  }
 }
 
 Result<Clip> read_mvnx(std::string_view bytes, const std::string& file_name,

@@ -1,6 +1,7 @@
 #include "scene/scene_clip.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -22,12 +23,42 @@
 namespace retarget {
 namespace {
 
+// Whether limbs lie along two axes, to both sides of each: straight legs and a spine, arms held out.
+bool is_t_pose(const std::vector<WorldJoint>& joints) {
+  constexpr double kAlong = 0.985;  // cosine of ten degrees
+  constexpr double kMostBones = 0.85, kSide = 0.1;
+  std::array<double, 6> along{};  // of each axis its two directions, as shares of all bones' length
+  double all = 0.0;
+  for (const WorldJoint& joint : joints) {
+    if (joint.parent < 0) continue;
+    const Eigen::Vector3d bone = joint.world_from_rest.translation -
+                                 joints[as_size(joint.parent)].world_from_rest.translation;
+    const double length = bone.norm();
+    all += length;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(bone[axis]) >= kAlong * length) {
+        along[as_size(2 * axis + (bone[axis] < 0.0 ? 1 : 0))] += length;
+        break;
+      }
+    }
+  }
+  int both_sides = 0;
+  double straight = 0.0;
+  for (std::size_t axis = 0; axis < 6; axis += 2) {
+    straight += along[axis] + along[axis + 1];
+    both_sides += std::min(along[axis], along[axis + 1]) >= kSide * all ? 1 : 0;
+  }
+  return both_sides >= 2 && straight >= kMostBones * all;
+}
+
 constexpr double kDefaultRate = 30.0;
 // a few keys may stand for hours: what a small file may become
 constexpr std::size_t kFreeClipBytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxBytesOfFile = 256;
 // of scales
 constexpr double kUneven = 1.01;
+// how much faster than its keys a file may be sampled: some programs write any clock as its rate
+constexpr double kMaxRatio = 4.01;
 // a body with fingers, face and helpers has some hundreds
 constexpr std::size_t kMaxJoints = 5000;
 // times of keys are floats (glTF): seconds, and a share of the time itself
@@ -141,8 +172,8 @@ class SceneSampler {
     }
     const auto keys = rate_of_keys(keys_);
     const double ratio = keys ? scene_.fps / *keys : 0.0;
-    if (scene_.fps > 0.0 &&
-        (!keys || (ratio > 0.99 && std::abs(ratio - std::round(ratio)) < 1e-3))) {
+    if (scene_.fps > 0.0 && (!keys || (ratio > 0.99 && ratio < kMaxRatio &&
+                                       std::abs(ratio - std::round(ratio)) < 1e-3))) {
       return {frame_rate_from_fps(scene_.fps), "the file's own rate"};
     }
     if (keys) return {frame_rate_from_fps(*keys), "as its keys are spaced"};
@@ -166,19 +197,41 @@ class SceneSampler {
                            fmt::format("the animation lasts {:.6g} s: its frames need more memory "
                                        "than a file of its size may take",
                                        length),
-                           kLargeFileHint);
+                           far_key_hint());
     }
     return static_cast<int>(frames);
   }
 
-  // Whether the pose at rest is one of the motion's: programs write the frame that they showed when they
+  // a key far from all others is mostly a slip
+  std::string far_key_hint() const {
+    double gap = 0.0, before = 0.0, after = 0.0;
+    for (std::size_t i = 1; i < keys_.size(); ++i) {
+      if (keys_[i] - keys_[i - 1] <= gap) continue;
+      before = keys_[i - 1];
+      after = keys_[i];
+      gap = after - before;
+    }
+    if (keys_.size() > 2 && gap > 0.5 * (end_ - begin_)) {
+      return fmt::format(
+          "no key lies between {:.6g} s and {:.6g} s: remove the stray keys before the "
+          "export, or export the range of frames that you want",
+          before, after);
+    }
+    return kLargeFileHint;
+  }
+
+  // Whether the angles of zero are the zero pose: where the pose at rest is one of the motion's: programs write the frame that they showed when they
   // exported, where there is no skin to say how its bones were bound.
   bool rests_in_motion(const FrameRate& rate, int frames) const {
     constexpr double kSame = 0.99999;  // cosine of half an angle of half a degree
     const auto is_bound = [&](int joint) {
       return scene_.nodes[as_size(joint)].world_from_bind.has_value();
     };
-    if (std::ranges::any_of(skeleton_.joints, is_bound)) return false;
+    // nodes of other formats have no angles that could be zero; a rest pose that is a T-pose is the zero pose
+    if (scene_.format != "FBX" || std::ranges::any_of(skeleton_.joints, is_bound) ||
+        is_t_pose(rest_joints(false))) {
+      return false;
+    }
     for (int frame = 0; frame < frames; ++frame) {
       const double seconds = seconds_of(frame, rate);
       const bool is_same = std::ranges::all_of(skeleton_.joints, [&](int joint) {

@@ -1,10 +1,12 @@
 #include "smpl/motion_rate.h"
 
-#include <cmath>
 #include <string>
+
+#include <fmt/format.h>
 
 #include "base/option_name.h"
 #include "base/try.h"
+#include "motion/clip_size.h"
 
 namespace retarget {
 namespace {
@@ -21,8 +23,10 @@ Result<double> read_rate_array(const ArraySource& file, const char* name) {
                               std::string(kRateHint));
   }
   const double fps = array.numbers().front();
-  if (std::isfinite(fps) && fps > 0.0) return fps;
-  return file.array_failure(name, "expected a frame rate above 0, found " + std::to_string(fps),
+  if (is_plausible_rate(fps)) return fps;
+  return file.array_failure(name,
+                            fmt::format("expected a frame rate {}, found {:g}",
+                                        fps > 0.0 ? "from 1 to 10000" : "above 0", fps),
                             std::string(kRateHint));
 }
 

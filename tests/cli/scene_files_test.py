@@ -66,6 +66,16 @@ class SceneFiles(ToolTest):
                 self.assertIn("30 fps", result.stderr)
                 self.assertIn('take "', result.stderr)
 
+    def test_a_skeleton_without_a_skin_is_the_one_with_it(self):
+        """One motion, without and with a skin: the robot does the same."""
+        rows = []
+        for name in ("walk.fbx", "walk.glb"):
+            self.assert_done(self.run_tool(DATA / name, "g1", "-o", "out.csv"))
+            rows.append(read_rows((self.folder / "out.csv").read_text()))
+        joints = max(abs(a - b) for one, two in zip(*rows) for a, b in zip(one[7:], two[7:]))
+        # without a skin the zero pose is a guess
+        self.assertLess(joints, 0.3)
+
     def test_inspect_lists_takes(self):
         result = self.run_tool("inspect", DATA / "takes.glb", "--take", "Squat")
         self.assert_done(result)

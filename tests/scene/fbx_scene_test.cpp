@@ -207,6 +207,28 @@ TEST(FbxSceneTest, TakesTheTakeThatMovesTheSkeleton) {
   }
 }
 
+TEST(FbxSceneTest, IsRecognisedBehindCommentsAndAByteOrderMark) {
+  const std::string text = FbxText().text();
+  const std::string rest = text.substr(text.find('\n') + 1);
+  EXPECT_TRUE(looks_like_scene("\xEF\xBB\xBF" + text));
+  EXPECT_TRUE(read_fbx("\xEF\xBB\xBF" + text, "marked.fbx", kMemory).has_value());
+  EXPECT_TRUE(looks_like_scene(";\n\n; made by hand\n" + rest));
+  EXPECT_TRUE(looks_like_scene(rest));
+  EXPECT_FALSE(looks_like_scene("; a list of names\nHips\n"));
+  EXPECT_TRUE(
+      looks_like_scene("<?xml version='1.0'?><!-- " + std::string(9000, 'x') + " --><mvnx>"));
+  EXPECT_FALSE(looks_like_scene("<?xml version='1.0'?><!-- <mvnx> --><html>"));
+}
+
+TEST(FbxSceneTest, SaysWhereAStrayKeyIs) {
+  FbxText file;
+  const int root = file.node("Hips", 0, {0, 0, 0});
+  file.take("move", 0, 3e7);
+  file.keys(root, "Lcl Translation", {{0, {0, 0, 0}}, {0.1, {1, 0, 0}}, {3e7, {1, 0, 0}}});
+  EXPECT_THAT(read_scene(file.text(), "far.fbx").error().hint,
+              HasSubstr("between 0.1 s and 3e+07 s"));
+}
+
 TEST(FbxSceneTest, SaysThatKeysAreFewNotUneven) {
   FbxText file;
   const int root = file.node("Hips", 0, {0, 0, 0});
