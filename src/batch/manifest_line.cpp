@@ -130,7 +130,7 @@ void read_bounds(const Json& json, ClipQuality& quality) {
         std::ranges::find(quality.figures, key, [](const auto& each) { return each.first; });
     if (bounds == nullptr || figure == quality.figures.end()) continue;
     const EntryReader bound(*bounds);
-    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false};
+    GateResult gate{key, std::nullopt, std::nullopt, figure->second, false, {}};
     if (double min = 0.0; bound.member("min") != nullptr) {
       bound.read("min", min);
       gate.min = min;

@@ -254,7 +254,7 @@ TPose solve_t_pose(const Robot& robot, const RobotAnatomy& limbs) {
   const TreeState posed(robot.tree(), best.qpos);
   for (const BonePart& part : problem.parts()) {
     const Eigen::Matrix3d found = world_from_bone(posed, part);
-    TPoseResidual residual{bone_axes_error(found, t_pose_of(limbs, part.bone))};
+    TPoseResidual residual{bone_axes_error(found, t_pose_of(limbs, part.bone)), {}};
     residual.bone = bone_name(part.bone);
     residual.body = part.part.body;
     best.residuals.push_back(residual);

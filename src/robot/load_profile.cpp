@@ -224,8 +224,8 @@ class ProfileReader {
         faults_.add(what + ": \"model\" must be a file beside the profile, found " + quoted(model));
       }
       if (const Json* bodies = members.list("bodies")) {
-        for (const Json& entry : *bodies) {
-          variant.bodies.push_back(name_in(entry));
+        for (const Json& of_model : *bodies) {
+          variant.bodies.push_back(name_in(of_model));
           body(variant.bodies.back(), what);
         }
       }
