@@ -43,7 +43,7 @@ OptionTable batch_table(BatchRequest& request, double& memory_gb) {
                std::string(kGateHelp) + ". Says what is in passed.txt; never fails a clip"),
       batch_row(
           "split", request.split, kOutputGroup, "RATIO:SEED",
-          "Part the motions that passed into train.txt and validation.txt, all of a person on "
+          "Divide the motions that passed into train.txt and validation.txt, all of a person on "
           "one side: 0.9:1"),
       batch_row("jobs", request.jobs, kBatchGroup, "N",
                 "Clips to process at once (default: one per processor)",

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -39,26 +37,19 @@ void judge_again(ClipQuality& quality, const Gates& gates) {
 }
 
 // looked for among clips as they are: a mirror image that a batch made is left out with its original
-void find_repetitions(std::vector<ManifestEntry>& entries) {
-  std::map<std::string, MotionSignature> signatures;
+void find_repetitions(std::vector<ManifestEntry>& entries, const std::set<std::string>* asked) {
+  const auto counts = [asked](const ManifestEntry& entry) {
+    return asked == nullptr || asked->contains(entry.relative);
+  };
+  std::vector<std::pair<std::string, std::string>> clips;
   for (const ManifestEntry& entry : entries) {
-    if (!entry.has_failed() && !entry.variant.is_mirrored() && !entry.signature.empty()) {
-      signatures.emplace(entry.relative, signature_from_bytes(entry.signature));
+    if (counts(entry) && !entry.has_failed() && !entry.variant.is_mirrored()) {
+      clips.emplace_back(entry.relative, entry.signature);
     }
   }
-  std::vector<std::string> names;
-  std::vector<const MotionSignature*> clips;
-  for (const auto& [name, signature] : signatures) {
-    names.push_back(name);
-    clips.push_back(&signature);
-  }
-  const auto found = find_duplicates(clips);
-  std::map<std::string, RepeatedClip> repeated;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!found[i]) continue;
-    repeated[names[i]] = {names[found[i]->index], found[i]->mirrored, found[i]->distance};
-  }
+  const auto repeated = repeated_clips(clips);
   for (ManifestEntry& entry : entries) {
+    if (!counts(entry)) continue;
     const bool is_image = entry.variant.is_mirrored();
     const auto of = repeated.find(is_image ? entry.variant.mirror_of : entry.relative);
     if (of != repeated.end()) {
@@ -165,9 +156,10 @@ void warn_of_old_lists(const std::string& folder, Observer& observer) {
   std::error_code ignored;
   for (const char* name : {"train.txt", "validation.txt"}) {
     if (!fs::exists(folder + "/" + name, ignored)) continue;
-    observer.warn(
-        {{0, 0, "is of an earlier call and stays as it is; " OPTION("split") " makes it anew"}},
-        folder + "/" + name);
+    observer.warn({{0, 0,
+                    "this list is from an earlier call and was not updated; " OPTION(
+                        "split") " rewrites it"}},
+                  folder + "/" + name);
   }
 }
 
@@ -189,12 +181,13 @@ Result<DataSetRules> data_set_rules(const BatchRequest& request, bool merging) {
   return rules;
 }
 
-void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules) {
+void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
+                   const std::set<std::string>* asked) {
   for (ManifestEntry& entry : entries) {
     if (rules.gates && entry.quality) judge_again(*entry.quality, *rules.gates);
     if (rules.dedupe == false && entry.done) entry.repeated.reset();
   }
-  if (rules.dedupe == true) find_repetitions(entries);
+  if (rules.dedupe == true) find_repetitions(entries, asked);
 }
 
 bool has_passed(const ManifestEntry& entry) {
@@ -252,9 +245,12 @@ Result<void> write_lists(const std::string& folder, const std::vector<ManifestEn
   }
   std::string text = fmt::format("{} of {} in {}/passed.txt", passed.size(),
                                  count_text(entries.size(), "clip"), folder);
-  if (missing > 0) text += fmt::format("; {} miss a gate", missing);
+  if (missing > 0) text += fmt::format("; {} {} a gate", missing, missing == 1 ? "misses" : "miss");
   if (failing > 0) text += fmt::format("; {} failed", failing);
-  if (repeating > 0) text += fmt::format("; {} repeat others, see duplicates.tsv", repeating);
+  if (repeating > 0) {
+    text += fmt::format("; {} {}, see duplicates.tsv", repeating,
+                        repeating == 1 ? "repeats another" : "repeat others");
+  }
   observer.line("passed", text);
   if (!rules.split) {
     warn_of_old_lists(folder, observer);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct DataSetRules {
 
 /// Holds entries against the rules again, from what they hold: nothing is solved or measured.
 /// @param entries  one for each clip and robot, sorted by relative path.
-void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules);
+/// @param asked    relative names among which repetitions are looked for; null: all.
+void judge_entries(std::vector<ManifestEntry>& entries, const DataSetRules& rules,
+                   const std::set<std::string>* asked = nullptr);
 
 /// Which entries a training takes: done, no gate missed, no repetition of another.
 [[nodiscard]] bool has_passed(const ManifestEntry& entry);

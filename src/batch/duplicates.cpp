@@ -50,10 +50,10 @@ class SummaryTree {
     if (!order_.empty()) build(0, order_.size());
   }
 
-  // points that are within reach in every dimension
-  void find(const Summary& center, const Reach& reach, std::vector<std::size_t>& found) const {
-    found.clear();
-    if (!nodes_.empty()) find(0, center, reach, found);
+  // visits points that are within reach in every dimension
+  template <typename Visit>
+  void find(const Summary& center, const Reach& reach, const Visit& visit) const {
+    if (!nodes_.empty()) find(0, center, reach, visit);
   }
 
  private:
@@ -102,8 +102,9 @@ class SummaryTree {
     return best;
   }
 
+  template <typename Visit>
   void find(std::size_t index, const Summary& center, const Reach& reach,
-            std::vector<std::size_t>& found) const {
+            const Visit& visit) const {
     const Node& node = nodes_[index];
     if (node.left == 0) {
       for (std::size_t i = node.begin; i < node.end; ++i) {
@@ -112,13 +113,13 @@ class SummaryTree {
         for (std::size_t d = kDimensions; near && d-- > 0;) {
           near = std::abs(point[d] - center[d]) <= reach.along(d);
         }
-        if (near) found.push_back(order_[i]);
+        if (near) visit(order_[i]);
       }
       return;
     }
     const float apart = center[node.dimension] - node.split, width = reach.along(node.dimension);
-    if (apart <= width) find(node.left, center, reach, found);
-    if (apart >= -width) find(node.right, center, reach, found);
+    if (apart <= width) find(node.left, center, reach, visit);
+    if (apart >= -width) find(node.right, center, reach, visit);
   }
 
   const std::vector<Summary>& points_;
@@ -137,9 +138,10 @@ class DuplicateFinder {
   explicit DuplicateFinder(const std::vector<const MotionSignature*>& clips)
       : clips_(clips), summaries_(summaries(clips)), tree_(summaries_) {}
 
-  std::vector<std::optional<DuplicateOf>> run() {
+  std::vector<std::optional<DuplicateOf>> run(const std::function<bool()>& keep_going) {
     result_.resize(clips_.size());
     for (std::size_t i = 0; i < clips_.size(); ++i) {
+      if (keep_going && !keep_going()) break;
       if (clips_[i] == nullptr || clips_[i]->samples.empty()) continue;
       std::optional<DuplicateOf> best = nearest(i, *clips_[i], false);
       const auto image = nearest(i, mirrored(*clips_[i]), true);
@@ -164,23 +166,26 @@ class DuplicateFinder {
   std::optional<DuplicateOf> nearest(std::size_t index, const MotionSignature& clip,
                                      bool is_image) {
     const Summary summary = summary_of(clip);
-    tree_.find(summary, Reach(clip.seconds), found_);
-    std::erase_if(found_, [&](std::size_t other) {
-      return other >= index || result_[other] || clips_[other] == nullptr ||
-             clips_[other]->samples.empty();
-    });
-    // many clips may stand about in the same way
+    // many clips may stand about in the same way: a heap of the nearest, the furthest of them first
     constexpr std::size_t kCompared = 32;
-    const auto order = [&](std::size_t a, std::size_t b) {
-      return std::pair(square_distance(summaries_[a], summary), a) <
-             std::pair(square_distance(summaries_[b], summary), b);
-    };
-    const std::size_t compared = std::min(kCompared, found_.size());
-    std::partial_sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(compared),
-                      found_.end(), order);
-    found_.resize(compared);
+    near_.clear();
+    tree_.find(summary, Reach(clip.seconds), [&](std::size_t other) {
+      if (other >= index || result_[other] || clips_[other] == nullptr ||
+          clips_[other]->samples.empty()) {
+        return;
+      }
+      const std::pair candidate(square_distance(summaries_[other], summary), other);
+      if (near_.size() == kCompared) {
+        if (candidate >= near_.front()) return;
+        std::ranges::pop_heap(near_);
+        near_.pop_back();
+      }
+      near_.push_back(candidate);
+      std::ranges::push_heap(near_);
+    });
+    std::ranges::sort_heap(near_);
     std::optional<DuplicateOf> best;
-    for (const std::size_t other : found_) {
+    for (const auto& [apart, other] : near_) {
       const double distance = signature_distance(*clips_[other], clip, kDuplicateDistance);
       if (distance > kDuplicateDistance || (best && distance >= best->distance)) continue;
       best = DuplicateOf{other, is_image, distance};
@@ -192,14 +197,36 @@ class DuplicateFinder {
   const std::vector<Summary> summaries_;
   const SummaryTree tree_;
   std::vector<std::optional<DuplicateOf>> result_;
-  std::vector<std::size_t> found_;
+  std::vector<std::pair<float, std::size_t>> near_;  // square distance and place
 };
 
 }  // namespace
 
 std::vector<std::optional<DuplicateOf>> find_duplicates(
-    const std::vector<const MotionSignature*>& clips) {
-  return DuplicateFinder(clips).run();
+    const std::vector<const MotionSignature*>& clips, const std::function<bool()>& keep_going) {
+  return DuplicateFinder(clips).run(keep_going);
+}
+
+std::map<std::string, RepeatedClip> repeated_clips(
+    const std::vector<std::pair<std::string, std::string>>& clips,
+    const std::function<bool()>& keep_going) {
+  std::map<std::string, MotionSignature> signatures;
+  for (const auto& [name, bytes] : clips) {
+    if (!bytes.empty()) signatures.emplace(name, signature_from_bytes(bytes));
+  }
+  std::vector<const std::string*> names;
+  std::vector<const MotionSignature*> pointers;
+  for (const auto& [name, signature] : signatures) {
+    names.push_back(&name);
+    pointers.push_back(&signature);
+  }
+  const auto found = find_duplicates(pointers, keep_going);
+  std::map<std::string, RepeatedClip> repeated;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!found[i]) continue;
+    repeated[*names[i]] = {*names[found[i]->index], found[i]->mirrored, found[i]->distance};
+  }
+  return repeated;
 }
 
 }  // namespace retarget

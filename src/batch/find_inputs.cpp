@@ -280,18 +280,25 @@ std::string output_stem(const std::string& relative) {
 Result<void> check_distinct_outputs(std::span<const BatchInput> inputs) {
   std::map<std::string, const BatchInput*> taken;
   int clashes = 0;
+  bool by_image = false;
   std::string first;
   for (const BatchInput& input : inputs) {
     const std::string stem = output_stem(input.relative);
     const auto [at, is_new] = taken.emplace(stem, &input);
     if (is_new) continue;
     if (clashes++ == 0) {
+      by_image = at->second->variant.is_mirrored() || input.variant.is_mirrored();
       first = "\"" + at->second->path + "\" and \"" + input.path + "\" would both become \"" +
               stem + "\"";
     }
   }
   if (clashes == 0) return {};
   if (clashes > 1) first += ", and " + std::to_string(clashes - 1) + " more clash";
+  if (by_image) {
+    return usage_failure(
+        first, "rename the file that " OPTION("mirror") " would make, leave it out with " OPTION(
+                   "exclude") ", or do without " OPTION("mirror"));
+  }
   return usage_failure(first,
                        "give the folder that holds both, or " OPTION("base") " FOLDER to keep the tree below "
                        "it; else rename one or leave it out with " OPTION("exclude"));

@@ -78,8 +78,9 @@ void print_worst(const std::vector<ManifestEntry>& entries, Observer& observer) 
   const auto measured = std::ranges::count_if(
       entries, [](const ManifestEntry& entry) { return entry.quality.has_value(); });
   if (measured == 0) return;
-  observer.line("quality", std::to_string(missed.size()) + " of " + std::to_string(measured) +
-                               " motions miss a gate");
+  observer.line("quality",
+                std::to_string(missed.size()) + " of " + std::to_string(measured) +
+                    (missed.size() == 1 ? " motions misses a gate" : " motions miss a gate"));
   std::ranges::stable_sort(missed, std::ranges::greater{}, [](const ManifestEntry* entry) {
     return std::pair(entry->quality->missed.size(), entry->quality->worst_ratio);
   });
@@ -98,6 +99,21 @@ Result<void> write_summary(const std::string& folder, const std::vector<Manifest
   print_worst(entries, observer);
   observer.line("wrote", path + ", the worst clips first");
   return {};
+}
+
+// of clips that nobody can tell whether they repeat others
+void warn_of_unsigned(const std::vector<ManifestEntry>& entries, const std::string& path,
+                      Observer& observer) {
+  const auto count = std::ranges::count_if(entries, [](const ManifestEntry& entry) {
+    return entry.done && !entry.variant.is_mirrored() && entry.signature.empty();
+  });
+  if (count == 0) return;
+  observer.warn(
+      {{0, 0,
+        count_text(static_cast<std::size_t>(count), "clip") + (count == 1 ? " has" : " have") +
+            " no signature to find duplicates by: run the batch with " OPTION(
+                "dedupe") " and " OPTION("resume")}},
+      path);
 }
 
 }  // namespace
@@ -156,14 +172,26 @@ Result<void> finish_manifests(const std::string& folder, const Shard& shard,
   }
   entries = latest_entries(std::move(entries));
   std::erase_if(entries, [&](const ManifestEntry& entry) { return is_gone(entry, known); });
-  judge_entries(entries, rules);
+  judge_entries(entries, rules, &known);
   TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   std::error_code ignored;
   for (const std::string& part : parts) fs::remove(part, ignored);
   observer.line("wrote", path);
-  if (shard.count > 1) return {};
+  if (shard.count > 1) {
+    if (rules.split) {
+      observer.line("split", "train.txt and validation.txt are written when the parts are merged");
+    }
+    return {};
+  }
   TRY(write_summary(folder, entries, observer));
+  // what another call was about is none of this call's data set
+  const std::size_t unasked = std::erase_if(
+      entries, [&](const ManifestEntry& entry) { return !known.contains(entry.relative); });
+  if (unasked > 0) {
+    observer.line("lists", count_text(unasked, "clip") +
+                               " of the manifest not asked for by this call, and not listed");
+  }
   return write_lists(folder, entries, rules, observer);
 }
 
@@ -189,6 +217,7 @@ Result<std::size_t> merge_manifests(const std::string& folder,
   if (entries.empty()) return input_failure(folder, "there is no batch manifest to merge");
   entries = latest_entries(std::move(entries));
   judge_entries(entries, rules);
+  if (rules.dedupe == true) warn_of_unsigned(entries, path, observer);
   TRY(write_file(path, lines_of(entries)));
   // what they say is on the disk by now
   for (const std::string& part : parts) fs::remove(part, ignored);

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/number_text.h"
 #include "base/option_name.h"
 #include "base/suggest.h"
@@ -36,6 +37,7 @@
 #include "plan/gates.h"
 #include "plan/output_files.h"
 #include "retarget/load.h"
+#include "run/fingerprint.h"
 
 namespace retarget {
 namespace {
@@ -330,9 +332,10 @@ Result<std::unique_ptr<ManifestWriter>> begin_manifest(const BatchManifests& man
   std::map<std::string, RepeatedClip> repeated;
   if (request.dedupe) {
     TRY(find_signatures(plan.inputs, plan.robots.front(), request, finished, observer));
-    repeated = repeated_inputs(plan.inputs);
+    TRY_ASSIGN(repeated, repeated_inputs(plan.inputs, observer));
     observer.line("dedupe", std::to_string(repeated.size()) + " of " +
-                                count_text(plan.inputs.size(), "clip") + " repeat others");
+                                count_text(plan.inputs.size(), "clip") +
+                                (repeated.size() == 1 ? " repeats another" : " repeat others"));
   }
   plan_tasks(finished, repeated, plan);
   if (plan.unchanged > 0) {
@@ -361,6 +364,33 @@ Result<std::size_t> work_through(const BatchPlan& plan, const BatchRequest& requ
   stopped.message = "interrupted; unfinished clips have no output";
   stopped.hint = "the same command with " OPTION("resume") " continues from here";
   return failure(std::move(stopped));
+}
+
+// what says which clips are done, where none are
+Result<void> check_merge(const BatchRequest& request) {
+  const auto refused = [](const char* option) {
+    return usage_failure(std::string(option) + " and " OPTION("merge") " cannot be combined",
+                         OPTION("merge") " joins manifests and retargets no clips");
+  };
+  if (!request.clips.empty()) return refused(OPTION("clips"));
+  if (request.mirror) return refused(OPTION("mirror"));
+  if (!request.exclude.empty()) return refused(OPTION("exclude"));
+  if (!request.shard.empty()) return refused(OPTION("shard"));
+  if (request.resume) return refused(OPTION("resume"));
+  if (request.redo) return refused(OPTION("redo"));
+  return {};
+}
+
+// the gates that options.json tells of, after they were changed
+Result<void> record_gates(const std::string& folder, const Gates& gates) {
+  const std::string path = folder + "/options.json";
+  // what cannot be read tells nothing
+  auto options = load_json(path);
+  if (!options || !options->is_array()) return {};
+  for (auto& each : *options) {
+    if (each.is_object()) each["gates"] = gates_json(gates);
+  }
+  return write_file(path, printable_dump(*options));
 }
 
 }  // namespace
@@ -399,6 +429,7 @@ Result<std::size_t> run_batch(const BatchRequest& request, Observer& observer) {
 }
 
 Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer) {
+  TRY(check_merge(request));
   const std::string folder = without_last_slash(request.output);
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
@@ -408,6 +439,7 @@ Result<std::size_t> merge_batch(const BatchRequest& request, Observer& observer)
   TRY_ASSIGN(const DataSetRules rules, data_set_rules(request, true));
   TRY_ASSIGN(const auto lock, FolderLock::take(folder, kLockName, FolderLock::Kind::kAlone));
   auto failed = merge_manifests(folder, request.inputs, rules, observer);
+  if (failed && rules.gates) TRY(record_gates(folder, *rules.gates));
   if (failed && request.motion_list) TRY(write_motion_lists(folder, observer));
   if (failed && !request.pack.empty()) TRY(pack_motions(folder, request, observer));
   return failed;

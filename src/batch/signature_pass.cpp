@@ -71,25 +71,15 @@ Result<void> find_signatures(std::vector<BatchInput>& inputs, const BatchRobot& 
   return {};
 }
 
-std::map<std::string, RepeatedClip> repeated_inputs(const std::vector<BatchInput>& inputs) {
-  std::vector<const BatchInput*> clips;
+Result<std::map<std::string, RepeatedClip>> repeated_inputs(const std::vector<BatchInput>& inputs,
+                                                            Observer& observer) {
+  const auto interrupts = observer.hold_interrupts();
+  std::vector<std::pair<std::string, std::string>> clips;
   for (const BatchInput& input : inputs) {
-    if (!input.variant.is_mirrored()) clips.push_back(&input);
+    if (!input.variant.is_mirrored()) clips.emplace_back(input.relative, input.signature);
   }
-  std::ranges::sort(clips, {}, &BatchInput::relative);
-  std::vector<MotionSignature> signatures;
-  signatures.reserve(clips.size());
-  for (const BatchInput* clip : clips) signatures.push_back(signature_from_bytes(clip->signature));
-  std::vector<const MotionSignature*> pointers;
-  pointers.reserve(clips.size());
-  for (const MotionSignature& signature : signatures) pointers.push_back(&signature);
-  const auto found = find_duplicates(pointers);
-  std::map<std::string, RepeatedClip> repeated;
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (!found[i]) continue;
-    repeated[clips[i]->relative] = {clips[found[i]->index]->relative, found[i]->mirrored,
-                                    found[i]->distance};
-  }
+  auto repeated = repeated_clips(clips, [&] { return !observer.is_stopped(); });
+  if (observer.is_stopped()) return interrupted_failure();
   // an image goes with its original
   for (const BatchInput& input : inputs) {
     const auto of = repeated.find(input.variant.mirror_of);

@@ -23,8 +23,8 @@ namespace retarget {
                                            const FinishedClips& finished, Observer& observer);
 
 /// Which inputs repeat others among them, by `relative`; their mirror images that the batch makes are
-/// among them.
-[[nodiscard]] std::map<std::string, RepeatedClip> repeated_inputs(
-    const std::vector<BatchInput>& inputs);
+/// among them. Errors: kInterrupted.
+[[nodiscard]] Result<std::map<std::string, RepeatedClip>> repeated_inputs(
+    const std::vector<BatchInput>& inputs, Observer& observer);
 
 }  // namespace retarget

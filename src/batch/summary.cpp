@@ -17,8 +17,10 @@ double ratio_beyond(const GateResult& gate) {
   if (gate.passed || !gate.value) return 0.0;
   const bool too_much = gate.max && !(*gate.value <= *gate.max);
   const double bound = too_much ? *gate.max : gate.min.value_or(0.0);
-  const double ratio = std::abs(*gate.value / bound);
-  return std::isfinite(ratio) ? ratio : HUGE_VAL;
+  const double ratio = *gate.value / bound;
+  // the wrong sign is beyond any number of times
+  if (!(ratio > 0.0) || !std::isfinite(ratio)) return HUGE_VAL;
+  return std::max(ratio, 1.0 / ratio);
 }
 
 // quoted where a table needs it (RFC 4180)

@@ -112,18 +112,21 @@ Result<void> add_robot(const RobotSetup& setup, Fingerprint& print) {
   return {};
 }
 
-Json gates_json(const Gates& gates) {
+}  // namespace
+
+nlohmann::ordered_json gates_json(const Gates& gates) {
   Json json = Json::object();
   for (const Gate& gate : gates.all()) {
     Json& bounds = json[gate.metric];
     if (gate.min) bounds["min"] = *gate.min;
     if (gate.max) bounds["max"] = *gate.max;
     if (gate.leg) bounds["leg_m"] = *gate.leg;
+    for (const GateException& exception : gate.unless) {
+      bounds["unless"][exception.metric] = exception.above;
+    }
   }
   return json;
 }
-
-}  // namespace
 
 Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
                                        const RobotSetup& setup) {

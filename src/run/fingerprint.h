@@ -1,10 +1,12 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "retarget/error.h"
 #include "retarget/options.h"
 #include "retarget/plan.h"
+#include "retarget/report.h"
 #include "run/run_to_files.h"
 
 namespace retarget {
@@ -22,5 +24,8 @@ struct RunFingerprint {
 /// @param request  whether sidecars are written and motions measured counts.
 [[nodiscard]] Result<RunFingerprint> run_fingerprint(const Run& run, const RunRequest& request,
                                                      const RobotSetup& setup);
+
+/// Gates as a description tells of them, by metric.
+[[nodiscard]] nlohmann::ordered_json gates_json(const Gates& gates);
 
 }  // namespace retarget

@@ -57,6 +57,13 @@ ReadMotionOptions completed(ReadMotionOptions options, const Sidecar& sidecar, c
 
 }  // namespace
 
+std::string recorded_variant(const std::string& path) {
+  const auto sidecar = sidecar_beside(path);
+  if (!sidecar || !is_file(path)) return {};
+  const auto hash = hash_file(path);
+  return hash && *hash == sidecar->hash ? sidecar->run.robot.variant : std::string();
+}
+
 Result<RobotMotion> load_recorded_motion(const std::string& path,
                                          const std::shared_ptr<const Robot>& robot,
                                          const ReadMotionOptions& options) {

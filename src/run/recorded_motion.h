@@ -18,4 +18,8 @@ namespace retarget {
                                                        const std::shared_ptr<const Robot>& robot,
                                                        const ReadMotionOptions& options);
 
+/// The robot's variant that the sidecar beside a CSV records; empty: none, or the sidecar does not
+/// count.
+[[nodiscard]] std::string recorded_variant(const std::string& path);
+
 }  // namespace retarget

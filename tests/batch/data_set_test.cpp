@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -137,6 +138,18 @@ TEST_F(DataSetTest, RepetitionsAreListedAndLeftOut) {
   rules.dedupe = false;
   judge_entries(entries_, rules);
   EXPECT_FALSE(entries_[2].repeated);
+}
+
+TEST_F(DataSetTest, RepetitionsAreLookedForAmongWhatIsAskedFor) {
+  entries_ = {done("a.bvh", 0.0), done("b.bvh", 0.0)};
+  entries_[0].signature = entries_[1].signature = signature(3);
+  DataSetRules rules;
+  rules.dedupe = true;
+  judge_entries(entries_, rules);
+  EXPECT_TRUE(entries_[1].repeated);
+  const std::set<std::string> asked = {"b.bvh"};
+  judge_entries(entries_, rules, &asked);
+  EXPECT_FALSE(entries_[1].repeated);
 }
 
 TEST_F(DataSetTest, AClipThatWasLeftOutStaysSo) {

@@ -157,6 +157,8 @@ TEST(FindDuplicates, NamesTheFirstOfSeveral) {
   EXPECT_EQ(found[4]->index, 2U);
   EXPECT_EQ(found[5]->index, 2U);
   EXPECT_TRUE(find_duplicates({}).empty());
+  // who is told to stop looks no further
+  EXPECT_FALSE(find_duplicates({&clip, &clip}, [] { return false; })[1]);
 }
 
 }  // namespace

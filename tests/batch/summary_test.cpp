@@ -86,6 +86,23 @@ TEST(ClipQualityOf, ListsMissedGatesAndTheWorst) {
   EXPECT_EQ(clip_quality(report).worst_ratio, HUGE_VAL);
 }
 
+TEST(ClipQualityOf, BoundsAreExceededTheMoreTheFurtherAFigureIsBeyondThem) {
+  const auto ratio = [](std::optional<double> min, std::optional<double> max, double value) {
+    QualityReport report;
+    report.gates = {{"jumps", min, max, value, false}};
+    return clip_quality(report).worst_ratio;
+  };
+  EXPECT_DOUBLE_EQ(ratio(10.0, {}, 8.0), 1.25);
+  EXPECT_DOUBLE_EQ(ratio(10.0, {}, 0.5), 20.0);
+  EXPECT_EQ(ratio(10.0, {}, 0.0), HUGE_VAL);
+  EXPECT_EQ(ratio(10.0, {}, -1.0), HUGE_VAL);
+  EXPECT_DOUBLE_EQ(ratio(-2.0, {}, -5.0), 2.5);
+  EXPECT_DOUBLE_EQ(ratio({}, 2.0, 5.0), 2.5);
+  EXPECT_DOUBLE_EQ(ratio({}, -2.0, -0.5), 4.0);
+  EXPECT_EQ(ratio({}, -2.0, 0.5), HUGE_VAL);
+  EXPECT_EQ(ratio({}, 1.0, std::nan("")), HUGE_VAL);
+}
+
 TEST(Summary, CellsAreNotFormulas) {
   for (const char* name :
        {"=cmd|' /C calc'!A0.bvh", "+1.bvh", "-1.bvh", "@SUM(A1).bvh", "\t=1.bvh"}) {

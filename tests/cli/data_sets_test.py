@@ -58,6 +58,56 @@ class Gates(DataSetTest):
         options = json.loads((self.folder / "out/options.json").read_text())
         self.assertEqual(options[0]["gates"]["peak_speed"], {"max": 0.0})
 
+    def test_lists_hold_what_this_call_asks_for(self):
+        self.clips("a.bvh", "get_up.bvh")
+        self.assert_done(self.batch("--mirror"))
+        self.assertEqual(len(self.lines("passed.txt")), 4)
+        again = self.batch("--resume", "--exclude", "get_up*", "--split", "0.5:1")
+        self.assert_done(again)
+        self.assertEqual(self.lines("passed.txt"), ["a.csv"])
+        self.assertEqual(self.lines("train.txt") + self.lines("validation.txt"), ["a.csv"])
+        self.assertIn("3 clips of the manifest not asked for", again.stderr)
+        # nothing is forgotten
+        self.assertEqual(len(self.manifest()), 4)
+        self.assertIn("4 of 4 are done", self.batch("--resume", "--mirror").stderr)
+        self.assertEqual(len(self.lines("passed.txt")), 4)
+
+    def test_options_tell_the_gates_of_the_last_call(self):
+        self.clips("a.bvh")
+        self.assert_done(self.measured("--gate", "jumps<=3"))
+        def gates():
+            return json.loads((self.folder / "out/options.json").read_text())[0]["gates"]
+        self.assertEqual(gates()["jumps"], {"max": 3.0})
+        # as configs/quality/default.json has them
+        self.assertIn("unless", json.dumps(gates()))
+        self.assert_done(self.run_tool("batch", "--merge", "-o", "out", "--gate", "none", "--gate",
+                                       "jumps<=5"))
+        self.assertEqual(gates(), {"jumps": {"max": 5.0}})
+
+    def test_joining_manifests_refuses_what_is_about_clips(self):
+        self.clips("a.bvh")
+        self.assert_done(self.batch())
+        for option in (["--clips", "x.csv"], ["--mirror"], ["--exclude", "a*"], ["--shard", "1/2"],
+                       ["--resume"], ["--redo"]):
+            self.assert_fails(self.run_tool("batch", "--merge", "-o", "out", *option), 2,
+                              f"{option[0]} and --merge cannot be combined")
+        merged = self.run_tool("batch", "--merge", "-o", "out", "--dedupe")
+        self.assert_done(merged)
+        self.assertIn("1 clip has no signature", merged.stderr)
+
+    def test_evaluate_measures_the_variant_that_a_motion_is_of(self):
+        clip = self.write("wave.bvh", short_clip("wave", 12))
+        self.assert_done(self.retarget(*GMR, "--dof", "23", "--sidecar", bvh=clip))
+        def report(*arguments):
+            result = self.run_tool("evaluate", "out.csv", "--robot", "g1", "--bvh", clip, "--gate",
+                                   "none", "--json", "report.json", *arguments)
+            self.assert_done(result)
+            return json.loads((self.folder / "report.json").read_text())
+        by_sidecar = report()
+        self.assertEqual(report("--dof", "23"), by_sidecar)
+        (self.folder / "out.csv.json").unlink()
+        self.assertEqual(report("--dof", "23"), by_sidecar)
+
     def test_a_single_run_asks_with_the_same_option(self):
         clip = self.write("wave.bvh", short_clip("wave", 4))
         result = self.retarget(*GMR, "--gate", "none", "--gate", "peak_speed<=0", bvh=clip)
@@ -111,14 +161,16 @@ class Splits(DataSetTest):
         self.assertIn("5 groups by the subject", result.stderr)
         # in parts, joined, the same
         for part in (1, 2, 3):
-            self.assert_done(self.batch("--split", "0.8:7", "--shard", f"{part}/3", output="parts"))
+            part_done = self.batch("--split", "0.8:7", "--shard", f"{part}/3", output="parts")
+            self.assert_done(part_done)
+            self.assertIn("written when the parts are merged", part_done.stderr)
             self.assertFalse((self.folder / "parts/train.txt").exists())
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts", "--split", "0.8:7"))
         for name in ("train.txt", "validation.txt", "passed.txt"):
             self.assertEqual(self.lines(name, "parts"), self.lines(name))
         # without the option the lists are old, and that is said
         again = self.batch("--resume")
-        self.assertIn("train.txt: warning: is of an earlier call", again.stderr)
+        self.assertIn("train.txt: warning: this list is from an earlier call", again.stderr)
 
 
 class MirrorImages(DataSetTest):
@@ -162,7 +214,8 @@ class MirrorImages(DataSetTest):
         self.assert_done(self.run_tool("batch", "--merge", "-o", "parts"))
         self.assertEqual(self.contents("parts"), self.contents())
         self.clips("a_mirrored.bvh")
-        self.assert_fails(self.batch("--mirror", output="two"), 2, "a_mirrored")
+        self.assert_fails(self.batch("--mirror", output="two"), 2, "a_mirrored",
+                          "do without --mirror")
         self.assertFalse((self.folder / "two").exists())
 
 
@@ -245,6 +298,13 @@ class Duplicates(DataSetTest):
         self.assert_done(self.batch("--mirror", "--resume", "--dedupe"))
         self.assertEqual(len(self.lines("passed.txt")), 4)
         self.assert_done(self.run_tool("view", "out", "-o", "gallery"))
+
+    def test_a_duplicate_takes_the_place_of_what_is_excluded(self):
+        self.prepare()
+        self.assert_done(self.batch("--dedupe"))
+        self.assertEqual(self.lines("passed.txt"), ["a.csv", "other.csv"])
+        self.assert_done(self.batch("--dedupe", "--resume", "--exclude", "a.bvh"))
+        self.assertEqual(self.lines("passed.txt"), ["image.csv", "other.csv"])
 
     def test_parts_of_a_batch_find_them_when_they_are_joined(self):
         self.prepare()

@@ -46,7 +46,8 @@ CLI::App* add_evaluate_command(CLI::App& app, EvaluateArguments& arguments) {
                           "partial", "rest",        "tpose-frame",   "tpose-file", "unit",
                           "up",      "forward",     "height",        "start",      "lead-in",
                           "robot",   "robot-xml",   "robot-profile", "ik-config",  "limits",
-                          "scale",   "write-map",   "quiet",         "data-dir",   "mirror"}));
+                          "scale",   "write-map",   "quiet",         "data-dir",   "mirror",
+                          "dof"}));
   declare(*command, without(reading_table(arguments.reading), {"source-fps"}));
   // what convert calls --source-quat had this name here
   declare(*command, renamed(only(reading_table(arguments.reading), {"source-quat"}), "csv-quat"));

@@ -52,6 +52,17 @@ MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::stri
   return {std::move(clip), human, std::move(measure.report), std::nullopt};
 }
 
+// that all motions were made for, as their sidecars say; empty: of the robot as it is, or of several
+std::string variant_of(const std::vector<std::string>& motions) {
+  std::string common;
+  for (const std::string& motion : motions) {
+    const std::string variant = recorded_variant(motion);
+    if (variant.empty() || (!common.empty() && variant != common)) return {};
+    common = variant;
+  }
+  return common;
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> check_inputs(const MeasureArguments& arguments) {
@@ -85,7 +96,13 @@ Result<Measures> load_measures(const MeasureArguments& arguments, Console& conso
   measures.dynamics = arguments.dynamics;
   TRY_ASSIGN(const std::string data_folder, data_folder_of(with_file.common));
   TRY_ASSIGN(measures.gates, changed_gates(arguments.gates, data_folder));
+  const std::string variant = run.robot.variant.empty() ? variant_of(arguments.motions) : "";
   TRY_ASSIGN(LoadedRobot robot, load_robot(run.robot, with_file.common, console));
+  const auto& variants = robot.robot->profile().variants;
+  if (std::ranges::find(variants, variant, &RobotVariant::name) != variants.end()) {
+    run.robot.variant = variant;
+    TRY_ASSIGN(robot, load_robot(run.robot, with_file.common, console));
+  }
   measures.robot = robot.robot;
   measures.model = robot.model;
   std::string& limits = run.options.solve.limits;
