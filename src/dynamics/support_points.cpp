@@ -60,10 +60,10 @@ void keep_outermost(std::span<const Vector3d> points, std::size_t most, std::vec
   // the chosen ones are moved to the front one by one; what is found twice stays once
   std::size_t kept = 0;
   for (std::size_t i = 0; i < most; ++i) {
-    const auto [sine, cosine] = portable::sin_cos(2.0 * std::numbers::pi * static_cast<double>(i) /
-                                                  static_cast<double>(most));
+    const portable::SineCosine way = portable::sin_cos(
+        2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(most));
     const auto reach = [&](int index) {
-      return cosine * points[index].x() + sine * points[index].y();
+      return way.cosine * points[index].x() + way.sine * points[index].y();
     };
     std::size_t farthest = 0;
     for (std::size_t k = 1; k < chosen.size(); ++k) {

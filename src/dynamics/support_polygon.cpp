@@ -17,8 +17,7 @@ void reduce_to_hull(std::vector<Vector2d>& points) {
   std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
     return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
   });
-  const auto [first, last] = std::ranges::unique(points);
-  points.erase(first, last);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return;
   std::vector<Vector2d> hull;
   const auto add_chain = [&hull](auto begin, auto end) {
