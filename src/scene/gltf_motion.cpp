@@ -176,12 +176,13 @@ Result<SceneTake> GltfMotion::add(GltfDocument& document, const GltfJson& animat
 NodeTransform GltfMotion::at(int take, int node, double seconds) const {
   const auto index = static_cast<std::size_t>(node);
   NodeTransform place = rest_[index];
-  for (const Channel& channel :
-       std::ranges::equal_range(takes_[static_cast<std::size_t>(take)], node, {}, &Channel::node)) {
-    const Eigen::Vector4d value = channel.track.at(seconds);
-    if (channel.path == GltfPath::kTranslation) place.translation = value.head<3>();
-    if (channel.path == GltfPath::kScale) place.scale = value.head<3>();
-    if (channel.path == GltfPath::kRotation) place.rotation = Eigen::Quaterniond(value);
+  const std::vector<Channel>& channels = takes_[static_cast<std::size_t>(take)];
+  for (auto channel = std::ranges::lower_bound(channels, node, {}, &Channel::node);
+       channel != channels.end() && channel->node == node; ++channel) {
+    const Eigen::Vector4d value = channel->track.at(seconds);
+    if (channel->path == GltfPath::kTranslation) place.translation = value.head<3>();
+    if (channel->path == GltfPath::kScale) place.scale = value.head<3>();
+    if (channel->path == GltfPath::kRotation) place.rotation = Eigen::Quaterniond(value);
   }
   return place;
 }

@@ -62,9 +62,9 @@ TEST(MotionSignature, IsOfTheMovementAlone) {
     };
     EXPECT_EQ(distance(sample.clip), 0.0) << name;
     // another rate, a few frames less at either end, noise
-    EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate(25, 1)}).value()), 1.0)
+    EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{25, 1}}).value()), 1.0)
         << name;
-    EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate(120, 1)}).value()), 1.0)
+    EXPECT_LT(distance(change_timing(sample.clip, {.rate = FrameRate{120, 1}}).value()), 1.0)
         << name;
     const int frames = sample.clip.frame_count();
     EXPECT_LT(distance(cut(sample.clip, 4, frames - 5)), 2.5) << name;
