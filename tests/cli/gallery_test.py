@@ -290,10 +290,10 @@ class Gallery(GalleryTest):
         self.addCleanup(process.kill)
         return process
 
-    def feed(self, gates=None):
+    def feed(self):
         """Lets one go on that waits for gates; whether there was one."""
         try:
-            end = os.open(gates or self.folder / "data/configs/quality/default.json",
+            end = os.open(self.folder / "data/configs/quality/default.json",
                           os.O_WRONLY | os.O_NONBLOCK)
         except OSError:
             return False
@@ -366,25 +366,22 @@ class Gallery(GalleryTest):
 
     def test_where_one_process_dies_the_ways_lead_on(self):
         self.batch(clips=("walk", "squat", "wave"))
-        # on one processor there is one process at a time, so that none takes what another waits for
+        # on one processor there is one process at a time
         process = self.start_waiting_gallery(processors=[min(os.sched_getaffinity(0))])
-        child = self.wait_until(lambda: self.children(process))[0]
-        os.kill(child, signal.SIGKILL)
-        self.wait_until(lambda: child not in self.children(process))
-        # the next one may wait already; those after it need not
         gates = self.folder / "data/configs/quality/default.json"
-        pipe = gates.with_name("pipe")
-        os.link(gates, pipe)
-        content = (SOURCE / "configs/quality/default.json").read_bytes()
-        gates.with_name("ready").write_bytes(content)
-        os.replace(gates.with_name("ready"), gates)
 
-        def ended():
-            if pipe.exists() and self.feed(pipe):
-                pipe.unlink()
-            return process.poll() is not None
+        def waiting():
+            """The other end of the pipe as soon as a process, which has a clip by then, reads it."""
+            with contextlib.suppress(OSError):
+                return os.open(gates, os.O_WRONLY | os.O_NONBLOCK)
 
-        self.wait_until(ended)
+        end = self.wait_until(waiting)
+        # the processes after it need not wait
+        ready = self.write("ready.json", (SOURCE / "configs/quality/default.json").read_bytes())
+        os.replace(self.folder / ready, gates)
+        os.kill(self.children(process)[0], signal.SIGKILL)
+        os.close(end)
+        self.wait_until(lambda: process.poll() is not None)
         self.assertEqual(process.returncode, 0, process.stderr.read())
         clips = self.index()["clips"]
         self.assertIn("its page could not be made", [clip.get("message") for clip in clips])
