@@ -216,7 +216,8 @@ TEST(FrontDoor, ErrorsNameOptionFields) {
   ASSERT_TRUE(known);
   const auto plan = make_plan(load_clip(sample("walk")).value(), *known, options);
   ASSERT_FALSE(plan);
-  EXPECT_THAT(describe(plan.error()), HasSubstr("fit_config, with, without and window belong to method"));
+  EXPECT_THAT(describe(plan.error()),
+              HasSubstr("fit_config, with, without and window belong to method"));
   EXPECT_THAT(describe(plan.error(), option_as_flag), HasSubstr("--without"));
 }
 
