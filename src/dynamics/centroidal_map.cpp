@@ -18,10 +18,8 @@ void CentroidalMap::update(const TreeState& state) {
     const LinkInertia& link = inertias_->links[i];
     const Matrix3d axes = state.world_from_link[i].rotation.toRotationMatrix();
     const Vector3d com = state.world_from_link[i].translation + axes * link.com - state.origin();
-    carried_[i] = {
-        link.mass, link.mass * com,
-        axes * link.about_com * axes.transpose() +
-            link.mass * (com.squaredNorm() * Matrix3d::Identity() - com * com.transpose())};
+    carried_[i] = {link.mass, link.mass * com,
+                   axes * link.about_com * axes.transpose() + point_inertia(link.mass, com)};
   }
   for (std::size_t i = carried_.size() - 1; i > 0; --i) {
     Carried& parent = carried_[static_cast<std::size_t>(tree_->links()[i].parent)];

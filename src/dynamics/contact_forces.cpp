@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dynamics/force_cone.h"
 #include "math/se3.h"
 
 namespace retarget {
@@ -12,19 +13,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kEdges = 4;
+constexpr int kEdges = ForceCone::kEdges;
 constexpr int kUnknowns = kEdges * static_cast<int>(ContactForces::kMaxPoints);
 // of a force of one weight: keeps the problem strictly convex
 constexpr double kForceWeight = 0.003;
 
 using Edges = Eigen::Matrix<double, 3, kEdges>;
-
-Edges pyramid_edges() {
-  constexpr double kFriction = ContactForces::kFriction;
-  Edges edges;
-  edges << kFriction, 0.0, -kFriction, 0.0, 0.0, kFriction, 0.0, -kFriction, 1.0, 1.0, 1.0, 1.0;
-  return edges;
-}
 
 }  // namespace
 
@@ -64,7 +58,7 @@ void ContactForces::solve(const InverseDynamics& dynamics, const TreeState& stat
     build_system(dynamics);
     qp_.solve(hessian_, gradient_, lower_, upper_, amounts_);
   }
-  const Edges edges = pyramid_edges();
+  const Edges edges = friction_pyramid(kFriction);
   unexplained_ = dynamics.needed();
   for (std::size_t i = 1; i < joint_torques_.size(); ++i) {
     joint_torques_[i] = dynamics.forces()[KinematicTree::dof_of(static_cast<int>(i))];
@@ -93,7 +87,7 @@ void ContactForces::fill_jacobian(const TreeState& state, const SupportPoint& po
 
 // forces count in weights, so do torques after division by the lever
 void ContactForces::build_system(const InverseDynamics& dynamics) {
-  const Edges edges = pyramid_edges();
+  const Edges edges = friction_pyramid(kFriction);
   for (int row = 1; row < scale_.size(); ++row) {
     scaled_torques_[row] = scale_[row] * dynamics.forces()[KinematicTree::dof_of(row)];
   }

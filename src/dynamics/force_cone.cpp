@@ -13,11 +13,17 @@ constexpr double kRidge = 1e-6;
 
 }  // namespace
 
+Eigen::Matrix<double, 3, 4> friction_pyramid(double friction) {
+  Eigen::Matrix<double, 3, 4> edges;
+  edges << friction, -friction, 0.0, 0.0, 0.0, 0.0, friction, -friction, 1.0, 1.0, 1.0, 1.0;
+  return edges;
+}
+
 void ForceCone::add_point(const Eigen::Vector3d& lever, double friction) {
   if (count_ == kMaxEdges) return;
+  const Eigen::Matrix<double, 3, kEdges> pyramid = friction_pyramid(friction);
   for (int i = 0; i < kEdges; ++i) {
-    const double sign = i % 2 == 0 ? friction : -friction;
-    const Eigen::Vector3d force(i < 2 ? sign : 0.0, i < 2 ? 0.0 : sign, 1.0);
+    const Eigen::Vector3d force = pyramid.col(i);
     edges_.col(count_++) << force, lever.cross(force);
   }
 }

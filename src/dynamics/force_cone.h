@@ -9,6 +9,9 @@
 
 namespace retarget {
 
+/// Edges of a pyramid inside the cone of friction, a column each; upwards they are 1 long.
+[[nodiscard]] Eigen::Matrix<double, 3, 4> friction_pyramid(double friction);
+
 /// The wrenches about a point that friction pyramids at some points of support can exert, as the
 /// cone of their edges. Forces above torques, scaled as its user likes.
 class ForceCone {

@@ -12,11 +12,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// of a mass m at distance r, about the origin
-Matrix3d point_inertia(double mass, const Vector3d& r) {
-  return mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
-}
-
 // two rigidly joined
 LinkInertia joined(const LinkInertia& a, const LinkInertia& b) {
   LinkInertia sum;

@@ -7,6 +7,11 @@
 
 namespace retarget {
 
+/// Of a mass m at r, about the origin: kg m^2.
+[[nodiscard]] inline Eigen::Matrix3d point_inertia(double mass, const Eigen::Vector3d& r) {
+  return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+}
+
 /// Mass of a link of the kinematic tree, and of all bodies that are fixed to it.
 struct LinkInertia {
   double mass = 0.0;                                    ///< kg

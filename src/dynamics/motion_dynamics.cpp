@@ -115,23 +115,31 @@ double standing_height(const SupportTracks& tracks, const std::vector<SupportPoi
   return median(std::move(heights));
 }
 
+// by link of its tree; infinity: not known
+std::vector<double> torque_limits_of(const Robot& robot) {
+  const auto& links = robot.tree().links();
+  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 1; i < links.size(); ++i) limits[i] = robot.torque_limit(links[i].joint);
+  return limits;
+}
+
 class Analyser {
  public:
-  Analyser(const RobotClip& clip, std::span<const double> torque_limits)
+  explicit Analyser(const RobotClip& clip)
       : clip_(clip),
         spline_(clip),
         inertias_(make_inertias(clip.robot())),
         points_(make_support_points(clip.robot())),
-        torque_limits_(torque_limits),
+        torque_limits_(torque_limits_of(clip.robot())),
         motion_(clip.robot()),
         state_(clip.robot().tree()),
         inverse_(clip.robot().tree(), inertias_),
-        contacts_(clip.robot().tree(), torque_limits, inertias_.mass * kGravity) {
+        contacts_(clip.robot().tree(), torque_limits_, inertias_.mass * kGravity) {
     result_.samples_per_frame =
         std::max(1, static_cast<int>(std::lround(kSamplesPerSecond / clip.rate().fps())));
     result_.weight = inertias_.mass * kGravity;
     result_.knows_torque_limits =
-        std::ranges::any_of(torque_limits, [](double limit) { return std::isfinite(limit); });
+        std::ranges::any_of(torque_limits_, [](double limit) { return std::isfinite(limit); });
   }
 
   MotionDynamics run() {
@@ -213,7 +221,7 @@ class Analyser {
   MotionSpline spline_;
   Inertias inertias_;
   std::vector<SupportPoint> points_;
-  std::span<const double> torque_limits_;
+  std::vector<double> torque_limits_;
   MotionState motion_;
   TreeState state_;
   InverseDynamics inverse_;
@@ -232,8 +240,8 @@ bool DynamicsSample::is_bad() const {
   return unexplained_force.norm() > kBadForce || unexplained_torque.head<2>().norm() > kBadTorque;
 }
 
-MotionDynamics analyse_dynamics(const RobotClip& clip, std::span<const double> torque_limits) {
-  return Analyser(clip, torque_limits).run();
+MotionDynamics analyse_dynamics(const RobotClip& clip) {
+  return Analyser(clip).run();
 }
 
 }  // namespace retarget

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
 #include "dynamics/inverse_dynamics.h"
@@ -48,9 +47,7 @@ struct MotionDynamics {
 /// Inverse dynamics at about 120 samples a second, and the nearest that contacts can supply: see
 /// docs/dynamics.md. What may be pushed against is lower than 2 cm and slower than 0.5 m/s then or a
 /// 30th of a second before or after.
-/// @param torque_limits  by link of the robot's tree, N m (N of slides); infinity: not known.
 /// @return no samples of a motion with fewer than three frames, or of a robot without mass.
-[[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip,
-                                              std::span<const double> torque_limits);
+[[nodiscard]] MotionDynamics analyse_dynamics(const RobotClip& clip);
 
 }  // namespace retarget

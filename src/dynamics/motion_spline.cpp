@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <utility>
 
 #include "math/spline.h"
-#include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
@@ -20,10 +20,8 @@ Eigen::Vector3d three(std::span<const double> qpos, std::span<const int> address
 
 }  // namespace
 
-MotionState::MotionState(const Robot& robot)
-    : qpos(robot.zero_configuration()),
-      velocity(robot.tree().dof_count(), 0.0),
-      acceleration(robot.tree().dof_count(), 0.0) {}
+MotionState::MotionState(const KinematicTree& tree, std::vector<double> at)
+    : qpos(std::move(at)), velocity(tree.dof_count(), 0.0), acceleration(tree.dof_count(), 0.0) {}
 
 MotionSpline::MotionSpline(const RobotClip& clip)
     : MotionSpline(

@@ -5,14 +5,17 @@
 
 #include "math/rotation_spline.h"
 #include "retarget/motion.h"
+#include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
 
 /// A configuration with its first two derivatives, in the degrees of freedom of Robot::tree().
 struct MotionState {
-  MotionState() = default;
-  explicit MotionState(const Robot& robot);
+  /// At rest.
+  MotionState(const KinematicTree& tree, std::vector<double> at);
+  explicit MotionState(const Robot& robot)
+      : MotionState(robot.tree(), robot.zero_configuration()) {}
 
   std::vector<double> qpos;          ///< In the layout of Robot.
   std::vector<double> velocity;      ///< Root linear in the world, angular in its own axes, joints.

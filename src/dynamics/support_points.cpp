@@ -1,32 +1,13 @@
 #include "dynamics/support_points.h"
 
 #include <algorithm>
-#include <array>
 #include <numbers>
 
 #include "math/trigonometry.h"
+#include "robot/core_points.h"
 
 namespace retarget {
-namespace {
-
 using Eigen::Vector3d;
-
-// ends of a primitive in its own frame, and how far its surface is from them
-std::vector<Vector3d> ends_of(const CollisionShape& shape) {
-  if (shape.type == CollisionShape::Type::kSphere) return {Vector3d::Zero()};
-  if (shape.type == CollisionShape::Type::kCapsule) {
-    const Vector3d half = shape.half_length * Vector3d::UnitZ();
-    return {half, -half};
-  }
-  std::vector<Vector3d> corners;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3d signs((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-    corners.emplace_back(signs.cwiseProduct(shape.half_size));
-  }
-  return corners;
-}
-
-}  // namespace
 
 std::vector<SupportPoint> make_support_points(const Robot& robot) {
   const KinematicTree& tree = robot.tree();
@@ -43,9 +24,8 @@ std::vector<SupportPoint> make_support_points(const Robot& robot) {
         robot.profile().soles, [&](const Sole& sole) { return sole.body == shape.body; });
     const KinematicTree::Attachment& at = tree.attachment(shape.body);
     if (has_sole || at.link == KinematicTree::kWorld) continue;
-    const Pose link_from_shape = at.link_from_body * shape.body_from_shape;
-    for (const Vector3d& end : ends_of(shape)) {
-      points.push_back({at.link, link_from_shape * end, shape.radius, false});
+    for (const Vector3d& point : core_points(shape)) {
+      points.push_back({at.link, at.link_from_body * point, shape.radius, false});
     }
   }
   return points;

@@ -13,14 +13,6 @@ using Eigen::Vector3d;
 constexpr double kLength = 0.3;      // m: torques per weight and this length, of a G1
 constexpr double kUsualMass = 35.0;  // kg
 
-MotionState state_of(const FitModel& model, std::vector<double> qpos) {
-  MotionState state;
-  state.qpos = std::move(qpos);
-  state.velocity.assign(at(model.dof_count()), 0.0);
-  state.acceleration = state.velocity;
-  return state;
-}
-
 // by frame: the mean of those at most `reach` away
 template <typename T>
 std::vector<T> means_around(const std::vector<T>& values, int reach, T sum) {
@@ -113,7 +105,7 @@ void FitDynamics::read_frames(const FitClip& clip) {
                             std::span(clip.qpos).subspan(at(first) * size, at(last - first) * size),
                             model_.configuration_size, 1.0 / clip.frame_time);
   const auto begin = clip.frame(first, model_.configuration_size);
-  MotionState state = state_of(model_, {begin.begin(), begin.end()});
+  MotionState state(model_.tree, {begin.begin(), begin.end()});
   for (int t = 0; t < count_; ++t) {
     const int index = window_.begin + t - first;
     const bool at_end = index + 1 == last - first && index > 0;

@@ -19,10 +19,9 @@ Result<HumanClip> human_of(const Plan& plan) {
 }
 
 QualityReport measure_beside(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource& measured, const HumanClip& human,
-                             const QualityOptions& options) {
+                             const MeasuredSource& measured, const HumanClip& human) {
   const QualitySource source{&human, &measured.config, measured.scale};
-  return measure_quality(motion, limits, &source, options);
+  return measure_quality(motion, limits, &source);
 }
 
 // how far the limbs are from the human's, degrees
@@ -48,14 +47,12 @@ Result<MeasuredSource> measured_source(Plan plan) {
 }
 
 MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                             const MeasuredSource* source, bool with_dynamics) {
-  QualityOptions options;
-  options.dynamics = with_dynamics;
-  if (source == nullptr) return {measure_quality(motion, limits, nullptr, options)};
+                             const MeasuredSource* source) {
+  if (source == nullptr) return {measure_quality(motion, limits, nullptr)};
   const HumanClip* human = &source->human;
-  MotionMeasure measure{measure_beside(motion, limits, *source, *human, options)};
+  MotionMeasure measure{measure_beside(motion, limits, *source, *human)};
   if (const auto& whole = source->human_with_lead_in) {
-    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole, options);
+    QualityReport with_lead_in = measure_beside(motion, limits, *source, *whole);
     const bool needs_it = motion.frame_count() > human->frame_count;
     if (limb_angle(with_lead_in) < limb_angle(measure.report) ||
         (needs_it && limb_angle(with_lead_in) == limb_angle(measure.report))) {

@@ -36,7 +36,6 @@ struct MotionMeasure {
 /// @param motion  at the source's rate.
 /// @param source  null: none.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
-                                           const MeasuredSource* source,
-                                           bool with_dynamics = false);
+                                           const MeasuredSource* source);
 
 }  // namespace retarget

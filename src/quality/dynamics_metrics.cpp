@@ -1,28 +1,20 @@
-#include "quality/dynamics_metrics.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "dynamics/motion_dynamics.h"
 #include "math/statistics.h"
+#include "quality/draft.h"
 #include "quality/fault_list.h"
+#include "quality/measure.h"
 #include "retarget/robot.h"
 #include "robot/kinematic_tree.h"
 
 namespace retarget {
 namespace {
-
-std::vector<double> torque_limits(const Robot& robot) {
-  const auto& links = robot.tree().links();
-  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 1; i < links.size(); ++i) limits[i] = robot.torque_limit(links[i].joint);
-  return limits;
-}
 
 // of what is missing most: along an axis of the world, or as a torque
 std::pair<std::string, double> missing(const DynamicsSample& sample) {
@@ -117,13 +109,14 @@ void measure_support(const ReportBuilder& draft, const MotionDynamics& dynamics)
 
 }  // namespace
 
-void measure_dynamics(const ReportBuilder& draft) {
-  const std::vector<double> limits = torque_limits(draft.clip.robot());
-  const MotionDynamics dynamics = analyse_dynamics(draft.clip, limits);
+void add_dynamics(const RobotClip& clip, QualityReport& report, const QualityOptions& options) {
+  const MotionDynamics dynamics = analyse_dynamics(clip);
   if (dynamics.samples.empty()) return;
+  const ReportBuilder draft{clip, options, report};
   measure_unexplained(draft, dynamics);
   measure_torques(draft, dynamics);
   measure_support(draft, dynamics);
+  std::ranges::sort(report.values, {}, &MetricValue::metric);
 }
 
 }  // namespace retarget

@@ -13,7 +13,6 @@
 #include "quality/at_limit_metrics.h"
 #include "quality/body_tracks.h"
 #include "quality/draft.h"
-#include "quality/dynamics_metrics.h"
 #include "quality/flight_metrics.h"
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
@@ -91,7 +90,6 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
   const ReportBuilder draft{clip, options, report};
   measure_joints(draft, limits);
   measure_at_limits(draft, limits);
-  if (options.dynamics) measure_dynamics(draft);
 
   const bool tracked = source != nullptr && source->config != nullptr;
   if (tracked) {

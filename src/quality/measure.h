@@ -25,7 +25,6 @@ struct QualityOptions {
   /// self_1cm_pct and self_max_cm look at every so-manieth frame, by MuJoCo's contact depths.
   int self_collision_stride = 5;
   std::size_t faults_per_metric = 10;
-  bool dynamics = false;  ///< Also the figures of inverse dynamics.
 };
 
 /// Measures a motion; docs/quality.md and quality_metrics() define what.
@@ -35,5 +34,9 @@ struct QualityOptions {
 [[nodiscard]] QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
                                             const QualitySource* source = nullptr,
                                             const QualityOptions& options = {});
+
+/// Adds what a motion asks of its robot by inverse dynamics, and what contacts can supply of it; no
+/// source has a say in it. Left out for a robot without mass, and for fewer than three frames.
+void add_dynamics(const RobotClip& clip, QualityReport& report, const QualityOptions& options = {});
 
 }  // namespace retarget

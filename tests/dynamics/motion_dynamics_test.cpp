@@ -32,22 +32,13 @@ RobotClip standing(int frames, double fps = 30.0) {
   return clip;
 }
 
-MotionDynamics analyse(const RobotClip& clip) {
-  const auto& links = clip.robot().tree().links();
-  std::vector<double> limits(links.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 1; i < links.size(); ++i) {
-    limits[i] = clip.robot().torque_limit(links[i].joint);
-  }
-  return analyse_dynamics(clip, limits);
-}
-
 double bad_share(const MotionDynamics& dynamics) {
   const auto bad = std::ranges::count_if(dynamics.samples, &DynamicsSample::is_bad);
   return static_cast<double>(bad) / static_cast<double>(dynamics.samples.size());
 }
 
 TEST(MotionDynamics, StandingIsPossible) {
-  const MotionDynamics dynamics = analyse(standing(30));
+  const MotionDynamics dynamics = analyse_dynamics(standing(30));
   EXPECT_EQ(dynamics.samples_per_frame, 4);
   EXPECT_EQ(dynamics.samples.size(), 29U * 4U);
   EXPECT_TRUE(dynamics.knows_torque_limits);
@@ -71,7 +62,7 @@ TEST(MotionDynamics, ASwayNeedsFriction) {
     for (int t = 0; t < 60; ++t) {
       clip.qpos(t)[1] += peak / (kRate * kRate) * std::sin(kRate * t / 30.0);
     }
-    const MotionDynamics dynamics = analyse(clip);
+    const MotionDynamics dynamics = analyse_dynamics(clip);
     double largest = 0.0;
     for (const DynamicsSample& sample : dynamics.samples) {
       largest = std::max(largest, sample.com_acceleration.norm());
@@ -96,7 +87,7 @@ TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
     thrown.qpos(t)[2] += 0.5 + 5.0 * time - 0.5 * 9.81 * time * time;
     hovering.qpos(t)[2] += 0.5;
   }
-  const MotionDynamics free = analyse(thrown), held = analyse(hovering);
+  const MotionDynamics free = analyse_dynamics(thrown), held = analyse_dynamics(hovering);
   EXPECT_EQ(bad_share(free), 0.0);
   EXPECT_EQ(bad_share(held), 1.0);
   for (const DynamicsSample& sample : free.samples) {
@@ -112,20 +103,20 @@ TEST(MotionDynamics, AThrowIsPossibleAndHoveringIsNot) {
 TEST(MotionDynamics, TheFloorIsWhereSolesStand) {
   RobotClip clip = standing(60);
   for (int t = 0; t < 60; ++t) clip.qpos(t)[2] += 0.03;
-  const MotionDynamics dynamics = analyse(clip);
+  const MotionDynamics dynamics = analyse_dynamics(clip);
   EXPECT_NEAR(dynamics.floor_height, 0.03, 1e-3);
   EXPECT_EQ(bad_share(dynamics), 0.0);
 }
 
 TEST(MotionDynamics, ShortClipsHaveNoFigures) {
-  EXPECT_TRUE(analyse(standing(2)).samples.empty());
-  EXPECT_EQ(analyse(standing(3)).samples.size(), 8U);
+  EXPECT_TRUE(analyse_dynamics(standing(2)).samples.empty());
+  EXPECT_EQ(analyse_dynamics(standing(3)).samples.size(), 8U);
 }
 
 TEST(MotionDynamics, OtherRatesAreSampledAsFinely) {
-  EXPECT_EQ(analyse(standing(10, 120.0)).samples_per_frame, 1);
-  EXPECT_EQ(analyse(standing(10, 50.0)).samples_per_frame, 2);
-  EXPECT_EQ(bad_share(analyse(standing(20, 50.0))), 0.0);
+  EXPECT_EQ(analyse_dynamics(standing(10, 120.0)).samples_per_frame, 1);
+  EXPECT_EQ(analyse_dynamics(standing(10, 50.0)).samples_per_frame, 2);
+  EXPECT_EQ(bad_share(analyse_dynamics(standing(20, 50.0))), 0.0);
 }
 
 TEST(SupportPolygon, MarginIsTheDistanceToTheEdge) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -46,9 +45,7 @@ class FitDynamicsTest : public testing::Test {
 
   // share of the time in which contacts cannot supply what is needed
   double bad_share(const RobotClip& clip) {
-    const std::vector<double> limits(robot_->tree().links().size(),
-                                     std::numeric_limits<double>::infinity());
-    const MotionDynamics dynamics = analyse_dynamics(clip, limits);
+    const MotionDynamics dynamics = analyse_dynamics(clip);
     const auto bad = std::ranges::count_if(dynamics.samples, &DynamicsSample::is_bad);
     return static_cast<double>(bad) / static_cast<double>(dynamics.samples.size());
   }

@@ -64,4 +64,34 @@ inline constexpr const char* kTwoArms = R"(
   </worldbody>
 </mujoco>)";
 
+/// Slides, reference positions, several joints on a body, bodies fixed to others and to the world,
+/// rotors.
+inline constexpr const char* kOddRobot = R"(
+<mujoco>
+  <compiler angle="degree" eulerseq="zyx"/>
+  <worldbody>
+    <body name="stand" pos="3 2 1" euler="10 20 30"><geom size="0.1"/></body>
+    <body name="base" pos="0.1 0.2 0.3" quat="2 1 0 1">
+      <freejoint/>
+      <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0"/>
+      <body name="hand" pos="0.3 -0.2 0.5" euler="30 40 50">
+        <joint name="rail" type="slide" axis="1 2 3" ref="0.2" armature="0.3"/>
+        <joint name="turn" axis="0 1 1" pos="0.1 0.2 0.3" ref="20" armature="0.02"/>
+        <joint name="tilt" axis="1 0 0" pos="-0.1 0.3 0"/>
+        <joint name="drop" type="slide" axis="0 -1 0"/>
+        <geom size="0.1" pos="0 0.1 0"/>
+        <body name="tip" pos="0 0 0.2" axisangle="1 1 0 33">
+          <geom type="capsule" size="0.02 0.2" pos="0.2 0 0"/>
+          <body name="claw" pos="0.1 0 0"><joint name="grip" axis="0 1 0" ref="-30"/>
+            <geom size="0.1"/></body>
+        </body>
+      </body>
+      <body name="post" pos="0 0 1" euler="0 90 0">
+        <geom type="box" size="0.1 0.02 0.3"/>
+        <body name="flag" pos="0 0 1"><joint name="wave" axis="0 0 1"/><geom size="0.1"/></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
 }  // namespace retarget

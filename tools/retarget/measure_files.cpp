@@ -8,6 +8,7 @@
 #include "base/try.h"
 #include "plan/config_files.h"
 #include "plan/gates.h"
+#include "quality/measure.h"
 #include "read_motion.h"
 #include "robot/resample_robot.h"
 #include "run/recorded_motion.h"
@@ -34,7 +35,8 @@ Result<void> add_source(const RunArguments& arguments, LoadedRobot robot, Measur
 MeasuredMotion measure(RobotClip clip, const Measures& measures, const std::string& file,
                        Console& console) {
   const MeasuredSource* source = measures.source ? &*measures.source : nullptr;
-  MotionMeasure measure = measure_motion(clip, measures.limits, source, measures.dynamics);
+  MotionMeasure measure = measure_motion(clip, measures.limits, source);
+  if (measures.dynamics) add_dynamics(clip, measure.report);
   if (measure.has_lead_in) {
     console.line("lead-in", file + " follows the source with its leading frames: they are kept");
   }
