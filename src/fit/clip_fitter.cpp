@@ -392,6 +392,14 @@ void WindowFitter::add_to_anchors(int frame) {
         (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
     ++anchor_counts_[at(ends[i].phase)];
   }
+  const auto supports = clip_.feet.supports_of(frame);
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const auto [phase, share, height] = supports[i];
+    if (share <= 0.0 || !owns(phase)) continue;
+    const SupportBody& body = model_.supports[i];
+    anchor_sums_[at(phase)] += (pose_.world_from_link[at(body.link)] * body.middle).head<2>();
+    ++anchor_counts_[at(phase)];
+  }
 }
 
 // Two feet that stand in each other have places in each other: their means alone would come apart
@@ -422,8 +430,7 @@ void WindowFitter::place_own_anchors() {
   std::ranges::fill(anchor_counts_, 0);
   std::ranges::fill(anchor_sums_, Eigen::Vector2d::Zero());
   for (int frame = window_.begin; frame < window_.end; ++frame) {
-    const auto ends = clip_.feet.ends_of(frame);
-    if (std::ranges::none_of(ends, [](const FootEndGoal& end) { return end.phase >= 0; })) continue;
+    if (!clip_.feet.plants(frame)) continue;
     pose_.update(clip_.frame(frame, model_.configuration_size));
     add_to_anchors(frame);
   }

@@ -36,7 +36,8 @@ struct FitClip {
             feet.ends_of(t),
             feet.upright_of(t),
             anchors,
-            1.0};
+            1.0,
+            feet.supports_of(t)};
   }
 };
 

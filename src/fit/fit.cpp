@@ -90,8 +90,9 @@ FitOptions sized_options(FitOptions options, double leg) {
     *weight *= size;
   }
   for (double* weight :
-       {&options.contact_weight, &options.contact_height_weight, &options.sole_floor_weight,
-        &options.body_floor_weight, &options.self_collision_weight}) {
+       {&options.contact_weight, &options.contact_height_weight, &options.body_contact_weight,
+        &options.body_contact_height_weight, &options.sole_floor_weight, &options.body_floor_weight,
+        &options.self_collision_weight}) {
     *weight *= std::max(size, 1.0);
   }
   return options;
@@ -430,6 +431,8 @@ Result<FitResult> Fit::run() {
     std::vector<int> source_feet;
     for (const FitFoot& foot : model_.feet) source_feet.push_back(source_foot(foot));
     clip_.feet = plan_feet(feet_, result.contacts, source_feet, scale);
+    plan_supports(result.contacts, model_.supports, clip_.frame_count, clip_.frame_time,
+                  clip_.feet);
   }
   for (Eigen::Vector3d& path : path_) path.z() -= report.floor_height;
   for (TaskTarget& target : clip_.targets) target.position.z() -= report.floor_height;

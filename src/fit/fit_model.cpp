@@ -69,6 +69,7 @@ FitModel ModelMaker::make() {
   hold_unmapped_joints();
   add_shapes();
   add_foot_shapes();
+  if (options_.contact) model_.supports = support_bodies(robot_, config_);
   add_pairs();
   group_pairs();
   return std::move(model_);

@@ -9,6 +9,7 @@
 
 #include "dynamics/inertias.h"
 #include "human/source_feet.h"
+#include "pipeline/support_bodies.h"
 #include "retarget/human.h"
 #include "retarget/options.h"
 #include "retarget/retargeting_config.h"
@@ -88,6 +89,7 @@ struct FitModel {
   std::vector<double> smoothness;    ///< Weight by degree of freedom, per rad/s or m/s.
   std::vector<FitTask> tasks;
   std::vector<FitFoot> feet;
+  std::vector<SupportBody> supports;                  ///< What else may carry the robot.
   std::vector<std::vector<FloorPoint>> floor_points;  ///< By link.
   std::vector<double> floor_reach;  ///< By link: no floor point is farther from the origin.
   std::vector<char> is_foot;        ///< By link.

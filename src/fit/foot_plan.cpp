@@ -71,6 +71,18 @@ std::span<const double> FootPlan::upright_of(int frame) const {
   return {upright.data() + static_cast<std::size_t>(frame) * feet, feet};
 }
 
+std::span<const SupportGoal> FootPlan::supports_of(int frame) const {
+  const auto count = static_cast<std::size_t>(support_count);
+  return {supports.data() + static_cast<std::size_t>(frame) * count, count};
+}
+
+bool FootPlan::plants(int frame) const {
+  return std::ranges::any_of(ends_of(frame),
+                             [](const FootEndGoal& end) { return end.phase >= 0; }) ||
+         std::ranges::any_of(supports_of(frame),
+                             [](const SupportGoal& goal) { return goal.place > 0.0; });
+}
+
 ContactOptions contact_options(const FitOptions& options) {
   return {.begin_speed = options.contact_speed,
           .begin_height = options.contact_height,
@@ -115,6 +127,29 @@ FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
   }
   if (plan.foot_count > 0) stress_flights(source, plan);
   return plan;
+}
+
+void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,
+                   double frame_time, FootPlan& plan) {
+  constexpr double kBlendTime = 0.1;  // s; a body must not jump to its place, nor off it
+  const int blend = std::max(1, static_cast<int>(std::lround(kBlendTime / frame_time)));
+  plan.support_count = static_cast<int>(supports.size());
+  plan.supports.assign(at(frames) * supports.size(), {});
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    for (const ContactPhase& phase : contacts.bodies[supports[i].support]) {
+      // the way down begins before the contact, and the way up ends behind it
+      const int from = std::max(0, phase.begin - blend), to = std::min(frames, phase.end + blend);
+      for (int frame = from; frame < to; ++frame) {
+        SupportGoal& goal = plan.supports[at(frame) * supports.size() + i];
+        const int inside = std::min(frame - phase.begin, phase.end - 1 - frame) + 1;
+        const double height = std::min(1.0, static_cast<double>(inside + blend) / (blend + 1));
+        if (height <= goal.height) continue;
+        const double place = static_cast<double>(inside) / (blend + 1);
+        goal = {static_cast<int>(plan.phases.size()), std::clamp(place, 0.0, 1.0), height};
+      }
+      plan.phases.push_back({phase.begin, phase.end, -1, kHeelEnd});
+    }
+  }
 }
 
 }  // namespace retarget

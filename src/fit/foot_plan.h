@@ -6,26 +6,31 @@
 #include "fit/frame_terms.h"
 #include "human/contact_plan.h"
 #include "human/source_feet.h"
+#include "pipeline/support_bodies.h"
 #include "retarget/options.h"
 
 namespace retarget {
 
-/// A time in which one end of a foot stays where it is.
+/// A time in which one end of a foot, or something else that carries the robot, stays where it is.
 struct PlantedPhase {
   int begin = 0, end = 0;  ///< Frames [begin, end).
-  int foot = 0;            ///< Index of the robot's foot.
+  int foot = 0;            ///< Index of the robot's foot; -1: it is none.
   int foot_end = kHeelEnd;
 };
 
-/// What the robot's feet should do, clip-wide.
+/// What the robot's feet should do, clip-wide, and when it rests on something else.
 struct FootPlan {
-  int foot_count = 0;
-  std::vector<FootEndGoal> ends;  ///< Frame-major, two a foot.
-  std::vector<double> upright;    ///< Frame-major, one a foot.
+  int foot_count = 0, support_count = 0;
+  std::vector<FootEndGoal> ends;      ///< Frame-major, two a foot.
+  std::vector<double> upright;        ///< Frame-major, one a foot.
+  std::vector<SupportGoal> supports;  ///< Frame-major, one a SupportBody.
   std::vector<PlantedPhase> phases;
 
   [[nodiscard]] std::span<const FootEndGoal> ends_of(int frame) const;
   [[nodiscard]] std::span<const double> upright_of(int frame) const;
+  [[nodiscard]] std::span<const SupportGoal> supports_of(int frame) const;
+  /// Whether anything stays where it is in a frame.
+  [[nodiscard]] bool plants(int frame) const;
 };
 
 /// When feet count as in contact, as a fit's options have it.
@@ -36,5 +41,9 @@ struct FootPlan {
 /// @param scale        of the robot's foot paths against the source's.
 [[nodiscard]] FootPlan plan_feet(const SourceFeet& source, const ContactPlan& contacts,
                                  std::span<const int> source_feet, double scale);
+
+/// Adds when the source rests on what these bodies of the robot are.
+void plan_supports(const ContactPlan& contacts, std::span<const SupportBody> supports, int frames,
+                   double frame_time, FootPlan& plan);
 
 }  // namespace retarget

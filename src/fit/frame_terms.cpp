@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fit/one_sided.h"
 #include "fit/shorthand.h"
@@ -154,12 +155,70 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
   }
 }
 
+// who kneels has the instep on the floor, or the toes: a foot that lies there touches with something
+void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const FrameGoals& goals,
+                                TermCosts& costs) {
+  const auto ends = goals.ends.subspan(2 * f, 2);
+  const double lying = 1.0 - goals.upright[f];
+  const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
+  const bool level = std::ranges::any_of(ends, [](const auto& end) { return end.level; });
+  if (lying <= 0.0 || !in_contact || level) return;
+  const FitFoot& foot = model_.feet[f];
+  const Pose& world = pose.world_from_link[at(foot.link)];
+  Vector3d touching = world.translation;
+  double height = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](const Vector3d& point, double radius) {
+    const Vector3d place = world * point;
+    if (place.z() - radius >= height) return;
+    height = place.z() - radius;
+    touching = place;
+  };
+  for (const FitFoot::End& end : foot.ends) {
+    for (const Vector3d& point : end.points) look_at(point, 0.0);
+    for (const FloorPoint& point : end.shape_points) look_at(point.position, point.radius);
+  }
+  const double weight = square(lying * options_.body_contact_height_weight);
+  add_row(foot.link, 2, touching - pose.origin(), weight, height);
+  costs[kTermContactHeight] += weight * square(height);
+}
+
 void FrameTerms::add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   for (std::size_t f = 0; f < model_.feet.size(); ++f) {
     const FitFoot& foot = model_.feet[f];
     for (const std::size_t end : {kHeelEnd, kToeEnd}) {
       add_foot_end(pose, foot, foot.ends[end], goals.ends[2 * f + end], goals, costs);
     }
+    if (options_.contact) add_lying_foot(pose, f, goals, costs);
+  }
+}
+
+// what carries the body besides feet lies on the floor with its lowest point, and stays there
+void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
+  const Vector3d& origin = pose.origin();
+  for (std::size_t i = 0; i < goals.supports.size(); ++i) {
+    const SupportGoal& goal = goals.supports[i];
+    if (goal.phase < 0) continue;
+    const SupportBody& body = model_.supports[i];
+    const Vector3d middle = pose.world_from_link[at(body.link)] * body.middle;
+    const Eigen::Vector2d error = middle.head<2>() - goals.anchors[at(goal.phase)];
+    const double place = square(goals.anchor_hold * goal.place * options_.body_contact_weight);
+    for (int axis = 0; axis < 2; ++axis) {
+      add_row(body.link, axis, middle - origin, place, error[axis]);
+    }
+    costs[kTermContactPlace] += place * error.squaredNorm();
+    const SupportBody::Point* lowest = nullptr;
+    Vector3d touching = middle;
+    double height = 0.0;
+    for (const SupportBody::Point& point : body.points) {
+      const Vector3d world = pose.world_from_link[at(point.link)] * point.in_link;
+      if (lowest != nullptr && world.z() - point.radius >= height) continue;
+      lowest = &point;
+      touching = world;
+      height = world.z() - point.radius;
+    }
+    const double level = square(goal.height * options_.body_contact_height_weight);
+    add_row(lowest->link, 2, touching - origin, level, height - options_.body_margin);
+    costs[kTermContactHeight] += level * square(height - options_.body_margin);
   }
 }
 
@@ -261,6 +320,7 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
   foot_overlap_ = {};
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);
+  if (options_.contact) add_supports(pose, goals, costs);
   if (options_.floor) add_floor(pose, costs);
   retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
   write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);

@@ -45,6 +45,13 @@ struct FootEndGoal {
   double support = 0.0;     ///< How high that is, metres; 0: the floor.
 };
 
+/// What something that carries the robot besides its feet should do in a frame.
+struct SupportGoal {
+  int phase = -1;       ///< Contact phase; -1: none.
+  double place = 0.0;   ///< Factor to the weight of its place,
+  double height = 0.0;  ///< and of its height, which count little at a phase's ends; 0 to 1.
+};
+
 /// A frame's goals.
 struct FrameGoals {
   std::span<const TaskTarget> targets;       ///< By task.
@@ -52,6 +59,7 @@ struct FrameGoals {
   std::span<const double> upright;           ///< By foot, 0 to 1: 0 for feet that lie or kneel.
   std::span<const Eigen::Vector2d> anchors;  ///< Place of each contact phase.
   double anchor_hold = 1.0;                  ///< Factor to the weight of these places.
+  std::span<const SupportGoal> supports;     ///< By SupportBody; empty: none.
 };
 
 /// Metres around the margin of self-collision over which shapes begin to push each other away.
@@ -90,6 +98,9 @@ class FrameTerms {
   void add_feet(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_foot_end(const TreeState& pose, const FitFoot& foot, const FitFoot::End& end,
                     const FootEndGoal& goal, const FrameGoals& goals, TermCosts& costs);
+  void add_lying_foot(const TreeState& pose, std::size_t foot, const FrameGoals& goals,
+                      TermCosts& costs);
+  void add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_floor(const TreeState& pose, TermCosts& costs);
   void add_pair(const TreeState& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);

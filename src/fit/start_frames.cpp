@@ -49,16 +49,24 @@ double StartFrames::below_floor() const {
 }
 
 void StartFrames::add_to_anchors(int frame) {
-  const auto ends = clip_.feet.ends_of(frame);
-  if (std::ranges::all_of(ends, [](const FootEndGoal& end) { return end.phase < 0; })) return;
+  if (!clip_.feet.plants(frame)) return;
   pose_.update(clip_.frame(frame, model_.configuration_size));
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (ends[i].phase < 0) continue;
-    const FitFoot& foot = model_.feet[i / 2];
-    Eigen::Vector2d& anchor = clip_.anchors[at(ends[i].phase)];
-    anchor += (pose_.world_from_link[at(foot.link)] * foot.ends[i % 2].middle).head<2>();
-    const PlantedPhase& phase = clip_.feet.phases[at(ends[i].phase)];
+  const auto add = [&](int index, int link, const Eigen::Vector3d& middle) {
+    if (index < 0) return;
+    Eigen::Vector2d& anchor = clip_.anchors[at(index)];
+    anchor += (pose_.world_from_link[at(link)] * middle).head<2>();
+    const PlantedPhase& phase = clip_.feet.phases[at(index)];
     if (frame + 1 == phase.end) anchor /= phase.end - phase.begin;
+  };
+  const auto ends = clip_.feet.ends_of(frame);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const FitFoot& foot = model_.feet[i / 2];
+    add(ends[i].phase, foot.link, foot.ends[i % 2].middle);
+  }
+  const auto supports = clip_.feet.supports_of(frame);
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    if (supports[i].place <= 0.0) continue;
+    add(supports[i].phase, model_.supports[i].link, model_.supports[i].middle);
   }
 }
 

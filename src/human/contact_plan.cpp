@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "math/statistics.h"
 
@@ -48,13 +50,30 @@ class FootContactFinder {
         stands_on_{std::vector<int>(static_cast<std::size_t>(frames_), kUnsupported),
                    std::vector<int>(static_cast<std::size_t>(frames_), kUnsupported)} {}
 
-  [[nodiscard]] std::array<EndContacts, 2> run() {
-    std::array<EndContacts, 2> ends;
+  /// Finds what the ends stand on while they are slow. Before all else.
+  void find_stands() {
     if (has(kHeelEnd) && has(kToeEnd)) find_raised_stances();
     for (const int end : {kHeelEnd, kToeEnd}) {
       if (!has(end)) continue;
       stand_on_floor(end);
       for (std::size_t i = 0; i < raised_.size(); ++i) stand_raised(static_cast<int>(i), end);
+    }
+  }
+
+  [[nodiscard]] bool stands(int frame, int end) const {
+    return stands_on(frame, end) != kUnsupported;
+  }
+  /// Speed of an end that is near the floor, scaled as ContactOptions' are, m/s; empty: it is not.
+  [[nodiscard]] std::optional<double> speed_near_floor(int frame, int end) const {
+    if (!has(end) || height(frame, end) > options_.begin_height * size_) return std::nullopt;
+    return source_.speed(frame, foot_, end) / size_;
+  }
+  void stand_in(int frame, int end) { stands_on_[end][static_cast<std::size_t>(frame)] = kFloor; }
+
+  [[nodiscard]] std::array<EndContacts, 2> contacts_of_ends() const {
+    std::array<EndContacts, 2> ends;
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      if (!has(end)) continue;
       add_phases(end, ends[end]);
       for (const ContactPhase& phase : ends[end].phases) smooth_levels(phase, ends[end].level);
     }
@@ -218,6 +237,71 @@ class FootContactFinder {
   std::array<std::vector<int>, 2> stands_on_;  // by end and frame
 };
 
+// whether the hips do not fall: by their acceleration over a thirtieth of a second to either side
+bool is_held_up(const SourceFeet& source, int frame) {
+  constexpr double kReach = 1.0 / 30.0;    // s
+  constexpr double kFalls = -0.65 * 9.81;  // m/s^2
+  const int half = std::max(1, static_cast<int>(std::lround(kReach / source.frame_time)));
+  const int frames = static_cast<int>(source.hips.size());
+  if (frame - half < 0 || frame + half >= frames) return false;
+  const auto hips = [&](int t) { return source.hips[static_cast<std::size_t>(t)]; };
+  const double time = half * source.frame_time;
+  return (hips(frame + half) - 2.0 * hips(frame) + hips(frame - half)) / (time * time) > kFalls;
+}
+
+// one end of a foot; of no foot: none
+struct FootEnd {
+  int foot = -1, end = kHeelEnd;
+  friend bool operator==(const FootEnd&, const FootEnd&) = default;
+};
+
+// the slowest end near the floor in a frame in which none is in contact
+FootEnd slowest_end(const std::vector<FootContactFinder>& feet, int frame) {
+  constexpr double kFastest = 1.0;  // m/s
+  FootEnd slowest;
+  double min_speed = kFastest;
+  for (int foot = 0; foot < static_cast<int>(feet.size()); ++foot) {
+    for (const int end : {kHeelEnd, kToeEnd}) {
+      const FootContactFinder& finder = feet[static_cast<std::size_t>(foot)];
+      if (finder.stands(frame, end)) return {};
+      const auto speed = finder.speed_near_floor(frame, end);
+      if (!speed || *speed >= min_speed) continue;
+      slowest = {foot, end};
+      min_speed = *speed;
+    }
+  }
+  return slowest;
+}
+
+// Something carries what does not fall. Who runs or lands has feet that slide for the few frames of a
+// stance: where nothing else is in contact, the slowest end near the floor is. An end that stands before or
+// after has its place already.
+void stand_while_held_up(const SourceFeet& source, const ContactPlan& plan,
+                         std::vector<FootContactFinder>& feet) {
+  std::vector<FootEnd> carrying(static_cast<std::size_t>(source.frame_count()));
+  for (int frame = 0; frame < source.frame_count(); ++frame) {
+    if (is_held_up(source, frame)) {
+      carrying[static_cast<std::size_t>(frame)] = slowest_end(feet, frame);
+    }
+  }
+  for (const auto& phases : plan.bodies) {
+    for (const ContactPhase& phase : phases) {
+      std::fill(carrying.begin() + phase.begin, carrying.begin() + phase.end, FootEnd{});
+    }
+  }
+  for_each_run(
+      0, source.frame_count(), [&](int frame) { return carrying[static_cast<std::size_t>(frame)]; },
+      [&](int begin, int end) {
+        const FootEnd chosen = carrying[static_cast<std::size_t>(begin)];
+        if (chosen.foot < 0) return;
+        FootContactFinder& foot = feet[static_cast<std::size_t>(chosen.foot)];
+        const bool stood = begin > 0 && foot.stands(begin - 1, chosen.end);
+        const bool goes_on = end < source.frame_count() && foot.stands(end, chosen.end);
+        if (stood || goes_on) return;
+        for (int frame = begin; frame < end; ++frame) foot.stand_in(frame, chosen.end);
+      });
+}
+
 bool is_in_contact(const std::vector<ContactPhase>& phases, int frame) {
   const auto after = std::ranges::upper_bound(phases, frame, {}, &ContactPhase::begin);
   return after != phases.begin() && frame < std::prev(after)->end;
@@ -247,11 +331,17 @@ ContactPlan find_contacts(const SourceFeet& source, const ContactOptions& option
   ContactPlan plan;
   plan.scale = source.leg_length() / kUsualSourceLeg;
   plan.standing = find_standing_heights(source, options);
+  plan.bodies = find_body_contacts(source, plan.standing, plan.scale, options);
+  std::vector<FootContactFinder> feet;
+  for (int foot = 0; foot < source.foot_count; ++foot) {
+    feet.emplace_back(source, plan, options, foot);
+    feet.back().find_stands();
+  }
+  stand_while_held_up(source, plan, feet);
   for (int foot = 0; foot < source.foot_count; ++foot) {
     if (!source.has(foot, kHeelEnd)) continue;
-    FootContactFinder finder(source, plan, options, foot);
-    plan.ends[foot] = finder.run();
-    plan.phases[foot] = finder.whole_foot();
+    plan.ends[foot] = feet[foot].contacts_of_ends();
+    plan.phases[foot] = feet[foot].whole_foot();
     plan.soles[foot] = phases_on_sole(source, foot, plan.phases[foot], options.shortest);
   }
   return plan;

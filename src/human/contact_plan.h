@@ -56,6 +56,8 @@ struct ContactPlan {
   std::array<std::vector<ContactPhase>, 2> phases;
   /// The parts of these in which the foot is on its sole.
   std::array<std::vector<ContactPhase>, 2> soles;
+  /// When what else may carry the body (kSupportBones) lies on the floor.
+  std::array<std::vector<ContactPhase>, kSupportBones.size()> bodies;
 
   /// Whether a whole foot is in contact in a frame.
   [[nodiscard]] bool in_contact(int foot, int frame) const;
@@ -64,6 +66,13 @@ struct ContactPlan {
   /// What is written out with a motion.
   [[nodiscard]] SourceContacts of_ends() const;
 };
+
+/// When knees, elbows, hands, seat and back lie on the floor: they are as slow as feet in contact, and as low
+/// as these joints are in a body that kneels, leans, sits or lies on them.
+/// @param scale  of lengths and speeds, as ContactPlan's.
+[[nodiscard]] std::array<std::vector<ContactPhase>, kSupportBones.size()> find_body_contacts(
+    const SourceFeet& source, const StandingHeights& standing, double scale,
+    const ContactOptions& options = {});
 
 /// Heights at which feet stand. Learned from slow feet near the lowest height that have the pitch of
 /// a standing foot: clips in which people lie have lower toes than those they stand on. Where there

@@ -15,11 +15,18 @@ namespace {
 constexpr double kSpeedTime = 1.0 / 15.0;
 
 // m/s, over `half` frames on either side
-double speed_over(const SourceFeet& source, int frame, int foot, int end, int half) {
+template <typename PlaceAt>
+double speed_over(const SourceFeet& source, int frame, int half, const PlaceAt& place_at) {
   const int from = std::max(frame - half, 0), to = std::min(frame + half, source.frame_count() - 1);
   if (to == from) return 0.0;
-  return (source.at(to, foot).end(end) - source.at(from, foot).end(end)).norm() /
-         (source.frame_time * (to - from));
+  return (place_at(to) - place_at(from)).norm() / (source.frame_time * (to - from));
+}
+
+template <typename PlaceAt>
+double short_speed(const SourceFeet& source, int frame, const PlaceAt& place_at) {
+  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / source.frame_time));
+  const double shortly = speed_over(source, frame, 1, place_at);
+  return half <= 1 ? shortly : std::min(shortly, speed_over(source, frame, half, place_at));
 }
 
 }  // namespace
@@ -34,6 +41,9 @@ SourceFeet::SourceFeet(const HumanClipInfo& human)
     if (!has_ankle[foot] || !has_part(LimbBone::kUpLeg) || !has_part(LimbBone::kLeg)) continue;
     leg_ = kSides[foot];
     foot_count = static_cast<int>(kSides.size());
+  }
+  for (std::size_t i = 0; i < kSupportBones.size(); ++i) {
+    has_support[i] = human.has(kSupportBones[i]);
   }
 }
 
@@ -57,6 +67,7 @@ void SourceFeet::add(const HumanPose& pose) {
         {ankle.translation, toe.translation, (toe.rotation * Eigen::Vector3d::UnitY()).z(),
          (toe.rotation * Eigen::Vector3d::UnitZ()).z(), (ankle.rotation * up_in_foot).z()});
   }
+  for (const Bone bone : kSupportBones) supports.push_back(pose[bone].translation);
 }
 
 double SourceFeet::leg_length() const {
@@ -64,9 +75,11 @@ double SourceFeet::leg_length() const {
 }
 
 double SourceFeet::speed(int frame, int foot, int end) const {
-  const int half = static_cast<int>(std::lround(0.5 * kSpeedTime / frame_time));
-  const double shortly = speed_over(*this, frame, foot, end, 1);
-  return half <= 1 ? shortly : std::min(shortly, speed_over(*this, frame, foot, end, half));
+  return short_speed(*this, frame, [&](int t) { return at(t, foot).end(end); });
+}
+
+double SourceFeet::support_speed(int frame, std::size_t index) const {
+  return short_speed(*this, frame, [&](int t) { return support(t, index); });
 }
 
 double leg_length(const HumanClip& human) {

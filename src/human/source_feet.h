@@ -17,6 +17,12 @@ inline constexpr int kHeelEnd = 0, kToeEnd = 1;
 /// Thigh and shank of the body that lengths and speeds of ContactOptions are for, metres.
 inline constexpr double kUsualSourceLeg = 0.85;
 
+/// What may carry a body besides its feet, by the joint it lies around: knees, elbows, hands, seat
+/// and back.
+inline constexpr std::array kSupportBones = {
+    Bone::kLeftLeg,  Bone::kRightLeg,  Bone::kLeftForeArm, Bone::kRightForeArm,
+    Bone::kLeftHand, Bone::kRightHand, Bone::kHips,        Bone::kSpine2};
+
 /// A foot of the source in one frame.
 struct SourceFoot {
   Eigen::Vector3d ankle = Eigen::Vector3d::Zero();  ///< World, metres.
@@ -29,7 +35,7 @@ struct SourceFoot {
   [[nodiscard]] const Eigen::Vector3d& end(int end) const { return end == kHeelEnd ? ankle : toe; }
 };
 
-/// Feet, legs and hips of the source over a clip.
+/// Feet, legs and hips of the source over a clip, and what else may carry it.
 struct SourceFeet {
   double frame_time = 1.0 / 30.0;
   std::vector<SourceFoot> feet;  ///< Frame-major, foot_count a frame: left, right.
@@ -37,6 +43,9 @@ struct SourceFeet {
   std::array<bool, 2> has_ankle{true, true}, has_toe{true, true};  ///< By foot.
   std::vector<double> legs;  ///< Thigh and shank by frame, metres; empty: kUsualSourceLeg.
   std::vector<double> hips;  ///< Their height by frame, metres; empty: not known.
+  /// Places of kSupportBones, frame-major; world, metres. Empty: not known.
+  std::vector<Eigen::Vector3d> supports;
+  std::array<bool, kSupportBones.size()> has_support{};
 
   SourceFeet() = default;
   /// Of a human, without frames yet. A body without a whole leg has no feet.
@@ -62,6 +71,12 @@ struct SourceFeet {
   [[nodiscard]] double leg_length() const;
   /// Speed of one end of a foot over a short time about the frame, m/s.
   [[nodiscard]] double speed(int frame, int foot, int end) const;
+  /// @param support  index into kSupportBones.
+  [[nodiscard]] const Eigen::Vector3d& support(int frame, std::size_t support) const {
+    return supports[static_cast<std::size_t>(frame) * kSupportBones.size() + support];
+  }
+  /// The same of what may carry the body.
+  [[nodiscard]] double support_speed(int frame, std::size_t support) const;
 
  private:
   bool has_hips_ = false;

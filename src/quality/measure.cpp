@@ -17,6 +17,7 @@
 #include "quality/floor_metrics.h"
 #include "quality/joint_metrics.h"
 #include "quality/lying.h"
+#include "quality/support_metrics.h"
 #include "quality/tracking_metrics.h"
 #include "retarget/pose.h"
 
@@ -108,6 +109,7 @@ QualityReport measure_quality(const RobotClip& clip, const LimitSet& limits,
     measure_lying(draft, *source->human, frames);
     measure_contacts(draft, tracks, contacts, frames);
     measure_stances(draft, tracks, contacts);
+    if (tracked) measure_supports(draft, *source->config, contacts);
     const auto scale = tracked ? foot_scale(*source, clip.robot()) : std::nullopt;
     if (scale) {
       measure_flights(draft, tracks, find_flights(*source->human, contacts, frames), *scale);

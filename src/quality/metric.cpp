@@ -111,6 +111,19 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"stance_slip_mean", "m/s", "contact_slip_mean of these.", kOwn},
     {"stance_drift_p95_cm", "cm", "contact_drift_p95_cm of these.", kOwn},
     {"stance_height_p50_cm", "cm", "contact_height_p50_cm of these.", kOwn},
+    {"support_pct", "%",
+     "Knees, elbows, hands, seat and back of the source that lie on the floor, together, by "
+     "frames.",
+     kOwn},
+    {"support_slip_mean", "m/s",
+     "Mean horizontal speed of the robot's body there while the source's lies on the floor.", kOwn},
+    {"support_drift_p95_cm", "cm",
+     "Largest horizontal distance of it from its median place within such a contact; 95th "
+     "percentile "
+     "over contacts.",
+     kOwn},
+    {"support_height_p50_cm", "cm", "Median height of its lowest primitive meanwhile.", kOwn},
+    {"support_height_p95_cm", "cm", "Its 95th percentile.", kOwn},
     {"flights", "count",
      "Flights of the source: no toe or ankle near its standing height for 0.1 s while the hips "
      "rise and fall as in free fall.",

@@ -1,0 +1,102 @@
+#include "quality/support_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "math/statistics.h"
+#include "pipeline/support_bodies.h"
+#include "quality/fault_list.h"
+#include "robot/kinematic_tree.h"
+
+namespace retarget {
+namespace {
+
+struct SupportFigures {
+  std::vector<double> slips, drifts, heights;  // m/s per step, m per phase, m per frame
+};
+
+class SupportMeter {
+ public:
+  explicit SupportMeter(const ReportBuilder& draft)
+      : draft_(draft),
+        state_(draft.clip.robot().tree()),
+        slipping_("support_slip_mean", "m/s"),
+        high_("support_height_p95_cm", "m") {}
+
+  void add(const SupportBody& body, const ContactPhase& phase) {
+    constexpr double kSlipping = 0.1, kHigh = 0.03;
+    const std::string& name = name_of(body);
+    std::vector<double> x, y;
+    for (int frame = phase.begin; frame < std::min(phase.end, draft_.clip.frame_count()); ++frame) {
+      state_.update(draft_.clip.qpos(frame));
+      const Eigen::Vector3d middle = state_.world_from_link[body.link] * body.middle;
+      const double height = lowest(body);
+      figures_.heights.push_back(height);
+      if (height > kHigh) high_.add(name, frame, height);
+      if (!x.empty()) {
+        const double step = std::hypot(middle.x() - x.back(), middle.y() - y.back());
+        figures_.slips.push_back(step * draft_.clip.rate().fps());
+        if (figures_.slips.back() > kSlipping)
+          slipping_.add(name, frame - 1, figures_.slips.back());
+      }
+      x.push_back(middle.x());
+      y.push_back(middle.y());
+    }
+    if (x.empty()) return;
+    const double x0 = median(x), y0 = median(y);
+    double drift = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      drift = std::max(drift, std::hypot(x[i] - x0, y[i] - y0));
+    }
+    figures_.drifts.push_back(drift);
+  }
+
+  void finish() {
+    if (figures_.heights.empty()) return;
+    draft_.set("support_pct", percent(static_cast<double>(figures_.heights.size()),
+                                      static_cast<double>(draft_.clip.frame_count())));
+    draft_.set("support_height_p50_cm", kInCm * median(figures_.heights));
+    draft_.set("support_height_p95_cm", kInCm * percentile(std::move(figures_.heights), 95.0));
+    if (!figures_.slips.empty()) draft_.set("support_slip_mean", mean(figures_.slips));
+    draft_.set("support_drift_p95_cm", kInCm * percentile(std::move(figures_.drifts), 95.0));
+    slipping_.move_to(draft_.report, draft_.options.faults_per_metric);
+    high_.move_to(draft_.report, draft_.options.faults_per_metric);
+  }
+
+ private:
+  [[nodiscard]] double lowest(const SupportBody& body) const {
+    double height = std::numeric_limits<double>::infinity();
+    for (const SupportBody::Point& point : body.points) {
+      height =
+          std::min(height, (state_.world_from_link[point.link] * point.in_link).z() - point.radius);
+    }
+    return height;
+  }
+
+  [[nodiscard]] const std::string& name_of(const SupportBody& body) const {
+    const Robot& robot = draft_.clip.robot();
+    return robot.bodies()[robot.tree().links()[body.link].body].name;
+  }
+
+  const ReportBuilder& draft_;
+  TreeState state_;
+  SupportFigures figures_;
+  FaultList slipping_, high_;
+};
+
+}  // namespace
+
+void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
+                      const ContactPlan& contacts) {
+  SupportMeter meter(draft);
+  for (const SupportBody& body : support_bodies(draft.clip.robot(), config)) {
+    for (const ContactPhase& phase : contacts.bodies[body.support]) meter.add(body, phase);
+  }
+  meter.finish();
+}
+
+}  // namespace retarget
