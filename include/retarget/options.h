@@ -147,7 +147,7 @@ struct FitOptions {
 
   double sole_floor_weight = 400.0;  ///< Sole points below `sole_margin`, per metre.
   double sole_margin = 0.002;        ///< Metres; for feet that are not in contact.
-  double body_floor_weight = 400.0;  ///< Other bodies below `body_margin`, per metre.
+  double body_floor_weight = 800.0;  ///< Other bodies below `body_margin`, per metre.
   double body_margin = 0.006;        ///< Metres.
 
   double self_collision_weight = 450.0;  ///< Overlap of two shapes, per metre.
