@@ -186,6 +186,7 @@ struct FitOptions {
 
   // solver
   int iterations = 10;        ///< Gauss-Newton steps.
+  int extra_iterations = 10;  ///< As many more while a window has not converged.
   int anchor_iterations = 7;  ///< Of these, how many also move the places of contacts.
   double window = 20.0;       ///< Seconds that are solved together.
   double seam = 1.5;          ///< Seconds on either side of a window's end that are solved again.

@@ -68,6 +68,7 @@ class WindowFitter {
   [[nodiscard]] Before state() const;
   void restore(const Before& before);
   bool steps(int begin, int end, const std::function<bool()>& keep_going);
+  bool finish(const std::function<bool()>& keep_going);
   void iterate(bool move_anchors, bool look_for_pairs);
   std::optional<double> eliminate(bool move_anchors, bool look_for_pairs);
   double fill_frame(int frame, bool move_anchors, bool look_for_pairs);
@@ -144,17 +145,19 @@ FitStatus WindowFitter::run(const std::function<bool()>& keep_going) {
       dynamics_ ? std::max(0, options_.iterations - options_.dynamics_iterations)
                 : options_.iterations;
   bool go_on = steps(0, first_with_dynamics, keep_going);
-  if (dynamics_ && go_on) {
+  if (!dynamics_) {
+    finish(keep_going);
+  } else if (go_on) {
     const Before before = state();
     const double unexplained = dynamics_->begin(clip_);
     with_dynamics_ = true;
-    go_on = steps(first_with_dynamics, options_.iterations, keep_going);
+    go_on = steps(first_with_dynamics, options_.iterations, keep_going) && finish(keep_going);
     with_dynamics_ = false;
     status_.distrusted_frames = dynamics_->distrusted_frames();
     if (go_on && dynamics_->measure(clip_) > kWorse * unexplained + kNoise) {
       // it helped nothing: as if it had not been asked for
       restore(before);
-      go_on = steps(first_with_dynamics, options_.iterations, keep_going);
+      go_on = steps(first_with_dynamics, options_.iterations, keep_going) && finish(keep_going);
       status_.distrusted_frames = 0;
       status_.dynamics_taken_back = true;
     }
@@ -176,6 +179,16 @@ bool WindowFitter::steps(int begin, int end, const std::function<bool()>& keep_g
     }
     if (with_dynamics_) dynamics_->plan(clip_);
     iterate(move_anchors, i % kPairsEvery == 0);
+  }
+  return true;
+}
+
+// What has much to gain yet goes on: bodies that lie in each other, or get up from the floor.
+bool WindowFitter::finish(const std::function<bool()>& keep_going) {
+  const int most = options_.iterations + options_.extra_iterations;
+  for (int i = options_.iterations; i < most; ++i) {
+    if (status_.steps == 0 || status_.predicted_decrease <= kFitTolerance) break;
+    if (!steps(i, i + 1, keep_going)) return false;
   }
   return true;
 }

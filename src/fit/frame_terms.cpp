@@ -30,6 +30,14 @@ ShapeDistance distance_of(const TreeState& pose, const FitShape& a, const FitSha
   return shape_distance(in_world(a), in_world(b), NearestPoints::kEven);
 }
 
+// how much a foot lies that is in contact but on none of its ends; 0: it does not
+double lying_share(const FrameGoals& goals, std::size_t foot) {
+  const auto ends = goals.ends.subspan(2 * foot, 2);
+  const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
+  const bool level = std::ranges::any_of(ends, [](const auto& end) { return end.level; });
+  return in_contact && !level ? 1.0 - goals.upright[foot] : 0.0;
+}
+
 }  // namespace
 
 FrameTerms::FrameTerms(const FitModel& model, const FitOptions& options)
@@ -158,11 +166,8 @@ void FrameTerms::add_foot_end(const TreeState& pose, const FitFoot& foot, const 
 // who kneels has the instep on the floor, or the toes: a foot that lies there touches with something
 void FrameTerms::add_lying_foot(const TreeState& pose, std::size_t f, const FrameGoals& goals,
                                 TermCosts& costs) {
-  const auto ends = goals.ends.subspan(2 * f, 2);
-  const double lying = 1.0 - goals.upright[f];
-  const bool in_contact = std::ranges::any_of(ends, [](const auto& end) { return end.phase >= 0; });
-  const bool level = std::ranges::any_of(ends, [](const auto& end) { return end.level; });
-  if (lying <= 0.0 || !in_contact || level) return;
+  const double lying = lying_share(goals, f);
+  if (lying <= 0.0) return;
   const FitFoot& foot = model_.feet[f];
   const Pose& world = pose.world_from_link[at(foot.link)];
   Vector3d touching = world.translation;
@@ -222,12 +227,14 @@ void FrameTerms::add_supports(const TreeState& pose, const FrameGoals& goals, Te
   }
 }
 
-void FrameTerms::add_floor(const TreeState& pose, TermCosts& costs) {
+void FrameTerms::add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs) {
   const Vector3d& origin = pose.origin();
-  const double weight = square(options_.body_floor_weight);
   for (std::size_t link = 0; link < composites_.size(); ++link) {
     // the bottom of a foot's shapes is its sole, which has its own rows
-    const double margin = model_.is_foot[link] != 0 ? -options_.sole_margin : options_.body_margin;
+    const bool is_foot = model_.is_foot[link] != 0;
+    const double margin = is_foot ? -options_.sole_margin : options_.body_margin;
+    const bool stands = is_foot && lying_share(goals, at(model_.foot_of_link[link])) <= 0.0;
+    const double weight = square(stands ? options_.sole_floor_weight : options_.body_floor_weight);
     const Pose& world = pose.world_from_link[link];
     if (model_.floor_points[link].empty() ||
         world.translation.z() > model_.floor_reach[link] + margin + kBodyBand) {
@@ -321,7 +328,7 @@ void FrameTerms::assemble(const TreeState& pose, const FrameGoals& goals,
   add_targets(pose, goals, costs);
   add_feet(pose, goals, costs);
   if (options_.contact) add_supports(pose, goals, costs);
-  if (options_.floor) add_floor(pose, costs);
+  if (options_.floor) add_floor(pose, goals, costs);
   retarget::assemble(pose, composites_, tree_hessian_, {gradient, row_.size()});
   write_lower_triangle(model_.tree, tree_hessian_, hessian, stride);
   if (!options_.self_collision) return;

@@ -101,7 +101,7 @@ class FrameTerms {
   void add_lying_foot(const TreeState& pose, std::size_t foot, const FrameGoals& goals,
                       TermCosts& costs);
   void add_supports(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
-  void add_floor(const TreeState& pose, TermCosts& costs);
+  void add_floor(const TreeState& pose, const FrameGoals& goals, TermCosts& costs);
   void add_pair(const TreeState& pose, const FitPair& pair, double* gradient, double* hessian,
                 int stride, TermCosts& costs);
   void add_row(int link, int axis, const Eigen::Vector3d& from_root, double weight,

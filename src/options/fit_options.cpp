@@ -143,6 +143,8 @@ OptionTable solver_table(FitOptions& o) {
       number("Solver", "seam", o.seam,
              "Seconds on either side of a window's end that are solved again"),
       count("iterations", o.iterations, "Gauss-Newton steps", 0, 10000),
+      count("extra_iterations", o.extra_iterations,
+            "As many more at most while a window has not converged", 0, 10000),
       count("anchor_iterations", o.anchor_iterations,
             "Of these, how many also move the places of contacts", 0, 10000),
       count("dynamics_iterations", o.dynamics_iterations,

@@ -116,7 +116,9 @@ constexpr auto kMetrics = std::to_array<Metric>({
      "frames.",
      kOwn},
     {"support_slip_mean", "m/s",
-     "Mean horizontal speed of the robot's body there while the source's lies on the floor.", kOwn},
+     "Mean horizontal speed of the robot's body there while the source's lies on the floor; 0: "
+     "none does.",
+     kOwn},
     {"support_drift_p95_cm", "cm",
      "Largest horizontal distance of it from its median place within such a contact; 95th "
      "percentile "

@@ -15,6 +15,10 @@
 namespace retarget {
 namespace {
 
+double distance(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
+
 struct SupportFigures {
   std::vector<double> slips, drifts, heights;  // m/s per step, m per phase, m per frame
 };
@@ -36,9 +40,10 @@ class SupportMeter {
       const Eigen::Vector3d middle = state_.world_from_link[body.link] * body.middle;
       const double height = lowest(body);
       figures_.heights.push_back(height);
+      ++frames_;
       if (height > kHigh) high_.add(name, frame, height);
       if (!x.empty()) {
-        const double step = std::hypot(middle.x() - x.back(), middle.y() - y.back());
+        const double step = distance(middle.x() - x.back(), middle.y() - y.back());
         figures_.slips.push_back(step * draft_.clip.rate().fps());
         if (figures_.slips.back() > kSlipping)
           slipping_.add(name, frame - 1, figures_.slips.back());
@@ -50,18 +55,19 @@ class SupportMeter {
     const double x0 = median(x), y0 = median(y);
     double drift = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      drift = std::max(drift, std::hypot(x[i] - x0, y[i] - y0));
+      drift = std::max(drift, distance(x[i] - x0, y[i] - y0));
     }
     figures_.drifts.push_back(drift);
   }
 
   void finish() {
-    if (figures_.heights.empty()) return;
-    draft_.set("support_pct", percent(static_cast<double>(figures_.heights.size()),
-                                      static_cast<double>(draft_.clip.frame_count())));
+    // where nothing rests on the floor nothing slips, and nothing is too high
+    if (figures_.heights.empty()) figures_.heights = figures_.drifts = {0.0};
+    if (figures_.slips.empty()) figures_.slips = {0.0};
+    draft_.set("support_pct", percent(frames_, draft_.clip.frame_count()));
     draft_.set("support_height_p50_cm", kInCm * median(figures_.heights));
     draft_.set("support_height_p95_cm", kInCm * percentile(std::move(figures_.heights), 95.0));
-    if (!figures_.slips.empty()) draft_.set("support_slip_mean", mean(figures_.slips));
+    draft_.set("support_slip_mean", mean(figures_.slips));
     draft_.set("support_drift_p95_cm", kInCm * percentile(std::move(figures_.drifts), 95.0));
     slipping_.move_to(draft_.report, draft_.options.faults_per_metric);
     high_.move_to(draft_.report, draft_.options.faults_per_metric);
@@ -85,6 +91,7 @@ class SupportMeter {
   const ReportBuilder& draft_;
   TreeState state_;
   SupportFigures figures_;
+  int frames_ = 0;  // of all contacts
   FaultList slipping_, high_;
 };
 
@@ -92,8 +99,10 @@ class SupportMeter {
 
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
                       const ContactPlan& contacts) {
+  const std::vector<SupportBody> bodies = support_bodies(draft.clip.robot(), config);
+  if (bodies.empty()) return;
   SupportMeter meter(draft);
-  for (const SupportBody& body : support_bodies(draft.clip.robot(), config)) {
+  for (const SupportBody& body : bodies) {
     for (const ContactPhase& phase : contacts.bodies[body.support]) meter.add(body, phase);
   }
   meter.finish();

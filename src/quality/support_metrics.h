@@ -7,7 +7,7 @@
 namespace retarget {
 
 /// Slip, drift and height of the robot's knees, elbows, hands, seat and back while those of the source lie on
-/// the floor. Nothing where they never do, or the robot has no shapes there.
+/// the floor; 0 where they never do. Nothing of a robot without shapes there.
 void measure_supports(const ReportBuilder& draft, const ResolvedConfig& config,
                       const ContactPlan& contacts);
 

@@ -55,11 +55,22 @@ TEST_F(FitStatusTest, AClipThatConvergesIsNotTold) {
 TEST_F(FitStatusTest, OneStepIsNotEnough) {
   FitOptions options;
   options.iterations = 1;
+  options.extra_iterations = 0;
   const FitReport report = report_of(options);
   EXPECT_FALSE(report.status.converged);
   EXPECT_EQ(report.status.steps, 1);
   EXPECT_GT(report.status.predicted_decrease, kFitTolerance);
   EXPECT_THAT(report.notes, Contains(HasSubstr("not converged after 1 step")));
+}
+
+TEST_F(FitStatusTest, WhatHasNotConvergedGoesOn) {
+  FitOptions options;
+  options.iterations = 2;
+  options.anchor_iterations = 1;
+  const FitReport report = report_of(options);
+  EXPECT_TRUE(report.status.converged);
+  EXPECT_GT(report.status.steps, 2);
+  EXPECT_LE(report.status.steps, 2 + options.extra_iterations);
 }
 
 TEST_F(FitStatusTest, NoStepIsNoConvergence) {
