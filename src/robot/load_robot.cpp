@@ -23,6 +23,7 @@ Result<std::shared_ptr<const Robot>> load_robot_files(const std::string& model_p
       std::make_shared<Robot>(std::move(loaded.model), std::move(bare), std::move(loaded.warnings));
   if (profile_path.empty()) return robot;
   TRY_ASSIGN(auto profile, load_profile(profile_path, *robot));
+  if (profile.coupled_joints.empty()) profile.coupled_joints = robot->profile().coupled_joints;
   robot->set_profile(std::move(profile));
   return robot;
 }
