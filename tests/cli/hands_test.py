@@ -7,6 +7,11 @@ import unittest
 
 from tool import ToolTest, read_rows, short_clip
 
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
 FRAMES = 90
 
 # by finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres
@@ -128,6 +133,35 @@ class Hands(ToolTest):
         self.assertEqual(set(exact["left_hand_index_0_joint"]), {0.0})
         self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)
         self.assertEqual(exact["left_elbow_joint"], follow["left_elbow_joint"])
+
+    @unittest.skipIf(numpy is None, "numpy is not there")
+    def test_fingers_of_smplx(self):
+        frames = 60
+        poses = numpy.zeros((frames, 165))
+        poses[:, 0] = math.pi / 2  # stands along z
+        bend = numpy.clip((numpy.arange(frames) - 10) / 20.0, 0.0, 1.0)
+        # fingers point along x, palms down: the left ones close about -z; thumbs, the last three, keep still
+        for joint in range(12):
+            poses[:, 75 + 3 * joint + 2] = -1.4 * bend
+            poses[:, 120 + 3 * joint + 2] = 1.4 * bend
+        numpy.savez(self.folder / "smplx.npz", poses=poses, trans=numpy.zeros((frames, 3)),
+                    betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral")
+        self.clip = str(self.folder / "smplx.npz")
+        found = self.columns()
+        for side, sign in (("left", -1.0), ("right", 1.0)):
+            values = [sign * value for value in found[f"{side}_hand_middle_0_joint"]]
+            self.assertLess(max(values[:8]), 0.2)
+            self.assertGreater(min(values[40:]), 1.2)
+        self.assertEqual(self.columns(robot="unitree_g1"),
+                         self.without_fingers(poses, robot="unitree_g1"))
+
+    def without_fingers(self, poses, **options):
+        """Columns of the same motion from a file that has no fingers."""
+        numpy.savez(self.folder / "body.npz", poses=poses[:, :66], trans=numpy.zeros((len(poses), 3)),
+                    betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral",
+                    surface_model_type="smplx")
+        self.clip = str(self.folder / "body.npz")
+        return self.columns(**options)
 
     def test_summary_and_figures(self):
         result = self.retarget(bvh=self.clip, robot="unitree_g1_with_hands")
