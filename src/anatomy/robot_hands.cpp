@@ -61,10 +61,9 @@ class HandFinder {
   struct Branch {
     RobotFinger finger;
     std::optional<Finger> named;
-    Eigen::Vector3d
-        base = Eigen::Vector3d::Zero(),
-        way = Eigen::Vector3d::Zero();  // knuckle, and from there to the tip; in the palm link
-    double reach = 0.0;                 // from the first joint to the tip
+    // knuckle, and from there to the tip; in the palm link
+    Eigen::Vector3d base = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();
+    double reach = 0.0;  // along the joints to the tip
   };
 
   void add_joints();
@@ -232,7 +231,7 @@ HandFinder::Branch HandFinder::branch(int first) const {
   points.push_back(tip_in_palm(finger));
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
-  // two joints in one place are a corner, and so is the first of a knuckle's two
+  // joints in one place are one corner
   std::size_t last = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const bool near_tip = (points.back() - points[i]).norm() < kSamePlace * length;
@@ -267,8 +266,7 @@ bool HandFinder::name_fingers() {
   return true;
 }
 
-// The thumb is who points another way than the others or begins behind them. Only then is known which
-// side it is on, so the others are put in order by the caller.
+// The thumb points another way than the others or begins behind them. They follow from its side on.
 void HandFinder::name_by_shape() {
   const auto oddness = [&](const Branch& branch) {
     Eigen::Vector3d way = Eigen::Vector3d::Zero(), base = Eigen::Vector3d::Zero();
@@ -340,14 +338,18 @@ void HandFinder::find_palm_axes() {
   hand_.palm_axes << forward, side * out.cross(forward), out;
 }
 
-// with all that moves at either end of its range, whichever is wider
+// with all that moves at one end of its range, whichever is wider
 double HandFinder::opening() const {
+  constexpr std::size_t kMostMotors = 6;
   const LimitSet& limits = robot_.model_limits();
   double widest = 0.0;
-  for (const bool upper : {false, true}) {
+  const std::size_t motors = std::min(hand_.variables.size(), kMostMotors);
+  for (std::size_t ends = 0; ends < (std::size_t{1} << motors); ++ends) {
     std::vector<double> qpos = robot_.zero_configuration();
     for (const HandJoint& joint : hand_.joints) {
-      const int leader = hand_.variables[static_cast<std::size_t>(joint.variable)];
+      const auto variable = static_cast<std::size_t>(joint.variable);
+      const int leader = hand_.variables[variable];
+      const bool upper = variable < motors && ((ends >> variable) & 1U) != 0;
       const double end = upper ? limits.upper[leader] : limits.lower[leader];
       if (!std::isfinite(end)) return 0.0;
       qpos[robot_.joints()[joint.joint].qpos_address] = joint.ratio * end + joint.offset;

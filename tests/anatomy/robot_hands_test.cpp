@@ -123,6 +123,7 @@ TEST(RobotHandsTest, TwoJawsAreAGripper) {
     ASSERT_TRUE(hand);
     EXPECT_TRUE(hand->is_gripper);
     EXPECT_EQ(hand->variables.size(), 1U) << "one jaw follows the other";
+    EXPECT_NEAR(hand->opening, 0.09, 1e-9);
     EXPECT_EQ(fingers_of(*hand), (std::vector{Finger::kThumb, Finger::kIndex}));
   }
 }
