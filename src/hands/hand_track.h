@@ -1,9 +1,6 @@
 #pragma once
 
-#include <array>
-#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "anatomy/robot_hands.h"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hands/hand_errors.h"
 #include "support/finger_clip.h"
 #include "support/hand_robots.h"
 
@@ -116,6 +117,27 @@ TEST(HandTrackTest, StillFingersAndNoFingersAreRelaxed) {
   EXPECT_EQ(hands_rule(HandsRule::kAuto, Method::kFit), HandsRule::kFollow);
   EXPECT_EQ(hands_rule(HandsRule::kAuto, Method::kGmr), HandsRule::kOff);
   EXPECT_EQ(hands_rule(HandsRule::kFollow, Method::kGmr), HandsRule::kFollow);
+}
+
+TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
+  const FingerClip source = moving_clip();
+  for (const bool of_six_motors : {false, true}) {
+    const auto robot = of_six_motors ? robot_from_text(six_motor_hands())
+                                     : load_shipped_robot("unitree_g1_with_hands");
+    const Tracked tracked(robot, source, HandsRule::kFollow);
+    const HandErrors errors = measure_hands(source.clip(), source.map(), tracked.clip);
+    ASSERT_EQ(errors.touching_gaps.size(), 40U)
+        << "one finger touches the thumb in frames 50 to 89";
+    // the fist before opens as fast as the joints may
+    const auto open =
+        std::ranges::count_if(errors.touching_gaps, [](double g) { return g > 0.005; });
+    EXPECT_LT(open, 10);
+    EXPECT_LT(*std::max_element(errors.touching_gaps.begin() + 10, errors.touching_gaps.end()),
+              0.005);
+    double sum = 0.0;
+    for (const double angle : errors.angles) sum += angle;
+    EXPECT_LT(sum / static_cast<double>(errors.angles.size()), 0.3);
+  }
 }
 
 TEST(HandTrackTest, TheSameTwice) {
