@@ -8,9 +8,9 @@
 #include "fit/fit_windows.h"
 #include "fit/frame_costs.h"
 #include "fit/joint_speeds.h"
-#include "fit/speed_bounds.h"
 #include "fit/start_frames.h"
 #include "math/so3.h"
+#include "math/step_bounds.h"
 #include "pipeline/solve_frames.h"
 
 namespace retarget {

@@ -127,6 +127,14 @@ enum class LimbBone : unsigned char {
 /// The same bone on the other side; for the trunk, neck and head the bone itself.
 [[nodiscard]] Bone mirrored(Bone bone);
 
+/// A finger of a hand, from the thumb's side on.
+enum class Finger : unsigned char { kThumb, kIndex, kMiddle, kRing, kLittle };
+inline constexpr std::size_t kFingerCount = 5;
+inline constexpr std::array kFingers = {Finger::kThumb, Finger::kIndex, Finger::kMiddle,
+                                        Finger::kRing, Finger::kLittle};
+/// `thumb`, `index`, `middle`, `ring`, `little`.
+[[nodiscard]] std::string_view finger_name(Finger finger);
+
 /// What all files of a kind of skeleton have in common. As files get converted and edited, these
 /// apply only where the clip itself does not contradict them.
 struct SkeletonFacts {

@@ -71,6 +71,14 @@ enum class ScaleRule : unsigned char {
   kLimbs,   ///< Not by the table: legs, trunk and arms take the robot's lengths.
 };
 
+/// What a robot's fingers do (docs/hands.md).
+enum class HandsRule : unsigned char {
+  kAuto,     ///< As kFollow, but kOff with Method::kGmr.
+  kFollow,   ///< What the human's do; relaxed where the source has none, or none that move.
+  kRelaxed,  ///< Half open, as those of a hand that does nothing.
+  kOff,      ///< They stay where the body's solver leaves them.
+};
+
 /// One of the six directions of a file's axes.
 struct SignedAxis {
   int axis = 1;           ///< 0, 1 or 2 for x, y or z.
@@ -246,6 +254,7 @@ struct SolveOptions {
   std::vector<std::string> with;     ///< Terms of the fit that it does not have by default.
   std::vector<std::string> without;  ///< Terms of the fit to leave out.
   IkEngine engine = IkEngine::kFast;
+  HandsRule hands = HandsRule::kAuto;
   std::optional<ScaleRule>
       scale;  ///< Empty: kLimbs; kTable for LAFAN1 with the published method or
               ///< a retargeting configuration made for it.

@@ -96,6 +96,14 @@ struct RobotVariant {
   std::vector<std::string> bodies;
 };
 
+/// A joint that another one moves, as a finger's outer joint through a linkage or a tendon: its position
+/// is ratio * (the other's) + offset.
+struct JointCoupling {
+  std::string leader;  ///< The other joint.
+  double ratio = 1.0;
+  double offset = 0.0;  ///< rad or m.
+};
+
 /// What a robot's profile (robot.json) adds to its model; load_robot.h describes the file.
 struct RobotProfile {
   std::string name;
@@ -111,7 +119,9 @@ struct RobotProfile {
   std::string torque_limits_source;                  ///< For people.
   /// What a rotor behind its gear adds to a joint's inertia, by joint name, kg m^2 or kg.
   std::map<std::string, double> rotor_inertias;
-  std::string rotor_inertias_source;     ///< For people.
+  std::string rotor_inertias_source;  ///< For people.
+  /// By the name of the joint that is moved. Only hands keep to them (docs/hands.md).
+  std::map<std::string, JointCoupling> coupled_joints;
   std::map<std::string, double> t_pose;  ///< Joints that are not 0 there, rad or m.
   std::vector<Sole> soles;
   std::vector<std::pair<int, int>> allowed_self_contact;  ///< Pairs of bodies.

@@ -45,6 +45,12 @@ std::optional<Bone> bone_from_name(std::string_view name) {
   return kAllBones[static_cast<std::size_t>(found - kNames.begin())];
 }
 
+std::string_view finger_name(Finger finger) {
+  constexpr std::array<std::string_view, kFingerCount> kFingerNames = {"thumb", "index", "middle",
+                                                                       "ring", "little"};
+  return kFingerNames[static_cast<std::size_t>(finger)];
+}
+
 const std::vector<std::string>& bone_names() {
   static const std::vector<std::string> kAll(kNames.begin(), kNames.end());
   return kAll;

@@ -34,6 +34,12 @@ template <>
 inline constexpr auto kEnumNames<LeadIn> = std::to_array<NamedValue<LeadIn>>(
     {{LeadIn::kAuto, "auto"}, {LeadIn::kDrop, "drop"}, {LeadIn::kKeep, "keep"}});
 template <>
+inline constexpr auto kEnumNames<HandsRule> =
+    std::to_array<NamedValue<HandsRule>>({{HandsRule::kAuto, "auto"},
+                                          {HandsRule::kFollow, "follow"},
+                                          {HandsRule::kRelaxed, "relaxed"},
+                                          {HandsRule::kOff, "off"}});
+template <>
 inline constexpr auto kEnumNames<Interpolation> = std::to_array<NamedValue<Interpolation>>(
     {{Interpolation::kLinear, "linear"}, {Interpolation::kCubic, "cubic"}});
 template <>

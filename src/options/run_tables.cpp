@@ -189,6 +189,10 @@ OptionTable solve_table(SolveOptions& options) {
              "Terms that the fit leaves out: floor, self-collision, contact, ..."),
       option("engine", options.engine, kRobotGroup, "",
              "Implementation of the inverse kinematics; both take the same steps"),
+      option("hands", options.hands, kRobotGroup, "",
+             "Fingers of robots that have some: follow does what the human's do, and relaxed where "
+             "the source has none; relaxed leaves them half open; off leaves them to the body's "
+             "solver; auto is follow, and off with " OPTION("method") " gmr"),
       option(
           "scale", options.scale, kRobotGroup, "",
           "How the body's size scales the motion: limbs gives legs, trunk and arms the robot's "

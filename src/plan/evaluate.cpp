@@ -28,6 +28,7 @@ Result<QualityReport> evaluate(const Motion& motion) {
   const HumanClip human = to_human(*motion.source, plan.human.calibration);
   const QualitySource source{&human, &plan.config, plan.scale};
   QualityReport report = measure_quality(printed, plan.limits, &source);
+  add_hands(printed, *motion.source, plan.human.map, report);
   report.source = fs::path(motion.source->name()).filename().string();
   report.config = recorded_name(plan.config.file, plan.robot.data_folder);
   report.fit = motion.fit;

@@ -110,6 +110,7 @@ Result<std::vector<std::string>> load_joint_names(const std::string& file) {
 Result<Clip> load_array_clip(std::string_view bytes, const std::string& name,
                              const SourceOptions& options) {
   SmplReadOptions read;
+  read.fingers = true;
   read.source_fps = given_rate(options);
   read.max_clip_bytes = memory_share(options.memory_gb);
   std::optional<SmplBody> body;

@@ -11,6 +11,7 @@
 #include "base/option_name.h"
 #include "base/suggest.h"
 #include "base/try.h"
+#include "hands/hand_track.h"
 #include "motion/clip_range.h"
 #include "motion/lead_in.h"
 #include "motion/resample.h"
@@ -92,6 +93,28 @@ void leave_out_unknown_rotations(const Clip& clip, Plan& plan) {
 
 namespace {
 
+// what the robot's fingers do
+void note_hands(const Clip& clip, Plan& plan) {
+  const SolveOptions& solve = plan.options.solve;
+  const HandsRule rule = hands_rule(solve.hands, solve.method);
+  if (rule == HandsRule::kOff) return;
+  const RobotHands hands = find_hands(*plan.robot.robot);
+  const SourceHands followed = followed_hands(clip, plan.human.map, hands, rule, plan.part);
+  std::vector<std::string> follow, relaxed;
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    if (!hands[side]) continue;
+    (followed[side] ? follow : relaxed).emplace_back(side == 0 ? "left" : "right");
+  }
+  std::string text;
+  if (!follow.empty()) text = fmt::format("{} as the human's", fmt::join(follow, " and "));
+  if (!relaxed.empty()) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} relaxed", fmt::join(relaxed, " and "));
+    if (rule == HandsRule::kFollow) text += ", as the source has no fingers there that move";
+  }
+  if (!text.empty()) plan.config_notes.push_back({"hands", text});
+}
+
 Result<void> choose_frames(const Clip& clip, const Options& options, Plan& plan) {
   plan.lead_in_frames = frames_to_leave_out(clip, options);
   TRY_ASSIGN(plan.part, chosen_range(options.part, clip.rate(), clip.frame_count()));
@@ -136,6 +159,7 @@ Result<Plan> make_plan(Clip clip, const RobotSetup& robot, const Options& option
   TRY(choose_frames(clip, options, plan));
   if (plan.human.map.partial) TRY(leave_out_missing(plan));
   leave_out_unknown_rotations(clip, plan);
+  note_hands(clip, plan);
   plan.scale = choose_scale(plan.human, *robot.loaded.robot, plan.config, options);
   const std::uint64_t bytes = clip.origin().bytes;
   plan.clip = std::make_shared<const Clip>(std::move(clip));

@@ -6,6 +6,7 @@
 
 #include "base/try.h"
 #include "human/human_clip.h"
+#include "human/source_hands.h"
 #include "plan/config_files.h"
 #include "quality/measure.h"
 #include "retarget/solve.h"
@@ -13,8 +14,10 @@
 namespace retarget {
 namespace {
 
-Result<HumanClip> human_of(const Plan& plan) {
+Result<HumanClip> human_of(const Plan& plan, std::shared_ptr<const Clip>& fingers) {
   TRY_ASSIGN(const auto clip, prepare_clip(plan));
+  const SourceHands hands = find_source_hands(clip->skeleton(), plan.human.map);
+  if (hands[0] || hands[1]) fingers = clip;
   return to_human(*clip, plan.human.calibration);
 }
 
@@ -39,10 +42,11 @@ Result<MeasuredSource> measured_source(Plan plan) {
   source.config = plan.config;
   source.config_file = recorded_name(plan.config.file, plan.robot.data_folder);
   source.scale = plan.scale;
-  TRY_ASSIGN(source.human, human_of(plan));
+  source.map = plan.human.map;
+  TRY_ASSIGN(source.human, human_of(plan, source.fingers));
   if (plan.lead_in_frames == 0) return source;
   plan.part.begin = 0;
-  TRY_ASSIGN(source.human_with_lead_in, human_of(plan));
+  TRY_ASSIGN(source.human_with_lead_in, human_of(plan, source.fingers_with_lead_in));
   return source;
 }
 
@@ -61,6 +65,8 @@ MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
       human = &*whole;
     }
   }
+  const auto& fingers = measure.has_lead_in ? source->fingers_with_lead_in : source->fingers;
+  if (fingers) add_hands(motion, *fingers, source->map, measure.report);
   measure.source_frames = human->frame_count;
   measure.report.source = source->name;
   measure.report.config = source->config_file;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "retarget/clip.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/plan.h"
@@ -16,6 +18,9 @@ struct MeasuredSource {
   FrameRate rate;
   HumanClip human;
   std::optional<HumanClip> human_with_lead_in;  ///< Where there is one.
+  /// The same frames as they were read, of sources with fingers; else null.
+  std::shared_ptr<const Clip> fingers, fingers_with_lead_in;
+  BoneMap map;
   ResolvedConfig config;
   std::string config_file;  ///< As it is recorded.
   ScaleRule scale = ScaleRule::kTable;

@@ -1,7 +1,9 @@
 #include "retarget/solve.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "base/located.h"
 #include "base/machine.h"
@@ -9,6 +11,7 @@
 #include "base/option_name.h"
 #include "base/try.h"
 #include "fit/fit.h"
+#include "hands/hand_track.h"
 #include "motion/resample.h"
 #include "pipeline/solve_frames.h"
 
@@ -46,6 +49,25 @@ SolveFramesOptions pass_options(const Plan& plan, const SolveControl& control, i
   return options;
 }
 
+// what the robot's fingers do, which the body's solvers leave alone
+HandTrack hand_track(const Plan& plan, const Clip& source) {
+  const SolveOptions& solve = plan.options.solve;
+  const HandsRule rule = hands_rule(solve.hands, solve.method);
+  if (rule == HandsRule::kOff) return {};
+  const Robot& robot = *plan.robot.robot;
+  const RobotHands hands = find_hands(robot);
+  const SourceHands followed =
+      followed_hands(source, plan.human.map, hands, rule, {0, source.frame_count()});
+  const FitOptions& fit = plan.fit;
+  return {source, followed,    robot,
+          hands,  plan.limits, {fit.max_joint_speed, fit.max_joint_step, fit.decimals}};
+}
+
+void write_hands(const HandTrack& hands, RobotClip& clip) {
+  if (hands.empty()) return;
+  for (int frame = 0; frame < clip.frame_count(); ++frame) hands.write(frame, clip.qpos(frame));
+}
+
 Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& motion) {
   FitOptions options = plan.fit;
   if (options.threads == 0) {
@@ -64,6 +86,7 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
   motion.ik_steps = fitted.steps;
   motion.fit = std::move(fitted.report);
   motion.contacts = fitted.contacts.of_ends();
+  write_hands(hand_track(plan, *motion.source), motion.clip);
   if (!control.frame_solved) return {};
   for (int frame = 0; frame < motion.clip.frame_count(); ++frame) {
     control.frame_solved(frame, std::as_const(motion.clip).qpos(frame));
@@ -73,12 +96,22 @@ Result<void> solve_fit(const Plan& plan, const SolveControl& control, Motion& mo
 
 Result<void> solve_frames(const Plan& plan, const SolveControl& control, Motion& motion) {
   SolveFramesOptions options = pass_options(plan, control, motion.source->frame_count());
+  const HandTrack hands = hand_track(plan, *motion.source);
+  std::vector<double> with_hands;
   options.frame_solved = control.frame_solved;
+  if (!hands.empty() && control.frame_solved) {
+    options.frame_solved = [&](int frame, std::span<const double> qpos) {
+      with_hands.assign(qpos.begin(), qpos.end());
+      hands.write(frame, with_hands);
+      control.frame_solved(frame, with_hands);
+    };
+  }
   TRY_ASSIGN(SolvedFrames result,
              solve_frames(*motion.source, plan.human.calibration, plan.robot.robot, plan.config,
                           plan.limits, options));
   motion.clip = std::move(result.clip);
   motion.ik_steps = result.steps;
+  write_hands(hands, motion.clip);
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomy/robot_hands.h"
 #include "base/lower_case.h"
 #include "retarget/motion.h"
 
@@ -33,14 +34,26 @@ bool is_of_the_head(const std::string& joint) {
   return name.find("head") != std::string::npos || name.find("neck") != std::string::npos;
 }
 
+// a fist lies against the ends of its joints, and a thumb at rest may
+std::set<int> joints_of_hands(const Robot& robot) {
+  std::set<int> joints;
+  for (const auto& hand : find_hands(robot)) {
+    if (!hand) continue;
+    for (const HandJoint& joint : hand->joints) joints.insert(joint.joint);
+  }
+  return joints;
+}
+
 // A limit at which the joint is in the zero configuration bends nothing: straight knees, open
 // hands. What has no room is held.
 std::vector<JointLimit> limits_that_count(const Robot& robot, const LimitSet& limits) {
   constexpr double kNear = 0.01;       // rad
   constexpr double kNearShare = 0.01;  // of the range
   const std::vector<double> zero = robot.zero_configuration();
+  const std::set<int> fingers = joints_of_hands(robot);
   std::vector<JointLimit> found;
   for (const int j : robot.output_joints()) {
+    if (fingers.contains(j)) continue;
     const RobotJoint& joint = robot.joints()[j];
     const double range = limits.upper[j] - limits.lower[j];
     const double near = joint.type == RobotJoint::Type::kHinge ? kNear : HUGE_VAL;

@@ -39,4 +39,9 @@ struct QualityOptions {
 /// source has a say in it. Left out for a robot without mass, and for fewer than three frames.
 void add_dynamics(const RobotClip& clip, QualityReport& report, const QualityOptions& options = {});
 
+/// Adds how the robot's fingers follow the source's, where both have some (docs/hands.md).
+/// @param source  whose frames are the motion's.
+void add_hands(const RobotClip& clip, const Clip& source, const BoneMap& map,
+               QualityReport& report);
+
 }  // namespace retarget

@@ -23,7 +23,7 @@ constexpr auto kMetrics = std::to_array<Metric>({
      kOwn},
     {"at_limit_pct", "%",
      "Frames with a joint within 0.01 rad, or a hundredth of its range where that is less, of a "
-     "limit, or beyond it; heads, and limits reached in the zero configuration, excluded.",
+     "limit, or beyond it; heads, hands, and limits reached in the zero configuration, excluded.",
      kOwn},
     {"joint_at_limit_pct", "%",
      "The same of the joint and limit with the most frames; `at_limit` names them.", kOwn},
@@ -152,6 +152,14 @@ constexpr auto kMetrics = std::to_array<Metric>({
     {"trunk_lean_error_deg", "deg",
      "Difference between the robot's lean and the human's: angle from the vertical of the line "
      "from hips to shoulders, each from its own standing pose. Mean and 95th percentile.",
+     kOwn},
+    {"finger_angle_deg", "deg",
+     "Angle between the parts of the robot's fingers and the human's, at the same shares of their "
+     "lengths, both seen from the palm; thumbs excluded. Mean and 95th percentile.",
+     kOwn},
+    {"touch_gap_cm", "cm",
+     "Distance between the skins of the robot's thumb and finger while the human's touch; amount, "
+     "mean and 95th percentile.",
      kOwn},
     {"dynamics_bad_pct", "%",
      "Share of the time in which contacts cannot supply what the movement needs: more than a tenth "

@@ -2,14 +2,17 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "anatomy/neighbours.h"
+#include "anatomy/robot_hands.h"
 #include "anatomy/shapes.h"
 #include "base/try.h"
 #include "base/utf8.h"
@@ -62,12 +65,38 @@ Result<Robot> import_robot(const std::string& path, const std::string& name,
     notes.push_back("the model had no free joint: \"" + loaded.floated_body +
                     "\" was made to float");
   }
-  for (const std::string& pair : loaded.coupled) {
-    notes.push_back("a coupling of joints is dropped, each moves freely: " + pair);
-  }
   RobotProfile profile;
   profile.name = name;
+  profile.coupled_joints = std::move(loaded.couplings);
   return Robot(std::move(loaded.model), std::move(profile), std::move(loaded.warnings));
+}
+
+// Hands keep to what their models say of joints that others move; bodies do not.
+void keep_couplings_of_hands(const RobotHands& hands, const Robot& robot, RobotProfile& profile,
+                             std::vector<std::string>& notes) {
+  const auto is_of_hands = [&](const std::string& name) {
+    const auto joint = robot.find_joint(name);
+    return joint && std::ranges::any_of(hands, [&](const auto& hand) {
+             return hand && std::ranges::find(hand->joints, *joint, &HandJoint::joint) !=
+                                hand->joints.end();
+           });
+  };
+  std::erase_if(profile.coupled_joints, [&](const auto& coupling) {
+    const auto& [name, by] = coupling;
+    if (is_of_hands(name) && is_of_hands(by.leader)) return false;
+    notes.push_back("a coupling of joints is dropped, each moves freely: \"" + name + "\" to \"" +
+                    by.leader + "\"");
+    return true;
+  });
+}
+
+Json couplings_json(const RobotProfile& profile) {
+  Json all = Json::object();
+  for (const auto& [name, coupling] : profile.coupled_joints) {
+    all[name] = {
+        {"joint", coupling.leader}, {"ratio", coupling.ratio}, {"offset", coupling.offset}};
+  }
+  return all;
 }
 
 // neighbours in the tree overlap by build
@@ -109,6 +138,9 @@ std::string profile_text(const Robot& robot, const std::string& source, const TP
                                     ? "none published: the default for all joints"
                                     : "the URDF's velocity limits";
   json["default_speed_limit"] = kDefaultSpeedLimit;
+  if (!robot.profile().coupled_joints.empty()) {
+    json["coupled_joints"] = couplings_json(robot.profile());
+  }
   json["t_pose"] = Json::object();
   for (const RobotJoint& joint : robot.joints()) {
     const double position = rounded(t_pose.qpos[joint.qpos_address], 4);
@@ -126,6 +158,9 @@ Result<MadeRobot> make_robot(const std::string& model_path, const std::string& n
   made.name = name;
   TRY_ASSIGN(auto robot, import_robot(model_path, name, made.notes));
   TRY_ASSIGN(const auto limbs, find_limbs(robot, model_path));
+  RobotProfile profile = robot.profile();
+  keep_couplings_of_hands(find_hands(robot, limbs), robot, profile, made.notes);
+  robot.set_profile(std::move(profile));
   const BodyPoints mesh = mesh_points(model_path);
   const RobotShapes shapes = find_shapes(robot, limbs, mesh);
   const TPose t_pose = solve_t_pose(robot, limbs);

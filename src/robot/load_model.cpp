@@ -16,6 +16,7 @@
 #include "robot/check_model.h"
 #include "robot/mesh_geoms.h"
 #include "robot/mujoco_messages.h"
+#include "robot/urdf_couplings.h"
 #include "version_numbers.h"
 
 namespace retarget {
@@ -120,9 +121,23 @@ void note_equalities(mjSpec* spec, LoadedModel& loaded) {
     const std::string second = mjs_getString(equality->name2);
     const bool to_world = second.empty() || second == "world" || first == "world";
     const std::string pair = fmt::format("\"{}\" to \"{}\"", first, second);
-    if (equality->type == mjEQ_JOINT && !second.empty()) loaded.coupled.push_back(pair);
+    // y - y0 = a0 + a1 (x - x0) + ...; the places at which both joints begin are added when they are known
+    if (equality->type == mjEQ_JOINT && !second.empty()) {
+      loaded.couplings[first] = {second, equality->data[1], equality->data[0]};
+    }
     const bool ties = equality->type == mjEQ_CONNECT || equality->type == mjEQ_WELD;
     if (ties && !to_world) loaded.closed.push_back(pair);
+  }
+}
+
+// positions of couplings count from where joints begin
+void add_references(const mjModel& model, std::map<std::string, JointCoupling>& couplings) {
+  const auto reference = [&](const std::string& name) {
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, name.c_str());
+    return joint < 0 ? 0.0 : model.qpos0[model.jnt_qposadr[joint]];
+  };
+  for (auto& [name, coupling] : couplings) {
+    coupling.offset += reference(name) - coupling.ratio * reference(coupling.leader);
   }
 }
 
@@ -225,6 +240,9 @@ Result<LoadedModel> load_model(const std::string& path, const ModelChanges& chan
   if (!loaded.model) return model_failure(path, mjs_getError(spec.get()));
   if (!guard.errors().empty()) return model_failure(path, guard.errors().front());
   TRY(check_numbers(*loaded.model, path));
+  add_references(*loaded.model, loaded.couplings);
+  // which MuJoCo does not read
+  for (auto& [name, coupling] : urdf_couplings(path)) loaded.couplings[name] = std::move(coupling);
   loaded.meshes = mesh_geoms.find(*loaded.model);
   loaded.warnings = guard.warnings();
   // some versions tell a warning here, some through the handler, some both ways

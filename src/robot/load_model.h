@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,12 @@ namespace retarget {
 struct LoadedModel {
   ModelPtr model;
   std::vector<std::string> warnings;
-  std::string floated_body;          ///< The body that was given a free joint; empty: none was.
-  std::vector<std::string> closed;   ///< Equalities dropped that tie two bodies, `"a" to "b"`.
-  std::vector<std::string> coupled;  ///< Equalities dropped that tie joints together.
-  std::vector<ModelMesh> meshes;     ///< What bodies are drawn with, if it was asked for.
+  std::string floated_body;         ///< The body that was given a free joint; empty: none was.
+  std::vector<std::string> closed;  ///< Equalities dropped that tie two bodies, `"a" to "b"`.
+  /// What the model says of joints that others move (equalities of joints, a URDF's `mimic`), by the
+  /// joint that is moved. Equalities are dropped; of curved ones the slope at 0 is kept.
+  std::map<std::string, JointCoupling> couplings;
+  std::vector<ModelMesh> meshes;  ///< What bodies are drawn with, if it was asked for.
 };
 
 /// What is done to a model beyond dropping what plays no part in kinematics.

@@ -33,6 +33,7 @@ const std::vector<std::string> kKeys = {"name",
                                         "torque_limits_source",
                                         "rotor_inertias",
                                         "rotor_inertias_source",
+                                        "coupled_joints",
                                         "t_pose",
                                         "soles",
                                         "allowed_self_contact",
@@ -41,6 +42,7 @@ const std::vector<std::string> kKeys = {"name",
 const std::vector<std::string> kVariantKeys = {"description", "locked", "model", "bodies"};
 const std::vector<std::string> kSetKeys = {"source", "ranges"};
 const std::vector<std::string> kSoleKeys = {"body", "points", "labels"};
+const std::vector<std::string> kCouplingKeys = {"joint", "ratio", "offset"};
 const std::vector<std::string> kSides = {"left", "right"};
 
 std::string quoted(const std::string& text) {
@@ -78,6 +80,7 @@ class ProfileReader {
     read_method_limits();
     read_speed_limits();
     read_actuators();
+    read_coupled_joints();
     profile_.t_pose = joint_positions(members_.object("t_pose"), "\"t_pose\"");
     read_soles();
     read_allowed_self_contact();
@@ -177,6 +180,34 @@ class ProfileReader {
     profile_.torque_limits = positive_by_joint("torque_limits");
     profile_.rotor_inertias_source = members_.text("rotor_inertias_source");
     profile_.rotor_inertias = positive_by_joint("rotor_inertias");
+  }
+
+  void read_coupled_joints() {
+    for (const auto& [name, entry] : members_.object("coupled_joints").items()) {
+      const std::string what = "\"coupled_joints\" of " + quoted(name);
+      if (!is_joint(name, "\"coupled_joints\"")) continue;
+      if (!entry.is_object()) {
+        faults_.add(what + " must be {\"joint\": name, \"ratio\": number, \"offset\": number}");
+        continue;
+      }
+      const JsonMembers members(entry, faults_, what + ": ");
+      members.check_keys(kCouplingKeys);
+      JointCoupling coupling;
+      coupling.leader = members.text("joint");
+      if (!is_joint(coupling.leader, what)) continue;
+      if (coupling.leader == name) faults_.add(what + ": a joint cannot lead itself");
+      coupling.ratio = number(entry, "ratio", 1.0, what);
+      coupling.offset = number(entry, "offset", 0.0, what);
+      profile_.coupled_joints[name] = coupling;
+    }
+  }
+
+  double number(const Json& entry, const char* key, double none, const std::string& what) {
+    const auto found = entry.find(key);
+    if (found == entry.end()) return none;
+    if (found->is_number() && std::isfinite(found->get<double>())) return found->get<double>();
+    faults_.add(what + ": " + quoted(key) + " must be a number, found " + short_text(*found));
+    return none;
   }
 
   // {joint: number above 0}

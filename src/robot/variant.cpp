@@ -61,6 +61,9 @@ RobotProfile profile_for(const Robot& whole, const Robot& bare) {
   RobotProfile profile = whole.profile();
   std::erase_if(profile.joint_order, [&](const auto& name) { return !bare.find_joint(name); });
   std::erase_if(profile.t_pose, [&](const auto& entry) { return !bare.find_joint(entry.first); });
+  std::erase_if(profile.coupled_joints, [&](const auto& entry) {
+    return !bare.find_joint(entry.first) || !bare.find_joint(entry.second.leader);
+  });
   for (LimitSet& set : profile.limit_sets) {
     const LimitSet all = std::exchange(set, bare.model_limits());
     set.name = all.name;

@@ -24,7 +24,7 @@ struct Columns {
 constexpr std::size_t kMotionXWidth = 322;
 constexpr Columns kMotionX = {kMotionXWidth, 0, 3, 309, 312, 10};
 constexpr Columns kPhuma = {69, 3, 6, 0, 0, 0};
-constexpr std::size_t kBodyWidth = 63;
+constexpr std::size_t kBodyWidth = 63, kHandWidth = 90;
 constexpr std::size_t kHumanMlFeatures = 263;
 
 Failure at_file(Error error, const std::string& file_name) {
@@ -135,6 +135,8 @@ Result<MotionFile> open_array_motion(std::string_view bytes, const std::string& 
   };
   add("root_orient", columns->root_orient, 3);
   add("pose_body", columns->pose_body, kBodyWidth);
+  // Motion-X has the hands next
+  if (columns == &kMotionX) add("pose_hand", columns->pose_body + kBodyWidth, kHandWidth);
   add("trans", columns->trans, 3);
   if (columns->beta_count > 0) add("betas", columns->betas, columns->beta_count);
   MotionFile file{std::move(arrays), kind_of_columns(*columns), {}};

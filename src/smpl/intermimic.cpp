@@ -23,6 +23,9 @@ constexpr std::size_t kBodyCount = 52, kFirstUnread = kFirstBody + 3 * kBodyCoun
 constexpr std::array<int, kSmplJointCount> kBodyOfJoint = {
     0, 1, 5, 9, 2, 6, 10, 3, 7, 11, 4, 8, 12, 14, 33, 13, 15, 34, 16, 35, 17, 36};
 
+// of the joints of the hands: behind each wrist
+constexpr int kFirstLeftFinger = 18, kFirstRightFinger = 37;
+
 // the models' axes (x left, y up, z forward) from InterMimic's (x forward, y left, z up)
 Eigen::Vector3d smpl_axes(const Eigen::Vector3d& v) {
   return {v.y(), v.z(), v.x()};
@@ -35,13 +38,18 @@ class Reader {
 
   Result<InterMimicMotion> read() {
     TRY(check_numbers());
-    std::vector<double> poses, places;
+    std::vector<double> poses, hands, places;
     poses.reserve(frames_ * 3 * kSmplJointCount);
     places.reserve(3 * frames_);
     for (std::size_t frame = 0; frame < frames_; ++frame) {
       TRY_ASSIGN(const auto root, root_rotation(frame));
       append(poses, log_so3(root));
       for (int joint = 1; joint < kSmplJointCount; ++joint) append(poses, rotation(frame, joint));
+      for (int joint = 0; joint < kSmplHandJointCount; ++joint) {
+        const int in_hand = joint % (kSmplHandJointCount / 2);
+        append(hands, body_rotation(frame, in_hand + (joint == in_hand ? kFirstLeftFinger
+                                                                       : kFirstRightFinger)));
+      }
       append(places, vector(frame, kFirstPlace));
       measure_offsets(frame, root);
     }
@@ -51,6 +59,7 @@ class Reader {
 
     auto arrays = std::make_unique<MadeArrays>(file_name_);
     arrays->add("poses", float64_array(poses, {frames_, 3 * kSmplJointCount}));
+    arrays->add("pose_hand", float64_array(hands, {frames_, 3 * kSmplHandJointCount}));
     arrays->add("trans", float64_array(places, {frames_, 3}));
     InterMimicMotion motion{std::move(arrays), {}};
     motion.kind.fps = 30.0;
@@ -73,8 +82,10 @@ class Reader {
 
   // of a joint against its parent, a rotation vector in the models' axes
   [[nodiscard]] Eigen::Vector3d rotation(std::size_t frame, int joint) const {
-    const auto body = static_cast<std::size_t>(kBodyOfJoint[joint]);
-    return smpl_axes(vector(frame, kFirstJoint + 3 * (body - 1)));
+    return body_rotation(frame, kBodyOfJoint[joint]);
+  }
+  [[nodiscard]] Eigen::Vector3d body_rotation(std::size_t frame, int body) const {
+    return smpl_axes(vector(frame, kFirstJoint + 3 * (static_cast<std::size_t>(body) - 1)));
   }
 
   [[nodiscard]] Eigen::Vector3d place(std::size_t frame, int joint) const {

@@ -25,6 +25,7 @@ constexpr std::size_t kUsedColumns = kRootColumns + kBodyColumns;
 constexpr std::size_t kSmplColumns = 72;
 constexpr std::size_t kSmplhColumns = 156;
 constexpr std::size_t kSmplxColumns = 165;
+constexpr std::size_t kHandColumns = 3 * kSmplHandJointCount;  // the last of both
 
 // rotations in one array, and in two: the pelvis, the body. AMASS, smplx, AIST++, and fits to video
 // name them so; of several the parts in AMASS's names come first, then its whole, then the others
@@ -79,6 +80,7 @@ class MotionReader {
 
   Result<MotionArrays> read(std::optional<double> source_fps) {
     TRY(read_rotations());
+    read_hands();
     TRY(read_translations());
     TRY(read_rate(source_fps));
     TRY(read_betas());
@@ -157,6 +159,65 @@ class MotionReader {
       }
     }
     return {};
+  }
+
+  // Fingers of the whole poses, or of arrays of their own. They are an extra: what is odd about them leaves
+  // them out and not the motion.
+  void read_hands() {
+    struct Part {
+      const char* name;
+      std::size_t first, count;
+    };
+    std::vector<Part> parts;
+    const auto* parted = parted_poses(file_);
+    const char* whole = first_of(file_, kWholePoses);
+    if (file_.has("pose_hand")) {
+      parts = {{"pose_hand", 0, kHandColumns}};
+    } else if (file_.has("left_hand_pose") && file_.has("right_hand_pose")) {
+      parts = {{"left_hand_pose", 0, kHandColumns / 2}, {"right_hand_pose", 0, kHandColumns / 2}};
+    } else if (parted == nullptr && whole != nullptr && pose_width_ >= kSmplhColumns) {
+      parts = {{whole, pose_width_ - kHandColumns, kHandColumns}};
+    }
+    if (parts.empty()) return;
+    const auto frames = static_cast<std::size_t>(arrays_.frame_count);
+    std::vector<Eigen::Vector3d> rotations(frames * kSmplHandJointCount);
+    std::size_t before = 0;  // joints
+    for (const Part& part : parts) {
+      const auto array = file_.read(part.name);
+      const std::size_t width = array ? width_of(array->shape) : 0;
+      // principal components and the like are no rotations
+      const bool is_whole = part.first > 0 || width == part.count;
+      if (!is_whole || width < part.first + part.count || !array->is_number() ||
+          array->shape[0] != frames) {
+        return;
+      }
+      const std::vector<double> values = array->numbers();
+      for (std::size_t frame = 0; frame < frames; ++frame) {
+        for (std::size_t i = 0; i < part.count / 3; ++i) {
+          rotations[frame * kSmplHandJointCount + before + i] =
+              Eigen::Map<const Eigen::Vector3d>(values.data() + frame * width + part.first + 3 * i);
+        }
+      }
+      before += part.count / 3;
+    }
+    if (!std::ranges::all_of(rotations, is_rotation)) {
+      warn("the fingers are left out: their numbers are no rotations in radians");
+    } else if (hands_move(rotations)) {
+      arrays_.hand_rotations = std::move(rotations);
+    }
+  }
+
+  static bool is_rotation(const Eigen::Vector3d& vector) {
+    constexpr double kMost = 20.0;
+    return vector.allFinite() && vector.cwiseAbs().maxCoeff() < kMost;
+  }
+
+  static bool hands_move(const std::vector<Eigen::Vector3d>& rotations) {
+    constexpr double kStill = 1e-3;  // rad
+    for (std::size_t i = kSmplHandJointCount; i < rotations.size(); ++i) {
+      if ((rotations[i] - rotations[i % kSmplHandJointCount]).norm() > kStill) return true;
+    }
+    return false;
   }
 
   Result<void> read_translations() {

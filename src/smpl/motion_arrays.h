@@ -16,6 +16,8 @@ struct MotionArrays {
   int frame_count = 0;
   /// Rotation vectors in rad, frame-major, kSmplJointCount in a frame by kSmplJointNames.
   std::vector<Eigen::Vector3d> rotations;
+  /// The same of the hands, kSmplHandJointCount in a frame; empty: the file has none, or none that move.
+  std::vector<Eigen::Vector3d> hand_rotations;
   std::vector<Eigen::Vector3d> translations;  ///< `trans`, one per frame, metres.
   FrameRate rate;
   std::vector<double> betas;  ///< Empty: none.

@@ -82,13 +82,18 @@ Clip clip_of(const MotionArrays& arrays, const SmplRestBody& body, bool y_is_up)
     return Eigen::Vector3d(v.x(), -v.z(), v.y());
   };
   const Eigen::Quaterniond z_up_from_y_up(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
-  Clip clip(smpl_skeleton(body), arrays.rate, arrays.frame_count);
-  const std::span<const int> order = smpl_skeleton_order();
+  const bool fingers = !arrays.hand_rotations.empty();
+  Clip clip(smpl_skeleton(body, fingers), arrays.rate, arrays.frame_count);
+  const std::vector<int> order = smpl_skeleton_order(fingers);
   for (int frame = 0; frame < arrays.frame_count; ++frame) {
     const std::span<Eigen::Quaterniond> rotations = clip.rotations(frame);
-    const std::size_t first = static_cast<std::size_t>(frame) * kSmplJointCount;
+    const auto row = static_cast<std::size_t>(frame);
     for (std::size_t joint = 0; joint < rotations.size(); ++joint) {
-      rotations[joint] = exp_so3(arrays.rotations[first + static_cast<std::size_t>(order[joint])]);
+      const auto index = static_cast<std::size_t>(order[joint]);
+      rotations[joint] =
+          exp_so3(index < kSmplJointCount
+                      ? arrays.rotations[row * kSmplJointCount + index]
+                      : arrays.hand_rotations[row * kSmplHandJointCount + index - kSmplJointCount]);
     }
     // the models turn about the pelvis, so its own place is never turned
     Eigen::Vector3d& pelvis = clip.translations(frame)[0];
@@ -104,10 +109,11 @@ Result<SmplMotion> read_smpl_motion(const MotionFile& opened, const SmplReadOpti
   const ArraySource& file = *opened.arrays;
   TRY_ASSIGN(auto arrays, read_motion_arrays(file, opened.kind, options.source_fps));
   arrays.warnings.insert(arrays.warnings.end(), opened.warnings.begin(), opened.warnings.end());
+  if (!options.fingers) arrays.hand_rotations.clear();
   const bool own_body = arrays.body.has_value();
   TRY_ASSIGN(const auto body, rest_body_of(file, arrays, options));
-  const std::size_t needed =
-      static_cast<std::size_t>(arrays.frame_count) * frame_bytes(*smpl_skeleton(body));
+  const std::size_t needed = static_cast<std::size_t>(arrays.frame_count) *
+                             frame_bytes(*smpl_skeleton(body, !arrays.hand_rotations.empty()));
   if (needed > options.max_clip_bytes) {
     return file.file_failure(
         std::to_string(arrays.frame_count) + " frames take " +

@@ -29,6 +29,9 @@ struct SmplReadOptions {
   /// The user's body model; nullptr: the generic body. Must live during the call.
   const SmplBody* body = nullptr;
 
+  /// The skeleton has fingers as well, where the file has some that move.
+  bool fingers = false;
+
   std::string take;  ///< Which of several motions, by name or number from 1; empty: the only one.
   std::vector<std::string> joint_names;  ///< Of places of joints; empty: as the file tells.
 };
@@ -52,7 +55,8 @@ struct SmplMotion {
 /// Reads an AMASS-like motion: an NPZ file with `trans` (F, 3), and either `root_orient` (F, 3)
 /// with `pose_body` (F, 63) or `poses` (F, W), W being 66, 72 (SMPL), 156 (SMPL+H) or 165
 /// (SMPL-X); rotation vectors in radians, (F, W / 3, 3) serving as well. The pelvis is in columns
-/// 0 to 2, the body in 3 to 65; all that follows (hands, face) is dropped.
+/// 0 to 2, the body in 3 to 65; hands are the last 90 columns of the widest two, or `pose_hand` (F, 90), or
+/// `left_hand_pose` and `right_hand_pose` (F, 45); the face is dropped.
 ///
 /// The frame rate is `mocap_framerate`, `mocap_frame_rate` or `fps`, a scalar or an array of one.
 /// `betas` and `gender` (any text array) may be missing, with a warning.

@@ -26,7 +26,7 @@ constexpr std::string_view kSaveHint =
 
 // a few times the largest there is
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30U;
-constexpr int kSmplxJointCount = 55;
+constexpr int kSmplxJointCount = 55, kSmplhJointCount = 52;
 constexpr int kSole = kSmplTipCount;  // after the tips: the lowest vertex
 constexpr int kPointCount = kSmplJointCount + kSmplTipCount + 1;
 
@@ -61,13 +61,19 @@ class BodyReader {
       const Eigen::Index shapes = directions_.cols() / 3 < 400 ? 10 : 300;
       beta_count_ = std::min(beta_count_, shapes);
     }
-    body.points = Eigen::VectorXd::Zero(3 * kPointCount);
-    body.shape_directions = Eigen::MatrixXd::Zero(3 * kPointCount, beta_count_);
-    for (int joint = 0; joint < kSmplJointCount; ++joint) {
+    const bool has_hands =
+        regressor_.rows() == kSmplxJointCount || regressor_.rows() == kSmplhJointCount;
+    const int count = kPointCount + (has_hands ? kSmplHandJointCount : 0);
+    body.points = Eigen::VectorXd::Zero(3 * count);
+    body.shape_directions = Eigen::MatrixXd::Zero(3 * count, beta_count_);
+    const auto add_joint = [&](int point, Eigen::Index joint) {
       for (Eigen::Index i = 0; i < vertices_.rows(); ++i) {
-        add_vertex(body, joint, regressor_(joint, i), i);
+        add_vertex(body, point, regressor_(joint, i), i);
       }
-    }
+    };
+    for (int joint = 0; joint < kSmplJointCount; ++joint) add_joint(joint, joint);
+    // the hands are the models' last joints
+    for (int i = kPointCount; i < count; ++i) add_joint(i, regressor_.rows() - count + i);
     for (int i = 0; i <= kSole; ++i) add_vertex(body, kSmplJointCount + i, 1.0, landmarks_[i]);
     return body;
   }
@@ -229,6 +235,9 @@ SmplRestBody smpl_rest_body(const SmplBody& body, std::span<const double> betas)
   for (int i = 0; i < kSmplJointCount; ++i) rest.joints[i] = points.segment<3>(3 * i);
   for (int i = 0; i < kSmplTipCount; ++i) {
     rest.tips[i] = points.segment<3>(3 * (kSmplJointCount + i));
+  }
+  for (Eigen::Index i = 3 * kPointCount; i < points.size(); i += 3) {
+    rest.hands.emplace_back(points.segment<3>(i));
   }
   const Eigen::Vector3d sole = points.segment<3>(3 * (kSmplJointCount + kSole));
   rest.height = rest.tips[kHeadTop].y() - sole.y();

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "retarget/clip.h"
 #include "retarget/error.h"
@@ -26,6 +27,10 @@ inline constexpr int kSmplJointCount = static_cast<int>(kSmplJointNames.size());
 /// Parent of each joint, by index into kSmplJointNames; -1 for the pelvis.
 inline constexpr std::array<int, kSmplJointCount> kSmplParents = {
     -1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19};
+
+/// Joints of both hands, which SMPL+H and SMPL-X have after the body's (SMPL-X behind jaw and eyes): the left
+/// index, middle, little and ring finger and the thumb with three each, then the right ones.
+inline constexpr int kSmplHandJointCount = 30;
 
 /// Ends of the body beyond its last joints.
 enum SmplTip : std::uint8_t { kHeadTop, kLeftToes, kRightToes, kLeftFingers, kRightFingers };
@@ -49,6 +54,8 @@ struct SmplRestBody {
   std::array<Eigen::Vector3d, kSmplJointCount> joints;  ///< By kSmplJointNames.
   std::array<Eigen::Vector3d, kSmplTipCount> tips;      ///< By SmplTip.
   double height = 0.0;                                  ///< Soles to the top of the head.
+  /// Of the hands (kSmplHandJointCount); empty: a skeleton with fingers takes average ones.
+  std::vector<Eigen::Vector3d> hands = {};
 };
 
 /// A body of average adult proportions, for motions without a model: joints at fixed fractions of
@@ -69,7 +76,8 @@ struct SmplRestBody {
 struct SmplBody {
   std::string file;
   SmplFamily family = SmplFamily::kUnknown;
-  /// x, y, z of the joints, the tips and the lowest vertex, in metres, all betas zero.
+  /// x, y, z of the joints, the tips, the lowest vertex, and of the joints of the hands where the model
+  /// has them, in metres, all betas zero.
   Eigen::VectorXd points;
   /// Change of `points` per beta, one column each.
   Eigen::MatrixXd shape_directions;
@@ -100,9 +108,11 @@ struct SmplBody {
 /// The skeleton of a body: the joints by their names, depth first, tips as end sites. With all
 /// rotations identity it stands in the T-pose. The pelvis has position channels; its offset is
 /// where it lies in the body's axes.
-[[nodiscard]] std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body);
+/// @param fingers  with the joints of the hands.
+[[nodiscard]] std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body,
+                                                            bool fingers = false);
 
-/// Joints of smpl_skeleton as indices into kSmplJointNames.
-[[nodiscard]] std::span<const int> smpl_skeleton_order();
+/// Joints of smpl_skeleton as indices into kSmplJointNames; those of the hands follow on these.
+[[nodiscard]] std::vector<int> smpl_skeleton_order(bool fingers = false);
 
 }  // namespace retarget

@@ -1,10 +1,14 @@
+#include <Eigen/Core>
 #include <array>
 #include <memory>
-#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "retarget/clip.h"
+#include "retarget/human.h"
+#include "smpl/generic_hand.h"
 #include "smpl/smpl_body.h"
 
 namespace retarget {
@@ -14,28 +18,98 @@ namespace {
 constexpr std::array<int, kSmplJointCount> kDepthFirst = {
     0, 1, 4, 7, 10, 2, 5, 8, 11, 3, 6, 9, 12, 15, 13, 16, 18, 20, 14, 17, 19, 21};
 
-}  // namespace
+constexpr int kLeftWristJoint = 20;
+constexpr int kJointsPerFinger = 3;
+constexpr int kJointsPerHand = kSmplHandJointCount / 2;
 
-std::span<const int> smpl_skeleton_order() {
-  return kDepthFirst;
+struct SmplFinger {
+  Finger finger;
+  std::string_view name;
+};
+// in the models' order
+constexpr std::array<SmplFinger, kFingerCount> kFingersInOrder = {{{Finger::kIndex, "index"},
+                                                                   {Finger::kMiddle, "middle"},
+                                                                   {Finger::kLittle, "pinky"},
+                                                                   {Finger::kRing, "ring"},
+                                                                   {Finger::kThumb, "thumb"}}};
+
+// a joint of the hands by its number among them
+struct HandPlace {
+  bool is_left;
+  SmplFinger finger;
+  int bone;
+};
+HandPlace hand_place(int joint) {
+  const int in_hand = joint % kJointsPerHand;
+  return {joint < kJointsPerHand,
+          kFingersInOrder[static_cast<std::size_t>(in_hand / kJointsPerFinger)],
+          in_hand % kJointsPerFinger};
 }
 
-std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body) {
-  std::array<int, kSmplJointCount> place{};  // in the skeleton, of each SMPL joint
+int parent_of(int joint) {
+  if (joint < kSmplJointCount) return kSmplParents[joint];
+  const HandPlace place = hand_place(joint - kSmplJointCount);
+  return place.bone > 0 ? joint - 1 : kLeftWristJoint + (place.is_left ? 0 : 1);
+}
+
+std::string name_of(int joint) {
+  if (joint < kSmplJointCount) return std::string(kSmplJointNames[joint]);
+  const HandPlace place = hand_place(joint - kSmplJointCount);
+  return (place.is_left ? "left_" : "right_") + std::string(place.finger.name) +
+         std::to_string(place.bone + 1);
+}
+
+// from its parent, in the models' axes: palms are down, thumbs ahead
+Eigen::Vector3d generic_offset(int joint, double height) {
+  constexpr double kUsualHeight = 1.75;
+  const HandPlace place = hand_place(joint - kSmplJointCount);
+  const GenericFinger& finger = generic_hand()[static_cast<std::size_t>(place.finger.finger)];
+  const Eigen::Vector3d in_palm =
+      place.bone == 0 ? finger.knuckle
+                      : Eigen::Vector3d(finger.bones[static_cast<std::size_t>(place.bone) - 1] *
+                                        finger.direction);
+  return height / kUsualHeight *
+         Eigen::Vector3d(place.is_left ? in_palm.x() : -in_palm.x(), -in_palm.z(), in_palm.y());
+}
+
+Eigen::Vector3d offset_of(const SmplRestBody& body, int joint) {
+  const auto place = [&](int index) {
+    return index < kSmplJointCount ? body.joints[index]
+                                   : body.hands[static_cast<std::size_t>(index - kSmplJointCount)];
+  };
+  if (joint >= kSmplJointCount && body.hands.empty()) return generic_offset(joint, body.height);
+  const int parent = parent_of(joint);
+  return parent < 0 ? place(joint) : Eigen::Vector3d(place(joint) - place(parent));
+}
+
+}  // namespace
+
+std::vector<int> smpl_skeleton_order(bool fingers) {
+  std::vector<int> order;
+  for (const int joint : kDepthFirst) {
+    order.push_back(joint);
+    if (!fingers || joint < kLeftWristJoint) continue;
+    const int first = kSmplJointCount + (joint == kLeftWristJoint ? 0 : kJointsPerHand);
+    for (int i = 0; i < kJointsPerHand; ++i) order.push_back(first + i);
+  }
+  return order;
+}
+
+std::shared_ptr<const Skeleton> smpl_skeleton(const SmplRestBody& body, bool fingers) {
+  std::array<int, kSmplJointCount + kSmplHandJointCount> place{};  // in the skeleton, of each joint
   std::vector<Joint> joints;
-  for (const int index : kDepthFirst) {
+  for (const int index : smpl_skeleton_order(fingers)) {
     place[index] = static_cast<int>(joints.size());
-    const int parent = kSmplParents[index];
+    const int parent = parent_of(index);
     Joint joint;
-    joint.name = kSmplJointNames[index];
-    joint.offset = body.joints[index];
+    joint.name = name_of(index);
+    joint.offset = offset_of(body, index);
     joint.channels = {Channel::kZRotation, Channel::kYRotation, Channel::kXRotation};
     if (parent < 0) {
       joint.channels.insert(joint.channels.begin(),
                             {Channel::kXPosition, Channel::kYPosition, Channel::kZPosition});
     } else {
       joint.parent = place[parent];
-      joint.offset -= body.joints[parent];
     }
     for (std::size_t tip = 0; tip < kSmplTipJoints.size(); ++tip) {
       if (kSmplTipJoints[tip] == index)

@@ -128,13 +128,21 @@ class Output(ToolTest):
         self.assert_fails(self.retarget("--dof", 20, robot="fourier_n1"), 4, "23 joints")
 
     def test_fingers_stay_at_zero_and_leave_the_rest_as_it_is(self):
-        header, body = self.text("--csv-header", robot="unitree_g1_with_hands").split("\n", 1)
+        off = self.text("--csv-header", "--hands", "off", robot="unitree_g1_with_hands")
+        header, body = off.split("\n", 1)
         rows = read_rows(body)
         fingers = [i for i, name in enumerate(header.split(",")) if "_hand_" in name]
         self.assertEqual(len(fingers), 14)
         self.assertEqual({row[i] for row in rows for i in fingers}, {0.0})
+        # a source without fingers: half open, in all frames, and nothing else moves
+        relaxed = read_rows(self.text(robot="unitree_g1_with_hands"))
+        self.assertEqual(len({tuple(row[i] for i in fingers) for row in relaxed}), 1)
+        self.assertGreater(min(abs(relaxed[0][i]) for i in fingers if "thumb" not in
+                               header.split(",")[i]), 0.3)
         # the fit keeps these wider hands away from the body; the published method knows no hands
         others = [i for i in range(len(rows[0])) if i not in fingers]
+        self.assertEqual([[row[i] for i in others] for row in relaxed],
+                         [[row[i] for i in others] for row in rows])
         exact = lambda *options, **robot: read_rows(self.text("--method", "gmr", *options, **robot))
         plain = exact()
         rest = [[row[i] for i in others] for row in exact(robot="unitree_g1_with_hands")]

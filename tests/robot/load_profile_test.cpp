@@ -49,6 +49,8 @@ TEST(LoadProfileTest, ReadsEveryPart) {
     "speed_limits": {"left_elbow": 7.5},
     "speed_limits_source": "a sheet",
     "default_speed_limit": 12,
+    "coupled_joints": {"left_elbow": {"joint": "left_shoulder", "ratio": -0.5, "offset": 0.1},
+                       "left_twist": {"joint": "left_shoulder"}},
     "t_pose": {"left_shoulder": 1.25},
     "variants": {"one_arm": {"description": "v", "locked": {"right_slide": 0.1}}},
     "soles": {"left": {"body": "left_lower", "points": [[1, 2, 3], [4, 5, 6]],
@@ -72,6 +74,12 @@ TEST(LoadProfileTest, ReadsEveryPart) {
   EXPECT_EQ(robot.speed_limit(0), 12.0);
   EXPECT_EQ(robot.speed_limit(1), 7.5);
   EXPECT_EQ(robot.speed_limit(3), std::numeric_limits<double>::infinity());  // a slide
+  ASSERT_EQ(robot.profile().coupled_joints.size(), 2U);
+  const JointCoupling& coupling = robot.profile().coupled_joints.at("left_elbow");
+  EXPECT_EQ(coupling.leader, "left_shoulder");
+  EXPECT_EQ(coupling.ratio, -0.5);
+  EXPECT_EQ(coupling.offset, 0.1);
+  EXPECT_EQ(robot.profile().coupled_joints.at("left_twist").ratio, 1.0);
   EXPECT_THAT(robot.profile().t_pose, ElementsAre(Pair("left_shoulder", 1.25)));
   ASSERT_EQ(robot.profile().variants.size(), 1U);
   EXPECT_EQ(robot.profile().variants[0].name, "one_arm");
@@ -167,6 +175,19 @@ TEST(LoadProfileTest, ReportsErrorsOfEachKind) {
 }
 
 // every member with every type, at two depths: an error or a robot, never an exception
+TEST(LoadProfileTest, CouplingsNameJointsAndNumbers) {
+  const auto of = [](const std::string& coupling) {
+    return message_with("\"coupled_joints\": {\"left_elbow\": " + coupling + "}");
+  };
+  EXPECT_THAT(of(R"({"joint": "left_shouder"})"), HasSubstr("did you mean \"left_shoulder\""));
+  EXPECT_THAT(of(R"({"joint": "left_elbow"})"), HasSubstr("cannot lead itself"));
+  EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratio": "2"})"), HasSubstr("must be a number"));
+  EXPECT_THAT(of(R"({"joint": "left_shoulder", "ratoi": 2})"), HasSubstr("ratoi"));
+  EXPECT_THAT(of("2"), HasSubstr("must be {"));
+  EXPECT_THAT(message_with(R"("coupled_joints": {"elbow": {"joint": "left_elbow"}})"),
+              HasSubstr("no joint \"elbow\""));
+}
+
 TEST(LoadProfileTest, RejectsWrongTypes) {
   const std::vector<std::string> values = {"null",
                                            "true",
@@ -181,8 +202,8 @@ TEST(LoadProfileTest, RejectsWrongTypes) {
                                            "{\"left\": {\"body\": \"base\", \"points\": [1], "
                                            "\"labels\": \"x\"}}"};
   for (const char* key : {"name", "description", "joint_order", "limit_sets", "default_limits",
-                          "method_limits", "speed_limits", "speed_limits_source", "t_pose", "soles",
-                          "allowed_self_contact", "variants"}) {
+                          "method_limits", "speed_limits", "speed_limits_source", "coupled_joints",
+                          "t_pose", "soles", "allowed_self_contact", "variants"}) {
     for (const std::string& value : values) {
       const auto robot = load("{\"name\": \"n\", \"" + std::string(key) + "\": " + value + "}");
       if (!robot) {

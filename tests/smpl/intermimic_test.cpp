@@ -120,6 +120,29 @@ TEST(InterMimicTest, InterMimicsMotionsHaveTheirOwnBones) {
   expect_same_motion(motion_of(intermimic_file(rows), options), found);
 }
 
+TEST(InterMimicTest, FingersAreBehindTheirWrists) {
+  std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
+  // x forward, y left, z up: the first joint of the left index finger and the last of the right thumb
+  for (std::size_t frame = 0; frame < kPartFrames; ++frame) {
+    const float angle = 0.1F * static_cast<float>(frame);
+    rows[591 * frame + 9 + 3 * 17] = angle;
+    rows[591 * frame + 9 + 3 * 50 + 1] = angle;
+  }
+  SmplReadOptions options;
+  options.fingers = true;
+  const SmplMotion motion = motion_of(intermimic_file(rows), options);
+  const Skeleton& skeleton = motion.clip.skeleton();
+  ASSERT_EQ(skeleton.joint_count(), 52);
+  const auto turn = [&](const char* name) {
+    return log_so3(motion.clip.rotations(2)[static_cast<std::size_t>(*skeleton.find(name))]);
+  };
+  // the models' axes: x left, y up, z forward
+  EXPECT_LT((turn("left_index1") - Eigen::Vector3d(0, 0, 0.2)).norm(), 1e-6);
+  EXPECT_LT((turn("right_thumb3") - Eigen::Vector3d(0.2, 0, 0)).norm(), 1e-6);
+  EXPECT_LT(turn("left_thumb1").norm(), 1e-6);
+  EXPECT_EQ(motion_of(intermimic_file(rows)).clip.skeleton().joint_count(), 22);
+}
+
 TEST(InterMimicTest, RefusesOtherTensorsOfInterMimicsWidth) {
   const std::vector<float> rows = intermimic_rows(Parts(), crooked_body());
   const auto with = [&](std::size_t at, float value) {

@@ -1,6 +1,6 @@
 // Limits and speed limits hold for every sequence, and sequences that keep them stay as they are.
 
-#include "fit/speed_bounds.h"
+#include "math/step_bounds.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fit/speed_bounds.h"
+#include "math/step_bounds.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,145 @@
+#include "hands/hand_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hands/hand_solver.h"
+#include "hands/hand_target.h"
+#include "math/step_bounds.h"
+
+namespace retarget {
+namespace {
+
+// what a variable may do, of its own and by the joints that go with it
+struct VariableBounds {
+  Eigen::VectorXd lower, upper, step;
+};
+
+VariableBounds bounds_of(const Robot& robot, const RobotHand& hand, const LimitSet& limits,
+                         double frame_time, const HandBounds& bounds) {
+  constexpr double kRounding = 1e-12;
+  double grid = 1.0;
+  for (int i = 0; i < bounds.decimals; ++i) grid *= 0.1;
+  const double per_unit = std::round(1.0 / grid);
+  const auto count = static_cast<Eigen::Index>(hand.variables.size());
+  VariableBounds found{Eigen::VectorXd::Constant(count, -HUGE_VAL),
+                       Eigen::VectorXd::Constant(count, HUGE_VAL),
+                       Eigen::VectorXd::Constant(count, HUGE_VAL)};
+  for (const HandJoint& joint : hand.joints) {
+    // inside for rounded numbers too
+    double lower = std::ceil(limits.lower[joint.joint] * per_unit) / per_unit;
+    double upper = std::floor(limits.upper[joint.joint] * per_unit) / per_unit;
+    if (lower > upper) {
+      lower = upper = 0.5 * (limits.lower[joint.joint] + limits.upper[joint.joint]);
+    }
+    double step = robot.speed_limit(joint.joint) * frame_time;
+    if (!joint.slides) step = std::min({step, bounds.max_speed * frame_time, bounds.max_step});
+    step = std::max(step - grid - kRounding, 0.5 * step);
+    if (joint.ratio == 0.0) continue;
+    double first = (lower - joint.offset) / joint.ratio;
+    double last = (upper - joint.offset) / joint.ratio;
+    if (first > last) std::swap(first, last);
+    const Eigen::Index v = joint.variable;
+    // ranges of joints that a linkage ties need not fit each other: the one that leads counts
+    const bool leads = hand.variables[joint.variable] == joint.joint;
+    if (leads || (first <= found.upper[v] && last >= found.lower[v])) {
+      found.lower[v] = std::max(found.lower[v], first);
+      found.upper[v] = std::min(found.upper[v], last);
+    }
+    if (found.lower[v] > found.upper[v]) {
+      found.lower[v] = first;
+      found.upper[v] = last;
+    }
+    found.step[v] = std::min(found.step[v], step / std::abs(joint.ratio));
+  }
+  return found;
+}
+
+// Three taps at 30 frames a second, and as wide in time at other rates. The ends stay.
+void smooth(std::vector<double>& values, double fps) {
+  constexpr double kTime = 0.0236;  // seconds: root of the variance
+  const int passes = static_cast<int>(std::lround(2.0 * kTime * kTime * fps * fps));
+  if (values.size() < 3) return;
+  constexpr int kMostPasses = 400;
+  for (int pass = 0; pass < std::min(passes, kMostPasses); ++pass) {
+    double before = values.front();
+    for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+      const double here = values[i];
+      values[i] = 0.25 * (before + 2.0 * here + values[i + 1]);
+      before = here;
+    }
+  }
+}
+
+}  // namespace
+
+HandsRule hands_rule(HandsRule rule, Method method) {
+  if (rule != HandsRule::kAuto) return rule;
+  // the published method knows no fingers
+  return method == Method::kGmr ? HandsRule::kOff : HandsRule::kFollow;
+}
+
+SourceHands followed_hands(const Clip& clip, const BoneMap& map, const RobotHands& robot,
+                           HandsRule rule, const FrameRange& part) {
+  if (rule != HandsRule::kFollow) return {};
+  SourceHands hands = find_source_hands(clip.skeleton(), map);
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    const bool follows = robot[side] && hands[side] && fingers_move(clip, *hands[side], part);
+    if (!follows) hands[side].reset();
+  }
+  return hands;
+}
+
+HandTrack::HandTrack(const Clip& source, const SourceHands& followed, const Robot& robot,
+                     const RobotHands& hands, const LimitSet& limits, const HandBounds& bounds) {
+  for (std::size_t side = 0; side < hands.size(); ++side) {
+    if (!hands[side]) continue;
+    add(source, followed[side] ? &*followed[side] : nullptr, robot, *hands[side], limits, bounds);
+  }
+}
+
+void HandTrack::add(const Clip& source, const SourceHand* followed, const Robot& robot,
+                    const RobotHand& hand, const LimitSet& limits, const HandBounds& bounds) {
+  const auto frames = static_cast<std::size_t>(source.frame_count());
+  const VariableBounds may = bounds_of(robot, hand, limits, source.rate().frame_time(), bounds);
+  HandSolver solver(hand, may.lower, may.upper);
+  std::vector<std::vector<double>> variables(hand.variables.size());
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    variables[v].assign(frames, solver.relaxed()[static_cast<Eigen::Index>(v)]);
+  }
+  if (followed != nullptr) {
+    const HandMatch match(hand);
+    HandPoser poser(source, *followed);
+    HandShape shape = relaxed_hand();
+    HandTarget target;
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      poser.shape(static_cast<int>(frame), shape);
+      match.target(shape, target);
+      const Eigen::VectorXd& solved = solver.solve(target);
+      for (std::size_t v = 0; v < variables.size(); ++v) {
+        variables[v][frame] = solved[static_cast<Eigen::Index>(v)];
+      }
+    }
+  }
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    const auto i = static_cast<Eigen::Index>(v);
+    if (followed != nullptr) smooth(variables[v], source.rate().fps());
+    bound_steps(variables[v], may.lower[i], may.upper[i], may.step[i]);
+  }
+  for (const HandJoint& joint : hand.joints) {
+    addresses_.push_back(robot.joints()[joint.joint].qpos_address);
+    std::vector<double>& positions =
+        positions_.emplace_back(variables[static_cast<std::size_t>(joint.variable)]);
+    if (joint.ratio == 1.0 && joint.offset == 0.0) continue;
+    for (double& position : positions) position = joint.ratio * position + joint.offset;
+  }
+}
+
+void HandTrack::write(int frame, std::span<double> qpos) const {
+  for (std::size_t i = 0; i < addresses_.size(); ++i) {
+    qpos[static_cast<std::size_t>(addresses_[i])] = positions_[i][static_cast<std::size_t>(frame)];
+  }
+}
+
+}  // namespace retarget

@@ -1,0 +1,181 @@
+"""Fingers of a source in the columns of a robot's hands: followed, relaxed, left alone, measured."""
+
+import json
+import math
+import re
+import unittest
+
+from tool import ToolTest, read_rows, short_clip
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+FRAMES = 90
+
+# by finger: knuckle (along the hand, to the thumb's side, out of the palm) and bones, centimetres
+FINGERS = {
+    "Thumb": ((2.5, 2.2, 1.2), (4.6, 3.2, 2.6)),
+    "Index": ((9.0, 2.5, 0.0), (4.0, 2.3, 2.0)),
+    "Middle": ((9.2, 0.5, 0.0), (4.5, 2.7, 2.1)),
+    "Ring": ((8.5, -1.4, 0.0), (4.1, 2.6, 2.1)),
+    "Pinky": ((7.8, -3.2, 0.0), (3.3, 1.8, 2.0)),
+}
+FIST = (80.0, 95.0, 50.0)
+
+
+def hand_axes(side):
+    """Rows: along the hand, to the thumb's side, out of the palm, in the axes of LAFAN1's hand."""
+    return ((1, 0, 0), (0, -1, 0), (0, 0, -1 if side == "Left" else 1))
+
+
+def to_hand(side, palm):
+    """A place in the palm as an OFFSET of the hand joint."""
+    axes = hand_axes(side)
+    return [sum(palm[i] * axes[i][k] for i in range(3)) for k in range(3)]
+
+
+def finger_lines(side):
+    """The joints of a hand's fingers, as a BVH's hierarchy has them."""
+    lines = []
+    for finger, (knuckle, bones) in FINGERS.items():
+        way = (0.75, 0.55, 0.35) if finger == "Thumb" else (1.0, 0.0, 0.0)
+        length = math.sqrt(sum(w * w for w in way))
+        places = [to_hand(side, knuckle)]
+        places += [to_hand(side, [bone * w / length for w in way]) for bone in bones]
+        for number, place in enumerate(places):
+            name = f"JOINT {side}Hand{finger}{number + 1}" if number < 3 else "End Site"
+            lines += [name, "{", "OFFSET " + " ".join(f"{p:.6f}" for p in place)]
+            if number < 3:
+                lines.append("CHANNELS 3 Zrotation Yrotation Xrotation")
+        lines += ["}"] * 4
+    return lines
+
+
+def with_fingers(bvh, closing):
+    """A clip of LAFAN1's kind with fingers that bend, fists where closing(frame) is 1.
+
+    @return  the text of the BVH
+    """
+    head, motion = bvh.split("MOTION")
+    lines, out, sides, side = head.split("\n"), [], [], None
+    joints = 0
+    for line in lines:
+        word = line.strip()
+        joint = re.match(r"(?:ROOT|JOINT) (.*)", word)
+        if joint:
+            joints += 1
+            name = joint[1].strip()
+            side = name[:-len("Hand")] if name in ("LeftHand", "RightHand") else None
+        if word.startswith("End Site") and side:
+            out += finger_lines(side)
+            sides.append((side, 3 + 3 * joints))
+            side = "skip"
+        if side == "skip":
+            side = None if word == "}" else side
+            continue
+        out.append(line)
+    header, rows = motion.strip().split("\n")[:2], motion.strip().split("\n")[2:]
+    frames = []
+    for frame, row in enumerate(rows):
+        values, done, result = row.split(), 0, []
+        for side, end in sides:
+            result += values[done:end]
+            done = end
+            sign = 1.0 if side == "Left" else -1.0
+            for finger in FINGERS:
+                for angle in FIST:
+                    bent = 0.0 if finger == "Thumb" else sign * closing(frame) * angle
+                    result += ["0", f"{bent:.6f}", "0"]
+        frames.append(" ".join(result + values[done:]))
+    return "\n".join(out) + "MOTION\n" + "\n".join(header + frames) + "\n"
+
+
+class Hands(ToolTest):
+    def setUp(self):
+        super().setUp()
+        plain = short_clip("wave", FRAMES).decode()
+        close = lambda frame: min(1.0, max(0.0, (frame - 30) / 20.0))
+        self.clip = str(self.write("fingers.bvh", with_fingers(plain, close)))
+
+    def columns(self, *arguments, robot="unitree_g1_with_hands", **options):
+        """{column: values} of a run."""
+        result = self.retarget("--csv-header", *arguments, bvh=self.clip, robot=robot, output="-",
+                               **options)
+        self.assert_done(result)
+        header, body = result.stdout.split("\n", 1)
+        return dict(zip(header.split(","), zip(*read_rows(body))))
+
+    def test_fingers_close_as_the_humans_do(self):
+        found = self.columns()
+        for side, sign in (("left", -1.0), ("right", 1.0)):
+            for joint in ("index_0", "index_1", "middle_0", "middle_1"):
+                values = [sign * value for value in found[f"{side}_hand_{joint}_joint"]]
+                self.assertLess(max(values[:25]), 0.2)
+                self.assertGreater(min(values[60:]), 1.2)
+
+    def test_nothing_but_the_fingers_changes(self):
+        follow, off = self.columns(), self.columns("--hands", "off")
+        fingers = [name for name in follow if "_hand_" in name]
+        self.assertEqual(len(fingers), 14)
+        for name, values in follow.items():
+            if name not in fingers:
+                self.assertEqual(values, off[name], name)
+        self.assertEqual({value for name in fingers for value in off[name]}, {0.0})
+        relaxed = self.columns("--hands", "relaxed")
+        self.assertTrue(all(len(set(relaxed[name])) == 1 for name in fingers))
+        plain = self.columns(robot="unitree_g1")
+        self.assertEqual(plain, self.columns("--hands", "off", robot="unitree_g1"))
+
+    def test_the_published_method_has_fingers_when_asked(self):
+        exact, follow = (self.columns("--method", "gmr", *more) for more in ((), ("--hands", "follow")))
+        self.assertEqual(set(exact["left_hand_index_0_joint"]), {0.0})
+        self.assertLess(follow["left_hand_index_0_joint"][-1], -1.2)
+        self.assertEqual(exact["left_elbow_joint"], follow["left_elbow_joint"])
+
+    @unittest.skipIf(numpy is None, "numpy is not there")
+    def test_fingers_of_smplx(self):
+        frames = 60
+        poses = numpy.zeros((frames, 165))
+        poses[:, 0] = math.pi / 2  # stands along z
+        bend = numpy.clip((numpy.arange(frames) - 10) / 20.0, 0.0, 1.0)
+        # fingers point along x, palms down: the left ones close about -z; thumbs, the last three, keep still
+        for joint in range(12):
+            poses[:, 75 + 3 * joint + 2] = -1.4 * bend
+            poses[:, 120 + 3 * joint + 2] = 1.4 * bend
+        numpy.savez(self.folder / "smplx.npz", poses=poses, trans=numpy.zeros((frames, 3)),
+                    betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral")
+        self.clip = str(self.folder / "smplx.npz")
+        found = self.columns()
+        for side, sign in (("left", -1.0), ("right", 1.0)):
+            values = [sign * value for value in found[f"{side}_hand_middle_0_joint"]]
+            self.assertLess(max(values[:8]), 0.2)
+            self.assertGreater(min(values[40:]), 1.2)
+        self.assertEqual(self.columns(robot="unitree_g1"),
+                         self.without_fingers(poses, robot="unitree_g1"))
+
+    def without_fingers(self, poses, **options):
+        """Columns of the same motion from a file that has no fingers."""
+        numpy.savez(self.folder / "body.npz", poses=poses[:, :66], trans=numpy.zeros((len(poses), 3)),
+                    betas=numpy.zeros(10), mocap_frame_rate=30.0, gender="neutral",
+                    surface_model_type="smplx")
+        self.clip = str(self.folder / "body.npz")
+        return self.columns(**options)
+
+    def test_summary_and_figures(self):
+        result = self.retarget(bvh=self.clip, robot="unitree_g1_with_hands")
+        self.assert_done(result)
+        self.assertRegex(result.stderr, r"hands +left and right as the human's")
+        result = self.retarget("--hands", "relaxed", bvh=self.clip, robot="unitree_g1_with_hands",
+                               output="relaxed.csv")
+        self.assertRegex(result.stderr, r"hands +left and right relaxed")
+        measured = self.run_tool("evaluate", "out.csv", "relaxed.csv", "--robot",
+                                 "unitree_g1_with_hands", "--bvh", self.clip, "--json", "-")
+        follows, relaxed = json.loads(measured.stdout)["motions"]
+        self.assertLess(follows["finger_angle_deg"][0], 15.0)
+        self.assertGreater(relaxed["finger_angle_deg"][0], 40.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

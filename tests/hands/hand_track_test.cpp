@@ -1,0 +1,153 @@
+// Hands of a whole clip: what follows, what is relaxed, bounds that hold as printed, followers that follow.
+
+#include "hands/hand_track.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "hands/hand_errors.h"
+#include "support/finger_clip.h"
+#include "support/hand_robots.h"
+
+namespace retarget {
+namespace {
+
+constexpr int kFrames = 90;
+
+// the left hand opens, closes and pinches; the right one keeps still
+FingerClip moving_clip() {
+  FingerClip source(kFrames);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    if (frame < 20) continue;
+    if (frame < 50) {
+      source.make_fist(frame, 0);
+    } else {
+      source.pinch(frame, 0, Finger::kIndex);
+    }
+  }
+  return source;
+}
+
+struct Tracked {
+  std::shared_ptr<const Robot> robot;
+  RobotHands hands;
+  RobotClip clip;
+
+  Tracked(std::shared_ptr<const Robot> of, const FingerClip& source, HandsRule rule)
+      : robot(of), hands(find_hands(*of)), clip(of, source.clip().rate(), kFrames) {
+    const FrameRange all{0, kFrames};
+    const SourceHands followed = followed_hands(source.clip(), source.map(), hands, rule, all);
+    const HandTrack track(source.clip(), followed, *robot, hands, robot->model_limits());
+    for (int frame = 0; frame < kFrames; ++frame) track.write(frame, clip.qpos(frame));
+  }
+  [[nodiscard]] double at(int frame, const std::string& joint) const {
+    return clip.qpos(frame)[robot->joints()[*robot->find_joint(joint)].qpos_address];
+  }
+};
+
+TEST(HandTrackTest, OneHandFollowsAndTheOtherIsRelaxed) {
+  const FingerClip source = moving_clip();
+  const Tracked g1(load_shipped_robot("unitree_g1_with_hands"), source, HandsRule::kFollow);
+  const Tracked relaxed(load_shipped_robot("unitree_g1_with_hands"), source, HandsRule::kRelaxed);
+  EXPECT_LT(std::abs(g1.at(0, "left_hand_index_0_joint")), 0.2) << "open";
+  EXPECT_LT(g1.at(35, "left_hand_index_0_joint"), -1.2) << "a fist";
+  for (const int frame : {0, 35, 80}) {
+    for (const char* const joint : {"right_hand_index_0_joint", "right_hand_thumb_0_joint"}) {
+      EXPECT_EQ(g1.at(frame, joint), relaxed.at(0, joint));
+    }
+    EXPECT_EQ(relaxed.at(frame, "left_hand_index_0_joint"),
+              relaxed.at(0, "left_hand_index_0_joint"));
+    // mirror images of each other
+    EXPECT_NEAR(relaxed.at(frame, "left_hand_index_0_joint"),
+                -relaxed.at(frame, "right_hand_index_0_joint"), 1e-6);
+  }
+  // nothing else is touched
+  EXPECT_EQ(g1.at(35, "left_elbow_joint"), 0.0);
+}
+
+TEST(HandTrackTest, RangesAndSpeedsHoldAsPrinted) {
+  for (const bool of_six_motors : {false, true}) {
+    const auto robot = of_six_motors ? robot_from_text(six_motor_hands())
+                                     : load_shipped_robot("unitree_g1_with_hands");
+    const Tracked tracked(robot, moving_clip(), HandsRule::kFollow);
+    const double frame_time = 1.0 / 30.0;
+    for (const auto& hand : tracked.hands) {
+      for (const HandJoint& joint : hand->joints) {
+        const int at = robot->joints()[joint.joint].qpos_address;
+        const auto printed = [&](int frame) {
+          return std::round(tracked.clip.qpos(frame)[at] * 1e6) / 1e6;
+        };
+        for (int frame = 0; frame < kFrames; ++frame) {
+          EXPECT_GE(printed(frame), robot->model_limits().lower[joint.joint]);
+          EXPECT_LE(printed(frame), robot->model_limits().upper[joint.joint]);
+          if (frame == 0) continue;
+          const double step = std::abs(printed(frame) - printed(frame - 1));
+          EXPECT_LE(step, std::min(14.4 * frame_time, 0.48)) << robot->joints()[joint.joint].name;
+        }
+      }
+    }
+  }
+}
+
+TEST(HandTrackTest, FollowersFollow) {
+  const auto robot = robot_from_text(six_motor_hands());
+  const Tracked tracked(robot, moving_clip(), HandsRule::kFollow);
+  double most = 0.0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const double leader = tracked.at(frame, "left_index_proximal");
+    most = std::max(most, leader);
+    EXPECT_DOUBLE_EQ(tracked.at(frame, "left_index_intermediate"), 1.1 * leader - 0.04);
+  }
+  EXPECT_GT(most, 1.2);
+}
+
+TEST(HandTrackTest, StillFingersAndNoFingersAreRelaxed) {
+  FingerClip still(kFrames);
+  for (int frame = 0; frame < kFrames; ++frame) still.make_fist(frame, 0);
+  const auto robot = load_shipped_robot("unitree_g1_with_hands");
+  const Tracked a(robot, still, HandsRule::kFollow);
+  const Tracked b(robot, still, HandsRule::kRelaxed);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    EXPECT_TRUE(std::ranges::equal(a.clip.qpos(frame), b.clip.qpos(frame)));
+  }
+  EXPECT_EQ(hands_rule(HandsRule::kAuto, Method::kFit), HandsRule::kFollow);
+  EXPECT_EQ(hands_rule(HandsRule::kAuto, Method::kGmr), HandsRule::kOff);
+  EXPECT_EQ(hands_rule(HandsRule::kFollow, Method::kGmr), HandsRule::kFollow);
+}
+
+TEST(HandTrackTest, PinchesOfTheHumanCloseOnTheRobot) {
+  const FingerClip source = moving_clip();
+  for (const bool of_six_motors : {false, true}) {
+    const auto robot = of_six_motors ? robot_from_text(six_motor_hands())
+                                     : load_shipped_robot("unitree_g1_with_hands");
+    const Tracked tracked(robot, source, HandsRule::kFollow);
+    const HandErrors errors = measure_hands(source.clip(), source.map(), tracked.clip);
+    ASSERT_EQ(errors.touching_gaps.size(), 40U)
+        << "one finger touches the thumb in frames 50 to 89";
+    // the fist before opens as fast as the joints may
+    const auto open =
+        std::ranges::count_if(errors.touching_gaps, [](double g) { return g > 0.005; });
+    EXPECT_LT(open, 10);
+    EXPECT_LT(*std::max_element(errors.touching_gaps.begin() + 10, errors.touching_gaps.end()),
+              0.005);
+    double sum = 0.0;
+    for (const double angle : errors.angles) sum += angle;
+    EXPECT_LT(sum / static_cast<double>(errors.angles.size()), 0.3);
+  }
+}
+
+TEST(HandTrackTest, TheSameTwice) {
+  const auto robot = robot_from_text(six_motor_hands());
+  const Tracked a(robot, moving_clip(), HandsRule::kFollow);
+  const Tracked b(robot, moving_clip(), HandsRule::kFollow);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    EXPECT_TRUE(std::ranges::equal(a.clip.qpos(frame), b.clip.qpos(frame)));
+  }
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,46 @@
+// Robots made from models with hands keep what their models say of joints that others move, and what they
+// say of other joints is dropped with a note.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "anatomy/robot_hands.h"
+#include "retarget/rig.h"
+#include "support/hand_robots.h"
+#include "support/temporary_folder.h"
+
+namespace retarget {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TEST(RigHandsTest, CouplingsOfHandsAreKept) {
+  std::string text = six_motor_hands();
+  text.insert(text.find("</equality>"),
+              "<joint joint1=\"left_elbow\" joint2=\"waist\" polycoef=\"0 1 0 0 0\"/>");
+  const TemporaryFolder folder;
+  const auto made = make_robot(folder.write("made.xml", text), "made");
+  ASSERT_TRUE(made.has_value()) << describe(made.error());
+  EXPECT_THAT(made->notes, Contains(HasSubstr("each moves freely: \"left_elbow\" to \"waist\"")));
+  const auto profile = nlohmann::json::parse(made->profile);
+  const auto& couplings = profile.at("coupled_joints");
+  EXPECT_EQ(couplings.size(), 12U) << "six a hand";
+  EXPECT_EQ(couplings.at("left_thumb_distal").at("joint"), "left_thumb_pitch");
+  EXPECT_EQ(couplings.at("right_ring_intermediate").at("ratio"), 1.1);
+  EXPECT_EQ(couplings.at("right_ring_intermediate").at("offset"), -0.04);
+
+  // what is made is found again
+  const auto robot = load_robot_files(folder.write("model.xml", made->model),
+                                      folder.write("robot.json", made->profile));
+  ASSERT_TRUE(robot.has_value()) << describe(robot.error());
+  const RobotHands hands = find_hands(**robot);
+  ASSERT_TRUE(hands[0] && hands[1]);
+  EXPECT_EQ(hands[0]->variables.size(), 6U);
+}
+
+}  // namespace
+}  // namespace retarget

@@ -1,0 +1,160 @@
+// Fingers of SMPL+H and SMPL-X: read where they move, from whichever arrays hold them, and no others.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "math/so3.h"
+#include "retarget/clip.h"
+#include "smpl/read_smpl.h"
+#include "smpl/smpl_body.h"
+#include "smpl/smpl_test_support.h"
+
+namespace retarget {
+namespace {
+
+constexpr std::size_t kFrames = 3;
+
+using Arrays = std::vector<std::pair<std::string, std::string>>;
+
+std::string file_of(Arrays arrays) {
+  arrays.emplace_back("trans", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames)));
+  arrays.emplace_back("betas", npy_doubles({10}, std::vector<double>(10)));
+  arrays.emplace_back("mocap_framerate", npy_doubles({}, {30.0}));
+  arrays.emplace_back("gender", npy_text("neutral"));
+  NpzBuilder builder;
+  for (const auto& [name, bytes] : arrays) builder.add(name, bytes);
+  return builder.build();
+}
+
+SmplMotion motion_of(const std::string& bytes, bool fingers = true,
+                     const SmplBody* body = nullptr) {
+  SmplReadOptions options;
+  options.fingers = fingers;
+  options.body = body;
+  auto motion = read_smpl(bytes, "fingers.npz", options);
+  EXPECT_TRUE(motion.has_value()) << (motion ? "" : describe(motion.error()));
+  return std::move(*motion);
+}
+
+// whole poses whose last 90 columns are `hands`
+std::string whole(std::size_t width, const std::vector<double>& hands) {
+  std::vector<double> poses(kFrames * width);
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    for (std::size_t i = 0; i < 90; ++i) {
+      poses[frame * width + width - 90 + i] = hands[frame * 90 + i];
+    }
+  }
+  return file_of({{"poses", npy_doubles({kFrames, width}, poses)}});
+}
+
+// the joint's rotation in the file, by its number among the hands'
+Eigen::Quaterniond rotation_of(const std::vector<double>& hands, std::size_t frame,
+                               std::size_t joint) {
+  return exp_so3(Eigen::Map<const Eigen::Vector3d>(hands.data() + frame * 90 + 3 * joint));
+}
+
+void expect_fingers(const SmplMotion& motion, const std::vector<double>& hands) {
+  const Skeleton& skeleton = motion.clip.skeleton();
+  ASSERT_EQ(skeleton.joint_count(), 52);
+  const std::pair<const char*, std::size_t> joints[] = {
+      {"left_index1", 0},  {"left_middle2", 4},  {"left_pinky3", 8},   {"left_ring1", 9},
+      {"left_thumb3", 14}, {"right_index1", 15}, {"right_thumb1", 27}, {"right_thumb3", 29}};
+  for (const auto& [name, number] : joints) {
+    const auto joint = skeleton.find(name);
+    ASSERT_TRUE(joint) << name;
+    for (std::size_t frame = 0; frame < kFrames; ++frame) {
+      EXPECT_LT(motion.clip.rotations(static_cast<int>(frame))[static_cast<std::size_t>(*joint)]
+                    .angularDistance(rotation_of(hands, frame, number)),
+                1e-9)
+          << name;
+    }
+  }
+  EXPECT_EQ(skeleton.joint(skeleton.joint(*skeleton.find("left_thumb1")).parent).name,
+            "left_wrist");
+  EXPECT_EQ(skeleton.joint(skeleton.joint(*skeleton.find("right_ring3")).parent).name,
+            "right_ring2");
+}
+
+TEST(SmplFingersTest, AreTheLastColumnsOfWholePoses) {
+  const std::vector<double> hands = Numbers(1).list(kFrames * 90);
+  for (const std::size_t width : {156, 165}) expect_fingers(motion_of(whole(width, hands)), hands);
+}
+
+TEST(SmplFingersTest, OrHaveArraysOfTheirOwn) {
+  const std::vector<double> hands = Numbers(2).list(kFrames * 90);
+  const Arrays body = {
+      {"root_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
+      {"pose_body", npy_doubles({kFrames, 63}, std::vector<double>(63 * kFrames))}};
+  Arrays together = body;
+  together.emplace_back("pose_hand", npy_doubles({kFrames, 90}, hands));
+  expect_fingers(motion_of(file_of(together)), hands);
+  std::vector<double> left, right;
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    const auto row = hands.begin() + static_cast<std::ptrdiff_t>(90 * frame);
+    left.insert(left.end(), row, row + 45);
+    right.insert(right.end(), row + 45, row + 90);
+  }
+  Arrays apart = body;
+  apart.emplace_back("left_hand_pose", npy_doubles({kFrames, 45}, left));
+  apart.emplace_back("right_hand_pose", npy_doubles({kFrames, 45}, right));
+  expect_fingers(motion_of(file_of(apart)), hands);
+}
+
+TEST(SmplFingersTest, OthersAreNone) {
+  const auto joints = [](const std::string& bytes, bool fingers = true) {
+    return motion_of(bytes, fingers).clip.skeleton().joint_count();
+  };
+  std::vector<double> hands = Numbers(3).list(kFrames * 90);
+  EXPECT_EQ(joints(whole(156, hands), false), 22) << "nobody asked";
+  EXPECT_EQ(joints(whole(156, std::vector<double>(kFrames * 90))), 22) << "zeros";
+  std::vector<double> still;
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    still.insert(still.end(), hands.begin(), hands.begin() + 90);
+  }
+  EXPECT_EQ(joints(whole(165, still)), 22) << "they keep still";
+  const Arrays components = {
+      {"global_orient", npy_doubles({kFrames, 3}, std::vector<double>(3 * kFrames))},
+      {"body_pose", npy_doubles({kFrames, 63}, std::vector<double>(63 * kFrames))},
+      {"left_hand_pose", npy_doubles({kFrames, 12}, Numbers(4).list(12 * kFrames))},
+      {"right_hand_pose", npy_doubles({kFrames, 12}, Numbers(5).list(12 * kFrames))}};
+  EXPECT_EQ(joints(file_of(components)), 22) << "principal components";
+  hands[7] = std::nan("");
+  const SmplMotion odd = motion_of(whole(156, hands));
+  EXPECT_EQ(odd.clip.skeleton().joint_count(), 22);
+  ASSERT_FALSE(odd.warnings.empty());
+  EXPECT_NE(odd.warnings.back().message.find("fingers"), std::string::npos);
+}
+
+TEST(SmplFingersTest, TheBodyStaysAsItIs) {
+  const std::vector<double> hands = Numbers(6).list(kFrames * 90);
+  const SmplMotion with = motion_of(whole(156, hands));
+  const SmplMotion without = motion_of(whole(156, hands), false);
+  for (int joint = 0; joint < without.clip.skeleton().joint_count(); ++joint) {
+    const Joint& plain = without.clip.skeleton().joint(joint);
+    const auto same = with.clip.skeleton().find(plain.name);
+    ASSERT_TRUE(same);
+    EXPECT_EQ(with.clip.skeleton().joint(*same).offset, plain.offset);
+    EXPECT_EQ(with.clip.skeleton().joint(*same).end_sites, plain.end_sites);
+  }
+}
+
+TEST(SmplFingersTest, AModelPlacesThem) {
+  const MadeUpModel model(55, 2);
+  const auto body = read_smpl_body(model.bytes(), "model.npz");
+  ASSERT_TRUE(body.has_value());
+  const SmplRestBody rest = smpl_rest_body(*body, {});
+  ASSERT_EQ(rest.hands.size(), 30U);
+  const SmplMotion motion = motion_of(whole(165, Numbers(7).list(kFrames * 90)), true, &*body);
+  const Skeleton& skeleton = motion.clip.skeleton();
+  const Joint& index = skeleton.joint(*skeleton.find("left_index2"));
+  EXPECT_LT((index.offset - (rest.hands[1] - rest.hands[0])).norm(), 1e-12);
+  const Joint& knuckle = skeleton.joint(*skeleton.find("right_index1"));
+  EXPECT_LT((knuckle.offset - (rest.hands[15] - rest.joints[21])).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace retarget
