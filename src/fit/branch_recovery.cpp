@@ -26,6 +26,7 @@ constexpr double kMargin = 0.5;                 // seconds on either side that a
 constexpr double kOverlap = 1.5;                // seconds, of parts of long stretches
 constexpr double kLessInAll = 0.97;             // of the cost: clearly less
 constexpr double kLessOnLimb = 0.7;
+constexpr double kLessError = 0.9;  // of the limb, the mean of its frames
 
 // what a limb costs that is astray
 double astray_cost(const FitModel& model, const Limb& limb) {
@@ -199,9 +200,16 @@ bool BranchChanger::take(const Limb& limb, const LimbBranch& branch, BranchFinde
   const FitWindow window{std::max(0, branch.begin - frames_in(kMargin)),
                          std::min(clip_.frame_count, branch.end + frames_in(kMargin)), true,
                          smoothing_context(clip_.frame_time)};
-  const auto limb_cost = [&] {
-    double sum = 0.0;
-    for (int t = branch.begin; t < branch.end; ++t) sum += finder.cost(t);
+  struct OfLimb {
+    double cost = 0.0, error = 0.0;
+  };
+  const auto of_limb = [&] {
+    OfLimb sum;
+    for (int t = branch.begin; t < branch.end; ++t) {
+      const double cost = finder.cost(t);
+      sum.cost += cost;
+      sum.error += std::sqrt(cost);
+    }
     return sum;
   };
   const std::span<double> solved =
@@ -210,7 +218,8 @@ bool BranchChanger::take(const Limb& limb, const LimbBranch& branch, BranchFinde
                    at(window.end - window.begin) * at(model_.configuration_size));
   const std::vector<double> qpos_before(solved.begin(), solved.end());
   const std::vector<Eigen::Vector2d> anchors_before = clip_.anchors;
-  const double total_before = total_cost(window), limb_before = limb_cost();
+  const double total_before = total_cost(window);
+  const OfLimb before = of_limb();
   for (int t = branch.begin; t < branch.end; ++t) {
     const auto frame = clip_.frame(t, model_.configuration_size);
     for (std::size_t i = 0; i < limb.links.size(); ++i) {
@@ -218,12 +227,12 @@ bool BranchChanger::take(const Limb& limb, const LimbBranch& branch, BranchFinde
     }
   }
   for (int round = 0; round < kRounds && solve_again(window); ++round) {
-    const double limb_after = limb_cost();
-    if (!(limb_after < kLessOnLimb * limb_before) ||
-        !(total_cost(window) < kLessInAll * total_before)) {
+    const OfLimb after = of_limb();
+    if (!(after.cost < kLessOnLimb * before.cost && after.error < kLessError * before.error &&
+          total_cost(window) < kLessInAll * total_before)) {
       continue;
     }
-    result_.limbs.push_back({limb.name, branch.begin, branch.end, limb_before, limb_after});
+    result_.limbs.push_back({limb.name, branch.begin, branch.end, before.cost, after.cost});
     looks_.look(window.begin, window.end);
     return true;
   }

@@ -202,15 +202,18 @@ BranchFinder::Reach BranchFinder::best_reach(int frame, int direction,
   const auto size = static_cast<int>(steps.size());
   const int every = std::max(1, static_cast<int>(std::lround(kEndsEvery / clip_.frame_time)));
   Reach best{0, 0, -1e300};
-  double gain = 0.0;
+  // on to the clip's end without much loss: it is no way to avoid the change back
+  constexpr double kKept = 0.5;
+  double gain = 0.0, most = 0.0;
   for (int frames = 1; frames <= size; ++frames) {
     const Step& step = steps[at(frames) - 1];
     gain += step.own_cost - step.other_cost;
+    most = std::max(most, gain);
     const int last = frame + direction * (frames - 1);
     const bool clip_ends = last == (direction > 0 ? clip_.frame_count - 1 : 0);
     if (gain <= best.gain) continue;
     if (clip_ends) {
-      best = {frames, 0, gain};
+      if (gain >= kKept * most) best = {frames, 0, gain};
       continue;
     }
     if (frames % every != 0 && frames < size) continue;
