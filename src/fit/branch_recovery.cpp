@@ -29,7 +29,7 @@ constexpr double kLessOnLimb = 0.7;
 constexpr double kLessError = 0.9;  // of the limb, the mean of its frames
 
 // what a limb costs that is astray
-double astray_cost(const FitModel& model, const Limb& limb) {
+double astray_cost(const FitModel& model, const FitLimb& limb) {
   double cost = 0.0;
   for (const std::size_t k : limb.tasks) cost += square(kAstray * model.tasks[k].rotation_weight);
   return cost;
@@ -38,13 +38,13 @@ double astray_cost(const FitModel& model, const Limb& limb) {
 // Costs of limbs, at frames some way from each other.
 class LimbLooks {
  public:
-  LimbLooks(const FitModel& model, const FitClip& clip, const std::vector<Limb>& limbs)
+  LimbLooks(const FitModel& model, const FitClip& clip, const std::vector<FitLimb>& limbs)
       : model_(model),
         clip_(clip),
         pose_(model.tree),
         every_(std::max(1, static_cast<int>(std::lround(kLookEvery / clip.frame_time)))),
         count_((clip.frame_count + every_ - 1) / every_) {
-    for (const Limb& limb : limbs) {
+    for (const FitLimb& limb : limbs) {
       solvers_.emplace_back(model, limb);
       costs_.emplace_back(at(count_));
     }
@@ -107,14 +107,14 @@ class BranchChanger {
         looks_(looks),
         result_(result) {}
 
-  void recover(const Limb& limb, const std::vector<double>& costs);
+  void recover(const FitLimb& limb, const std::vector<double>& costs);
 
  private:
   [[nodiscard]] int frames_in(double seconds) const {
     return static_cast<int>(std::lround(seconds / clip_.frame_time));
   }
   [[nodiscard]] int worst_look(const AstrayLooks& looks, BranchFinder& finder) const;
-  bool take(const Limb& limb, const LimbBranch& branch, BranchFinder& finder);
+  bool take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder);
   bool solve_again(const FitWindow& window);
   [[nodiscard]] double total_cost(const FitWindow& window) const;
 
@@ -140,7 +140,7 @@ int BranchChanger::worst_look(const AstrayLooks& looks, BranchFinder& finder) co
 }
 
 // A limb that finds no other branch cannot do better, and is looked for one less and less often.
-void BranchChanger::recover(const Limb& limb, const std::vector<double>& costs) {
+void BranchChanger::recover(const FitLimb& limb, const std::vector<double>& costs) {
   constexpr int kFirstWait = 5, kMaxWait = 320;  // looks
   const double astray = astray_cost(model_, limb);
   if (!(astray > 0.0)) return;
@@ -195,7 +195,7 @@ bool BranchChanger::solve_again(const FitWindow& window) {
 }
 
 // @return whether the limb is on that branch now; else everything is as it was
-bool BranchChanger::take(const Limb& limb, const LimbBranch& branch, BranchFinder& finder) {
+bool BranchChanger::take(const FitLimb& limb, const LimbBranch& branch, BranchFinder& finder) {
   constexpr int kRounds = 2;
   const FitWindow window{std::max(0, branch.begin - frames_in(kMargin)),
                          std::min(clip_.frame_count, branch.end + frames_in(kMargin)), true,
@@ -246,7 +246,7 @@ bool BranchChanger::take(const Limb& limb, const LimbBranch& branch, BranchFinde
 BranchRecovery recover_branches(const FitModel& model, const FitOptions& options, FitClip& clip,
                                 const std::function<bool()>& keep_going) {
   BranchRecovery result;
-  const std::vector<Limb> limbs = find_limbs(model);
+  const std::vector<FitLimb> limbs = find_limbs(model);
   LimbLooks looks(model, clip, limbs);
   BranchChanger changer(model, options, clip, keep_going, looks, result);
   for (std::size_t i = 0; i < limbs.size() && !result.stopped; ++i) {

@@ -43,7 +43,7 @@ double share_of_other(int index, int frames, int blended) {
 }  // namespace
 
 BranchFinder::BranchFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
-                           const Limb& limb)
+                           const FitLimb& limb)
     : model_(model),
       options_(options),
       clip_(clip),

@@ -27,7 +27,7 @@ struct LimbBranch {
 class BranchFinder {
  public:
   BranchFinder(const FitModel& model, const FitOptions& options, const FitClip& clip,
-               const Limb& limb);
+               const FitLimb& limb);
 
   /// What tracking costs on the limb in a frame.
   [[nodiscard]] double cost(int frame);
@@ -72,7 +72,7 @@ class BranchFinder {
   const FitModel& model_;
   const FitOptions& options_;
   const FitClip& clip_;
-  const Limb& limb_;
+  const FitLimb& limb_;
   LimbSolver solver_;
   FrameTerms terms_;
   TreeState pose_;            // of qpos_,

@@ -30,8 +30,8 @@ bool is_of_arm(LimbBone part) {
 }
 
 // the chain from the last body that follows one of its bones up to what carries other tasks as well
-Limb find_limb(const FitModel& model, Side side, bool arm) {
-  Limb limb;
+FitLimb find_limb(const FitModel& model, Side side, bool arm) {
+  FitLimb limb;
   limb.name = std::string(side == Side::kLeft ? "left " : "right ") + (arm ? "arm" : "leg");
   const auto is_own = [&](const FitTask& task) {
     const auto part = limb_bone(task.bone);
@@ -59,11 +59,11 @@ Limb find_limb(const FitModel& model, Side side, bool arm) {
 
 }  // namespace
 
-std::vector<Limb> find_limbs(const FitModel& model) {
-  std::vector<Limb> limbs;
+std::vector<FitLimb> find_limbs(const FitModel& model) {
+  std::vector<FitLimb> limbs;
   for (const Side side : kSides) {
     for (const bool arm : {true, false}) {
-      Limb limb = find_limb(model, side, arm);
+      FitLimb limb = find_limb(model, side, arm);
       if (limb.links.empty() || at(kMaxLimbJoints) < limb.links.size()) continue;
       limbs.push_back(std::move(limb));
     }
@@ -71,7 +71,7 @@ std::vector<Limb> find_limbs(const FitModel& model) {
   return limbs;
 }
 
-LimbSolver::LimbSolver(const FitModel& model, const Limb& limb) : model_(model), limb_(limb) {
+LimbSolver::LimbSolver(const FitModel& model, const FitLimb& limb) : model_(model), limb_(limb) {
   for (std::size_t i = 0; i < limb.links.size(); ++i) {
     const std::size_t dof = at(KinematicTree::dof_of(limb.links[i]));
     limits_.lower[i] = model.lower[dof];

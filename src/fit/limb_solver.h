@@ -13,7 +13,7 @@
 namespace retarget {
 
 /// An arm or a leg: a chain of joints and the tasks that it alone serves.
-struct Limb {
+struct FitLimb {
   std::string name;        ///< `left arm`
   int link = 0;            ///< The first one; all that it carries moves with it.
   std::vector<int> links;  ///< Of the joints of the chain that can move, the first one first.
@@ -23,7 +23,7 @@ struct Limb {
 /// No limb has more joints.
 inline constexpr int kMaxLimbJoints = 12;
 
-/// The joints of a limb, in the order of Limb::links.
+/// The joints of a limb, in the order of FitLimb::links.
 using LimbJoints = std::array<double, kMaxLimbJoints>;
 
 /// Between which values each of them stays.
@@ -32,7 +32,7 @@ struct LimbRange {
 };
 
 /// The arms and legs of a model; without those that follow nothing.
-[[nodiscard]] std::vector<Limb> find_limbs(const FitModel& model);
+[[nodiscard]] std::vector<FitLimb> find_limbs(const FitModel& model);
 
 /// The value of a limb's joint in a configuration.
 [[nodiscard]] inline double& joint_value(const FitModel& model, int link, std::span<double> qpos) {
@@ -44,7 +44,7 @@ struct LimbRange {
 class LimbSolver {
  public:
   /// Keeps references to both.
-  LimbSolver(const FitModel& model, const Limb& limb);
+  LimbSolver(const FitModel& model, const FitLimb& limb);
 
   /// The joints' limits.
   [[nodiscard]] const LimbRange& limits() const { return limits_; }
@@ -72,7 +72,7 @@ class LimbSolver {
              std::span<double> qpos) const;
 
   const FitModel& model_;
-  const Limb& limb_;
+  const FitLimb& limb_;
   LimbRange limits_;
 };
 

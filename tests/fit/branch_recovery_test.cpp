@@ -281,7 +281,7 @@ class LimbSolverTest : public testing::Test {
   RobotCase robot_;
   FitOptions options_;
   FitModel model_;
-  std::vector<Limb> limbs_;
+  std::vector<FitLimb> limbs_;
   std::vector<TaskTarget> targets_;
   std::vector<double> upright_;
 };
@@ -303,7 +303,7 @@ TEST_F(LimbSolverTest, FindsArmsAndLegs) {
 }
 
 TEST_F(LimbSolverTest, ReachesWhatIsInReachAndMovesNothingElse) {
-  for (const Limb& limb : limbs_) {
+  for (const FitLimb& limb : limbs_) {
     SCOPED_TRACE(limb.name);
     const std::vector<double> zero = robot_.robot->zero_configuration();
     std::vector<double> wanted = zero;
@@ -331,7 +331,7 @@ TEST_F(LimbSolverTest, ReachesWhatIsInReachAndMovesNothingElse) {
 }
 
 TEST_F(LimbSolverTest, StaysInItsRange) {
-  const Limb& limb = limbs_.front();
+  const FitLimb& limb = limbs_.front();
   std::vector<double> wanted = robot_.robot->zero_configuration();
   joint_value(model_, limb.links[0], wanted) = -1.5;
   const FrameGoals goals = goals_of(wanted);
