@@ -1,6 +1,7 @@
 #include "fit/limb_branch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>

@@ -90,8 +90,9 @@ struct TreeState {
 
   /// @param qpos  in the layout of Robot; the root quaternion need not be a unit one.
   void update(std::span<const double> qpos);
-  /// The same where nothing but a link and what it carries has moved since the last update.
-  void update_subtree(int link, std::span<const double> qpos);  ///< `link` is not the base.
+  /// The same where nothing but a link, which is not the base, and what it carries has moved since
+  /// the last update.
+  void update_subtree(int link, std::span<const double> qpos);
 
   [[nodiscard]] const Eigen::Vector3d& origin() const { return world_from_link[0].translation; }
   [[nodiscard]] Pose world_from_body(int body) const;
