@@ -14,6 +14,7 @@
 #include "base/located.h"
 #include "base/number_text.h"
 #include "base/try.h"
+#include "fit/branch_recovery.h"
 #include "fit/clip_fitter.h"
 #include "fit/fit_dynamics.h"
 #include "fit/fit_model.h"
@@ -118,6 +119,7 @@ class Fit {
   bool read_source(const HumanClipInfo& info, HumanPoser& poser, MadeTargets& made);
   double floor_height(const StandingHeights& standing, double scale) const;
   Result<void> solve(const MadeTargets& made, FitResult& result);
+  Result<void> recover_limbs(FitReport& report);
   void keep_bounds(FitReport& report);
   void report_terms(const std::vector<TermCosts>& before, const std::vector<TermCosts>& after,
                     FitReport& report) const;
@@ -322,10 +324,20 @@ Result<void> Fit::solve(const MadeTargets& made, FitResult& result) {
   result.steps = first.steps;
   windows.starts_are_there(clip_.frame_count);
   if (!windows.finish(run_.keep_going)) return interrupted_failure();
+  TRY(recover_limbs(result.report));
   keep_bounds(result.report);
   const std::vector<TermCosts> costs = windows.costs_now();
   report_terms(windows.costs_before(), costs, result.report);
   report_status(windows.statuses(), windows.costs_before(), costs, result.report);
+  return {};
+}
+
+Result<void> Fit::recover_limbs(FitReport& report) {
+  if (!run_.recover_limbs) return {};
+  const BranchRecovery recovery = recover_branches(
+      model_, options_, clip_, [this] { return !run_.keep_going || run_.keep_going(1.0); });
+  if (recovery.stopped) return interrupted_failure();
+  for (std::string& note : recovery.notes()) report.notes.push_back(std::move(note));
   return {};
 }
 

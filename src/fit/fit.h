@@ -33,6 +33,8 @@ struct FitRun {
   /// Asked now and then with the share of the work that is done, perhaps from another thread; false
   /// stops the run with ErrorKind::kInterrupted.
   std::function<bool(double done)> keep_going;
+  /// Limbs that hang on the wrong branch are taken to another one.
+  bool recover_limbs = true;
 };
 
 /// Retargets a clip as a whole (docs/fit.md):

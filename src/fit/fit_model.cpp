@@ -149,6 +149,7 @@ void ModelMaker::add_tasks() {
     task.body = robot_.bodies()[row.body].name;
     task.link = attached.link;
     task.target = target_of_bone_[row.bone];
+    task.bone = row.bone;
     task.position = attached.link_from_body.translation;
     task.link_from_body = attached.link_from_body.rotation.normalized();
     task.horizontal_weight = task.height_weight =

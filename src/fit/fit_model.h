@@ -26,6 +26,7 @@ inline constexpr double kUsualLeg = 0.632;
 struct FitTask {
   int link = 0;
   int target = 0;                                      ///< Index into the targets of a frame.
+  Bone bone = Bone::kHips;                             ///< That it follows.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Of the body, in the link.
   Eigen::Quaterniond link_from_body = Eigen::Quaterniond::Identity();
   double horizontal_weight = 0.0, height_weight = 0.0;  ///< Per metre.

@@ -155,15 +155,24 @@ void TreeState::update(std::span<const double> qpos) {
   base.rotation = Eigen::Quaterniond(qpos[3], qpos[4], qpos[5], qpos[6]).normalized();
   const Eigen::Matrix3d axes = base.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k) angular[3 + k] = axes.col(k);
-  for (std::size_t i = 1; i < world_from_link.size(); ++i) {
+  place_links(1, static_cast<int>(world_from_link.size()) - 1, qpos);
+}
+
+void TreeState::update_subtree(int link, std::span<const double> qpos) {
+  place_links(link, tree->links()[link].last_descendant, qpos);
+}
+
+void TreeState::place_links(int first, int last, std::span<const double> qpos) {
+  const Eigen::Vector3d& base = world_from_link[0].translation;
+  for (int i = first; i <= last; ++i) {
     const KinematicTree::Link& link = tree->links()[i];
     const Eigen::Vector3d axis =
         place_link(link, world_from_link[link.parent], qpos[link.qpos_address], world_from_link[i]);
-    const int dof = KinematicTree::dof_of(static_cast<int>(i));
+    const int dof = KinematicTree::dof_of(i);
     if (link.slides) {
       linear[dof] = axis;
     } else {
-      linear[dof] = axis.cross(base.translation - world_from_link[i].translation);
+      linear[dof] = axis.cross(base - world_from_link[i].translation);
       angular[dof] = axis;
     }
   }

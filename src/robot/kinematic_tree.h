@@ -90,6 +90,9 @@ struct TreeState {
 
   /// @param qpos  in the layout of Robot; the root quaternion need not be a unit one.
   void update(std::span<const double> qpos);
+  /// The same where nothing but a link, which is not the base, and what it carries has moved since
+  /// the last update.
+  void update_subtree(int link, std::span<const double> qpos);
 
   [[nodiscard]] const Eigen::Vector3d& origin() const { return world_from_link[0].translation; }
   [[nodiscard]] Pose world_from_body(int body) const;
@@ -109,6 +112,9 @@ struct TreeState {
   /// Motion subspaces: velocity of the point of the carried body that is at the base's origin, and
   /// angular velocity, per unit of each degree of freedom, in the world.
   std::vector<Eigen::Vector3d> linear, angular;
+
+ private:
+  void place_links(int first, int last, std::span<const double> qpos);
 };
 
 /// Where the axes of joints come nearest to each other (least squares, drawn slightly towards the
