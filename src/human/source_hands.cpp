@@ -316,6 +316,7 @@ bool HandPoser::shape(int frame, HandShape& shape) {
     if (first == nullptr) first = &finger;
     ++count;
   }
+  if (first == nullptr) return false;
   const Eigen::Vector3d along = knuckles / count;
   const Eigen::Vector3d across = pose_of(first->joints.front()).translation -
                                  pose_of(hand_.fingers.back().joints.front()).translation;
