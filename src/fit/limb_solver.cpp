@@ -148,28 +148,28 @@ double LimbSolver::solve(const FrameGoals& goals, const LimbRange& range, TreeSt
                          std::span<double> qpos) const {
   constexpr int kMaxSteps = 25;
   // on the diagonal, and times the diagonal
-  constexpr double kConstantDamping = 1.0, kFirstDamping = 0.01, kMinDamping = 1e-3;
-  constexpr double kMaxDamping = 1e4, kGrowth = 4.0, kDecay = 0.3;
-  constexpr double kMaxTurn = 0.6;                         // rad, of one step
+  constexpr double kConstant = 1.0, kFirstFactor = 0.01, kMinFactor = 1e-3;
+  constexpr double kMaxFactor = 1e4, kGrowth = 4.0, kDecay = 0.3;
+  constexpr double kLongestTurn = 0.6;                     // rad, of one step
   constexpr double kSettledShare = 1e-3, kSettled = 1e-3;  // of the cost
   Matrix hessian, damped;
   Vector gradient, held, before(count());
-  double now = cost(pose, goals), damping = kFirstDamping;
+  double now = cost(pose, goals), damping = kFirstFactor;
   assemble(pose, goals, hessian, gradient);
-  for (int step = 0; step < kMaxSteps && damping < kMaxDamping; ++step) {
+  for (int step = 0; step < kMaxSteps && damping < kMaxFactor; ++step) {
     for (int i = 0; i < count(); ++i) before[i] = joint_value(model_, limb_.links[at(i)], qpos);
     damped = hessian;
     damped.diagonal() *= 1.0 + damping;
-    damped.diagonal().array() += kConstantDamping;
+    damped.diagonal().array() += kConstant;
     held = gradient;
     hold_limits(before, range, damped, held);
     const Vector way = Eigen::LLT<Matrix, Eigen::Lower>(damped).solve(held);
-    const double shortened = kMaxTurn / std::max(kMaxTurn, way.cwiseAbs().maxCoeff());
+    const double shortened = kLongestTurn / std::max(kLongestTurn, way.cwiseAbs().maxCoeff());
     place(before - shortened * way, range, pose, qpos);
     const double then = cost(pose, goals);
     if (!(then < now)) {
       place(before, range, pose, qpos);
-      damping = std::max(damping, kMinDamping) * kGrowth;
+      damping = std::max(damping, kMinFactor) * kGrowth;
       continue;
     }
     const bool settled = now - then < kSettledShare * now + kSettled && shortened == 1.0;
