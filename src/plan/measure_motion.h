@@ -3,10 +3,12 @@
 #include <optional>
 #include <string>
 
+#include "options/option_table.h"
 #include "retarget/human.h"
 #include "retarget/motion.h"
 #include "retarget/plan.h"
 #include "retarget/report.h"
+#include "retarget/solve.h"
 
 namespace retarget {
 
@@ -37,5 +39,11 @@ struct MotionMeasure {
 /// @param source  null: none.
 [[nodiscard]] MotionMeasure measure_motion(const RobotClip& motion, const LimitSet& limits,
                                            const MeasuredSource* source);
+
+/// retarget::evaluate, and by inverse dynamics where it is asked for.
+[[nodiscard]] Result<QualityReport> evaluate(const Motion& motion, bool dynamics);
+
+/// The option that asks for it.
+[[nodiscard]] Option dynamics_row(bool& dynamics);
 
 }  // namespace retarget
